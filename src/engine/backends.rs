@@ -7,10 +7,11 @@ use crate::engine::gpu;
 use crate::engine::gpu::{Choice, Device};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
+use crate::engine::part::Part;
 use crate::engine::request::Request;
 use crate::engine::run::Run;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Vector2Planes, Window};
+use crate::frame::{Frame, Vector2Planes};
 use crate::params::{LineParams, RunOptions};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
@@ -143,9 +144,10 @@ impl Engine {
             run.finish(frame, &outcome)?;
             return Ok(outcome);
         };
-        let part = part_around(region, plan, frame, inputs)?;
-        let mut outcome = run.install(|| self.execute_here(plan, &part, inputs, run))?;
-        outcome.crop(part.data_window, region);
+        let part = Part::around(region, plan, frame, inputs)?;
+        let inputs = part.inputs(inputs);
+        let mut outcome = run.install(|| self.execute_here(plan, &part.frame, inputs, run))?;
+        outcome.crop(part.frame.data_window, region);
         run.finish(&frame.crop(region), &outcome)?;
         Ok(outcome)
     }
@@ -289,35 +291,6 @@ impl Engine {
     pub fn recycle(&self, outcome: Outcome) {
         self.cpu.recycle(outcome);
     }
-}
-
-/// The part of a frame that a region depends on.
-///
-/// # Errors
-/// [`Error::Unfit`] for a region that is not of the frame, and for inputs that are of the whole.
-fn part_around(region: Window, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Frame> {
-    let whole = frame.data_window;
-    if region.common(&whole) != Some(region) {
-        return Err(Error::Unfit {
-            found: format!("the region is {region}, and the frame {whole}"),
-            remedy: "give a region inside the frame",
-        });
-    }
-    if inputs.specular.is_some() || inputs.sequence.is_some() {
-        return Err(Error::Unfit {
-            found: "mirrors, lenses and strokes that move take the whole frame".into(),
-            remedy: "run it without a region",
-        });
-    }
-    inputs.check(plan, frame)?;
-    let reach = i32::try_from(plan.reach()).unwrap_or(i32::MAX);
-    let around = Window {
-        x0: region.x0.saturating_sub(reach),
-        y0: region.y0.saturating_sub(reach),
-        x1: region.x1.saturating_add(reach),
-        y1: region.y1.saturating_add(reach),
-    };
-    Ok(frame.crop(around.common(&whole).unwrap_or(region)))
 }
 
 #[cfg(feature = "gpu")]

@@ -8,6 +8,7 @@ pub mod gpu;
 pub(crate) mod guard;
 pub(crate) mod inputs;
 pub(crate) mod outcome;
+pub(crate) mod part;
 pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;

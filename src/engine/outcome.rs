@@ -355,10 +355,9 @@ impl Outcome {
         let contours = drawing.contour_lines.iter_mut();
         let contours = contours.chain(&mut drawing.interior_lines);
         let contours = contours.map(|line| &mut line.points);
-        strokes
-            .chain(contours)
-            .flatten()
-            .for_each(|point| *point -= corner);
+        let dots = drawing.dots.iter_mut().map(|dot| &mut dot.at);
+        let points = strokes.chain(contours).flatten().chain(dots);
+        points.for_each(|point| *point -= corner);
     }
 
     /// The picture, if one was made: `None` where there was nothing to change in that of the frame.

@@ -28,7 +28,7 @@ impl CancelToken {
         Self::default()
     }
 
-    /// Ends every run that has this token as soon as its current pass is done.
+    /// Ends every run that has this token: long passes stop within a few rows, short ones end first.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -55,6 +55,11 @@ impl Watch<'_> {
                 done: done.min(1.0),
             });
         }
+    }
+
+    /// What may end the run.
+    pub(crate) fn token(&self) -> Option<&CancelToken> {
+        self.cancel
     }
 
     /// # Errors
@@ -105,8 +110,9 @@ impl<'a> Run<'a> {
     }
 
     /// Restricts the run to these pixels of the frame, for a preview or a tile; as many pixels around them are read as the
-    /// plan reaches. The outcome has the region's size. Automatic gains and white levels are chosen from the region, and a
-    /// drawing is drawn anew for it; set gain and levels to get the samples of the whole frame.
+    /// plan reaches. The outcome has the region's size. Automatic gains and white levels are chosen from the region; set them
+    /// to get the samples of the whole frame. Mirrors and lenses in new light show there what they show in the whole. A
+    /// drawing is drawn anew for the region, alone or in a sequence: its strokes depend on all of a frame.
     #[must_use]
     pub fn region(mut self, region: Window) -> Self {
         self.region = Some(region);

@@ -1,6 +1,7 @@
 //! An environment prepared for relighting: as lights, as maps prefiltered by the lobes, or as it is; or a lit sphere in
 //! its place. All backends share it.
 
+use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Plane};
 use crate::light::environment::Environment;
@@ -130,6 +131,7 @@ impl<'a> Illuminants<'a> {
         relighting: &Relighting,
         weights: [f32; 3],
         kept: &EnvironmentCache,
+        memory: &Memory,
         making: impl FnOnce(&dyn Fn() -> Self) -> Self,
     ) -> Self {
         if relighting.environment == EnvironmentUse::None {
@@ -152,8 +154,10 @@ impl<'a> Illuminants<'a> {
             return Self { ready, spheres };
         }
         making(&|| {
-            let ready = Arc::new(PreparedEnvironment::of(environment, &purpose));
-            kept.keep(environment, &purpose, &ready);
+            let ready = Arc::new(PreparedEnvironment::of(environment, &purpose, memory));
+            if !memory.is_cancelled() {
+                kept.keep(environment, &purpose, &ready);
+            }
             Self { ready, spheres }
         })
     }
@@ -214,11 +218,11 @@ impl<'a> Illuminants<'a> {
 }
 
 impl PreparedEnvironment {
-    fn of(environment: &Environment, purpose: &Purpose) -> Self {
+    fn of(environment: &Environment, purpose: &Purpose, memory: &Memory) -> Self {
         let weights = purpose.weights;
         let prefiltered = purpose.used == EnvironmentUse::Prefiltered;
         let irradiance = (prefiltered || purpose.gain == Adaptive::Auto)
-            .then(|| Map::of_normals(filtered(&irradiance_filter(environment)), weights));
+            .then(|| Map::of_normals(filtered(&irradiance_filter(environment), memory), weights));
         let gain = match purpose.gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
@@ -246,7 +250,7 @@ impl PreparedEnvironment {
                 diffuse: irradiance.expect("made above"),
                 specular: (purpose.material == Material::Phong).then(|| {
                     let filter = GlossyFilter::new(environment, purpose.shininess, GLOSSY_WIDTH);
-                    Map::new(filtered(&filter), weights)
+                    Map::new(filtered(&filter, memory), weights)
                 }),
             },
             EnvironmentUse::Mirrored => Used::Mirrored(Map::new(environment.clone(), weights)),
@@ -292,7 +296,7 @@ fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {
 }
 
 /// The filtered map, its rows in parallel.
-fn filtered(filter: &GlossyFilter) -> Environment {
+fn filtered(filter: &GlossyFilter, memory: &Memory) -> Environment {
     let (width, height) = (filter.width(), filter.height());
     let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));
     let [r, g, b] = planes
@@ -301,6 +305,7 @@ fn filtered(filter: &GlossyFilter) -> Environment {
     r.zip(g)
         .zip(b)
         .enumerate()
+        .filter(|_| !memory.is_cancelled())
         .for_each(|(y, ((r, g), b))| filter.row(y, [r, g, b]));
     let [r, g, b] = planes;
     filter.finish(ColorPlanes { r, g, b })

@@ -93,7 +93,7 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
 }
 
 fn choose_term_whites(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let terms = light_terms(&frame.light.lobes, &plan.scaling);
     let levels = || white_levels(&terms, frame, &plan.scaling, memory);
     run.outcome.term_white_levels = match plan.scaling.white_level {

@@ -137,15 +137,12 @@ fn covering(mut density: Plane) -> Plane {
 /// Puts the drawing together of its strokes and of what the canvas holds.
 pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
-    match run
-        .kept
-        .as_deref_mut()
-        .filter(|_| run.plan.specular.is_none())
-    {
+    let (plan, memory) = (run.plan, run.memory);
+    match run.to_keep().filter(|_| plan.specular.is_none()) {
         Some(kept) if !canvas.directions.is_empty() => kept.field.put(canvas.directions),
         _ => {
             let planes = canvas.directions.into_iter().flat_map(|d| [d.x, d.y]);
-            run.runner.memory.recycle(planes);
+            memory.recycle(planes);
         }
     }
     let (contours, contour_lines) = canvas.contours.unzip();

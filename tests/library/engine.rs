@@ -2,8 +2,10 @@
 
 use crate::common::bits;
 use relievo::Error;
-use relievo::engine::{CancelToken, Engine, Inputs, Progress, Request, Run, Session, Tone};
-use relievo::frame::{ColorPlanes, Frame, Plane, Window};
+use relievo::engine::{
+    CancelToken, Drawing, Engine, Inputs, Progress, Request, Run, SequenceInputs, Session, Tone,
+};
+use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Window};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
     Adaptive, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
@@ -114,6 +116,55 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
     assert_eq!(red(&after.color), red(&anew.color));
 }
 
+/// A run of each kind is cancelled as each of its passes begins. Then the same session, with whatever it kept, makes the
+/// samples of one that was never cancelled.
+#[test]
+fn wherever_a_run_is_cancelled_its_session_stays_whole() {
+    let (frame, light, scaling) = (waves(), lamp(), ScalingParams::default());
+    let drawing = |style: Style| {
+        let mut line = LineParams::default();
+        line.strokes.style = style;
+        Request::hatch(shape(), scaling, Tone::Shape(None), line)
+    };
+    let relit = RelightParams::default();
+    let requests = [
+        Request::layers(shape(), scaling),
+        Request::relight(shape(), scaling, relit, &light),
+        drawing(Style::Pen),
+        drawing(Style::Lines),
+        drawing(Style::Stipple),
+    ];
+    for request in &requests {
+        let mut anew = Session::new(Engine::cpu(), frame.clone());
+        let expected = anew.run(request, &Run::new()).unwrap();
+        let passes: Vec<_> = expected.timings.iter().map(|(pass, _)| *pass).collect();
+        assert!(passes.len() > 3, "{passes:?}");
+        for pass in passes {
+            let mut session = Session::new(Engine::cpu(), frame.clone());
+            for with_kept in [false, true] {
+                let token = CancelToken::new();
+                let tell = |at: Progress| {
+                    if at.stage == pass {
+                        token.cancel();
+                    }
+                };
+                let run = Run::new().progress(&tell).cancel(&token);
+                let stopped = session.run(request, &run).err();
+                // What is kept by then may leave the pass out.
+                let is_met = matches!(stopped, Some(Error::Cancelled)) && token.is_cancelled();
+                assert!(is_met || with_kept && stopped.is_none(), "{pass}");
+                let again = session.run(request, &Run::new()).unwrap();
+                let made = again.products().count();
+                assert_eq!(made, expected.products().count(), "{pass}");
+                for ((product, a), (_, b)) in again.products().zip(expected.products()) {
+                    let same = a.iter().zip(&b).all(|(a, b)| bits(a) == bits(b));
+                    assert!(same, "{product:?} after {pass} was cancelled");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn progress_goes_up_to_the_end() {
     let said = Mutex::new(Vec::new());
@@ -148,6 +199,47 @@ fn a_region_is_that_part_of_the_whole() {
     let run = Run::new().region(outside);
     let error = engine.run(&request, &frame, &run).unwrap_err();
     assert!(error.to_string().contains("inside the frame"), "{error}");
+}
+
+/// A region of a frame of a sequence is drawn as a frame of that part is, with as much around it as the plan reaches.
+#[test]
+fn a_region_in_a_sequence_is_drawn_as_that_part_is() {
+    let (frame, engine, line) = (waves(), Engine::cpu(), LineParams::default());
+    let drawn = |frame: &Frame, sequence: SequenceInputs, region: Option<Window>| {
+        let request = Request::hatch(shape(), given(), Tone::Picture, line).in_sequence(sequence);
+        let run = region.map_or(Run::new(), |region| Run::new().region(region));
+        let plan = request.plan(Available::in_frame(frame)).unwrap();
+        let outcome = engine.run(&request, frame, &run).unwrap();
+        (outcome.drawing.unwrap(), plan.reach() as i32)
+    };
+    let moved = |height: usize, width: usize| Vector2Planes {
+        x: Plane::filled(width, height, 1.0),
+        y: Plane::filled(width, height, 0.0),
+    };
+    let (window, still) = (frame.data_window, SequenceInputs::default());
+    let region = Window::at(window.x0 + 20, window.y0 + 33, 31, 17);
+    let (first, reach) = drawn(&frame, still, Some(region));
+    let around = Window::at(
+        region.x0 - reach,
+        region.y0 - reach,
+        region.width() + 2 * reach as usize,
+        region.height() + 2 * reach as usize,
+    );
+    let around = around.common(&window).unwrap();
+    let part = frame.crop(around);
+    let (expected, _) = drawn(&part, still, None);
+    let (all, of_part) = (moved(90, 80), moved(around.height(), around.width()));
+    let after = |before: &Drawing, motion, frame: &Frame, region| {
+        let (before, motion) = (before.coordinates.as_ref(), Some(motion));
+        drawn(frame, SequenceInputs { before, motion }, region).0
+    };
+    let second = after(&first, &all, &frame, Some(region));
+    let expected_second = after(&expected, &of_part, &part, None);
+    for (found, expected) in [(&first, &expected), (&second, &expected_second)] {
+        let expected = expected.hatching.crop(around, region);
+        assert_eq!(bits(&found.hatching), bits(&expected));
+    }
+    assert_ne!(bits(&first.hatching), bits(&second.hatching));
 }
 
 #[test]

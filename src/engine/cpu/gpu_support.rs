@@ -109,8 +109,10 @@ impl Runner {
         });
         let silhouette = silhouette.or(made.as_ref()).expect("one of both is there");
         let fades = plan.available.in_sequence;
-        let (lines, levels) =
-            cpu::interior(frame, silhouette, contours, &interior, fades, &self.options);
+        let (options, memory) = (&self.options, &self.memory);
+        let (lines, levels) = cpu::interior(
+            frame, silhouette, contours, &interior, fades, options, memory,
+        );
         let covered = covered(&lines, &frame.mask, &self.memory);
         Some(InteriorLayer {
             covered: in_medium(covered, frame, &params.strokes),

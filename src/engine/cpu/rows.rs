@@ -23,7 +23,8 @@ pub(crate) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     })
 }
 
-/// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere.
+/// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere. Rows that come
+/// after the run was cancelled are left out.
 pub(crate) fn map_rows<const N: usize>(
     mask: &Mask,
     memory: &Memory,
@@ -34,7 +35,7 @@ pub(crate) fn map_rows<const N: usize>(
         .into_par_iter()
         .enumerate()
         .with_min_len(ROWS_PER_TASK)
-        .filter(|(y, _)| !mask.span(*y).is_empty())
+        .filter(|(y, _)| !mask.span(*y).is_empty() && !memory.is_cancelled())
         .for_each(|(y, rows)| fill(y, rows));
     planes
 }

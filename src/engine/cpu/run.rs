@@ -33,6 +33,8 @@ pub(crate) struct Run<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) inputs: Inputs<'a>,
     pub(crate) runner: &'a Runner,
+    /// The runner's planes, and whether this run has been cancelled.
+    pub(crate) memory: &'a Memory,
     pub(crate) watch: Watch<'a>,
     /// What earlier runs of this frame have left, where any is kept.
     pub(crate) kept: Option<&'a mut FrameCache>,
@@ -58,6 +60,7 @@ impl<'a> Run<'a> {
             frame,
             inputs,
             runner,
+            memory: &runner.memory,
             watch: Watch::default(),
             kept: None,
             outcome: Outcome::default(),
@@ -111,10 +114,16 @@ impl<'a> Run<'a> {
         pass: impl FnOnce() -> T,
     ) -> T {
         let made = self.taken_or(|kept| slot(kept).copied(key), name, pass);
-        if let Some(kept) = self.kept.as_deref_mut() {
+        if let Some(kept) = self.to_keep() {
             slot(kept).put(made.clone());
         }
         made
+    }
+
+    /// Where results are kept for the next run, as long as they are whole.
+    pub(crate) fn to_keep(&mut self) -> Option<&mut FrameCache> {
+        let is_whole = !self.memory.is_cancelled();
+        self.kept.as_deref_mut().filter(|_| is_whole)
     }
 
     /// The gain of the curvature mapping.

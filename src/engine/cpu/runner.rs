@@ -38,7 +38,9 @@ impl Runner {
         kept: Option<&mut FrameCache>,
     ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
+        let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
+            memory,
             watch,
             kept,
             ..Run::new(self, plan, frame, inputs)
@@ -83,7 +85,9 @@ impl Runner {
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame, watch: Watch) -> Result<Outcome> {
+        let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
+            memory,
             watch,
             ..Run::new(self, plan, frame, Inputs::default())
         };
@@ -106,7 +110,8 @@ impl Run<'_> {
     /// Those of the stages that the plan runs.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them.
+    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before and after each of them: what a stage leaves that
+    /// was cancelled is of no meaning.
     pub(crate) fn go_through(
         &mut self,
         stages: impl IntoIterator<Item = &'static Stage>,
@@ -117,6 +122,63 @@ impl Run<'_> {
             self.watch.check()?;
             (stage.cpu)(self);
         }
-        Ok(())
+        self.watch.check()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::cpu::memory::Memory;
+    use crate::engine::cpu::rows::map_covered;
+    use crate::engine::run::CancelToken;
+    use crate::frame::{Mask, Plane};
+    use crate::params::RunOptions;
+    use crate::shape::diffusion::cpu::diffusion;
+    use crate::shape::diffusion::sweeps::DiffusionSchedule;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// One thread makes 40 of 90 rows before it is cancelled in row 39: the rows after it are not made.
+    #[test]
+    fn rows_end_where_a_run_is_cancelled() {
+        let token = CancelToken::new();
+        let memory = Memory::default().for_run(Some(&token));
+        let mask = Mask::new(Plane::filled(30, 90, true));
+        let made = AtomicUsize::new(0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let [plane] = pool.unwrap().install(|| {
+            map_covered(&mask, &memory, |_| {
+                if made.fetch_add(1, Ordering::Relaxed) == 39 {
+                    token.cancel();
+                }
+                |_| [1.0]
+            })
+        });
+        assert_eq!(made.into_inner(), 40);
+        assert_eq!(plane.samples().iter().sum::<f32>(), 40.0 * 30.0);
+    }
+
+    /// A field of ones, no edges: diffusion leaves it as it is, and a cancelled one gives nothing.
+    #[test]
+    fn a_diffusion_ends_where_its_run_is_cancelled() {
+        let (ones, mask) = (
+            Plane::filled(50, 40, 1.0),
+            Mask::new(Plane::filled(50, 40, true)),
+        );
+        let sweeps = DiffusionSchedule::to_sigmas(&[4.0], 1e-3);
+        let sum = |token: &CancelToken| {
+            let field = Vector2Planes {
+                x: ones.clone(),
+                y: ones.clone(),
+            };
+            let memory = Memory::default().for_run(Some(token));
+            let options = RunOptions::default();
+            let spread = diffusion(field, &ones, &mask, None, &sweeps, &options, &memory);
+            spread[0].x.samples().iter().sum::<f32>()
+        };
+        let token = CancelToken::new();
+        assert!((sum(&token) - 2000.0).abs() < 2.0);
+        token.cancel();
+        assert_eq!(sum(&token), 0.0);
     }
 }

@@ -62,7 +62,9 @@ impl Runner {
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         outcome.shape.trace = Some(trace).filter(|_| plan.shows_shape);
         watch.check()?;
+        let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
+            memory,
             watch,
             outcome,
             canvas: Canvas {

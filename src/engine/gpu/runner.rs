@@ -126,7 +126,9 @@ impl Runner {
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
-            let light = self.light.light(&self.device, plan, frame, illumination)?;
+            let light = self
+                .light
+                .light(&self.device, plan, frame, illumination, watch)?;
             let mut outcome =
                 self.run_parts(plan, frame, Some(&light), inputs, (plane_bytes, watch))?;
             outcome.environment_gain = light.around.gain();

@@ -97,7 +97,7 @@ fn decide_occlusion(plan: &Plan) -> Verdict {
 }
 
 fn scale_lobes(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let terms = light_terms(&frame.light.lobes, &plan.scaling);
     let whites = run.outcome.term_white_levels.clone();
     with_curvature(run, LIGHT_LOBES.name, |_, curvature| {
@@ -106,7 +106,7 @@ fn scale_lobes(run: &mut Run) {
 }
 
 fn scale_groups(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     with_curvature(run, LIGHT_GROUPS.name, |_, curvature| {
         cpu::scale_groups(frame, &plan.scaling, curvature, memory)
     });

@@ -65,7 +65,7 @@ pub(crate) fn scaler(run: &Run) -> Scaler {
 }
 
 fn scale(run: &mut Run) {
-    let (scaler, frame, memory) = (scaler(run), run.frame, &run.runner.memory);
+    let (scaler, frame, memory) = (scaler(run), run.frame, run.memory);
     let color = frame
         .color
         .as_ref()

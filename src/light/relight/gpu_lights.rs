@@ -1,8 +1,10 @@
 //! New light on the device: lights, and what is looked up.
 
 use crate::engine::cpu::gpu_support::estimated_albedo;
+use crate::engine::cpu::memory::Memory;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::surface::Upload;
+use crate::engine::run::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
@@ -90,6 +92,7 @@ impl LightCache {
         plan: &Plan,
         frame: &Frame,
         illumination: &'a Illumination,
+        watch: Watch,
     ) -> Result<Light<'a>> {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
@@ -99,8 +102,10 @@ impl LightCache {
             relighting,
             weights,
             &self.environment,
+            &Memory::default().for_run(watch.token()),
             |make| timed(&mut timings, "environment", make),
         );
+        watch.check()?;
         let estimate = (relighting.albedo == Albedo::Estimate)
             .then(|| timed(&mut timings, "albedo-estimate", || estimated_albedo(frame)));
         let (vectors, counts) = match relighting.sums {

@@ -36,7 +36,7 @@ const ROWS_PER_TASK: usize = 8;
 
 /// Lights the frame of a run anew.
 pub(crate) fn relight(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let relighting = plan
         .relighting
         .as_ref()
@@ -45,9 +45,12 @@ pub(crate) fn relight(run: &mut Run) {
     let illumination = illumination.expect("new light has lights");
     let weights = frame.luminance_weights();
     let kept = &run.runner.environment;
-    let around = Illuminants::new(illumination, relighting, weights, kept, |make| {
+    let around = Illuminants::new(illumination, relighting, weights, kept, memory, |make| {
         run.timed("environment", make)
     });
+    if memory.is_cancelled() {
+        return;
+    }
     run.outcome.environment_gain = around.gain();
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
         run.kept_or(
@@ -101,7 +104,7 @@ pub(crate) fn relight(run: &mut Run) {
     };
     let color = run.timed("relight", || lit(&scene, memory));
     drop(scene);
-    match (estimate, &mut run.kept) {
+    match (estimate, run.to_keep()) {
         (Some(estimate), Some(kept)) => kept.albedo.put(estimate),
         (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
         (None, _) => {}
@@ -176,7 +179,7 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
             let mut rows = [r, g, b];
             keep_uncovered(scene, first, &mut rows);
             let count = rows[0].len() / width;
-            for y in first..first + count {
+            for y in (first..first + count).take_while(|_| !memory.is_cancelled()) {
                 if let Some(made_of) = &scene.curvature {
                     curvature.make(made_of, scene.frame, y, simd);
                 }

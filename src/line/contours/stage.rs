@@ -61,12 +61,12 @@ fn draw(run: &mut Run) {
             false => shape.silhouette.take(),
         };
         let weights = [silhouette, shape.crease.take()];
-        run.runner.memory.recycle(weights.into_iter().flatten());
+        run.memory.recycle(weights.into_iter().flatten());
     }
 }
 
 fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let canvas = std::mem::take(&mut run.canvas);
     let shape = std::mem::take(&mut run.outcome.shape);
     let (drawn, [silhouette, crease]) = match &canvas.seen {
@@ -83,8 +83,7 @@ fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) 
         (covered(&lines, &drawn.mask, memory), lines)
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    let kept = run.kept.as_deref_mut();
-    if let Some(kept) = kept.filter(|_| plan.specular.is_none()) {
+    if let Some(kept) = run.to_keep().filter(|_| plan.specular.is_none()) {
         kept.contours.put(made.clone());
     }
     made

@@ -33,7 +33,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
 };
 
 fn find(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let canvas = std::mem::take(&mut run.canvas);
     let shape = std::mem::take(&mut run.outcome.shape);

@@ -1,5 +1,6 @@
 //! Interior lines of a frame: measured, followed, chosen, joined.
 
+use crate::engine::cpu::memory::Memory;
 use crate::fast_math::ln;
 use crate::frame::{Frame, Mask, Plane};
 use crate::line::contours::gaps::close_gaps;
@@ -45,6 +46,7 @@ pub(crate) fn interior(
     params: &InteriorParams,
     fades: bool,
     options: &RunOptions,
+    memory: &Memory,
 ) -> Found {
     let sizes = Sizes::of(frame, params, fades);
     let level = Level::of(frame, silhouette, sizes.factor);
@@ -52,8 +54,11 @@ pub(crate) fn interior(
         return (Vec::new(), None);
     }
     let scales = [sizes.sigma, SUGGESTIVE_SCALE * sizes.sigma];
-    let normals = level.diffused(&scales, options);
-    let lines = found(frame, &level, &normals, params, &sizes, options);
+    let normals = level.diffused(&scales, options, memory);
+    let lines = found(frame, &level, &normals, params, &sizes, (options, memory));
+    if memory.is_cancelled() {
+        return (Vec::new(), None);
+    }
     let lines = selected(lines, contours, &level.frame.mask, &sizes);
     joined_and_drawn(lines, contours, frame, &normals[0], params, &sizes)
 }
@@ -65,8 +70,11 @@ fn found(
     normals: &[Plane<Vec3>],
     params: &InteriorParams,
     sizes: &Sizes,
-    options: &RunOptions,
+    (options, memory): (&RunOptions, &Memory),
 ) -> Vec<Interior> {
+    if memory.is_cancelled() {
+        return Vec::new();
+    }
     let [rims, ridge_rims] =
         [1.0, RIDGE_MARGIN].map(|share| Rims::new(level, share * sizes.margin));
     let viewer = Viewer::of(frame, sizes.factor);
@@ -84,13 +92,16 @@ fn found(
         sizes,
     );
     let shadows = match params.has_shadows() {
-        true => shadows(frame, level, &fine, &rims, sizes, options),
+        true => shadows(frame, level, &fine, &rims, sizes, options, memory),
         false => Vec::new(),
     };
     // Half the size, and what is left of the scale there.
     let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
     let halved = level.halved(&normals[0]);
-    let coarse = halved.diffused(&[0.5 * left], options);
+    let coarse = halved.diffused(&[0.5 * left], options, memory);
+    if memory.is_cancelled() {
+        return Vec::new();
+    }
     let coarse = curvature(&coarse[0], &halved.frame.mask);
     let size = [mask.width(), mask.height()];
     let roughness = Roughness::of(&fine, &coarse, &halved.frame.mask, sizes);

@@ -98,12 +98,17 @@ impl Level {
     }
 
     /// The unit normals diffused to each of these scales, in pixels; 0 outside the mask.
-    pub(super) fn diffused(&self, sigmas: &[f32], options: &RunOptions) -> Vec<Plane<Vec3>> {
+    pub(super) fn diffused(
+        &self,
+        sigmas: &[f32],
+        options: &RunOptions,
+        memory: &Memory,
+    ) -> Vec<Plane<Vec3>> {
         let sweeps = DiffusionSchedule::to_sigmas(sigmas, TOLERANCE);
         let Vector3Planes { x, y, z } = &self.frame.normal;
         let zero = Plane::filled(z.width(), z.height(), 0.0);
-        let across = self.spread([x.clone(), y.clone()], &sweeps, options);
-        let toward = self.spread([z.clone(), zero], &sweeps, options);
+        let across = self.spread([x.clone(), y.clone()], &sweeps, options, memory);
+        let toward = self.spread([z.clone(), zero], &sweeps, options, memory);
         let pairs = across.iter().zip(&toward);
         pairs
             .map(|(across, toward)| self.units(across, &toward.x))
@@ -111,10 +116,16 @@ impl Level {
     }
 
     /// A scalar diffused to a scale, in pixels.
-    pub(super) fn spread_scalar(&self, scalar: Plane, sigma: f32, options: &RunOptions) -> Plane {
+    pub(super) fn spread_scalar(
+        &self,
+        scalar: Plane,
+        sigma: f32,
+        options: &RunOptions,
+        memory: &Memory,
+    ) -> Plane {
         let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
         let zero = Plane::filled(scalar.width(), scalar.height(), 0.0);
-        let mut spread = self.spread([scalar, zero], &sweeps, options);
+        let mut spread = self.spread([scalar, zero], &sweeps, options, memory);
         spread.pop().expect("one scale was asked for").x
     }
 
@@ -124,6 +135,7 @@ impl Level {
         [x, y]: [Plane; 2],
         sweeps: &DiffusionSchedule,
         options: &RunOptions,
+        memory: &Memory,
     ) -> Vec<Vector2Planes> {
         diffusion(
             Vector2Planes { x, y },
@@ -132,7 +144,7 @@ impl Level {
             None,
             sweeps,
             options,
-            &Memory::default(),
+            &memory.at_other_size(),
         )
     }
 

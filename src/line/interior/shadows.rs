@@ -30,8 +30,9 @@ pub(super) fn shadows(
     rims: &Rims,
     sizes: &Sizes,
     options: &RunOptions,
+    memory: &Memory,
 ) -> Vec<Crest> {
-    let (mask, memory) = (&level.frame.mask, Memory::default());
+    let (mask, memory) = (&level.frame.mask, memory.at_other_size());
     let Some(light) = light(frame, sizes.factor, &memory) else {
         return Vec::new();
     };
@@ -43,7 +44,7 @@ pub(super) fn shadows(
     if full <= 0.0 {
         return Vec::new();
     }
-    let light = level.spread_scalar(light, sizes.sigma, options);
+    let light = level.spread_scalar(light, sizes.sigma, options, &memory);
     let slope = |x: usize, y: usize| slope(&light, mask, x, y) / full;
     let [steep] = map_covered(mask, &memory, |y| {
         let curvature = curvature.row(y);

@@ -52,12 +52,12 @@ fn draw(run: &mut Run) {
     if run.canvas.luminance.is_some() {
         // Of a large drawing nothing is held for long.
         let silhouette = run.outcome.shape.silhouette.take();
-        run.runner.memory.recycle(silhouette);
+        run.memory.recycle(silhouette);
     }
 }
 
 fn follow(run: &mut Run) -> InteriorLayer {
-    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let (plan, frame, runner, memory) = (run.plan, run.frame, run.runner, run.memory);
     let params = plan.drawing.as_ref().and_then(|params| params.interior);
     let params = params.expect("interior lines are asked for");
     let canvas = std::mem::take(&mut run.canvas);
@@ -72,16 +72,17 @@ fn follow(run: &mut Run) -> InteriorLayer {
     let contours = canvas.contours.as_ref().map_or(&[][..], |(_, lines)| lines);
     let made = run.timed(INTERIOR.name, || {
         let fades = plan.available.in_sequence;
+        let options = &runner.options;
         let (lines, levels) =
-            cpu::interior(drawn, silhouette, contours, &params, fades, &runner.options);
+            cpu::interior(drawn, silhouette, contours, &params, fades, options, memory);
         InteriorLayer {
-            covered: covered(&lines, &drawn.mask, &runner.memory),
+            covered: covered(&lines, &drawn.mask, memory),
             lines,
             levels,
         }
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
+    let kept = run.to_keep().filter(|_| plan.specular.is_none());
     if let Some(kept) = kept {
         kept.interior.put(made.clone());
     }

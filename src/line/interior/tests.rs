@@ -1,5 +1,6 @@
 //! Lines of forms whose lines are known.
 
+use crate::engine::cpu::memory::Memory;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::line::contours::{Contour, ContourKind};
 use crate::line::interior::cpu::interior;
@@ -35,6 +36,7 @@ fn lines_of_frame(frame: &Frame, params: &InteriorParams) -> Vec<Contour> {
         params,
         false,
         &RunOptions::default(),
+        &Memory::default(),
     )
     .0
 }
@@ -58,7 +60,15 @@ fn in_a_sequence_a_groove_that_deepens_comes_little_by_little() {
         let frame = Frame::of_normals(normals, Mask::new(Plane::filled(WIDTH, HEIGHT, true)));
         let silhouette = Plane::filled(WIDTH, HEIGHT, 0.0);
         let options = RunOptions::default();
-        let (lines, _) = interior(&frame, &silhouette, &[], &params, fades, &options);
+        let (lines, _) = interior(
+            &frame,
+            &silhouette,
+            &[],
+            &params,
+            fades,
+            &options,
+            &Memory::default(),
+        );
         lines.iter().flat_map(|line| &line.widths).sum::<f32>()
     };
     let largest_step = |fades: bool| {
@@ -361,7 +371,15 @@ fn frames_without_meaning_have_no_lines() {
             let frame = Frame::of_normals(normal.clone(), mask);
             let silhouette = Plane::filled(width, height, f32::NAN);
             let (params, options) = (InteriorParams::default(), RunOptions::default());
-            let (found, _) = interior(&frame, &silhouette, &[], &params, true, &options);
+            let (found, _) = interior(
+                &frame,
+                &silhouette,
+                &[],
+                &params,
+                true,
+                &options,
+                &Memory::default(),
+            );
             assert!(
                 found
                     .iter()

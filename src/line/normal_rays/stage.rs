@@ -44,7 +44,7 @@ fn decide(plan: &Plan) -> Verdict {
 }
 
 fn follow_rays(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     if !plan.wants(Product::Direction) {
         return;
     }

@@ -81,7 +81,7 @@ pub(crate) fn densities(
         grid: Grid::new(mask, step),
         size: size / step as f32,
         options,
-        memory: &Memory::default(),
+        memory: &memory.at_other_size(),
     };
     let seen = cells.seen(shown);
     let (density, levels) = cells.density(&seen, shown);

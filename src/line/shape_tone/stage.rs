@@ -29,7 +29,8 @@ pub(crate) static SHAPE_TONE: Stage = Stage {
 };
 
 fn find(run: &mut Run) {
-    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
+    let options = &run.runner.options;
     let params = plan.drawing.as_ref().expect("tones are of a drawing");
     let (gain, shape) = (run.gain(), std::mem::take(&mut run.outcome.shape));
     let canvas = std::mem::take(&mut run.canvas);
@@ -49,7 +50,7 @@ fn find(run: &mut Run) {
         params: &params.tone,
     };
     let (density, levels) = run.timed(SHAPE_TONE.name, || {
-        let (mut density, levels) = densities(&of, &runner.options, &runner.memory);
+        let (mut density, levels) = densities(&of, options, memory);
         leave_bare(&mut density, frame, params.tone.halo);
         (density, levels)
     });
@@ -60,6 +61,6 @@ fn find(run: &mut Run) {
     run.canvas.density = Some(density);
     if run.canvas.luminance.is_some() {
         // Of a large drawing nothing is held for long.
-        runner.memory.recycle(run.outcome.shape.trace.take());
+        run.memory.recycle(run.outcome.shape.trace.take());
     }
 }

@@ -1,5 +1,6 @@
 //! The pixels of a frame through its mirrors and lenses where a renderer wrote the points that they show.
 
+use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, SURFACE_JUMP, SightLines, SpecularScene, Vector3Planes, step_between};
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
@@ -18,6 +19,7 @@ pub(crate) fn hit_pixels(
     scene: &SpecularScene,
     points: &Vector3Planes,
     tangents: &Tangents,
+    memory: &Memory,
 ) -> Vec<SeenPixel> {
     let points = HitPoints {
         frame,
@@ -29,6 +31,7 @@ pub(crate) fn hit_pixels(
     let height = frame.mask.height();
     let rows: Vec<Vec<SeenPixel>> = (0..height)
         .into_par_iter()
+        .filter(|_| !memory.is_cancelled())
         .map(|y| {
             let row = frame.mask.runs(y).flatten();
             row.filter_map(|x| points.pixel(x, y, tangents)).collect()

@@ -58,8 +58,8 @@ pub(crate) fn seen_through(
         fallback: params.field.fallback,
     };
     let pixels = match &scene.hit_position {
-        Some(points) => hit_pixels(frame, scene, points, &tangents),
-        None => seen_pixels(frame, &tracer, &tangents),
+        Some(points) => hit_pixels(frame, scene, points, &tangents, memory),
+        None => seen_pixels(frame, &tracer, &tangents, memory),
     };
     let mut directions = vec![blank(frame); tangents.families.len()];
     for pixel in &pixels {

@@ -1,5 +1,6 @@
 //! The pixels of a frame through its mirrors and lenses, in bands of rows.
 
+use crate::engine::cpu::memory::Memory;
 use crate::frame::Frame;
 use crate::line::linear_camera::seen_by_steps;
 use crate::line::propagation::{Beside, external_camera};
@@ -25,10 +26,16 @@ pub(crate) struct SeenPixel {
 }
 
 /// All pixels that show something, row after row.
-pub(crate) fn seen_pixels(frame: &Frame, tracer: &Tracer, tangents: &Tangents) -> Vec<SeenPixel> {
+pub(crate) fn seen_pixels(
+    frame: &Frame,
+    tracer: &Tracer,
+    tangents: &Tangents,
+    memory: &Memory,
+) -> Vec<SeenPixel> {
     let height = frame.mask.height();
     let bands: Vec<Vec<SeenPixel>> = (0..height.div_ceil(ROWS))
         .into_par_iter()
+        .filter(|_| !memory.is_cancelled())
         .map(|band| {
             let rows = band * ROWS..((band + 1) * ROWS).min(height);
             Band::bent(frame, tracer, rows).seen(frame, tracer, tangents)

@@ -41,7 +41,7 @@ fn trace(run: &mut Run) {
     };
     let scene = run.inputs.specular;
     let scene = scene.expect("specular pixels are planned with what they show");
-    let (kept, memory) = (&runner.map_directions, &runner.memory);
+    let (kept, memory) = (&runner.map_directions, run.memory);
     let seen = run.timed(SPECULAR_TRACE.name, || {
         seen_through(plan, frame, scene, specular, params, kept, memory)
     });

@@ -19,7 +19,7 @@ pub(crate) fn stippled(
 ) -> (Vec<Dot>, Plane) {
     let radius = (0.5 * params.stroke(resolution_factor).width_px).max(LEAST_RADIUS);
     let ink = densities.mapped(frame, memory, |_| |_, density| coverage_at(density));
-    let dots = dots(&ink, radius, params.seed);
+    let dots = dots(&ink, radius, params.seed, memory);
     let mut drawn = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
     // Ink beyond a silhouette lies under its line.
@@ -39,20 +39,21 @@ pub(crate) fn stippled(
 const LEAST_RADIUS: f32 = 0.3;
 
 /// Dots of a radius that cover `ink`, 0..1, of the paper.
-fn dots(ink: &Plane, radius: f32, seed: u64) -> Vec<Dot> {
-    mended(&places(ink, radius, seed), radius, ink)
+fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
+    mended(&places(ink, radius, seed, memory), radius, ink, memory)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::run::CancelToken;
 
     #[test]
     fn dots_cover_the_ink_that_is_wanted() {
         for ink in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97] {
             for radius in [0.4, 1.0, 2.5] {
                 let plane = Plane::filled(200, 200, ink);
-                let drawn = covered(&dots(&plane, radius, 1), [200, 200]);
+                let drawn = covered(&dots(&plane, radius, 1, &Memory::default()), [200, 200]);
                 let mean = drawn.samples().iter().sum::<f32>() / 4e4;
                 assert!((mean - ink).abs() < 0.02, "{ink} by {radius}: {mean}");
             }
@@ -63,7 +64,7 @@ mod tests {
     fn dots_lie_apart() {
         // A dot of radius 1 has pi/0.2 pixels: the root of that is 3.96, and in a hexagonal order all were 4.26 apart. At
         // random some of a thousand nearly meet.
-        let dots = dots(&Plane::filled(150, 150, 0.2), 1.0, 1);
+        let dots = dots(&Plane::filled(150, 150, 0.2), 1.0, 1, &Memory::default());
         let nearest = |dot: &Dot| {
             let others = dots.iter().filter(|other| other.at != dot.at);
             let distances = others.map(|other| other.at.distance(dot.at));
@@ -79,11 +80,22 @@ mod tests {
     }
 
     #[test]
+    fn no_dots_are_laid_once_a_run_is_cancelled() {
+        let token = CancelToken::new();
+        let memory = Memory::default().for_run(Some(&token));
+        let ink = Plane::filled(50, 50, 0.5);
+        assert!(!dots(&ink, 1.0, 1, &memory).is_empty());
+        token.cancel();
+        assert!(dots(&ink, 1.0, 1, &memory).is_empty());
+    }
+
+    #[test]
     fn dots_are_the_same_for_a_seed_and_none_lie_on_white_paper() {
         let ink = Plane::from_fn(90, 60, |x, _| if x < 45 { f32::NAN } else { 0.4 });
         let by = |threads: usize, seed| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| dots(&ink, 0.8, seed))
+            pool.unwrap()
+                .install(|| dots(&ink, 0.8, seed, &Memory::default()))
         };
         assert_eq!(by(1, 1), by(3, 1));
         assert_ne!(by(1, 1), by(1, 2));

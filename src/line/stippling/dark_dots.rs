@@ -1,6 +1,7 @@
 //! What dots cover of the paper, and radii that make it what is wanted.
 
 use super::Dot;
+use crate::engine::cpu::memory::Memory;
 use crate::frame::Plane;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
@@ -18,12 +19,12 @@ const MENDS: usize = 8;
 const MEND: [f32; 2] = [0.7, 1.5];
 
 /// Dots of a radius at these places, mended so that they cover `ink` on average about them.
-pub(super) fn mended(places: &[Vec2], radius: f32, ink: &Plane) -> Vec<Dot> {
+pub(super) fn mended(places: &[Vec2], radius: f32, ink: &Plane, memory: &Memory) -> Vec<Dot> {
     let dots = places.iter().map(|&at| Dot { at, radius });
     let mut dots: Vec<Dot> = dots.collect();
     let side = (CELL * radius).max(4.0);
     let wanted = InkCells::of_plane(ink, side);
-    for _ in 0..MENDS {
+    for _ in (0..MENDS).take_while(|_| !memory.is_cancelled()) {
         let drawn = covered(&dots, [ink.width(), ink.height()]);
         let drawn = InkCells::of_plane(&drawn, side);
         for dot in &mut dots {

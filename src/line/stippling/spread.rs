@@ -1,6 +1,7 @@
 //! Dots spread by tone, and kept apart.
 
 use super::super::random::Random;
+use crate::engine::cpu::memory::Memory;
 use crate::frame::Plane;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -33,13 +34,13 @@ fn laid(covered: f32) -> f32 {
 }
 
 /// Places of dots of a radius, so that they cover `ink`, 0..1, of the paper.
-pub(super) fn places(ink: &Plane, radius: f32, seed: u64) -> Vec<Vec2> {
+pub(super) fn places(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let field = Field {
         ink,
         area: PI * radius * radius,
     };
-    let mut places = diffused(&field, seed);
-    for _ in 0..ROUNDS {
+    let mut places = diffused(&field, seed, memory);
+    for _ in (0..ROUNDS).take_while(|_| !memory.is_cancelled()) {
         places = pushed(&places, &field, radius);
     }
     places
@@ -76,7 +77,7 @@ impl Field<'_> {
 }
 
 /// Dots by error diffusion [FS], row by row to and fro, in parts of pixels where a pixel takes several.
-fn diffused(field: &Field, seed: u64) -> Vec<Vec2> {
+fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let mut random = Random::new(seed);
     let most = laid(1.0) / field.area;
     let parts = (most / MOST_IN_CELL).sqrt().ceil().max(1.0) as usize;
@@ -84,7 +85,7 @@ fn diffused(field: &Field, seed: u64) -> Vec<Vec2> {
     let mut errors = [vec![0.0_f32; width + 2], vec![0.0_f32; width + 2]];
     let mut dots = Vec::new();
     let part = 1.0 / parts as f32;
-    for y in 0..field.ink.height() * parts {
+    for y in (0..field.ink.height() * parts).take_while(|_| !memory.is_cancelled()) {
         let [own, below] = &mut errors;
         below.fill(0.0);
         for column in 0..width {

@@ -27,7 +27,7 @@ pub(crate) static STIPPLING: Stage = Stage {
 };
 
 fn lay(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);

@@ -63,6 +63,7 @@ pub(crate) fn lines(
         let wanted = Wanted {
             ink: &ink,
             conductance: onto_edges.then_some(conductance),
+            cancel: memory.cancel(),
         };
         let Family { field, first } = *family;
         let Streamlines { mut lines, seeds } = streamlines(field, wanted, &tool, first);

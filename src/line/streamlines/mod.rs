@@ -15,6 +15,7 @@ mod tool;
 
 use super::contours::polyline::evened;
 use super::direction_field::setting::OPEN;
+use crate::engine::run::CancelToken;
 use crate::frame::{Plane, Vector2Planes};
 use glam::Vec2;
 use placed::{Placed, Point};
@@ -58,9 +59,16 @@ pub(crate) struct Wanted<'a> {
     pub(crate) ink: &'a Plane,
     /// Conductance, where lines may run on to the middle of edges, but not over them.
     pub(crate) conductance: Option<&'a Plane>,
+    /// What may end the laying of lines: those that are laid by then are left.
+    pub(crate) cancel: Option<&'a CancelToken>,
 }
 
 impl Wanted<'_> {
+    /// Whether no more lines are wanted.
+    fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(CancelToken::is_cancelled)
+    }
+
     /// The ink at a place on the paper.
     #[inline]
     fn ink_at(&self, at: Vec2) -> Option<f32> {
@@ -167,6 +175,9 @@ impl Drawer<'_> {
         for &room in self.tool.rooms() {
             for level in (0..self.tool.levels()).rev() {
                 for y in (0..height).step_by(every) {
+                    if self.wanted.is_cancelled() {
+                        return;
+                    }
                     for x in (0..width).step_by(every) {
                         let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
                         let ink = self.ink_at(at);
@@ -188,6 +199,9 @@ impl Drawer<'_> {
         let mut waiting = vec![VecDeque::new(); self.tool.levels()];
         waiting[first.level].push_back(first.number);
         while let Some(number) = waiting.iter_mut().rev().find_map(VecDeque::pop_front) {
+            if self.wanted.is_cancelled() {
+                return;
+            }
             for i in (0..self.lines[number].len()).step_by(SEEDS) {
                 let at = self.lines[number][i];
                 let (Some(ink), Some(along)) = (self.ink_at(at), self.direction(at, Vec2::X))
@@ -412,6 +426,7 @@ mod tests {
         Wanted {
             ink,
             conductance: None,
+            cancel: None,
         }
     }
 
@@ -556,6 +571,21 @@ mod tests {
             "{}",
             within(100.0, 180.0)
         );
+    }
+
+    #[test]
+    fn no_more_lines_are_started_once_they_are_cancelled() {
+        let (token, ink) = (CancelToken::new(), Plane::filled(100, 100, 0.4));
+        let laid = || {
+            let wanted = Wanted {
+                cancel: Some(&token),
+                ..everywhere(&ink)
+            };
+            streamlines(&bent(100, 100), wanted, &NIB, &[]).lines.len()
+        };
+        assert!(laid() > 5);
+        token.cancel();
+        assert_eq!(laid(), 0);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
 };
 
 fn place(run: &mut Run) {
-    let (frame, memory) = (run.frame, &run.runner.memory);
+    let (frame, memory) = (run.frame, run.memory);
     let sequence = run.inputs.sequence;
     run.canvas.coordinates = sequence.map(|sequence| {
         run.timed(TEXTURE_COORDINATES.name, || {

@@ -137,7 +137,7 @@ fn find_trace(run: &mut Run) {
 
 /// The trace of the Hessian, of the gradient.
 pub(crate) fn trace_of_gradient(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
     let key = format!("{} {}", plan.key(DIFFUSION.name), plan.resolution_factor);
@@ -158,7 +158,7 @@ pub(crate) fn trace_of_gradient(run: &mut Run) {
 
 /// The Hessian, and its trace where no curvatures are made, whose sum is the same. New light makes both row by row.
 fn find_hessian(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     if plan.relighting.is_some() {
         return;
     }
@@ -187,7 +187,7 @@ fn find_hessian(run: &mut Run) {
 }
 
 fn find_curvatures(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let hessian = taken(&mut run.outcome.shape);
     let key = plan.key(CURVATURES.name);
     let curvatures = run.kept_or(
@@ -201,7 +201,7 @@ fn find_curvatures(run: &mut Run) {
 }
 
 fn find_directions(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let hessian = taken(&mut run.outcome.shape);
     let key = plan.key(DIRECTIONS.name);
     let directions = run.kept_or(
@@ -215,7 +215,7 @@ fn find_directions(run: &mut Run) {
 }
 
 fn map_curvature(run: &mut Run) {
-    let (plan, mask, memory) = (run.plan, &run.frame.mask, &run.runner.memory);
+    let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let gain = run.gain();
     let curvatures = run.outcome.shape.curvatures.as_ref();
     let curvatures = curvatures.expect("curvatures come before their map");

@@ -24,7 +24,7 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
 };
 
 fn display(run: &mut Run) {
-    let (mask, memory, gain) = (&run.frame.mask, &run.runner.memory, run.gain());
+    let (mask, memory, gain) = (&run.frame.mask, run.memory, run.gain());
     let shape = std::mem::take(&mut run.outcome.shape);
     let there = "the display takes curvature";
     let trace = shape.trace.as_ref().expect(there);

@@ -59,6 +59,7 @@ pub(crate) fn diffusion(
             conductance,
             mask,
             simd: Simd::widest(),
+            memory,
         };
         let goes_on = i + 1 < passes;
         if goes_on || sums.is_empty() {

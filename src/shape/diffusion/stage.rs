@@ -51,7 +51,8 @@ fn scale(shape: &ShapeParams, factor: f64) -> String {
 }
 
 fn diffuse(run: &mut Run) {
-    let (plan, frame, runner) = (run.plan, run.frame, run.runner);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
+    let options = &run.runner.options;
     let key = plan.key(DIFFUSION.name);
     let kept = run.kept.as_deref_mut();
     // Only the gradient at the first scale is kept.
@@ -70,7 +71,7 @@ fn diffuse(run: &mut Run) {
             let conductance = run.outcome.shape.conductance.take();
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
-                let (sweeps, options) = (&plan.sweeps, &runner.options);
+                let sweeps = &plan.sweeps;
                 let importance = Levels::of(frame, sweeps);
                 cpu::diffusion(
                     undiffused,
@@ -79,7 +80,7 @@ fn diffuse(run: &mut Run) {
                     importance.as_ref(),
                     sweeps,
                     options,
-                    &runner.memory,
+                    memory,
                 )
             });
             run.outcome.shape.conductance = Some(conductance);

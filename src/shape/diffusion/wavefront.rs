@@ -5,6 +5,7 @@
 //! is read and written once, and of the rows in flight, a few more than there are sweeps, the last two
 //! terms are kept in the cache. At its rim a tile loses a pixel per sweep; it starts with as many more.
 
+use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::shape::diffusion::tiles::Tile;
@@ -38,6 +39,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) mask: &'a Mask,
     /// Vectors to compute with.
     pub(crate) simd: Simd,
+    /// Whether the run has been cancelled.
+    pub(crate) memory: &'a Memory,
 }
 
 /// The weights of all terms of a recurrence, that of term 0 first.
@@ -144,7 +147,7 @@ pub(crate) struct WavefrontTile {
 }
 
 impl WavefrontTile {
-    /// Runs `pass` over `tile`.
+    /// Runs `pass` over `tile`; not to its end where the run is cancelled.
     pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
@@ -161,6 +164,9 @@ impl WavefrontTile {
                 ..(front + TOGETHER).saturating_sub(k).min(all.end)
         };
         for front in (rows(0).start..tile.rows.end + sweeps).step_by(TOGETHER) {
+            if pass.memory.is_cancelled() {
+                return;
+            }
             for y in at_work(front, 0) {
                 self.enter(pass, tile, y, y == rows(0).start, results);
             }

@@ -94,7 +94,7 @@ fn where_edges_are_wanted(plan: &Plan, why: &str) -> Verdict {
 }
 
 fn find_edges(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, &run.runner.memory);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let wanted = plan.wants(Product::Silhouette);
     let kept = run.kept.as_deref_mut();
     let kept = kept.and_then(|kept| kept.take_edges(plan.key(EDGES.name), wanted));
@@ -104,7 +104,7 @@ fn find_edges(run: &mut Run) {
         let (mut weights, gradient) = run.timed("edges-and-gradient", || {
             edges_with_weights(plan, frame, with_weights, memory)
         });
-        if let Some(kept) = &mut run.kept {
+        if let Some(kept) = run.to_keep() {
             kept.keep_unwanted(&mut weights, wanted);
             kept.undiffused.put(gradient.clone());
         }

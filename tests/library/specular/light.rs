@@ -2,10 +2,10 @@
 
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
-use crate::common::cpu;
+use crate::common::{bits, cpu};
 use glam::{DVec2, DVec3};
-use relievo::engine::Inputs;
-use relievo::frame::{ColorPlanes, Frame, Plane, SpecularScene};
+use relievo::engine::{Engine, Inputs, Request, Run};
+use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Window};
 use relievo::light::brdf::fresnel;
 use relievo::light::lights::Illumination;
 use relievo::params::{
@@ -37,6 +37,37 @@ fn around(scene: &Scene, height: usize) -> SpecularScene {
         surroundings: Some(Arc::new(map)),
         ..SpecularScene::default()
     }
+}
+
+/// A mirror that covers half of a ball's picture, in a region that lies across its border: the samples of the whole.
+#[test]
+fn a_region_of_a_mirror_is_that_part_of_the_whole() {
+    let (frame, window) = (BALL.frame(), BALL.frame().data_window);
+    let scene = SpecularScene {
+        mask: Some(Mask::new(Plane::from_fn(96, 96, |x, y| x + y < 96))),
+        ..around(&BALL, 64)
+    };
+    let light = Illumination::default();
+    let request = Request::relight(
+        ShapeParams::default(),
+        ScalingParams::default(),
+        params(Material::Mirror, Method::Plain),
+        &light,
+    );
+    let request = request.specular(&scene, traced(Bend::Mirror));
+    let engine = Engine::cpu();
+    let whole = engine.run(&request, &frame, &Run::new()).unwrap();
+    let region = Window::at(window.x0 + 31, window.y0 + 26, 37, 29);
+    let part = engine.run(&request, &frame, &Run::new().region(region));
+    let (part, whole) = (part.unwrap().color.unwrap(), whole.color.unwrap());
+    for (part, whole) in [
+        (&part.r, &whole.r),
+        (&part.g, &whole.g),
+        (&part.b, &whole.b),
+    ] {
+        assert_eq!(bits(part), bits(&whole.crop(window, region)));
+    }
+    assert!(part.r.samples().iter().any(|&red| red > 0.3));
 }
 
 fn relit(
