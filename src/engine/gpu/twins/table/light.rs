@@ -376,8 +376,8 @@ fn reflected() -> Vec<Twin> {
 fn lobes(whole: u32, params: &[f32; 9], switches: &[bool]) -> Lobes {
     let [power, .., along, across, reflectance, normalisation] = *params;
     let power = match whole {
-        0 => Power::Any(power),
-        whole => Power::Whole(whole),
+        0 => Exponent::Real(power),
+        whole => Exponent::Integer(whole),
     };
     match *switches {
         [true, ..] => Lobes::AshikhminShirley(AshikhminShirley {
