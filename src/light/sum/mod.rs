@@ -73,7 +73,8 @@ pub(crate) fn reflect_light(
         share: |_| share,
         everywhere: false,
     };
-    Scratch::NONE.reflect(&mut terms, pixels, shading, light);
+    let mut scratch = Scratch::NONE;
+    scratch.reflect(&mut terms, pixels, shading, light);
     [terms.diffuse[0], terms.specular[0]]
 }
 
