@@ -166,7 +166,7 @@ impl Device {
         self.device.destroy();
     }
 
-    /// What went wrong, as an error; that the device was lost, if it was.
+    /// The failure as an error: that the device was lost, if it was.
     pub(crate) fn error(&self, found: impl std::fmt::Display) -> Error {
         look_after(&self.device);
         let found = match self.lost() {

@@ -220,7 +220,7 @@ struct Scratch {
     /// Sums over the directions of a group: of n.l, and of n.l scaled.
     plain: Vec<f32>,
     scaled: Vec<f32>,
-    /// What the terms so far change of each channel, and the light they change.
+    /// The change of each channel by the terms so far, and their light.
     change: [Vec<f32>; 3],
     layered: [Vec<f32>; 3],
 }

@@ -33,9 +33,9 @@ pub(crate) struct LobeRow<'a> {
     pub direct: ColorRow<'a>,
     /// Light from other surfaces.
     pub indirect: ColorRow<'a>,
-    /// What light is multiplied by to be seen.
+    /// The factor of the light as it is seen.
     pub color: ColorRow<'a>,
-    /// What light has been multiplied by already.
+    /// The factor that the light includes already.
     pub albedo: ColorRow<'a>,
 }
 

@@ -30,7 +30,7 @@ pub(crate) struct Faces<'a> {
 /// Pixels read to each side by one step.
 pub(crate) const REACH: usize = 1;
 
-/// What a sweep makes of a sample g, the flux Lg into it and an earlier value of it.
+/// The step of a sweep, from a sample g, the flux Lg into it and an earlier value of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Update {
     /// An explicit step of the given length: g + dt Lg.
@@ -42,7 +42,7 @@ pub(crate) enum Update {
 }
 
 impl Update {
-    /// What becomes of a sample g with the flux `lg` into it.
+    /// The next value of a sample g with the flux `lg` into it.
     #[inline(always)]
     pub(crate) fn updated(self, g: f32, lg: f32, earlier: f32) -> f32 {
         match self {
@@ -151,7 +151,7 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// What flows into a sample from its neighbours west, east, north and south through faces of the given
+/// The flux into a sample from its neighbours west, east, north and south through faces of the given
 /// conductances. Opposite neighbours are summed first: a mirrored or turned picture gives the same
 /// bits.
 #[inline(always)]
