@@ -4,7 +4,7 @@
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
 
-/// One parameter, described for whoever offers it: a command line, a window, a plugin.
+/// One parameter, described for any interface that offers it: a command line, a window, a plugin.
 #[derive(Debug, Clone)]
 pub struct Param {
     /// The flag of the command line, `--stroke-width`; of parameters that only the library has, the field.

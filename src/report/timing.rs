@@ -194,7 +194,7 @@ pub fn measure_runs(
     }
 }
 
-/// How near a stage comes to what the machine can do.
+/// Utilisation of the machine by a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Utilisation {
     /// Bytes that an ideal pass would move, per second.

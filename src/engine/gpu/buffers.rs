@@ -73,7 +73,7 @@ impl Buffers {
         pools.into_iter().for_each(Pool::forget);
     }
 
-    /// Whether there is none to be used again.
+    /// Whether no buffer is left to reuse.
     #[cfg(test)]
     pub(crate) fn is_empty(&self) -> bool {
         let pools = [&self.work, &self.copied, &self.readable];

@@ -125,7 +125,7 @@ impl Device {
         }
     }
 
-    /// The same, waiting after copies to it and from it, so that the times of a run tell them from the kernels. That
+    /// The same, waiting after copies to it and from it, so that the times of a run separate them from the kernels. That
     /// takes a little longer.
     pub fn timed_apart(self) -> Self {
         Self {
@@ -134,7 +134,7 @@ impl Device {
         }
     }
 
-    /// Whether it has a clock that tells what each stage takes.
+    /// Whether it has a clock that times each stage.
     pub fn has_clock(&self) -> bool {
         self.tick_ns.is_some()
     }

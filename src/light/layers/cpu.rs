@@ -51,7 +51,7 @@ impl LightTerm<'_> {
         }
     }
 
-    /// A high percentile of the luminance of this light where there is any; 1 where there is none.
+    /// A high percentile of the luminance of this light; 1 without light.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
         let luminance = self.luminance(weights, mask, absent, memory);
         let lit = |y| lit(&luminance, mask, y);

@@ -150,7 +150,7 @@ fn each_unwarped<D, H, S>(
     }
 }
 
-/// [`each_unwarped`], where `most` tells of a normal and the direction as it stands how large the cosine may
+/// [`each_unwarped`], where `most` bounds, for a normal and the unwarped direction, how large the cosine may
 /// be.
 #[inline(always)]
 fn each_below<D, H, S>(

@@ -114,8 +114,8 @@ pub(crate) enum Medium {
 }
 
 impl Run<'_> {
-    /// The coverage of every pixel by pieces of lines. Pieces of one line count once where they meet; lines, each with its pieces
-    /// together, lie side by side. The first row of a strip is the row `top` of the picture whose coordinates lines are in.
+    /// The coverage of every pixel by pieces of lines. Pieces of one line count once where they meet; lines, each with its
+    /// pieces together, lie side by side. Row 0 of a strip is the row `top` of the picture whose coordinates lines are in.
     pub(crate) fn covered_by_lines(
         &mut self,
         frame: &Frame,

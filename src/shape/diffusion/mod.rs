@@ -67,7 +67,7 @@ pub(crate) struct Stencil<'a> {
 /// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over
 /// the 4 neighbours. `out` holds the earlier value, and then what `update` makes of it.
 ///
-/// All slices have the length of `out`, but for the columns beyond it that their types tell of.
+/// All slices have the length of `out`, except for the columns beyond it that their types add.
 #[inline(always)]
 pub(crate) fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
     match update {
