@@ -1,10 +1,10 @@
 //! relievo brings out the shape of surfaces in pictures, from images alone.
 //!
-//! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, where there are
-//! any, depth, a mask, a camera, and the picture made of it. [`Frame::builder`](frame::Frame::builder) makes one of
-//! samples in memory, [`io::load`] of a renderer's layers or of a photo with its normal map. A [`engine::Request`] says what
-//! is asked for, and an [`engine::Engine`] makes it on the CPU or a GPU; an [`engine::Session`] makes one frame again and again
-//! as parameters change. A [`plan::Plan`] names the stages that a request needs and no others.
+//! A [`frame::Frame`] is a surface seen from one viewpoint: view-space normals and, if available, depth, a mask, a camera
+//! and the picture. [`Frame::builder`](frame::Frame::builder) makes one from samples in memory, [`io::load`] from a
+//! renderer's layers or from a photo with its normal map. A [`engine::Request`] names the result wanted, an
+//! [`engine::Engine`] computes it on the CPU or a GPU, and an [`engine::Session`] repeats it on one frame as parameters
+//! change. A [`plan::Plan`] lists the stages that a request needs, and why.
 //!
 //! From slices to a picture, with the shape of a ball brought out:
 //!
@@ -53,8 +53,10 @@
 //! **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is the only place where
 //! the sign turns. Directions are modulo pi.
 //!
-//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. What is
-//! public in [`shape`], [`light`] and [`line`] are plain functions of one pixel's samples, to be called from any renderer. [`trace`] follows sight lines through mirrors and lenses, for light and lines alike.
+//! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. The public functions of
+//! [`shape`], [`light`] and [`line`] take one pixel's samples and can be called from any renderer. [`trace`] follows sight
+//! lines through mirrors and lenses, for light and lines alike. With the feature `report`, [`report::scenes`] has surfaces
+//! with exact answers, to test other implementations against.
 //!
 //! # References
 //!

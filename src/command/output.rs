@@ -11,7 +11,7 @@ use crate::params::{DisplayParams, Exposure, Highlights};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// What kind of file an output path stands for.
+/// The kind of file that an output path names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Exr,

@@ -319,7 +319,7 @@ mod tests {
     use crate::report::scenes::Scene;
     use std::sync::Mutex;
 
-    /// A device that has been lost; `None` where there is none to lose.
+    /// A device that has been lost, for tests; `None` on machines without one.
     fn lost() -> Option<gpu::Runner> {
         let device = gpu::to_test_on(Device::open(Choice::Any))?;
         device.lose();

@@ -149,9 +149,9 @@ pub struct Outcome {
     pub gain: Option<f32>,
     /// The white level that was used.
     pub white_level: Option<f32>,
-    /// What tones that show the shape were fit to, as [`ToneLevels`] has it.
+    /// The levels that tones showing the shape were fit to, in the order of [`ToneLevels`].
     pub tone_levels: Option<[f32; ToneLevels::COUNT]>,
-    /// What widths of lines inside surfaces were fit to, as [`LineLevels`] has it.
+    /// The levels that widths of interior lines were fit to, in the order of [`LineLevels`].
     pub line_levels: Option<[f32; LineLevels::COUNT]>,
     /// The factor of the environment's radiance that was used.
     pub environment_gain: Option<f32>,
@@ -187,7 +187,7 @@ pub(crate) fn add_timings(
     }
 }
 
-/// What holds the planes of a product.
+/// The planes of a product.
 trait Planes {
     fn planes(&self) -> Vec<&Plane>;
     fn planes_mut(&mut self) -> Vec<&mut Plane>;

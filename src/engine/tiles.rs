@@ -56,7 +56,7 @@ impl<'a> Strips<'a> {
         Self { reach, ..*self }
     }
 
-    /// What `run` makes of every strip of a frame, given with its rows: put together. Planes of strips go to `recycle`.
+    /// Calls `run` for every strip of a frame, with its rows, and assembles the results. Planes of strips go to `recycle`.
     ///
     /// # Errors
     /// Those of `run`; [`Error::Cancelled`](crate::Error::Cancelled).

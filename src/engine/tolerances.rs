@@ -38,7 +38,7 @@ impl Product {
     ///
     /// Differences of normals and of points are within three roundings of themselves, 2e-7. Of the direction of a
     /// curvature that is as much over twice the share by which both curvatures differ, which is a hundredth at the
-    /// least: 1e-5. A comparison that tells whether there is a direction goes the other way where its sides are as near
+    /// least: 1e-5. A comparison that decides whether there is a direction goes the other way where its sides are as near
     /// as 2e-7; there are three of them, and as many as 16 pixels take the direction of one: 1e-5 again.
     pub fn tolerance(self) -> f64 {
         self.row().tolerance

@@ -180,7 +180,7 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane 
     })
 }
 
-/// What lies within a reach of a place on a line of this length.
+/// The range within a reach of a position on a line of this length.
 fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
     place.saturating_sub(reach)..(place + reach + 1).min(length)
 }

@@ -84,7 +84,7 @@ impl StoredDepth {
         named.expect("every kind has a name").1
     }
 
-    /// What the depth of a frame measures after decoding.
+    /// The kind of depth that a frame has after decoding.
     pub fn kind(self) -> DepthKind {
         match self {
             Self::Planar | Self::Inverse => DepthKind::Planar,

@@ -14,7 +14,7 @@ pub(crate) fn is_distance(depth: f32) -> bool {
     depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
 }
 
-/// Distances along the view axis of positions in world space; 0 where there is none.
+/// Distances along the view axis of positions in world space; 0 where there is no position.
 pub(crate) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
     Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
         let view = camera.view_from_world.transform_point3(position.at(x, y));

@@ -79,7 +79,7 @@ pub struct LightGroup {
     pub to_light: Vec<Vec3>,
 }
 
-/// The light of a picture by lobes or light groups. Empty where the file has no such layers, or none were asked for.
+/// The light of a picture by lobes or light groups. Empty where the file has no such layers, or none were requested.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightLayers {
     /// Lobes, at most one entry each.

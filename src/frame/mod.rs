@@ -92,7 +92,7 @@ pub struct Frame {
     pub light: LightLayers,
     /// The camera, where it is known.
     pub camera: Option<Camera>,
-    /// What the frame was read from.
+    /// Facts about the file that the frame was read from.
     pub source: Source,
 }
 
@@ -105,7 +105,7 @@ pub struct Source {
     pub attributes: BTreeMap<String, String>,
     /// Weights of linear red, green and blue in luminance, where the file names its primaries.
     pub luminance_weights: Option<[f32; 3]>,
-    /// What depth measures.
+    /// The kind of depth.
     pub depth_kind: DepthKind,
     /// Largest rounding error of a component of the normals as they were stored: 1/255 for 8 bits, 0
     /// for 32-bit floats.

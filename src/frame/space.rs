@@ -19,7 +19,7 @@ pub enum NormalSpace {
     World,
 }
 
-/// What the depth of a frame measures.
+/// The kind of a frame's depth.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DepthKind {

@@ -23,7 +23,7 @@ const MOST_STEPS: f32 = 1.0;
 /// smooth and to double.
 pub(crate) const UNROUNDING_REACH: usize = PASSES * (5 * ((2 << LEVELS) - 2) - 4 * LEVELS) + 1;
 
-/// What halvings begin at: rows read apart give the same where the first of them is a multiple of this.
+/// Halvings begin at multiples of this: rows read separately give the same where the first of them is one.
 pub(crate) const UNROUNDING_PHASE: usize = 1 << LEVELS;
 
 /// Bytes that a pixel takes while it is gone through: three components, and of one of them the codes, the steps, and what

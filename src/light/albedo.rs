@@ -22,12 +22,12 @@ pub(crate) struct FittedShading {
     floor: f32,
 }
 
-/// What an albedo is estimated by: the same for all strips of a picture.
+/// The fit that an albedo is estimated by, the same for all strips of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AlbedoEstimate {
     /// The shading that the picture is taken over; `None` where it is black, and its albedo white.
     pub shading: Option<FittedShading>,
-    /// What the picture over its shading is multiplied by.
+    /// The factor of the picture over its shading.
     pub factor: f32,
 }
 

@@ -36,7 +36,7 @@ pub struct Cosines {
 /// Below this neither light nor eye is seen from the surface.
 pub(crate) const GRAZING: f32 = 1e-6;
 
-/// What makes the base reflect all that the coat lets pass, of light from all sides.
+/// Normalisation that makes the base reflect, of light from all sides, all that the coat lets pass.
 pub(crate) const BASE_SCALE: f32 = 28.0 / 23.0;
 
 impl AshikhminShirley {

@@ -31,7 +31,7 @@ impl LightAvailable {
         picture_is_occlusion: false,
     };
 
-    /// What there is of `light`.
+    /// The layers present in `light`.
     pub fn of(light: &LightLayers) -> Self {
         let mut diffuse = light.lobes.iter().filter(|l| l.lobe.is_diffuse());
         Self {
@@ -45,7 +45,7 @@ impl LightAvailable {
     }
 }
 
-/// What radiance scaling is applied to.
+/// The part of the picture that radiance scaling is applied to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// The picture as a whole.

@@ -332,19 +332,6 @@ mod tests {
         assert_eq!(Warp::IDENTITY.jacobian([0.6, 0.0, 0.8]), 1.0);
     }
 
-    #[test]
-    fn the_inverse_is_the_warping_of_the_opposite_strength() {
-        for hessian in HESSIANS {
-            let (inverse, opposite) = (Warp::of(hessian, 90.0).inverse(), Warp::of(hessian, -90.0));
-            let difference = [
-                inverse.xx - opposite.xx,
-                inverse.xy - opposite.xy,
-                inverse.yy - opposite.yy,
-            ];
-            assert!(difference.iter().all(|d| d.abs() < 5e-7), "{hessian:?}");
-        }
-    }
-
     /// A million directions: on cones of all angles, close to both poles and to the horizon.
     fn directions() -> Vec<[f32; 3]> {
         let mut angles: Vec<f64> = (0..700)
@@ -425,42 +412,6 @@ mod tests {
     }
 
     #[test]
-    fn a_ridge_bends_light_across_it_only() {
-        // A convex ridge along y.
-        let warp = Warp::of([-0.05, 0.0, 0.0], 100.0);
-        let (across, along) = (at(1.0, 0.0), at(1.0, 0.5 * PI));
-        assert!(warped(across, warp)[2] > across[2] + 0.1);
-        assert!((warped(along, warp)[2] - along[2]).abs() < 1e-6);
-        // Mirrored in either principal direction, light is warped to the mirrored direction.
-        let [x, y, z] = warped([0.48, 0.6, 0.64], warp);
-        assert_eq!(warped([-0.48, 0.6, 0.64], warp), [-x, y, z]);
-        assert_eq!(warped([0.48, -0.6, 0.64], warp), [x, -y, z]);
-    }
-
-    #[test]
-    fn turning_commutes_with_warping() {
-        let (s, c) = 0.7_f64.sin_cos();
-        for hessian in HESSIANS {
-            let [xx, xy, yy] = widened(hessian);
-            let turned = [
-                c * c * xx - 2.0 * c * s * xy + s * s * yy,
-                c * s * (xx - yy) + (c * c - s * s) * xy,
-                s * s * xx + 2.0 * c * s * xy + c * c * yy,
-            ];
-            let (plain, turned) = (
-                Warp::of(hessian, 60.0),
-                Warp::of(turned.map(|h| h as f32), 60.0),
-            );
-            for angle in [0.1, 1.0, 2.0, 3.1] {
-                let [x, y, z] = widened(warped(at(angle, 0.4), plain));
-                let found = warped(at(angle, 0.4 + 0.7), turned);
-                let error = distance(widened(found), [c * x - s * y, s * x + c * y, z]);
-                assert!(error < 1e-6, "{error:e} at {hessian:?}, {angle}");
-            }
-        }
-    }
-
-    #[test]
     fn the_strongest_warping_moves_half_of_the_hemisphere_across_its_border() {
         // Solid angle is even in z. Of 2000 equal parts of the hemisphere the lower half goes below.
         let warp = Warp::of([1.0, 0.0, 1.0], 1e9);
@@ -518,18 +469,6 @@ mod tests {
             let range = if isotropic { 3.0 } else { 9.0 };
             assert!(least * range > 1.0 - 1e-5 && most < range * (1.0 + 1e-5));
         }
-    }
-
-    #[test]
-    fn the_jacobian_reaches_its_ends() {
-        // Isotropic lambda squared is 3: the inverse shrinks angles by it at z and widens them at -z.
-        let inverse = Warp::of([1.0, 0.0, 1.0], 1e9).inverse();
-        assert!((inverse.jacobian([0.0, 0.0, 1.0]) * 3.0 - 1.0).abs() < 1e-6);
-        assert!((inverse.jacobian([0.0, 1.0, 0.0]) - 3.0).abs() < 3e-6);
-        // A saddle's determinant is 1: beside -z, 9 where light comes along x and 1/9 along y.
-        let inverse = Warp::of([1.0, 0.0, -1.0], 1e9).inverse();
-        assert!((inverse.jacobian([1.0, 0.0, 0.0]) - 9.0).abs() < 1e-5);
-        assert!((inverse.jacobian([0.0, 1.0, 0.0]) * 9.0 - 1.0).abs() < 1e-5);
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// What is scaled by white levels that are chosen from the picture, where any are.
+/// The part of the light that is scaled by automatic white levels, if any.
 pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
     let chosen = plan.scaling.white_level == Adaptive::Auto;
     let of_light = |subject: &Subject| match subject {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// An unfinished drawing.
 #[derive(Default)]
 pub(crate) struct Canvas {
-    /// What is seen in mirrors and lenses, and its edges: lines stop there as they do at those of other things.
+    /// The surface seen in mirrors and lenses, with its edges, at which lines stop like at others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
     /// The luminance of the tone, where no picture of it is kept.
     pub(crate) luminance: Option<Plane>,

@@ -220,7 +220,7 @@ fn lines_along(
     Ok(lines)
 }
 
-/// What contours are drawn in.
+/// The medium of contours.
 pub(crate) fn medium(params: &LineParams) -> Medium {
     match params.strokes.style {
         Style::Pencil => Medium::Graphite(params.strokes.seed),

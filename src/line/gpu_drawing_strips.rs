@@ -28,7 +28,7 @@ use crate::shape::auto_levels::gpu::Search;
 use std::ops::Range;
 use std::time::Instant;
 
-/// What is drawn in every strip, of the whole picture.
+/// Lines of the whole picture, drawn in every strip.
 struct Drawn<'a> {
     /// With paper white as it was chosen.
     params: LineParams,
@@ -41,7 +41,7 @@ struct Drawn<'a> {
     contours: Option<Lines<Contour>>,
 }
 
-/// What strokes are made of.
+/// The inputs of strokes.
 enum Ink {
     Texture(Strokes),
     Lines(Lines<Streamline>),

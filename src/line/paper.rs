@@ -50,7 +50,7 @@ pub(crate) fn graphite(coverage: f32, grain: f32) -> f32 {
 /// How deep the paper's valleys are against the pressure of a line.
 pub(crate) const GRIP: f32 = 0.7;
 
-/// What graphite covers where it is pressed hard.
+/// The coverage of graphite that is pressed hard.
 pub(crate) const LIGHTEST_BLACK: f32 = 0.9;
 
 /// Mixes the bits of a place and a seed.

@@ -16,7 +16,7 @@ pub(super) struct StrokeTexture {
     ramps: Vec<u8>,
 }
 
-/// What thresholds are counted in: bytes keep the texture in the cache, and two texels in one load.
+/// The type of thresholds: bytes keep the texture in the cache, and two texels in one load.
 pub(super) const STEPS: f32 = 255.0;
 
 /// Bytes of a texel.

@@ -12,7 +12,7 @@ use crate::params::ToneParams;
 use crate::shape::auto_levels::cpu as statistics;
 use std::ops::Range;
 
-/// What a drawing's tone is the luminance of.
+/// The picture whose luminance is a drawing's tone.
 #[derive(Clone, Copy)]
 pub(crate) enum ToneOf<'a> {
     /// A picture, by the weights of its primaries.

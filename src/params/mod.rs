@@ -1,6 +1,6 @@
 //! Every tunable in one table: its meaning, unit, range and default. Nothing else types a default again.
 //!
-//! The table says of each parameter what whoever offers it needs to know, and [`Params`] takes it by its name:
+//! The table describes each parameter for any interface that offers it, and [`Params`] takes it by its name:
 //!
 //! ```
 //! use relievo::params::{Group, Parameters, Params, param, table};

@@ -4,20 +4,20 @@
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
 
-/// One parameter, described for whoever offers it: a command line, a window, a plugin.
+/// One parameter, described for any interface that offers it: a command line, a window, a plugin.
 #[derive(Debug, Clone)]
 pub struct Param {
     /// The flag of the command line, `--stroke-width`; of parameters that only the library has, the field.
     pub flag: &'static str,
     /// A name that says more, where the flag is like that of something else: without dashes.
     pub alias: Option<&'static str>,
-    /// What it stands with.
+    /// The group it belongs to.
     pub group: Group,
     /// How it is chosen.
     pub kind: Kind,
     /// Whether several values can be given.
     pub many: Many,
-    /// What its numbers are measured in.
+    /// The unit of its numbers.
     pub unit: Unit,
     /// The form of a value in help: `PX`, `LO,HI`, `K|auto`.
     pub form: &'static str,
@@ -79,7 +79,7 @@ pub enum Many {
     Repeated,
 }
 
-/// What the numbers of a parameter are measured in.
+/// The unit of a parameter's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// Nothing: factors, shares, exponents, counts.
@@ -93,7 +93,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What stands behind a number.
+    /// The suffix of a number.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::One => "",
@@ -122,7 +122,7 @@ pub enum Group {
     Shape,
     /// Layers of light that are scaled one by one.
     LightLayers,
-    /// What lights the surface.
+    /// Light.
     Light,
     /// How light is bent.
     Warping,
@@ -134,11 +134,11 @@ pub enum Group {
     Display,
     /// How large a picture is on paper.
     Print,
-    /// What the surface is made of.
+    /// Material.
     Material,
-    /// What mirrors and lenses show.
+    /// Mirrors and lenses.
     Specular,
-    /// What is drawn light and dark.
+    /// Tone.
     Tone,
     /// Where strokes go.
     Directions,
@@ -225,7 +225,7 @@ impl Param {
         self.flag.starts_with("--")
     }
 
-    /// What it does, in a line without a full stop.
+    /// Its effect, in a line without a full stop.
     pub fn help(&self) -> String {
         let lines = self.doc.iter().map(|line| line.trim());
         let first: Vec<_> = lines.take_while(|line| !line.is_empty()).collect();
@@ -285,7 +285,7 @@ pub trait Parameters: Sized {
     /// no such parameter.
     ///
     /// # Errors
-    /// What is expected, where `text` is no value.
+    /// The values expected, where `text` is not one.
     fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String>;
 
     /// Refuses values outside their ranges, and values that contradict each other.

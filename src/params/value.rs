@@ -11,7 +11,7 @@ pub(crate) trait Value: Sized {
     /// The value that `text` is, for the parameter of `row`.
     ///
     /// # Errors
-    /// What is expected.
+    /// The values expected.
     fn parse(text: &str, row: &Param) -> Result<Self, String>;
 
     /// The value as it would be typed; `None` of one that cannot be.

@@ -26,7 +26,7 @@ pub struct Plan {
     pub(crate) shape: ShapeParams,
     /// How light is scaled.
     pub(crate) scaling: ScalingParams,
-    /// What of a picture is scaled, where its shape is brought out.
+    /// The part of the picture that radiance scaling changes.
     pub(crate) enhancement: Option<Enhancement>,
     /// How the frame is lit anew, if it is.
     pub(crate) relighting: Option<Relighting>,
@@ -51,7 +51,7 @@ pub struct Plan {
     pub points: Points,
     /// How many pixels away they are, at the least and at the most.
     pub(crate) direction_steps_px: [usize; 2],
-    /// What there is to make it of.
+    /// The inputs that the plan was made for.
     pub(crate) available: Available,
     /// Why nothing is asked of shape, where that is so.
     pub(crate) no_shape: Option<&'static str>,
@@ -110,7 +110,7 @@ impl Plan {
         self.wants(Product::Trace) || self.wants(Product::Hessian)
     }
 
-    /// What of the picture is scaled, where anything is.
+    /// The part of the picture that radiance scaling changes, if any.
     pub(crate) fn scaled(&self) -> Option<Subject> {
         let scaled = self
             .enhancement

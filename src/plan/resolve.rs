@@ -301,7 +301,7 @@ fn decision(step: &Step, plan: &Plan) -> Decision {
     }
 }
 
-/// What a plan is made of.
+/// The inputs of planning.
 struct Asked<'a> {
     goal: Goal,
     available: Available,

@@ -82,7 +82,7 @@ impl Session {
         })
     }
 
-    /// Gives the memory of an outcome to the next run.
+    /// Recycles the memory of an outcome for the next run.
     pub(super) fn recycle(&self, outcome: Outcome) {
         self.0.recycle(outcome);
     }

@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_chains_do_what_they_are_counted_for() {
-        // v -> 0.999 v + 0.001 has the fixed point 1, and comes to it.
+        // v -> 0.999 v + 0.001 has the fixed point 1, and converges to it.
         assert!(chains([5.0; LANES]).iter().all(|v| (v - 1.0).abs() < 1e-4));
     }
 }

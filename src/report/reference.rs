@@ -313,7 +313,7 @@ impl Operator {
         self.expanded(g, Spread::Time(time))
     }
 
-    /// What `spread` makes of `g`, by an expansion within 1e-13 of the largest |g|.
+    /// `g` diffused by `spread`, by an expansion within 1e-13 of the largest |g|.
     fn expanded(&self, g: &Plane<f64>, spread: Spread) -> Plane<f64> {
         let a = coefficients(spread, TOLERANCE);
         let mut sum = g.map(|v| a[0] * v);

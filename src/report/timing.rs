@@ -144,7 +144,7 @@ pub(super) fn measure_with(
     measure_runs(&engine, effort, || of_shape(&engine, plan, frame))
 }
 
-/// What a plan that takes nothing beside the frame gives.
+/// The outcome of a plan that needs only the frame.
 fn of_shape(engine: &Engine, plan: &Plan, frame: &Frame) -> Outcome {
     let outcome = engine.execute(plan, frame, Inputs::default(), &Run::new());
     outcome.expect("plans of reports are made for what they are run on")
@@ -194,7 +194,7 @@ pub fn measure_runs(
     }
 }
 
-/// How near a stage comes to what the machine can do.
+/// Utilisation of the machine by a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Utilisation {
     /// Bytes that an ideal pass would move, per second.

@@ -40,7 +40,7 @@ impl Spread {
         }
     }
 
-    /// What an eigenvector of L is multiplied by, where `x` in [-1, 1] is its eigenvalue of X.
+    /// The factor of an eigenvector of L whose eigenvalue of X is `x`, in [-1, 1].
     fn factor(self, x: f64) -> f64 {
         let eigenvalue = -4.0 * (1.0 + x);
         match self {

@@ -6,7 +6,7 @@ use crate::frame::{ColorPlanes, Ray, Surroundings, Vector3Planes};
 use crate::params::SearchParams;
 use glam::DVec3;
 
-/// What lies around an object, to be met by rays in world space.
+/// The surroundings of an object, for rays in world space.
 #[derive(Debug, Clone)]
 pub(crate) struct DistanceMap<'a> {
     surroundings: &'a Surroundings,

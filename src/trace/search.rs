@@ -19,7 +19,7 @@ pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
     steps.clamp(FEWEST_STEPS.min(search.steps), search.steps)
 }
 
-/// What becomes of a way along a surface; places are shares of it, 0..1.
+/// Outcome of a path along a surface; positions are shares of it, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Crossing {
     /// It goes through the surface here.

@@ -11,7 +11,7 @@ pub(super) struct Texel {
     pub(super) weight: f64,
 }
 
-/// What lies beyond the sides of a map.
+/// How a map continues beyond its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sides {
     /// Nothing: the nearest texel goes on.

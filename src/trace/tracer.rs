@@ -47,7 +47,7 @@ impl Path {
     }
 }
 
-/// What a ray met.
+/// The point that a ray hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The point, in view space.
@@ -63,7 +63,7 @@ pub struct Hit {
 /// The surface that a ray met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HitSurface {
-    /// What lies behind, as this place of the picture shows it.
+    /// The scene behind, at this position of its picture.
     Behind(DVec2),
     /// The surroundings, as they are at this point of world space.
     Surroundings(DVec3),
@@ -113,7 +113,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// What lies behind, as far as it is known.
+    /// The scene behind, if it is known.
     pub(crate) fn behind(&self) -> Option<&SeenSurface<'a>> {
         self.behind.as_ref()
     }
@@ -196,7 +196,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// What a ray meets: what is seen behind in the picture, else of the surroundings; else what may lie there unseen.
+    /// The point that a ray hits: seen in the scene behind, else in the surroundings; else an unseen continuation of either.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
         let behind = self.hit_behind(ray);
         if behind.is_some_and(|hit| hit.is_seen) {

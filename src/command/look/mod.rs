@@ -27,7 +27,7 @@ const NOWHERE: &str = "view.png";
 /// The command that shows shape at once, on any surface: new light.
 const FIRST_COMMAND: &str = "relight";
 
-/// What is wrong, as one line.
+/// An error as one line.
 pub(crate) type Said = String;
 
 /// A command and its settings.
@@ -204,14 +204,14 @@ fn quoted(word: &str) -> String {
 /// Writes the picture that a look makes of one file to another.
 pub(crate) type SavePicture = fn(&Look, &Path, &Path) -> std::result::Result<(), Said>;
 
-/// What a window is opened on.
+/// The arguments of a window.
 pub(crate) struct Opening {
     pub(crate) input: Option<PathBuf>,
     pub(crate) frames: Option<Vec<i32>>,
     pub(crate) look: Look,
-    /// What computes.
+    /// The engine.
     pub(crate) engine: Arc<Engine>,
-    /// What pictures are saved by.
+    /// Saves pictures.
     pub(crate) save: SavePicture,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct RecipeText {
     settings: BTreeMap<String, Value>,
     /// The frames that what was chosen is for, by the name of their files.
     frames: String,
-    /// What was chosen for all of them.
+    /// The choices for all of them.
     chosen: Vec<Flag>,
 }
 
@@ -93,7 +93,7 @@ impl RecipeText {
     }
 }
 
-/// What was typed for one argument.
+/// The words typed for one argument.
 fn value(arg: &Arg, matches: &ArgMatches) -> Value {
     if is_switch(arg) {
         return Value::Boolean(true);

@@ -80,7 +80,7 @@ impl PercentileSearch {
         self.is_narrow = true;
     }
 
-    /// What was searched for, when all values have come twice.
+    /// The percentile, after all values have been given twice.
     pub(crate) fn found(&self) -> Option<f32> {
         let (upper, rank) = self.upper?;
         let (lower, _) = bin_at(&self.counts, rank);

@@ -27,7 +27,7 @@ pub(crate) struct Runner {
     pub(crate) map_directions: DirectionCache,
 }
 
-/// What a stage works on: what is there, what earlier stages have made, and where its own results go.
+/// The context of a stage: inputs, results of earlier stages, and the place for its own.
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
@@ -36,7 +36,7 @@ pub(crate) struct Run<'a> {
     /// The runner's planes, and whether this run has been cancelled.
     pub(crate) memory: &'a Memory,
     pub(crate) watch: Watch<'a>,
-    /// What earlier runs of this frame have left, where any is kept.
+    /// The cache of earlier runs of this frame, if there is one.
     pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
     /// The gradient before diffusion.
@@ -81,7 +81,7 @@ impl<'a> Run<'a> {
         result
     }
 
-    /// What is kept, by `take`; else what `pass` makes.
+    /// The cached result, by `take`, or else the result of `pass`.
     pub(crate) fn taken_or<T>(
         &mut self,
         take: impl FnOnce(&mut FrameCache) -> Option<T>,
@@ -94,7 +94,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// What a slot keeps under this key, moved out of it; else what `pass` makes.
+    /// The result that a slot holds under this key, moved out of it, or else the result of `pass`.
     pub(crate) fn kept_or<T>(
         &mut self,
         key: &str,

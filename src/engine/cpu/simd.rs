@@ -7,10 +7,10 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Simd(Level);
 
-/// What vectors a kernel is compiled for.
+/// Vector extensions that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Level {
-    /// What every machine of the target has.
+    /// The baseline of the target.
     Baseline,
     /// 256 bits.
     #[cfg(target_arch = "x86_64")]
@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// What the kernels make of some rows.
+    /// Results of the kernels for some rows.
     fn made(simd: Simd) -> Vec<Vec<f32>> {
         let (gx, gy) = (rows(1), rows(4));
         let open = rows(7).map(|row| row.into_iter().map(|c| c.max(0.4) / 0.4).collect());
@@ -205,7 +205,7 @@ mod tests {
         results
     }
 
-    /// What the kernels of light layers make of some rows.
+    /// Results of the kernels of light layers for some rows.
     fn made_of_light(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
         let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
         let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();

@@ -35,7 +35,7 @@ pub(crate) struct StripSearch {
 /// Looks that a percentile takes.
 const PERCENTILE_LOOKS: usize = 2;
 
-/// What a search came to; `None` for what was given.
+/// Results of the searches; `None` for levels that were given.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct StripChoice {
     /// Gain of the curvature mapping.
@@ -44,7 +44,7 @@ pub(crate) struct StripChoice {
     pub white_level: Option<f32>,
     /// White levels of the kinds of light that are scaled by themselves, with their names.
     pub term_white_levels: Vec<(&'static str, f32)>,
-    /// What the albedo is estimated by.
+    /// The fit that albedo is estimated by.
     pub albedo: Option<AlbedoEstimate>,
 }
 
@@ -148,7 +148,7 @@ impl StripSearch {
             .for_each(PercentileSearch::narrow);
     }
 
-    /// What was searched for, when all strips have come for the last time.
+    /// The results, after the last round of all strips.
     pub(crate) fn found(&self) -> StripChoice {
         let terms = self.terms.iter();
         StripChoice {

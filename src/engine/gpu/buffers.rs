@@ -6,21 +6,21 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Buffers to be used again.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    /// What kernels write. It may go from one kernel to a later one of the same run.
+    /// Written by kernels. It may go from one kernel to a later one of the same run.
     work: Pool,
-    /// What is copied to the device. Copies come before all kernels of a run, so none of it may have been a kernel's
+    /// Uploaded to the device. Copies come before all kernels of a run, so none of it may have been a kernel's
     /// before in the same run.
     copied: Pool,
-    /// What is read after a run.
+    /// Read back after a run.
     readable: Pool,
 }
 
-/// What a buffer of kernels is used for.
+/// Usages of a buffer of kernels.
 const OF_KERNELS: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
     .union(wgpu::BufferUsages::COPY_SRC)
     .union(wgpu::BufferUsages::COPY_DST);
 
-/// What one that is read is used for.
+/// Usages of a buffer that is read back.
 const TO_READ: wgpu::BufferUsages =
     wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
@@ -73,7 +73,7 @@ impl Buffers {
         pools.into_iter().for_each(Pool::forget);
     }
 
-    /// Whether there is none to be used again.
+    /// Whether no buffer is left to reuse.
     #[cfg(test)]
     pub(crate) fn is_empty(&self) -> bool {
         let pools = [&self.work, &self.copied, &self.readable];

@@ -125,7 +125,7 @@ impl Device {
         }
     }
 
-    /// The same, waiting after copies to it and from it, so that the times of a run tell them from the kernels. That
+    /// The same, waiting after copies to it and from it, so that the times of a run separate them from the kernels. That
     /// takes a little longer.
     pub fn timed_apart(self) -> Self {
         Self {
@@ -134,7 +134,7 @@ impl Device {
         }
     }
 
-    /// Whether it has a clock that tells what each stage takes.
+    /// Whether it has a clock that times each stage.
     pub fn has_clock(&self) -> bool {
         self.tick_ns.is_some()
     }
@@ -166,7 +166,7 @@ impl Device {
         self.device.destroy();
     }
 
-    /// What went wrong, as an error; that the device was lost, if it was.
+    /// The failure as an error: that the device was lost, if it was.
     pub(crate) fn error(&self, found: impl std::fmt::Display) -> Error {
         look_after(&self.device);
         let found = match self.lost() {

@@ -31,7 +31,7 @@ impl From<Error> for Fault {
 /// Does `work`; an error that the device reports meanwhile is its fault.
 ///
 /// # Errors
-/// What the device reported, or else the work.
+/// The error that the device reported, or else the result of `work`.
 pub(crate) fn watched<T>(
     device: &Device,
     work: impl FnOnce() -> Result<T, Fault>,

@@ -77,7 +77,7 @@ fn needs() -> [Need; 11] {
     ]
 }
 
-/// What the kernels take that a device of such limits has not.
+/// The first requirement of the kernels that a device of these limits does not meet.
 pub(crate) fn lacking(limits: &wgpu::Limits) -> Option<String> {
     needs().into_iter().find_map(|Need { what, has, needed }| {
         let has = has(limits);

@@ -16,7 +16,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// What the gain is chosen from.
+    /// The plane that the gain is chosen from.
     pub(crate) fn of_gain(&self) -> [&wgpu::Buffer; 3] {
         let hessian = self.hessian.as_ref();
         let trace = &hessian.expect("the gain takes the trace").trace;
@@ -44,7 +44,7 @@ pub(crate) struct Hessian {
     pub(crate) entries: Option<[wgpu::Buffer; 3]>,
 }
 
-/// What is made of the Hessian for the layers of the descriptor.
+/// Curvatures derived from the Hessian for the layers of the descriptor.
 pub(crate) struct Curvatures {
     /// u, v, mean and kappa of each pixel.
     pub(crate) curvature: wgpu::Buffer,
@@ -122,5 +122,5 @@ impl Made {
     }
 }
 
-/// What a buffer of [`Curvatures::curvature`] holds.
+/// The products in a buffer of [`Curvatures::curvature`], in order.
 const CURVATURES: [Product; 2] = [Product::Curvature, Product::MappedCurvature];

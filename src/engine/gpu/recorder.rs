@@ -320,7 +320,7 @@ impl<'d> Recorder<'d> {
     }
 }
 
-/// What a device works on.
+/// Commands submitted to a device.
 pub(crate) struct Submitted<'d> {
     device: &'d Device,
     buffers: &'d Buffers,
@@ -386,7 +386,7 @@ fn wait(
     Ok(())
 }
 
-/// What a buffer holds that can be read, once.
+/// The contents of a mapped buffer, read once.
 fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
     let range = buffer.slice(..).get_mapped_range();
     let range = range.map_err(|error| device.error(error))?;

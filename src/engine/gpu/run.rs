@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Bytes of a buffer that nothing is written to.
 pub(crate) const NOWHERE: u64 = 16;
 
-/// What is being recorded.
+/// A run while it is being recorded.
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
@@ -27,7 +27,7 @@ pub(crate) struct Run<'a> {
     /// The numbers that are chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
-    /// What was copied to the device while kernels were recorded.
+    /// Buffers uploaded while kernels were recorded.
     held: Vec<wgpu::Buffer>,
 }
 

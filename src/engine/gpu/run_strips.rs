@@ -57,7 +57,7 @@ impl Runner {
         self.search(plan, frame, frame.color.as_ref(), &searches, strips)
     }
 
-    /// What searches in the shape of a frame and in a picture come to; 1 where nothing is searched for.
+    /// Results of the searches in the shape of a frame and in a picture; 1 where nothing is searched for.
     pub(crate) fn search(
         &self,
         plan: &Plan,

@@ -40,7 +40,7 @@ pub struct Runner {
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
     pub(crate) texture: TextureCache,
-    /// What makes the parts of drawings that have no kernels.
+    /// The CPU runner, for parts of drawings without kernels.
     pub(crate) host: cpu::Runner,
     light: LightCache,
 }
@@ -68,13 +68,13 @@ impl Runner {
         Self::lacks(plan).is_none()
     }
 
-    /// What of `plan` has no kernels, in a few words; `None` where all of it has.
+    /// The part of `plan` without kernels, in a few words; `None` if there is none.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
         running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and its tone where that was made.
-    /// What is made of an environment is kept for the next run in the same one.
+    /// The prepared environment is cached for the next run with the same one.
     ///
     /// Where the whole frame is too much for the device's memory it goes in strips. Of drawings the CPU finds strokes that
     /// are lines, the lines along edges, where strokes of a sequence have moved to, and in strips the directions of

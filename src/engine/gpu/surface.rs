@@ -17,7 +17,7 @@ pub(crate) const WIDEST: u64 = 4;
 /// A picture on the device: red, green and blue.
 pub(crate) type Picture = [wgpu::Buffer; 3];
 
-/// What shape is made of, on the device.
+/// Input buffers of shape.
 pub(crate) struct SurfaceBuffers {
     /// Columns and rows.
     pub(crate) size: [u32; 2],
@@ -41,7 +41,7 @@ pub(crate) struct Importance {
     pub(crate) weights: Vec<f32>,
 }
 
-/// What copies planes to the device.
+/// Uploads planes.
 #[derive(Clone, Copy)]
 pub(crate) struct Upload<'a> {
     pub(crate) device: &'a Device,
@@ -103,7 +103,7 @@ impl Upload<'_> {
         })
     }
 
-    /// What `plan` takes of `frame`.
+    /// Uploads the planes of `frame` that `plan` takes.
     pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> SurfaceBuffers {
         let map = match SilhouetteSource::of(plan) {
             _ if !plan.wants(Product::Conductance) => None,

@@ -29,9 +29,9 @@ pub(crate) fn wait_for(
     }
 }
 
-/// Lets the device tell what happened to it, without waiting.
+/// Polls the device for its callbacks, without waiting.
 pub(crate) fn look_after(device: &wgpu::Device) {
-    // What it has to tell it tells by its callback.
+    // Errors arrive in the callback.
     let _ = without_panic(|| device.poll(wgpu::PollType::Poll));
 }
 

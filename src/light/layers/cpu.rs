@@ -51,7 +51,7 @@ impl LightTerm<'_> {
         }
     }
 
-    /// A high percentile of the luminance of this light where there is any; 1 where there is none.
+    /// A high percentile of the luminance of this light; 1 without light.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
         let luminance = self.luminance(weights, mask, absent, memory);
         let lit = |y| lit(&luminance, mask, y);
@@ -220,7 +220,7 @@ struct Scratch {
     /// Sums over the directions of a group: of n.l, and of n.l scaled.
     plain: Vec<f32>,
     scaled: Vec<f32>,
-    /// What the terms so far change of each channel, and the light they change.
+    /// The change of each channel by the terms so far, and their light.
     change: [Vec<f32>; 3],
     layered: [Vec<f32>; 3],
 }

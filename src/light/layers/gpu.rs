@@ -128,7 +128,7 @@ pub(crate) fn levels_of(
         .collect()
 }
 
-/// What the terms so far change of the picture, and the light that they tell of.
+/// The change of the picture by the terms so far, and their light.
 struct Changes {
     change: wgpu::Buffer,
     layered: wgpu::Buffer,
@@ -286,7 +286,7 @@ impl Run<'_> {
         );
     }
 
-    /// What all terms share.
+    /// Parameters that all terms share.
     fn term_params(&self, plan: &Plan, frame: &Frame) -> TermParams {
         let [width, height] = self.surface.size;
         let [weight_r, weight_g, weight_b] = frame.luminance_weights();

@@ -1,11 +1,11 @@
-//! Radiance scaling of light that a file tells apart: lobes, light groups, ambient occlusion.
+//! Radiance scaling of light layers: lobes, light groups, ambient occlusion.
 //!
 //! Theory: [RS] sections 5.1 and 5.3 give each lobe a reflectance mapping and a magnitude of its own, and
 //! section 5.4 scales each sample of a light inside the sum. Changes: a rendered lobe is its own mapping,
 //! its light over a white level, as the two prefiltered forms of section 5.3 are; and a light group, whose
-//! sum is finished, is given the mean scaling of the samples it stands for. Practice: every term adds what
-//! it changes to one sum, and the picture takes that at the end, so that what no layer tells of stays as it
-//! is, and so does a picture of which nothing changes.
+//! sum is finished, is given the mean scaling of the samples it stands for. Practice: every term adds its
+//! change to one sum, and the picture takes that at the end, so that light in no layer stays as it is, and so does a
+//! picture that nothing changes.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -33,9 +33,9 @@ pub(crate) struct LobeRow<'a> {
     pub direct: ColorRow<'a>,
     /// Light from other surfaces.
     pub indirect: ColorRow<'a>,
-    /// What light is multiplied by to be seen.
+    /// The factor of the light as it is seen.
     pub color: ColorRow<'a>,
-    /// What light has been multiplied by already.
+    /// The factor that the light includes already.
     pub albedo: ColorRow<'a>,
 }
 
@@ -233,7 +233,7 @@ widened! {
 
 /// One channel of the picture with the changes made to it; its own bits where uncovered or unchanged.
 ///
-/// Layers that tell of more light than the picture has, by a lossy compression or because they belong to
+/// Layers with more light than the picture has, by a lossy compression or because they belong to
 /// another one, change it by the picture's share only: nothing that was 0 or more falls below 0.
 #[inline(always)]
 pub(crate) fn changed_row(
@@ -367,7 +367,7 @@ mod tests {
         };
         assert_eq!(made(0.5, -2.0, 2.0), 0.0);
         assert_eq!(made(0.5, -1.0, 2.0), 0.25);
-        // Layers that tell of less are taken at their word, black and below it stay.
+        // Layers with less light than the picture change it in full; black and below stay.
         assert_eq!(made(0.5, 0.25, 0.25), 0.75);
         assert_eq!(made(0.0, 3.0, 2.0), 0.0);
         assert_eq!(made(-0.5, 3.0, 2.0), -0.5);

@@ -80,7 +80,7 @@ pub fn monotone_limit(alpha: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// The fraction of the paper in f64, the exponent mended.
+    /// The fraction of the paper in f64, with the exponent corrected.
     fn printed(d: f64, x: f64, a: f64) -> f64 {
         let e = (-x).exp();
         (a * e + d * (1.0 - a - a * e)) / (a + d * (e - a - a * e))

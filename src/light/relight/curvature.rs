@@ -4,7 +4,7 @@ use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::shape::Rows;
 
-/// What curvature is made of, or where it is already.
+/// The source of curvature, or the curvature itself.
 pub(crate) struct Curvature<'a> {
     pub(crate) gradient: &'a Vector2Planes,
     pub(crate) conductance: &'a Plane,

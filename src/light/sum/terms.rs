@@ -10,14 +10,14 @@ use crate::shape::curvature::mapped_curvature_toward;
 /// Squared length below which a light lies opposite to the eye, and has no half vector with it.
 pub(crate) const SHORTEST: f32 = 1e-12;
 
-/// What one light does at every pixel, before its colour.
+/// The contribution of one light at every pixel, without its colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
     pub(super) diffuse: Lanes,
     pub(super) specular: Lanes,
 }
 
-/// What the terms of one light are made of.
+/// Inputs of the terms of one light.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
     /// Jacobian (but for the pixel's share of it) and fall-off; 0 where the light is below the surface.
@@ -150,7 +150,7 @@ fn each_unwarped<D, H, S>(
     }
 }
 
-/// [`each_unwarped`], where `most` tells of a normal and the direction as it stands how large the cosine may
+/// [`each_unwarped`], where `most` bounds, for a normal and the unwarped direction, how large the cosine may
 /// be.
 #[inline(always)]
 fn each_below<D, H, S>(

@@ -22,7 +22,7 @@ use thresholds::Thresholds;
 /// and at 99 by .07 in small drawings.
 const SHARPNESS: f32 = 6.0;
 
-/// What is no farther from black or white is plain: half a code of 8 bits.
+/// Values no farther than this from black or white are plain: half a code of 8 bits.
 const PLAIN: f32 = 1.0 / 510.0;
 
 /// Shares of an error for the pixel after, and below the one before, the pixel itself and the one after.

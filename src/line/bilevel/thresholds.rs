@@ -27,7 +27,7 @@ pub(super) struct Thresholds {
 struct Greys {
     /// How many lie in each part of 0..1.
     counts: [f32; PARTS],
-    /// What they add up to.
+    /// Their sum.
     sum: f32,
 }
 

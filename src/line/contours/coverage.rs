@@ -40,7 +40,7 @@ impl<'a> From<&'a Streamline> for DrawnLine<'a> {
     }
 }
 
-/// What lines make of pixels that several of them cover in part.
+/// Combines lines that cover a pixel in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Overlap {
     /// As much as one does: lines that meet are one.
@@ -52,7 +52,7 @@ pub(crate) enum Overlap {
 /// A piece of a line, with the number of the line.
 pub(crate) type Piece = (u32, RoundStroke);
 
-/// What lines along edges or inside surfaces cover; those that meet are one.
+/// The coverage of lines along edges or inside surfaces; lines that meet count once.
 pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
     let lines: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
     coverage(&lines, Overlap::Joined, mask, memory)

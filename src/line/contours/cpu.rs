@@ -149,7 +149,7 @@ fn run_off(line: &mut Line, by_px: f32) {
     }
 }
 
-/// What lines must have to be drawn.
+/// Requirements of lines that are drawn.
 struct Least {
     /// Length of a network in all.
     length_px: f32,

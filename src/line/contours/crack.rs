@@ -37,7 +37,7 @@ pub(crate) fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     Some(b? - a?)
 }
 
-/// What a jump is beyond so many times the slope to either side, where one is known.
+/// The part of a jump beyond a multiple of the slope on either side, where one is known.
 #[inline]
 pub(crate) fn beyond_slopes(jump: f32, times: f32, slopes: [Option<f32>; 2]) -> Option<f32> {
     slopes

@@ -53,7 +53,7 @@ pub(crate) fn found(cracks: &[FoundCrack], frame: &Frame, shape: &ShapeParams) -
     cracks.par_iter().map(|found| finder.found(found)).collect()
 }
 
-/// What looks for cracks.
+/// The search for cracks.
 pub(crate) struct Finder<'a> {
     frame: &'a Frame,
     map: Option<Map<'a>>,

@@ -40,7 +40,7 @@ uniforms! {
         to_eye_x_step: f32,
         to_eye_y: f32,
         to_eye_y_step: f32,
-        /// What each further column and row adds to where parallel sight lines begin.
+        /// The step of the origin of parallel sight lines per column and row.
         start_x_step: f32,
         start_y_step: f32,
     }

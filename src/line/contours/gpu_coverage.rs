@@ -33,7 +33,7 @@ bindings! {
     LineCoverageBuffers { covered, tile_starts, tile_pieces, pieces, lines, covered_by_lines }
 }
 
-/// What lines cover of each pixel.
+/// The coverage of each pixel by lines.
 pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, LineCoverageBuffers>(
     "LineCoverage",
     &[
@@ -102,7 +102,7 @@ impl Tiles {
     }
 }
 
-/// What lines are drawn in, and where.
+/// The medium and place of lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Medium {
     /// In ink that ends where the surface does.
@@ -114,8 +114,8 @@ pub(crate) enum Medium {
 }
 
 impl Run<'_> {
-    /// What pieces of lines cover of every pixel. Those of one line are one where they meet; lines, each with its pieces
-    /// together, lie side by side. The first row of a strip is the row `top` of the picture whose coordinates lines are in.
+    /// The coverage of every pixel by pieces of lines. Pieces of one line count once where they meet; lines, each with its
+    /// pieces together, lie side by side. Row 0 of a strip is the row `top` of the picture whose coordinates lines are in.
     pub(crate) fn covered_by_lines(
         &mut self,
         frame: &Frame,

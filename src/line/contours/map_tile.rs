@@ -11,7 +11,7 @@ pub(crate) const BLOCK: usize = 64;
 /// Rows above and below a row of corners that its cracks read.
 const REACH: usize = 3;
 
-/// What jumps at silhouettes, and how far.
+/// The quantity that jumps at silhouettes, and how far.
 pub(crate) struct Map<'a> {
     plane: &'a Plane,
     pub(crate) is_depth: bool,

@@ -5,7 +5,7 @@ use crate::line::paper::{grain, graphite};
 use crate::params::{StrokeParams, Style};
 use rayon::prelude::*;
 
-/// What lines cover, drawn with what strokes are drawn with.
+/// The coverage of lines drawn in the medium of strokes.
 pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
     match strokes.style {
         Style::Pencil => in_graphite(covered, frame.data_window, strokes.seed),

@@ -36,7 +36,7 @@ use crate::params::ContourParams;
 use glam::Vec2;
 use serde::Serialize;
 
-/// What a contour is drawn along.
+/// The edge that a contour follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContourKind {
@@ -57,7 +57,7 @@ pub enum ContourKind {
 /// A line along an edge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contour {
-    /// What it is drawn along.
+    /// The kind of edge it follows.
     pub kind: ContourKind,
     /// The points it passes, in pixels from the upper left corner of the data window, y down; of a closed
     /// line the first is repeated at the end.

@@ -79,7 +79,7 @@ pub(crate) fn fill_rest(
     field.fix(&lacking, |i| fixed(i % width, i / width));
 }
 
-/// What pixels are: covered or not, open or on an edge, and on a plane where `flat` is not 0.
+/// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
 pub(crate) struct Parts<'a> {
     pub(crate) conductance: &'a Plane,
     pub(crate) mask: &'a Mask,

@@ -95,7 +95,7 @@ pub(crate) struct Round {
     turning: Turning,
 }
 
-/// What turns to the fallback on the way, and takes it in the end.
+/// How directions turn to the fallback.
 enum Turning {
     /// Planes.
     Planes,
@@ -135,7 +135,7 @@ pub(crate) const OF_THE_REST: &[Round] = &[Round {
     turning: Turning::None,
 }];
 
-/// What is known of directions before the gaps between them are filled.
+/// Directions before the gaps between them are filled.
 pub(crate) struct Gaps {
     /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
     pub(crate) directions: [wgpu::Buffer; 2],

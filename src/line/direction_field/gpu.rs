@@ -154,7 +154,7 @@ impl Run<'_> {
         means
     }
 
-    /// What leads strokes of one family in each patch, as twice an angle.
+    /// The direction of strokes of one family in each patch, as twice an angle.
     fn settled(
         &mut self,
         patches: &Patches,

@@ -168,7 +168,7 @@ pub(crate) static PATCH_DIRECTIONS: Kernel = Kernel::new::<DirectionParams, Patc
     ],
 );
 
-/// What leads strokes in each patch.
+/// The direction of strokes in each patch.
 pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, SettlePatchesBuffers>(
     "SettlePatches",
     &[

@@ -19,7 +19,7 @@ use crate::shape::edges::SilhouetteSource;
 const PATCH_BYTES: u64 = 32;
 const SUMS_BYTES: u64 = 64;
 
-/// What is recorded as the time of the whole field of directions.
+/// The name under which the time of the whole field of directions is recorded.
 pub(crate) const STAGE: &str = "direction-field";
 
 /// The patches of a frame, and how they hang together.

@@ -132,7 +132,7 @@ impl CurvatureTensor {
     }
 }
 
-/// What leads strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
+/// The direction of strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
 /// the directions `around`, which come from farther away.
 ///
 /// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// What of one surface lies in one cell.
+/// The part of one surface in one cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Patch {
     /// Mean normal in the middle of the patch, unit or 0.

@@ -36,14 +36,14 @@ pub struct Pixels {
     pub angle: [f32; BATCH],
     /// Optical density that is wanted in all: minus the logarithm of tone.
     pub wanted: [f32; BATCH],
-    /// What of it the strokes to be drawn next give.
+    /// The share of it that the next strokes give.
     pub density: [f32; BATCH],
     /// How much of the paper stays white, 0..1.
     pub white: [f32; BATCH],
     scratch: Scratch,
 }
 
-/// What one level works in.
+/// Scratch memory of one level.
 #[derive(Debug, Default)]
 struct Scratch {
     levels: Levels,

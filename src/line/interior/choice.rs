@@ -41,10 +41,10 @@ const LOOKED_FOR: f32 = 2.0;
 /// Turn of the normal over the picture, in radians, below which a surface is as good as flat.
 const LEAST_TURN: f32 = 9.0;
 
-/// What ridges count against other lines.
+/// The weight of ridges against other lines.
 const RIDGE_WORTH: f32 = 0.45;
 
-/// What tells lines of the form from those of a rough surface.
+/// The criterion that separates lines of the form from those of a rough surface.
 pub(super) struct Roughness<'a> {
     /// The curvature in radians per pixel.
     fine: &'a Plane,

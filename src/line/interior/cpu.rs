@@ -188,7 +188,7 @@ fn joined_and_drawn(
     (drawn, levels)
 }
 
-/// What widths are fit to, of the lines of one picture.
+/// The levels that widths are fit to, from the lines of one picture.
 fn levels_of(lines: &[Line]) -> [f32; LineLevels::COUNT] {
     let DepthRange { near, far } = DepthRange::of(lines);
     [strongest(lines), near, far]

@@ -151,7 +151,7 @@ pub(super) fn suggestive(
         .collect()
 }
 
-/// What is found at the covered pixels, with their numbers, in order.
+/// The results at the covered pixels, with their indices, in order.
 pub(super) fn each_pixel<T: Send>(
     mask: &Mask,
     find: impl Fn(usize, usize) -> Option<T> + Sync,

@@ -8,7 +8,7 @@ use crate::line::interior::sizes::Sizes;
 use crate::params::{InteriorParams, LineLevels};
 use glam::{Vec2, Vec3};
 
-/// What widths depend on besides a line itself.
+/// The inputs of line widths besides the line itself.
 pub(super) struct Pen {
     /// Width of the heaviest line, in pixels.
     pub(super) width_px: f32,

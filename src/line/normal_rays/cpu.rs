@@ -37,7 +37,7 @@ pub(crate) fn directions(
     found
 }
 
-/// What a pixel tells of its direction.
+/// The direction of a pixel, as far as it is known.
 enum Found {
     /// Unit, in the picture.
     Direction(Vec2),

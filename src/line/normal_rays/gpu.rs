@@ -79,7 +79,7 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
     ],
 );
 
-/// What is recorded as the time of rays and of what fills the gaps between them.
+/// The name under which the time of rays, and of filling gaps between them, is recorded.
 const STAGE: &str = "normal-rays";
 
 /// Finds the directions of the surface's own curvature, where they are asked for themselves.

@@ -50,7 +50,7 @@ pub(crate) struct Noise {
     pub offset: f64,
 }
 
-/// What kind of point the surface has.
+/// The kind of a surface point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LocalShape {
     /// The normal does not turn measurably: no direction.
@@ -66,7 +66,7 @@ pub(crate) enum LocalShape {
 /// Principal curvatures of a surface, the larger in size first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PrincipalCurvatures {
-    /// What kind of point it is; where it has no direction, those given are arbitrary.
+    /// The kind of the point; where it has no direction, those given are arbitrary.
     pub form: LocalShape,
     /// Curvatures per unit of length; convex is negative.
     pub curvatures: [f64; 2],

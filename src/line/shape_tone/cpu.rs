@@ -38,22 +38,22 @@ const CLEAR_TURN: f32 = 30.0;
 /// How many cells are one where surroundings are found.
 const COARSE: usize = 4;
 
-/// What is seen is linear light to the power of one over this.
+/// Perceived tone is linear light to the power of one over this.
 const SEEN_GAMMA: f32 = 2.2;
 
 /// Error of what spreads, relative to its largest value.
 const TOLERANCE: f64 = 1e-3;
 
-/// What tells less of shape is plain.
+/// Below this the surface counts as plain.
 const PLAIN: f32 = 0.5;
 
-/// What an edge counts for in the mean of a coarse cell.
+/// The weight of an edge in the mean of a coarse cell.
 const CLOSED: f32 = 1e-3;
 
 /// How much a place counts for ranks that tells nothing of shape.
 const PLAIN_WEIGHT: f32 = 0.01;
 
-/// What tone is made of.
+/// The inputs of tone.
 pub(crate) struct Shown<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) conductance: &'a Plane,
@@ -118,11 +118,11 @@ struct Cells<'a> {
     memory: &'a Memory,
 }
 
-/// What is seen, in means over cells.
+/// The surface and its picture, as means over cells.
 struct Seen {
     /// Normals, of any length.
     normal: [Plane; 3],
-    /// What silhouettes leave open, and what all edges do.
+    /// Conductance of silhouettes alone, and of all edges.
     before: Plane,
     conductance: Plane,
     /// Trace of the Hessian.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 /// The width of a halo of factor 1, as a share of the picture's size, the root of its area.
 const WIDTH: f32 = 1.0 / 350.0;
 
-/// What stands before a pixel is nearer than this share of its depth.
+/// An occluder is nearer than this share of a pixel's depth.
 const BEFORE: f32 = 0.965;
 
 /// Sets densities to 0 that lie no farther than a halo of this `factor` from something that stands before them.

@@ -24,7 +24,7 @@ pub(crate) const KEY_DEG: [f32; 2] = [135.0, 38.0];
 /// Luminances below and above the median that count, in stops.
 const STOPS: [f32; 2] = [-6.0, 4.0];
 
-/// What is darker than this in the key light is equally dark.
+/// Anything darker than this in the key light is equally dark.
 const DARKEST_KEY: f32 = 0.03;
 
 /// Between these tones strokes thin out, and leave the paper bare.

@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::shape::edges::cpu as edges;
 use crate::trace::Tracer;
 
-/// What a frame's specular pixels show.
+/// The surface that a frame's specular pixels show.
 pub(crate) struct SeenThrough {
     /// The frame with the shape of what is seen in them, as it appears there.
     pub(crate) frame: Frame,
@@ -28,7 +28,7 @@ pub(crate) struct SeenThrough {
     pub(crate) directions: Vec<Vector2Planes>,
 }
 
-/// What the specular pixels of `frame` show of `scene`, with the directions that strokes by `params` take there.
+/// The part of `scene` that the specular pixels of `frame` show, with the directions of strokes there by `params`.
 /// `None` where nothing can be traced.
 pub(crate) fn seen_through(
     plan: &Plan,

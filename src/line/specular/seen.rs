@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Rows that one task traces: two more beside them are bent twice.
 const ROWS: usize = 16;
 
-/// What a specular pixel shows.
+/// The surface point that a specular pixel shows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SeenPixel {
     pub(crate) x: usize,

@@ -8,7 +8,7 @@ use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::edges::cpu::edges_and_gradient;
 
-/// What mirrors and lenses show. New light looks it up by itself.
+/// The stage that finds what mirrors and lenses show, for drawings. Relighting looks it up itself.
 pub(crate) static SPECULAR_TRACE: Stage = Stage {
     name: "specular-trace",
     steps: &[Step {

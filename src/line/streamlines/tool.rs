@@ -2,7 +2,7 @@
 
 use crate::params::{Stroke, Style};
 
-/// What draws lines.
+/// A drawing tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Tool {
     /// Lines as far apart as tone asks for, a little wider in the dark.
@@ -59,7 +59,7 @@ const LEVELS: usize = 8;
 const LEAST_SIDE: f32 = 2.0;
 
 impl Tool {
-    /// What draws such strokes.
+    /// The tool of such strokes.
     pub(crate) fn of(stroke: &Stroke, style: Style) -> Self {
         let widest_spacing = WIDEST * stroke.spacing_px;
         let (width, longest) = (stroke.width_px, stroke.length_px);

@@ -29,7 +29,7 @@ const URGENT: f64 = 0.1;
 /// Frames over which a map fades that has to make room.
 const FADE_FRAMES: f32 = 6.0;
 
-/// What a frame of a sequence takes of the one before; of the first there is nothing.
+/// State that a frame of a sequence takes from the previous one; the first has none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SequenceInputs<'a> {
     /// Where the texture of strokes lay.
@@ -126,7 +126,7 @@ impl TextureCoordinates {
         }
     }
 
-    /// What the drawing is made of.
+    /// The surface of the drawing.
     pub(crate) fn sheets(&self) -> Vec<PlacedTexture<'_>> {
         let surface = self.surface();
         let moving = self.maps.iter().map(|map| PlacedTexture {

@@ -25,7 +25,7 @@ pub(crate) const PLACES: Wgsl = wgsl!(
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {
     pub(crate) each: Vec<BoundTexture>,
-    /// What tells surfaces apart where they move.
+    /// The plane that separates surfaces where they move.
     pub(crate) depth: Option<wgpu::Buffer>,
     pub(crate) motion: Option<[wgpu::Buffer; 2]>,
 }

@@ -15,7 +15,7 @@ pub(crate) struct Weighed {
 }
 
 impl Weighed {
-    /// What is asked of the next map.
+    /// The share that falls to the next map.
     pub(crate) fn asked(&self) -> f64 {
         self.totals.last().copied().unwrap_or(0.0)
     }

@@ -116,7 +116,7 @@ impl<'a> Step<'a> {
         is_one_motion(at(self.motion, now), at(before, then))
     }
 
-    /// What the depth of most of the frame changed by: a camera may move fast.
+    /// The change of depth of most of the frame: a camera may move fast.
     fn median_depth_ratio(&self) -> f32 {
         let (Some(depth), Some(before)) = (&self.frame.depth, self.before.depth) else {
             return 1.0;

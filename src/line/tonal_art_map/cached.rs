@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
 
-/// What a texture was made of.
+/// The parameters that a texture was made with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Made {
     stroke: Stroke,

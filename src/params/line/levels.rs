@@ -6,7 +6,7 @@ use crate::params::value::{Value, finite};
 use crate::quantile::quantile;
 use serde::Serialize;
 
-/// What a drawing is fit to: so many numbers.
+/// The levels that a drawing is fit to: `N` numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase", bound = "[f32; COUNT]: Serialize")]
 pub enum Levels<const COUNT: usize> {

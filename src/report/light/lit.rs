@@ -16,7 +16,7 @@ use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
 
-/// White of one material with gains of 1, no even light, and an environment as bright as it comes: a formula
+/// White of one material with gains of 1, no ambient light and an unscaled environment: a formula
 /// gives its picture.
 pub(crate) fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
@@ -153,7 +153,7 @@ pub(crate) struct Reference {
 /// The references of both surfaces, plain and warped.
 pub(crate) struct References(Vec<Reference>);
 
-/// Pixels at which a reference is held against double precision.
+/// Pixels at which a reference is checked against double precision.
 const CHECKED: usize = 16;
 
 impl References {

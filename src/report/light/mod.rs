@@ -3,7 +3,7 @@
 //!
 //! Everything is seen under one environment that is a formula ([`environment()`]), so that there is nothing to load
 //! and nothing random. The reference is a picture under `REFERENCE_LIGHTS` even lights
-//! ([LW] equation 2 where it is warped), itself held against double precision ([`super::light_reference`]).
+//! ([LW] equation 2 where it is warped), itself checked against double precision ([`super::light_reference`]).
 
 pub(crate) mod cost;
 pub(crate) mod functions;

@@ -24,7 +24,7 @@ pub enum Seen {
 /// Surfaces and the projection they are seen in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactScene {
-    /// What is there.
+    /// The surface.
     pub surfaces: Vec<Surface>,
     /// Which of it is seen.
     pub seen: Seen,
@@ -69,7 +69,7 @@ pub struct ObjectCurvatures {
     pub v: DVec3,
 }
 
-/// What is seen at one position of the picture.
+/// The surface point seen at one position of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exact {
     /// Index of the surface seen.
@@ -227,12 +227,12 @@ impl ExactScene {
         }
     }
 
-    /// What is seen at the centre of the pixel at column `x` of row `y`.
+    /// The surface point seen at the centre of the pixel in column `x` of row `y`.
     pub fn exact(&self, x: usize, y: usize) -> Option<Exact> {
         self.exact_at(x as f64 + 0.5, y as f64 + 0.5)
     }
 
-    /// What is seen at the picture position (`x`, `y`): pixel edges at integers, rows down.
+    /// The surface point seen at the picture position (`x`, `y`): pixel edges at integers, rows down.
     pub fn exact_at(&self, x: f64, y: f64) -> Option<Exact> {
         let (origin, direction) = self.ray(x, y);
         let hits = self

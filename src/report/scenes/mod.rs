@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 pub struct Scene {
     /// Its name, that of its files.
     pub name: &'static str,
-    /// What it shows, in a sentence.
+    /// Description, in a sentence.
     pub about: &'static str,
     /// The frame.
     pub frame: Frame,

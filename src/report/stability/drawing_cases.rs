@@ -24,7 +24,7 @@ pub(super) fn all() -> Vec<Case> {
         .collect()
 }
 
-/// Ink that a half tone may come to where few strokes fall on little paper.
+/// Any ink, for half tones of few strokes on little paper.
 const ANY: [f64; 2] = [0.0, 1.0];
 /// Ink of a half tone over many strokes.
 const HALF: [f64; 2] = [0.47, 0.53];

@@ -1,4 +1,4 @@
-//! Pictures under new light held against what all their lights together could give.
+//! Pictures under new light against the most that all their lights together can give.
 
 use super::{Verdict, largest};
 use crate::Result;
@@ -12,7 +12,7 @@ use crate::report::engine;
 use crate::report::light::lit::bare;
 use crate::report::timing;
 
-/// What a case asks for; the rest is as it comes.
+/// The parameters of a case; others have their defaults.
 #[derive(Clone)]
 pub(super) struct Asked {
     pub(super) shape: ShapeParams,

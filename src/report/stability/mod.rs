@@ -22,7 +22,7 @@ use crate::report::engine;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a case is expected to end in.
+/// The expected result of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Expected {
@@ -51,7 +51,7 @@ pub(crate) struct Bounds {
     pub trace_bound: f64,
 }
 
-/// What a case ended in.
+/// The result of a case.
 ///
 /// The bound of the trace: a fitted plane is a weighted mean of planes through the pixel and two
 /// neighbours. Such a plane solves two equations in offsets of -1, 0 and 1 whose determinant is 1 at least,
@@ -66,29 +66,29 @@ pub(crate) enum Verdict {
     Lit {
         /// The largest value.
         largest: f64,
-        /// What all light together could give.
+        /// The most that all light together can give.
         bound: f64,
     },
     /// Every value of a drawing is a share of ink, 0 to 1, and their mean is within its bounds.
     Drawn {
         /// The mean over what is covered.
         ink: f64,
-        /// What it may be.
+        /// The range allowed.
         bounds: [f64; 2],
     },
     /// A picture within its bound, and with a word to the user.
     #[serde(rename = "warned")]
     WarnedPicture {
-        /// What is said to the user.
+        /// The message to the user.
         message: String,
         /// The largest value.
         largest: f64,
-        /// What it may be at most.
+        /// The largest value allowed.
         bound: f64,
     },
     /// Every value of a descriptor is a number within its bounds, and with a word to the user.
     Warned {
-        /// What is said to the user.
+        /// The message to the user.
         message: String,
         /// The values.
         bounds: Bounds,
@@ -98,9 +98,9 @@ pub(crate) enum Verdict {
         /// The reason given.
         message: String,
     },
-    /// What must not happen: a NaN, a value out of bounds, a panic.
+    /// A bug: a NaN, a value out of bounds, a panic.
     Failed {
-        /// What happened.
+        /// Description of the failure.
         what: String,
     },
 }
@@ -123,9 +123,9 @@ impl Verdict {
 pub(crate) struct Case {
     /// Its name.
     pub name: &'static str,
-    /// What is done.
+    /// Description of the case.
     pub done: &'static str,
-    /// What it should end in.
+    /// The expected result.
     pub expected: Expected,
     run: Box<dyn Fn() -> Result<Verdict>>,
 }
@@ -135,11 +135,11 @@ pub(crate) struct Case {
 pub(crate) struct CaseResult {
     /// Its name.
     pub name: &'static str,
-    /// What was done.
+    /// Description of the case.
     pub done: &'static str,
-    /// What it should end in.
+    /// The expected result.
     pub expected: Expected,
-    /// What it ended in.
+    /// The result.
     pub verdict: Verdict,
     /// Whether that is what was expected.
     pub as_expected: bool,

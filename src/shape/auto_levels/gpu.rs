@@ -44,7 +44,7 @@ uniforms! {
         /// The percentile as a fraction.
         share: u32,
         share_of: u32,
-        /// What the gain times the percentile of curvature is to be.
+        /// Target of the gain times the percentile of curvature.
         target_times: f32,
         /// The greatest gain that is chosen.
         most_gain: f32,
@@ -94,7 +94,7 @@ const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 /// Percentage of numbers that the median leaves below it.
 const MEDIAN_PERCENT: u32 = 50;
 
-/// What is searched for.
+/// The quantity searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Search {
     /// The gain of the curvature mapping, in a picture of this size whose curvature has this factor, and the

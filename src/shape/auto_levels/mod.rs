@@ -47,7 +47,7 @@ pub(crate) fn most_gain(rounding: f32, sigma_px: f32, factor: f32) -> f32 {
     (STEP_KAPPA * width / (2.0 * LEFT_OF_STEP * rounding * factor)).min(MAX_GAIN)
 }
 
-/// What the gain times typical curvature is.
+/// Target of the gain times typical curvature.
 pub(crate) fn typical_exponent() -> f32 {
     TYPICAL_KAPPA.atanh()
 }

@@ -43,7 +43,7 @@ pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>
     &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
 );
 
-/// What the layers of the descriptor take of the Hessian.
+/// Planes that the layers of the descriptor derive from the Hessian.
 pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
     "Curvatures",
     &[

@@ -6,7 +6,7 @@
 
 @group(0) @binding(0) var<uniform> params: DiffusionParams;
 @group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
-// The term before the last; any buffer where there is none.
+// The term before the last; unused if there is none.
 @group(0) @binding(2) var<storage, read> earlier: array<vec2<f32>>;
 @group(0) @binding(3) var<storage, read> conductance: array<f32>;
 // Weights of the terms, those of all levels of importance together.

@@ -16,7 +16,7 @@ use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 /// The conductance between two pixels.
 pub(crate) const FACE_CONDUCTANCE: Wgsl = wgsl!("../face_conductance.wgsl");
 
-/// What flows between pixels, and what a sweep makes of it.
+/// The flux between pixels, and a sweep's step.
 const FLUX: Wgsl = wgsl!("flux.wgsl");
 
 uniforms! {
@@ -84,7 +84,7 @@ enum TermWeights<'a> {
     ByLevel,
 }
 
-/// What the kernels of a run of sweeps have in common.
+/// Bindings that the kernels of a run of sweeps share.
 struct Sweeping<'a> {
     gradient: &'a wgpu::Buffer,
     conductance: &'a wgpu::Buffer,

@@ -30,7 +30,7 @@ pub(crate) struct Faces<'a> {
 /// Pixels read to each side by one step.
 pub(crate) const REACH: usize = 1;
 
-/// What a sweep makes of a sample g, the flux Lg into it and an earlier value of it.
+/// The step of a sweep, from a sample g, the flux Lg into it and an earlier value of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Update {
     /// An explicit step of the given length: g + dt Lg.
@@ -42,7 +42,7 @@ pub(crate) enum Update {
 }
 
 impl Update {
-    /// What becomes of a sample g with the flux `lg` into it.
+    /// The next value of a sample g with the flux `lg` into it.
     #[inline(always)]
     pub(crate) fn updated(self, g: f32, lg: f32, earlier: f32) -> f32 {
         match self {
@@ -67,7 +67,7 @@ pub(crate) struct Stencil<'a> {
 /// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over
 /// the 4 neighbours. `out` holds the earlier value, and then what `update` makes of it.
 ///
-/// All slices have the length of `out`, but for the columns beyond it that their types tell of.
+/// All slices have the length of `out`, except for the columns beyond it that their types add.
 #[inline(always)]
 pub(crate) fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
     match update {
@@ -151,7 +151,7 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// What flows into a sample from its neighbours west, east, north and south through faces of the given
+/// The flux into a sample from its neighbours west, east, north and south through faces of the given
 /// conductances. Opposite neighbours are summed first: a mirrored or turned picture gives the same
 /// bits.
 #[inline(always)]

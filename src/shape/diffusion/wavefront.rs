@@ -23,7 +23,7 @@ const TOGETHER: usize = 4;
 pub(crate) struct Pass<'a> {
     /// One update per sweep.
     pub(crate) updates: &'a [Update],
-    /// What terms are added up with.
+    /// The weights of the sum of terms.
     pub(crate) weights: Weights<'a>,
     /// Number of the starting term; 0 at the beginning of the recurrence.
     pub(crate) first_term: usize,

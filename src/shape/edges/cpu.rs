@@ -115,7 +115,7 @@ impl Scratch {
     }
 }
 
-/// What silhouettes are sought in, with the threshold of its jumps.
+/// The plane that silhouettes are found in, with the threshold of its jumps.
 enum Silhouettes<'a> {
     Depth(&'a Plane, SoftThreshold),
     Occlusion(&'a Plane, SoftThreshold),

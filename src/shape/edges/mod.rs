@@ -5,7 +5,7 @@ pub(crate) mod stage;
 
 use crate::plan::Plan;
 
-/// What silhouettes are found in: depth before occlusion before the mere border.
+/// The plane that silhouettes are found in: depth, else occlusion, else the border of the mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SilhouetteSource {
     /// Jumps of depth.

@@ -53,7 +53,7 @@ impl Pixels {
     }
 }
 
-/// What is made of a frame.
+/// The kind of result made of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum What {
     /// The picture of the command.
@@ -64,7 +64,7 @@ pub(crate) enum What {
     Layers,
 }
 
-/// What holds a frame.
+/// The holder of a frame.
 enum Held {
     /// With all that was read along with it.
     Whole(Box<Loaded>),
@@ -84,7 +84,7 @@ impl AsRef<Frame> for Held {
 /// The frame in hand.
 struct OpenFrame {
     source: Source,
-    /// What mirrors and lenses show.
+    /// The scene that mirrors and lenses show.
     scene: Option<SpecularScene>,
     /// By the step between the pixels that are left; 1 holds the whole.
     sessions: BTreeMap<usize, Session<Held>>,
@@ -131,7 +131,7 @@ impl OpenFrame {
     }
 }
 
-/// What was made last.
+/// The last result.
 struct Made {
     command: Command,
     what: What,
@@ -141,7 +141,7 @@ struct Made {
 /// Makes pictures of one frame, and keeps what the next ones can use.
 pub(crate) struct ViewSession {
     engine: Arc<Engine>,
-    /// What was said of devices.
+    /// Messages about devices.
     said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
     around: SurroundingFiles,
@@ -170,7 +170,7 @@ impl ViewSession {
     /// read or made anew.
     ///
     /// # Errors
-    /// What is wrong with the settings or the files, as one line.
+    /// An error of the settings or the files, as one line.
     pub(crate) fn make(
         &mut self,
         look: &Look,
@@ -210,7 +210,7 @@ impl ViewSession {
         Some(self.session()?.held().as_ref())
     }
 
-    /// What was made last.
+    /// The last result.
     pub(crate) fn outcome(&self) -> Option<&Outcome> {
         Some(self.session()?.outcome())
     }
@@ -255,7 +255,7 @@ impl ViewSession {
         }
     }
 
-    /// What the user should know of the frame, and of what works on it.
+    /// Warnings about the frame and about devices.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let sitter = self.sitter.iter();
         let of_frame = sitter.flat_map(|sitter| sitter.loaded().warnings.iter().cloned());
@@ -388,7 +388,7 @@ impl ViewSession {
     }
 }
 
-/// What all commands share.
+/// The arguments that all commands share.
 fn work_of(command: &Command) -> &WorkArgs {
     match command {
         Command::Shape(work) => work,

@@ -290,7 +290,7 @@ impl<'a> Machine<'a> {
         self.switches.insert(handle, on);
     }
 
-    /// What a function gives for arguments, word by word.
+    /// The result of a function for arguments, word by word.
     pub(super) fn call(&mut self, signature: &Signature, arguments: &[u32]) -> &[u32] {
         let frame = self.program.globals_end;
         let first = self.program.layouts[&signature.handle]

@@ -3,7 +3,7 @@
 //! A *scalar function* gives a result that depends on its arguments, on the uniform block and on switches alone, and takes
 //! or gives a float. It has a twin in [`table`]: the Rust function of its name; a method `Type::name` is `type_name` in WGSL.
 //! Functions that read or write storage, memory of the workgroup or of the invocation are orchestration, and those of
-//! integers alone are addressing: they differ between backends, and are held to the same pictures by `tests/backends`.
+//! integers alone are addressing: they differ between backends, and `tests/backends` compares their pictures.
 //!
 //! Both twins get the same values: random ones, hostile ones and those at and beside which the function branches. The
 //! results have to be equal, where all NaN and both zeros are one, unless an entry of the table states why not.
@@ -50,7 +50,7 @@ fn a_missing_twin_and_a_wrong_one_are_found() {
     let mut wrong = all.swap_remove(place.expect("it has a twin"));
     assert_eq!(lacking(&all), BTreeSet::from(["scale_factor".to_owned()]));
     let right = std::mem::replace(&mut wrong.rust, Box::new(|_, _| {}));
-    // Another sign of zero is none, the next number is one.
+    // The sign of zero makes no difference; the next number is one apart.
     wrong.rust = Box::new(move |words, out| {
         right(words, out);
         out[0] += u32::from(f32::from_bits(words[0]) == f32::MIN_POSITIVE);

@@ -292,7 +292,7 @@ fn lights() -> Vec<Twin> {
             RELIGHT,
             |le: f32, ln: f32, ne: f32| { terms::half_way(le, ln, ne) }
         ),
-        // A cosine that is held to 0..1; whole powers as far as they are multiplied, any others as far as exponents go.
+        // A cosine clamped to 0..1; integer powers up to the largest that is multiplied, real ones up to the largest exponent.
         twin!(
             power_raise,
             Exponent::raise,
