@@ -39,7 +39,7 @@ pub enum Product {
 
 /// How a product is compared between backends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Compared {
+pub(crate) enum Compared {
     /// By the largest difference, relative to the largest value.
     Largest,
     /// By the mean difference of ink, since a rounding may flip a pixel of a texture.
@@ -73,7 +73,7 @@ pub struct ProductRow {
     /// Whether every further scale has one too.
     pub at_scales: bool,
     /// How backends are compared.
-    pub compared: Compared,
+    pub(crate) compared: Compared,
     /// The tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
     pub tolerance: f64,
     /// A grey picture of it, 0 black and 1 white, in the viewer.

@@ -9,7 +9,8 @@ use glam::DVec2;
 use std::f64::consts::PI;
 
 impl Product {
-    /// How far its planes are from the CPU's, as [it is compared](Compared); infinitely where there are fewer or more.
+    /// The difference of its planes from the CPU's: the largest one relative to the largest value, or the mean one of ink and
+    /// directions; infinite where the numbers of planes differ.
     pub fn difference(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
         if found.len() != expected.len() {
             return f64::INFINITY;

@@ -8,8 +8,8 @@ pub(crate) mod stage;
 pub(crate) mod stages;
 
 pub use crate::light::enhancement::LightAvailable;
-pub use crate::light::relight::setting::{Albedo, LightKinds};
-pub(crate) use crate::light::relight::setting::{EnvironmentUse, Relighting};
+pub use crate::light::relight::setting::LightKinds;
+pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
 pub use crate::plan::available::Available;
 pub use crate::plan::planned::{Decision, Plan, Points};
 pub use crate::plan::resolve::{Goal, ToneFrom};

@@ -50,7 +50,7 @@ pub(crate) enum EnvironmentUse {
 
 /// Where the albedo comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Albedo {
+pub(crate) enum Albedo {
     /// A layer or file.
     Layer,
     /// The picture, by the shading that fits it best.
