@@ -79,6 +79,8 @@ impl HatchArgs {
     ) -> (Inputs, Needs) {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
+        // What a mask or objects leave out is not drawn.
+        needs.strength = false;
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         if looks
             .line
