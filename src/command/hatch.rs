@@ -89,7 +89,11 @@ impl HatchArgs {
         {
             (needs.color, needs.albedo) = (true, true);
         }
-        (self.relight.inputs(frame), needs)
+        let inputs = Inputs {
+            object_angles: self.object_angles.clone(),
+            ..self.relight.inputs(frame)
+        };
+        (inputs, needs)
     }
 
     /// How many times larger than the frame its drawing is.
