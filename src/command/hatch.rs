@@ -79,6 +79,8 @@ impl HatchArgs {
     ) -> (Inputs, Needs) {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
+        // What a mask or objects leave out is not drawn.
+        needs.strength = false;
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         if looks
             .line
@@ -87,7 +89,11 @@ impl HatchArgs {
         {
             (needs.color, needs.albedo) = (true, true);
         }
-        (self.relight.inputs(frame), needs)
+        let inputs = Inputs {
+            object_angles: self.object_angles.clone(),
+            ..self.relight.inputs(frame)
+        };
+        (inputs, needs)
     }
 
     /// How many times larger than the frame its drawing is.

@@ -3,7 +3,7 @@
 use super::flags::Section;
 use super::motion_arg::MotionArg;
 use super::relight_args::RelightArgs;
-use crate::params::{Group, LineParams, ToneSource};
+use crate::params::{Group, LineParams, ObjectAngle, ToneSource};
 use clap::Args;
 use std::path::Path;
 
@@ -19,6 +19,14 @@ pub(crate) struct HatchArgs {
     _strokes: Section<{ Group::Strokes as u8 }>,
     #[command(flatten)]
     _contours: Section<{ Group::Contours as u8 }>,
+    /// Where strokes go on one object that curvature does not lead, in place of --fallback: by its name in Cryptomatte,
+    /// * and ? for any letters, or its number in an index pass. May be given several times; the last one counts.
+    #[arg(
+        long = "object-angle",
+        value_name = "NAME=DEG|surface",
+        help_heading = "Directions"
+    )]
+    pub(super) object_angles: Vec<ObjectAngle>,
     #[command(flatten)]
     pub(crate) motion: MotionArg,
 }

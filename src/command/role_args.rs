@@ -148,6 +148,7 @@ impl RoleArgs {
             motion: None,
             mask: self.mask.clone(),
             objects: self.objects.clone(),
+            object_angles: Vec::new(),
             coverage: self.coverage.clone(),
             camera: self.camera.clone(),
             normal_space: self.normal_space.0,

@@ -5,6 +5,7 @@ use super::holes::fill;
 use super::normals::{MIN_LENGTH, normalise};
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Where decoded normals have a direction, depth is a distance, and mask and alpha are above one half: of those that are
 /// given.
@@ -14,17 +15,26 @@ pub(crate) fn of_normals(
     alpha: Option<&Plane>,
     mask: Option<&Plane>,
 ) -> Mask {
-    let half = |plane: Option<&Plane>, x, y| plane.is_none_or(|p| p.at(x, y) > 0.5);
     let (width, height) = (normal.x.width(), normal.x.height());
-    Mask::new(Plane::from_fn(width, height, |x, y| {
-        let n = Vec3::new(normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y));
-        n.is_finite()
-            && n.length_squared() > MIN_LENGTH * MIN_LENGTH
-            && n.length_squared().is_finite()
-            && depth.is_none_or(|depth| is_distance(depth.at(x, y)))
-            && half(mask, x, y)
-            && half(alpha, x, y)
-    }))
+    let mut covered = Plane::filled(width, height, false);
+    let rows = covered.samples_mut().par_chunks_mut(width.max(1));
+    rows.enumerate().for_each(|(y, row)| {
+        let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+        for (x, covered) in row.iter_mut().enumerate() {
+            // Finite only where all components are.
+            let square = Vec3::new(nx[x], ny[x], nz[x]).length_squared();
+            *covered = square > MIN_LENGTH * MIN_LENGTH && square.is_finite();
+        }
+        let mut narrow = |plane: Option<&Plane>, holds: fn(f32) -> bool| {
+            let samples = plane.into_iter().flat_map(|plane| plane.row(y));
+            let pairs = row.iter_mut().zip(samples);
+            pairs.for_each(|(covered, &sample)| *covered &= holds(sample));
+        };
+        narrow(depth, is_distance);
+        narrow(mask, |share| share > 0.5);
+        narrow(alpha, |share| share > 0.5);
+    });
+    Mask::new(covered)
 }
 
 /// Where a surface was seen.

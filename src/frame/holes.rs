@@ -51,13 +51,17 @@ pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
 
 /// The holes of row `y`, which is neither the first nor the last, with the depth of the surface there.
 fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize; 2], f32)> {
-    let row = depth.row(y);
+    let (row, above) = (depth.row(y), depth.row(y - 1));
     let mut found = Vec::new();
     for x in 1..row.len().saturating_sub(1) {
         // Most samples lie no farther than one of their neighbours.
         let nearest = 1.0 + SAME_SURFACE;
         let (here, before, after) = (row[x], row[x - 1], row[x + 1]);
         if is_distance(here) && (here <= nearest * before || here <= nearest * after) {
+            continue;
+        }
+        // With nothing above only one pair is left, along the row, which is too few: most of a background is that.
+        if !above[x - 1..=x + 1].iter().copied().any(is_distance) {
             continue;
         }
         if let Some(surface) = surface_at(depth, x, y)

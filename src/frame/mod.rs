@@ -82,6 +82,9 @@ pub struct Frame {
     pub importance: Option<Plane>,
     /// Strength of the effect, 0..1. Engines ignore it; the command line blends results with the frame's own picture by it.
     pub strength: Option<Plane>,
+    /// Where strokes go that curvature does not lead, on objects that have a direction of their own: x and y are the unit
+    /// vector at twice its angle, z is 1 where it is upright on the surface; all 0 where it is that of the whole drawing.
+    pub stroke_fallback: Option<Vector3Planes>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
     /// Albedo, scene-linear, where a layer or file holds it.
@@ -133,6 +136,7 @@ impl Frame {
             occlusion: None,
             importance: None,
             strength: None,
+            stroke_fallback: None,
             color: None,
             albedo: None,
             alpha: None,
@@ -162,19 +166,21 @@ impl Frame {
             g: plane(&c.g),
             b: plane(&c.b),
         };
+        let vectors = |v: &Vector3Planes| Vector3Planes {
+            x: plane(&v.x),
+            y: plane(&v.y),
+            z: plane(&v.z),
+        };
         Frame {
             mask,
-            normal: Vector3Planes {
-                x: plane(&self.normal.x),
-                y: plane(&self.normal.y),
-                z: plane(&self.normal.z),
-            },
+            normal: vectors(&self.normal),
             normal_length: self.normal_length.as_ref().map(plane),
             confidence: self.confidence.as_ref().map(plane),
             depth: self.depth.as_ref().map(plane),
             occlusion: self.occlusion.as_ref().map(plane),
             importance: self.importance.as_ref().map(plane),
             strength: self.strength.as_ref().map(plane),
+            stroke_fallback: self.stroke_fallback.as_ref().map(vectors),
             color: self.color.as_ref().map(colors),
             albedo: self.albedo.as_ref().map(colors),
             alpha: self.alpha.as_ref().map(plane),

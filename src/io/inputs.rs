@@ -3,6 +3,7 @@
 use super::colorspace::ColorSpace;
 use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
+use crate::params::ObjectAngle;
 use glam::Vec3;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -42,6 +43,8 @@ pub struct Inputs {
     /// Objects whose shares of a pixel are how much is taken, by their names in Cryptomatte, with `*` and `?` for any
     /// letters, or by their numbers; a `!` before a name leaves an object out. All where there are none.
     pub objects: Vec<String>,
+    /// Where strokes go on single objects that curvature does not lead.
+    pub object_angles: Vec<ObjectAngle>,
     /// Coverage: a surface was seen where it is above one half.
     pub coverage: Option<String>,
     /// A camera file.

@@ -245,6 +245,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         occlusion: occlusion.or_else(|| coverage::varying(layers.alpha.as_ref())),
         importance: planes.scalar(Role::Importance),
         strength,
+        stroke_fallback: objects::fallbacks(&inputs.object_angles, &main, data_window)?,
         color: layers.color,
         albedo: layers.albedo,
         alpha: layers.alpha,

@@ -6,7 +6,9 @@ use super::nearest;
 use super::opened::Opened;
 use super::roles::{Layer, Match, Role, by_name};
 use crate::error::{Error, Result};
-use crate::frame::{Plane, Window};
+use crate::frame::{Plane, Vector3Planes, Window};
+use crate::params::{Fallback, ObjectAngle};
+use glam::{Vec2, Vec3};
 use std::path::Path;
 use wildmatch::WildMatch;
 
@@ -93,6 +95,41 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
             .for_each(|(share, without)| *share = share.min(1.0 - without));
     }
     Ok(covered)
+}
+
+/// Where strokes go on the objects that have a direction of their own, as [`crate::frame::Frame::stroke_fallback`] holds
+/// it: where an object covers more than half of a pixel. Of several that do, the last one counts. `None` where there are
+/// no `angles`.
+///
+/// # Errors
+/// As [`covered`].
+pub(super) fn fallbacks(
+    angles: &[ObjectAngle],
+    main: &Opened,
+    window: Window,
+) -> Result<Option<Vector3Planes>> {
+    if angles.is_empty() {
+        return Ok(None);
+    }
+    let zero = || Plane::filled(window.width(), window.height(), 0.0);
+    let (x, y, z) = (zero(), zero(), zero());
+    let mut found = Vector3Planes { x, y, z };
+    for ObjectAngle { name, fallback } in angles {
+        let covered = covered(std::slice::from_ref(name), main, window)?;
+        let own = match fallback {
+            Fallback::Surface => Vec3::Z,
+            Fallback::Angle(degrees) => {
+                Vec2::from_angle((2.0 * (degrees % 180.0)).to_radians()).extend(0.0)
+            }
+        };
+        for (components, &share) in found.components_mut().zip(covered.samples()) {
+            if share > 0.5 {
+                let pairs = components.into_iter().zip(own.to_array());
+                pairs.for_each(|(component, own)| *component = own);
+            }
+        }
+    }
+    Ok(Some(found))
 }
 
 impl<'a> Choice<'a> {

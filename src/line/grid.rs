@@ -4,6 +4,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;
 use crate::frame::{Mask, Plane};
 use glam::Vec2;
+use std::ops::Range;
 
 /// Cells of `step` by `step` pixels; those that hold any surface are covered.
 pub(crate) struct Grid {
@@ -37,21 +38,21 @@ impl Grid {
         row: impl Fn(usize) -> Sample + Sync,
     ) -> [Plane; N] {
         let step = self.step;
-        let [width, height] = [pixels.width(), pixels.height()];
+        let height = pixels.height();
         map_rows(&self.mask, memory, |cells, mut means| {
             let columns = self.mask.span(cells);
             let mut counts = vec![0.0_f32; columns.len()];
             let mut sums = vec![[0.0; N]; columns.len()];
             for y in cells * step..((cells + 1) * step).min(height) {
-                let (covered, sample) = (pixels.row(y), row(y));
-                for (i, cell) in columns.clone().enumerate() {
-                    for x in (cell * step..((cell + 1) * step).min(width)).filter(|&x| covered[x]) {
-                        let sample = sample(x);
-                        sums[i]
-                            .iter_mut()
-                            .zip(sample)
-                            .for_each(|(sum, v)| *sum += v);
-                        counts[i] += 1.0;
+                let sample = row(y);
+                for run in pixels.runs(y) {
+                    for (cell, part) in parts(run, step) {
+                        let i = cell - columns.start;
+                        counts[i] += part.len() as f32;
+                        for x in part {
+                            let sums = sums[i].iter_mut().zip(sample(x));
+                            sums.for_each(|(sum, v)| *sum += v);
+                        }
                     }
                 }
             }
@@ -88,8 +89,17 @@ impl Grid {
                 *sum += Vec2::new(weight * sample, weight);
             }
         }
-        let at = |x: usize| {
-            let ([left, right], across) = self.place(x, cells.width());
+        // All pixels between two middles of cells have the same two beside them.
+        let shares: Vec<f32> = (0..2 * self.step).map(|rest| self.share(rest)).collect();
+        let (mut cell, mut rest) = self.cell(0);
+        let last = cells.width() - 1;
+        let at = |_| {
+            let (left, right) = (cell.saturating_sub(1).min(last), cell.min(last));
+            let across = shares[rest];
+            rest += 2;
+            if rest >= 2 * self.step {
+                (cell, rest) = (cell + 1, rest - 2 * self.step);
+            }
             let sum = (1.0 - across) * between[left] + across * between[right];
             // A covered pixel's own cell weighs a quarter at the least.
             sum.x / sum.y
@@ -100,11 +110,38 @@ impl Grid {
     /// The two cells, of so many, around a pixel along an axis, and how far it lies toward the second.
     #[inline(always)]
     fn place(&self, pixel: usize, count: usize) -> ([usize; 2], f32) {
+        let (cell, rest) = self.cell(pixel);
+        let first = cell.saturating_sub(1);
+        (
+            [first.min(count - 1), cell.min(count - 1)],
+            self.share(rest),
+        )
+    }
+
+    /// The second of the two cells around a pixel, and how many halves of pixels it lies beyond the middle of the first.
+    #[inline(always)]
+    fn cell(&self, pixel: usize) -> (usize, usize) {
         // Halves of pixels from the middle of the cell before the first.
         let at = 2 * pixel + 1 + self.step;
-        let (cell, rest) = (at / (2 * self.step), at % (2 * self.step));
-        let first = cell.saturating_sub(1);
-        let across = rest as f32 / (2 * self.step) as f32;
-        ([first.min(count - 1), cell.min(count - 1)], across)
+        (at / (2 * self.step), at % (2 * self.step))
     }
+
+    /// So many halves of pixels as a share of the way from one cell to the next.
+    #[inline(always)]
+    fn share(&self, rest: usize) -> f32 {
+        rest as f32 / (2 * self.step) as f32
+    }
+}
+
+/// The cells of `step` pixels that a run of pixels passes, each with the pixels in it.
+#[inline]
+pub(crate) fn parts(run: Range<usize>, step: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let mut cell = run.start / step;
+    let mut from = run.start;
+    std::iter::from_fn(move || {
+        let to = ((cell + 1) * step).min(run.end);
+        let part = (from < to).then_some((cell, from..to))?;
+        (cell, from) = (cell + 1, to);
+        Some(part)
+    })
 }

@@ -34,8 +34,8 @@ pub use display::{DisplayParams, Exposure, Highlights};
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
-    Levels, LineLevels, LineParams, PaperSize, Plotter, Stroke, StrokeDirections, StrokeParams,
-    StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
+    Levels, LineLevels, LineParams, ObjectAngle, PaperSize, Plotter, Stroke, StrokeDirections,
+    StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
 pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS, MM_PER_INCH};
 pub(crate) use range::in_range;

@@ -17,6 +17,8 @@ pub struct Available {
     pub occlusion: bool,
     /// A map of importance, by which scale varies from pixel to pixel.
     pub importance: bool,
+    /// Objects on which strokes have a direction of their own where curvature does not lead.
+    pub object_angles: bool,
     /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
     pub image_height: usize,
     /// Its width in pixels, likewise.
@@ -44,6 +46,7 @@ impl Available {
             albedo: frame.albedo.is_some(),
             occlusion: frame.occlusion.is_some(),
             importance: frame.importance.is_some(),
+            object_angles: frame.stroke_fallback.is_some(),
             image_height: frame.display_window.height(),
             image_width: frame.display_window.width(),
             positions: frame.depth.is_some()

@@ -123,6 +123,70 @@ fn objects_that_are_not_there_are_refused_with_those_that_are() {
 }
 
 #[test]
+fn strokes_are_drawn_on_the_object_alone() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let words = format!("hatch {haze} --object Head --layers results -q -o out.exr");
+    relievo(desk.path(), &words).done();
+    let ink = channel(&desk.path().join("out.exr"), "strokes.hatching");
+    let share = head(&haze);
+    let (mut inside, mut outside) = (0.0, 0.0);
+    for (ink, share) in ink.samples().iter().zip(share.samples()) {
+        match *share > 0.5 {
+            true => inside += ink,
+            false => outside += ink,
+        }
+    }
+    assert!(inside > 500.0 && outside == 0.0, "{inside} {outside}");
+}
+
+#[test]
+fn strokes_have_an_angle_by_object() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let drawn = |flags: &str, name: &str| {
+        let flags = format!("--directions max --interior off --contours off {flags}");
+        let words = format!("hatch {haze} {flags} --layers results -q -o {name}.exr");
+        relievo(desk.path(), &words).done();
+        channel(&desk.path().join(format!("{name}.exr")), "strokes.hatching")
+    };
+    let plain = drawn("", "plain");
+    let turned = drawn(
+        "--object-angle Head=90 --object-angle H*d=0 --save-recipe turned.toml",
+        "turned",
+    );
+    let recipe = std::fs::read_to_string(desk.path().join("turned.toml")).unwrap();
+    assert!(
+        recipe.contains("object-angle = [\"Head=90\", \"H*d=0\"]"),
+        "{recipe}"
+    );
+    // Strokes change on the head alone, and where the fog's specks beside it take directions from up to 32 pixels away. Of the
+    // two angles the last one counts.
+    assert_eq!(turned, drawn("--object-angle Head=0", "again"));
+    let share = head(&haze);
+    let mut changed = 0;
+    for (x, y) in (0..share.height()).flat_map(|y| (0..share.width()).map(move |x| (x, y))) {
+        if plain.at(x, y) == turned.at(x, y) {
+            continue;
+        }
+        let rows = y.saturating_sub(32)..(y + 33).min(share.height());
+        let columns = x.saturating_sub(32)..(x + 33).min(share.width());
+        let mut around = share.rows_within(columns, rows).flatten();
+        assert!(
+            around.any(|&share| share > 0.5),
+            "({x}, {y}) is not on the head"
+        );
+        changed += 1;
+    }
+    assert!(changed > 1000, "{changed}");
+    let refused = |flags: &str| relievo(desk.path(), &format!("hatch {haze} -o out.png {flags}"));
+    let line = refused("--object-angle head=30").refused(1);
+    assert!(line.contains("no object called head"), "{line}");
+    let line = refused("--object-angle Head").error(2);
+    assert!(line.contains("expected NAME=DEG or NAME=surface"), "{line}");
+}
+
+#[test]
 fn depth_that_fog_lacks_is_filled_and_said() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr").display().to_string();

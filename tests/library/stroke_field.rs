@@ -3,13 +3,16 @@
 use crate::common::{direction_at, in_8_bits, mirrored, quantile, quarter_turned, without_depth};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec2};
 use relievo::engine::{Engine, Inputs};
-use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Window};
+use relievo::frame::{Frame, Mask, Plane, Projection, Vector2Planes, Vector3Planes, Window};
+use relievo::io::{self, Needs, inputs::Inputs as Files};
 use relievo::params::{
     Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
 };
 use relievo::plan::{Available, Goal, Plan};
 use relievo::report::scenes::angle_deg;
 use relievo::report::scenes::{Exact, ExactScene, Surface};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 fn fields(frame: &Frame, params: &FieldParams, directions: StrokeDirections) -> Vec<Vector2Planes> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
@@ -274,6 +277,88 @@ fn the_surface_fallback_is_upright_and_across() {
             let off = angle_deg(direction_at(&second, x, y), across);
             assert!(off < 3.0, "({x}, {y}): {off}");
         }
+    }
+}
+
+/// How often the field turns by half a turn around squares of four pixels of one surface: where strokes meet in a point or
+/// part around one.
+fn singular_squares(field: &Vector2Planes, frame: &Frame) -> usize {
+    let depth = frame.depth.as_ref().unwrap();
+    let is_one_surface = |square: [(usize, usize); 4]| {
+        let depths = square.map(|(x, y)| depth.at(x, y));
+        let [near, far] = [f32::min, f32::max].map(|of| depths.into_iter().reduce(of).unwrap());
+        let covered = square.iter().all(|&(x, y)| frame.mask.at(x, y));
+        let [a, b, c, d] = square.map(|(x, y)| frame.normal.at(x, y));
+        covered && near > 0.98 * far && a.dot(c) > 0.9 && b.dot(d) > 0.9
+    };
+    let is_singular = |square: [(usize, usize); 4]| {
+        let twice = square.map(|(x, y)| 2.0 * direction_at(field, x, y).to_angle());
+        let turn = |i: usize| {
+            let turn = twice[(i + 1) % 4] - twice[i];
+            turn - TAU * (turn / TAU).round()
+        };
+        (0..4).map(turn).sum::<f64>().abs() > PI
+    };
+    let squares =
+        places(frame).filter(|&(x, y)| x + 1 < frame.mask.width() && y + 1 < frame.mask.height());
+    let squares = squares.map(|(x, y)| [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]);
+    squares
+        .filter(|&square| is_one_surface(square) && is_singular(square))
+        .count()
+}
+
+#[test]
+fn few_places_are_singular_on_a_head() {
+    let picture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
+    let inputs = Files {
+        picture,
+        ..Files::default()
+    };
+    let needs = Needs {
+        projection: true,
+        ..Needs::default()
+    };
+    let frame = io::load(&inputs, needs).unwrap().frame;
+    let singular = |passes: u32| {
+        let params = FieldParams {
+            passes,
+            ..FieldParams::default()
+        };
+        let found = fields(&frame, &params, StrokeDirections::Both);
+        found
+            .iter()
+            .map(|field| singular_squares(field, &frame))
+            .collect::<Vec<_>>()
+    };
+    let (raw, calm) = (singular(0), singular(FieldParams::default().passes));
+    println!("{raw:?} without averaging, {calm:?} with it");
+    for (raw, calm) in raw.iter().zip(&calm) {
+        assert!(10 * calm < *raw && *calm > 0, "{raw} {calm}");
+    }
+}
+
+#[test]
+fn objects_take_fallbacks_of_their_own() {
+    // Three planes that face the viewer, side by side at three depths: of the whole drawing, of 20 degrees, and upright on
+    // the surface, x crossed with n, which is along y.
+    let mut frame = ExactScene::orthographic(Surface::plane(DVec3::Z), 60.0, 30.0).frame(120, 60);
+    let part = |x: usize| x / 40;
+    frame.depth = Some(Plane::from_fn(120, 60, |x, _| [1.0, 2.0, 4.0][part(x)]));
+    let twice = DVec2::from_angle(40_f64.to_radians());
+    let own = [DVec3::ZERO, twice.extend(0.0), DVec3::Z];
+    frame.stroke_fallback = Some(Vector3Planes::from_fn(120, 60, |x, _| own[part(x)]));
+    let found = both(&frame);
+    let wanted = [45.0, 20.0, 90.0].map(|deg: f64| DVec2::from_angle(deg.to_radians()));
+    // Pixels on the steps themselves have a neighbour's direction.
+    let inside = places(&frame).filter(|(x, _)| (4..36).contains(&(x % 40)));
+    for (x, y) in inside {
+        let [first, second] = [0, 1].map(|i| direction_at(&found[i], x, y));
+        let along = wanted[part(x)];
+        assert!(angle_deg(first, along) < 0.01, "({x}, {y}): {first}");
+        assert!(
+            angle_deg(second, along.perp()) < 0.01,
+            "({x}, {y}): {second}"
+        );
     }
 }
 

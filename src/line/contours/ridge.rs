@@ -36,11 +36,24 @@ impl Bands<'_> {
     /// Eight bits, one per step: whether `is_left` holds for the neighbour.
     fn neighbours(&self, pixel: u32, is_left: &[bool]) -> u8 {
         let mut bits = 0;
-        for (i, &step) in STEPS.iter().enumerate() {
-            let set = self.beside(pixel, step).is_some_and(|i| is_left[i]);
+        for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
+            let set = there.is_some_and(|there| is_left[there]);
             bits |= u8::from(set) << i;
         }
         bits
+    }
+
+    /// The pixels all steps away, in their order.
+    fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
+        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let is_inside = x > 0 && y > 0 && x + 1 < self.width && y + 1 < self.height;
+        STEPS.map(|[dx, dy]| match is_inside {
+            true => {
+                let step = dy as isize * self.width as isize + dx as isize;
+                Some((pixel as usize).wrapping_add_signed(step))
+            }
+            false => self.beside(pixel, [dx, dy]),
+        })
     }
 
     /// The lines that the bands are thinned to, connected as the bands are: pixels are taken away, those of the
@@ -138,9 +151,9 @@ impl Bands<'_> {
         let mut levels = [(); LEVELS].map(|()| Vec::new());
         for &pixel in self.pixels.iter().chain(filled) {
             let mut sum = 4.0 * self.weight[pixel as usize].max(0.0);
-            for (i, &step) in STEPS.iter().enumerate() {
+            for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
                 let share = if i % 2 == 0 { 2.0 } else { 1.0 };
-                sum += share * self.weight_beside(pixel, step);
+                sum += share * there.map_or(0.0, |there| self.weight[there].max(0.0));
             }
             let level = (sum * (LEVELS as f32 / 16.0)) as usize;
             levels[level.min(LEVELS - 1)].push(pixel);

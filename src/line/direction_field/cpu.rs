@@ -44,8 +44,7 @@ pub(crate) fn stroke_fields(
             if let Some(given) = given {
                 field.follow(&mut led, &given[order]);
             }
-            let fallback = |x: f64, y: f64, n: DVec3| field.setting.fallback(x, y, n, order);
-            field.settle(&mut led, fallback);
+            field.settle(&mut led, order);
             let between = BetweenPatches {
                 patches: &patches,
                 mask: &frame.mask,
@@ -54,7 +53,7 @@ pub(crate) fn stroke_fields(
             let mut found = between.all(memory);
             fill_rest(&mut found, &frame.mask, |x, y| {
                 let at = frame.data_window.middle(x, y);
-                fallback(at.x, at.y, frame.normal.at(x, y))
+                field.fallback(at, frame.normal.at(x, y), order)
             });
             found
         })
@@ -79,6 +78,21 @@ impl<'a> Field<'a> {
             patches,
             setting: FieldSetting::new(plan, params, frame),
         }
+    }
+
+    /// The fallback at a place in the picture, of the first field made or the second.
+    fn fallback(&self, at: DVec2, normal: DVec3, order: usize) -> Vec2 {
+        let Some(own) = &self.frame.stroke_fallback else {
+            return self.setting.fallback(at.x, at.y, normal, order);
+        };
+        let window = self.frame.data_window;
+        let pixel = |at: f64, from: i32, count: usize| {
+            ((at - f64::from(from)).max(0.0) as usize).min(count - 1)
+        };
+        let x = pixel(at.x, window.x0, window.width());
+        let y = pixel(at.y, window.y0, window.height());
+        let setting = self.setting.on_object(own.at(x, y));
+        setting.fallback(at.x, at.y, normal, order)
     }
 
     /// How far one pass reaches from each patch, in patches.
@@ -155,9 +169,7 @@ impl<'a> Field<'a> {
                     mean: mean.into(),
                 };
                 let own = self.direction(patch, &form, family).unwrap_or_default();
-                let fallback = self
-                    .setting
-                    .fallback(patch.at.x, patch.at.y, patch.normal, order);
+                let fallback = self.fallback(patch.at, patch.normal, order);
                 let (sure, flat) = (own.length(), form.flatness(self.setting.doubt) as f32);
                 let sum = own + flat * doubled(fallback);
                 [sum.x, sum.y, sure + flat, 1.0]
@@ -223,14 +235,10 @@ impl<'a> Field<'a> {
     }
 
     /// Adds the fallback, and makes everything unit; specks become 0.
-    fn settle(
-        &self,
-        doubled_directions: &mut [[f32; 2]],
-        fallback: impl Fn(f64, f64, DVec3) -> Vec2 + Sync,
-    ) {
+    fn settle(&self, doubled_directions: &mut [[f32; 2]], order: usize) {
         let settle = |(i, z): (usize, &mut [f32; 2])| {
             let patch = &self.patches.all[i];
-            let last = doubled(fallback(patch.at.x, patch.at.y, patch.normal));
+            let last = doubled(self.fallback(patch.at, patch.normal, order));
             let own = Vec2::from(*z);
             let sum = own + FALLBACK * (1.0 - own.length() / FREE).max(0.0) * last;
             *z = match self.patches.is_speck(i) {

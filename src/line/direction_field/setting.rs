@@ -2,6 +2,7 @@
 
 use crate::frame::{DepthKind, Frame, Projection, SightLines};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
+use crate::line::direction_field::halved;
 use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::params::{Fallback, FieldParams};
 use crate::plan::Plan;
@@ -93,6 +94,20 @@ impl FieldSetting {
             (None, 0) => fixed_direction(normal, &self.sight, x, y),
             (None, _) => fixed_second_direction(normal, &self.sight, x, y),
         }
+    }
+
+    /// The setting on an object with a fallback of its `own`, as [`Frame::stroke_fallback`] holds it.
+    pub(crate) fn on_object(&self, own: DVec3) -> Self {
+        let twice = own.truncate().as_vec2();
+        let fixed = match (own.z > 0.5, twice.length() > 0.5) {
+            (true, _) => None,
+            (false, true) => {
+                let first = Vec2::from(halved(twice.to_array()));
+                Some([first, first.perp()])
+            }
+            (false, false) => self.fixed,
+        };
+        Self { fixed, ..*self }
     }
 }
 

@@ -29,6 +29,12 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
         },
     }],
     cpu: find,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |plan| {
+        plan.available
+            .object_angles
+            .then_some("directions of single objects")
+    },
     ..Stage::DEFAULT
 };
 

@@ -108,20 +108,36 @@ fn beside(crests: &[Crest], crest: &Crest, size: [usize; 2]) -> impl Iterator<It
     around.filter_map(move |[dx, dy]| number(crests, [x + dx, y + dy], size))
 }
 
+/// A pixel without a crest, or one whose crest has been looked at.
+const NO_CREST: u32 = u32::MAX;
+
 /// The crests that hang together, at least so many, with one at least as strong as `strength`.
 fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
-    let mut seen = vec![false; crests.len()];
+    let [width, height] = size;
+    // One column and row more on every side: all pixels have eight around them.
+    let place = |pixel: usize| (pixel / width + 1) * (width + 2) + pixel % width + 1;
+    let mut waiting = vec![NO_CREST; (width + 2) * (height + 2)];
+    for (i, crest) in (0..).zip(crests) {
+        waiting[place(crest.pixel as usize)] = i;
+    }
     let mut kept = Vec::new();
     for start in 0..crests.len() {
-        if seen[start] || crests[start].strength < strength {
+        let own = place(crests[start].pixel as usize);
+        if waiting[own] == NO_CREST || crests[start].strength < strength {
             continue;
         }
-        seen[start] = true;
+        waiting[own] = NO_CREST;
         let (first, mut next) = (kept.len(), kept.len());
         kept.push(start);
         while next < kept.len() {
-            let beside = beside(crests, &crests[kept[next]], size);
-            kept.extend(beside.filter(|&i| !std::mem::replace(&mut seen[i], true)));
+            let own = place(crests[kept[next]].pixel as usize);
+            for [dx, dy] in STEPS {
+                let step = dy as isize * (width as isize + 2) + dx as isize;
+                let there = &mut waiting[own.wrapping_add_signed(step)];
+                if *there != NO_CREST {
+                    kept.push(std::mem::replace(there, NO_CREST) as usize);
+                }
+            }
             next += 1;
         }
         if kept.len() - first < fewest {

@@ -65,19 +65,6 @@ impl<'a> Rims<'a> {
     }
 }
 
-/// The view-dependent curvature of normals, in radians per pixel; 0 outside the mask.
-pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
-    let (width, height) = (normals.width(), normals.height());
-    let mut curvature = Plane::filled(width, height, 0.0);
-    let rows = curvature.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
-        for x in mask.runs(y).flatten() {
-            row[x] = Turning::at(normals, x, y).largest();
-        }
-    });
-    curvature
-}
-
 /// The crests of the curvature of normals: those of valleys, and those of ridges.
 pub(super) fn valleys_and_ridges(
     normals: &Plane<Vec3>,
@@ -126,7 +113,7 @@ pub(super) fn suggestive(
     rims: &Rims,
     sizes: &Sizes,
 ) -> Vec<Crest> {
-    let facings = viewer.facings(normals);
+    let facings = viewer.facings(normals, rims.mask);
     let slants = facings.map(|facing| 1.0 - facing);
     let most = (1.0 - LEAST_SLANT * LEAST_SLANT).sqrt();
     let found = each_pixel(rims.mask, |x, y| {
@@ -160,10 +147,12 @@ pub(super) fn each_pixel<T: Send>(
     let rows: Vec<Vec<(u32, T)>> = (0..mask.height())
         .into_par_iter()
         .map(|y| {
-            let pixels = mask.runs(y).flatten();
-            let found =
-                pixels.filter_map(|x| find(x, y).map(|found| ((y * width + x) as u32, found)));
-            found.collect()
+            let mut found = Vec::new();
+            for run in mask.runs(y) {
+                let pixels = run.filter_map(|x| Some(((y * width + x) as u32, find(x, y)?)));
+                found.extend(pixels);
+            }
+            found
         })
         .collect();
     rows.into_iter().flatten().collect()
@@ -198,7 +187,7 @@ fn sampled(plane: &Plane, x: usize, y: usize, offset: Vec2) -> f32 {
         (left + 1).min(plane.width() - 1),
         (top + 1).min(plane.height() - 1),
     );
-    let part = at - at.floor();
+    let part = at - Vec2::new(left as f32, top as f32);
     let row = |y: usize| (1.0 - part.x) * plane.at(left, y) + part.x * plane.at(right, y);
     (1.0 - part.y) * row(top) + part.y * row(bottom)
 }

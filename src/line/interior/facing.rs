@@ -1,6 +1,6 @@
 //! How far a surface faces the viewer, n.v, and where it turns toward the viewer in the picture.
 
-use crate::frame::{Frame, Plane, Projection, SightLines};
+use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -52,14 +52,17 @@ impl Viewer {
         (across * Vec2::new(1.0, self.pixel_shape)).try_normalize()
     }
 
-    /// n.v of all of a level.
-    pub(super) fn facings(&self, normals: &Plane<Vec3>) -> Plane {
+    /// n.v of all of a level; 0 outside its mask.
+    pub(super) fn facings(&self, normals: &Plane<Vec3>, mask: &Mask) -> Plane {
         let width = normals.width();
         let mut facings = Plane::filled(width, normals.height(), 0.0);
         let rows = facings.samples_mut().par_chunks_mut(width);
         rows.enumerate().for_each(|(y, row)| {
-            for (x, facing) in row.iter_mut().enumerate() {
-                *facing = self.facing(x, y, normals.at(x, y));
+            let normals = normals.row(y);
+            for run in mask.runs(y) {
+                for x in run {
+                    row[x] = self.facing(x, y, normals[x]);
+                }
             }
         });
         facings

@@ -2,6 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes};
+use crate::line::grid::parts;
 use crate::params::RunOptions;
 use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
@@ -31,10 +32,12 @@ impl Level {
     pub(super) fn of(frame: &Frame, silhouette: &Plane, factor: usize) -> Self {
         let Vector3Planes { x, y, z } = &frame.normal;
         Self::blocks(&frame.mask, factor, |row, pixels, blocks| {
-            let rows = [x, y, z, silhouette].map(|plane| &plane.row(row)[pixels.clone()]);
-            for i in 0..pixels.len() {
-                let [x, y, z, silhouette] = rows.map(|row| row[i]);
-                blocks[(pixels.start + i) / factor].add(Vec3::new(x, y, z), 1.0 - silhouette);
+            let rows = [x, y, z, silhouette].map(|plane| plane.row(row));
+            for (block, pixels) in parts(pixels, factor) {
+                for i in pixels {
+                    let [x, y, z, silhouette] = rows.map(|row| row[i]);
+                    blocks[block].add(Vec3::new(x, y, z), 1.0 - silhouette);
+                }
             }
         })
     }
@@ -42,8 +45,9 @@ impl Level {
     /// The level of half the size, of normals at a scale that this one was diffused to.
     pub(super) fn halved(&self, normals: &Plane<Vec3>) -> Self {
         Self::blocks(&self.frame.mask, 2, |row, pixels, blocks| {
+            let (normals, conductance) = (normals.row(row), self.conductance.row(row));
             for x in pixels {
-                blocks[x / 2].add(normals.at(x, row), self.conductance.at(x, row));
+                blocks[x / 2].add(normals[x], conductance[x]);
             }
         })
     }
@@ -153,9 +157,11 @@ impl Level {
         let mut normals = Plane::filled(width, z.height(), Vec3::ZERO);
         let rows = normals.samples_mut().par_chunks_mut(width);
         rows.enumerate().for_each(|(y, row)| {
-            for x in mask.runs(y).flatten() {
-                row[x] =
-                    Vec3::new(across.x.at(x, y), across.y.at(x, y), z.at(x, y)).normalize_or_zero();
+            let [across_x, across_y, z] = [&across.x, &across.y, z].map(|plane| plane.row(y));
+            for run in mask.runs(y) {
+                for x in run {
+                    row[x] = Vec3::new(across_x[x], across_y[x], z[x]).normalize_or_zero();
+                }
             }
         });
         normals

@@ -1,7 +1,8 @@
 //! How fast the normal turns across the picture.
 
-use crate::frame::Plane;
+use crate::frame::{Mask, Plane};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 /// Derivatives of the unit normal per pixel, x right and y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,14 +15,16 @@ impl Turning {
     /// That of normals at a pixel, by Sobel's differences; 0 stands for a normal that is not there, beyond which the surface
     /// goes on as it is.
     pub(super) fn at(normals: &Plane<Vec3>, x: usize, y: usize) -> Self {
-        let here = normals.at(x, y);
-        let columns = [x.saturating_sub(1), x, (x + 1).min(normals.width() - 1)];
-        let rows = [y.saturating_sub(1), y, (y + 1).min(normals.height() - 1)];
-        let around = rows.map(|y| {
-            let row = normals.row(y);
-            columns.map(|x| if row[x] == Vec3::ZERO { here } else { row[x] })
-        });
-        let [above, level, below] = around;
+        Self::between(rows_around(normals, y), x)
+    }
+
+    /// That of the middle of three rows of normals.
+    #[inline]
+    fn between(rows: [&[Vec3]; 3], x: usize) -> Self {
+        let here = rows[1][x];
+        let columns = [x.saturating_sub(1), x, (x + 1).min(rows[1].len() - 1)];
+        let there = |normal: Vec3| if normal == Vec3::ZERO { here } else { normal };
+        let [above, level, below] = rows.map(|row| columns.map(|x| there(row[x])));
         let smooth = |a: Vec3, b: Vec3, c: Vec3| 0.25 * (a + c) + 0.5 * b;
         let column = |i: usize| smooth(above[i], level[i], below[i]);
         let row = |row: [Vec3; 3]| smooth(row[0], row[1], row[2]);
@@ -32,11 +35,13 @@ impl Turning {
     }
 
     /// The squares and the product of both: a metric of the picture by which lengths are angles of the normal.
+    #[inline]
     fn metric(&self) -> [f32; 3] {
         [self.x.dot(self.x), self.x.dot(self.y), self.y.dot(self.y)]
     }
 
     /// The view-dependent curvature `q`, in radians per pixel: the largest singular value.
+    #[inline]
     pub(super) fn largest(&self) -> f32 {
         largest_eigenvalue(self.metric()).sqrt()
     }
@@ -59,6 +64,27 @@ impl Turning {
     pub(super) fn bend(&self, along: Vec2) -> f32 {
         (along.x * self.x + along.y * self.y).truncate().dot(along)
     }
+}
+
+/// The rows above, at and below a row of normals; the border is repeated.
+fn rows_around(normals: &Plane<Vec3>, y: usize) -> [&[Vec3]; 3] {
+    [y.saturating_sub(1), y, (y + 1).min(normals.height() - 1)].map(|y| normals.row(y))
+}
+
+/// The view-dependent curvature of normals, in radians per pixel; 0 outside the mask.
+pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
+    let (width, height) = (normals.width(), normals.height());
+    let mut curvature = Plane::filled(width, height, 0.0);
+    let rows = curvature.samples_mut().par_chunks_mut(width);
+    rows.enumerate().for_each(|(y, row)| {
+        let around = rows_around(normals, y);
+        for run in mask.runs(y) {
+            for x in run {
+                row[x] = Turning::between(around, x).largest();
+            }
+        }
+    });
+    curvature
 }
 
 /// The larger eigenvalue of a symmetric matrix.

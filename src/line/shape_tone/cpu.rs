@@ -431,8 +431,17 @@ const BINS: usize = 4096;
 
 /// The ranks of every brightness among those of a picture, counted by how much they tell of shape.
 fn ranks_of(brightness: &Plane, active: &Plane, mask: &Mask) -> Ranks {
-    let least = middle(brightness, mask, 0).unwrap_or(0.0);
-    let most = middle(brightness, mask, 100).unwrap_or(0.0);
+    let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+    for y in 0..mask.height() {
+        let row = brightness.row(y);
+        let samples = mask.runs(y).flat_map(|run| &row[run]);
+        for &value in samples.filter(|value| value.is_finite()) {
+            (least, most) = (least.min(value), most.max(value));
+        }
+    }
+    if least > most {
+        (least, most) = (0.0, 0.0);
+    }
     let per_bin = ((most - least) / BINS as f32).max(f32::MIN_POSITIVE);
     let mut counts = vec![0.0_f64; BINS];
     for y in 0..mask.height() {

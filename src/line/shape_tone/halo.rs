@@ -48,16 +48,19 @@ fn nearest_across(frame: &Frame, depth: &Plane, reach: usize) -> Plane {
     let (width, height) = (depth.width(), depth.height());
     let mut nearest = Plane::filled(width, height, f32::INFINITY);
     let rows = nearest.samples_mut().par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
-        let depth = depth.row(y);
-        for run in frame.mask.runs(y) {
-            for x in run {
-                let reached = x.saturating_sub(reach)..(x + reach + 1).min(width);
-                row[reached]
-                    .iter_mut()
-                    .for_each(|least| *least = least.min(depth[x]));
+    rows.for_each_init(
+        || vec![0.0; width + 2 * reach],
+        |beyond, (y, row)| {
+            // The row with its uncovered samples, and those beyond its ends, infinitely far.
+            beyond.fill(f32::INFINITY);
+            for run in frame.mask.runs(y) {
+                beyond[reach..][run.clone()].copy_from_slice(&depth.row(y)[run]);
             }
-        }
-    });
+            for shifted in beyond.windows(width) {
+                let samples = row.iter_mut().zip(shifted);
+                samples.for_each(|(least, depth)| *least = least.min(*depth));
+            }
+        },
+    );
     nearest
 }

@@ -37,6 +37,7 @@ fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>)
         occlusion: None,
         importance: None,
         strength: None,
+        stroke_fallback: None,
         color: Some(ColorPlanes {
             r: flat(tone),
             g: flat(tone),
