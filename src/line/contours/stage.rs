@@ -26,6 +26,10 @@ pub(crate) static CONTOURS: Stage = Stage {
         decide,
     }],
     cpu: draw,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::list_edges,
+    #[cfg(feature = "gpu")]
+    beside_gpu: Some(super::gpu::follow_listed),
     ..Stage::DEFAULT
 };
 

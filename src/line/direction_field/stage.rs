@@ -29,6 +29,8 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
         },
     }],
     cpu: find,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::find,
     ..Stage::DEFAULT
 };
 
