@@ -143,7 +143,7 @@ fn covering(mut density: Plane) -> Plane {
 pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
     let (plan, memory) = (run.plan, run.memory);
-    match run.to_keep().filter(|_| plan.specular.is_none()) {
+    match run.kept_if_whole().filter(|_| plan.specular.is_none()) {
         Some(kept) if !canvas.directions.is_empty() => kept.field.put(canvas.directions),
         _ => {
             let planes = canvas.directions.into_iter().flat_map(|d| [d.x, d.y]);

@@ -104,7 +104,7 @@ fn follow(run: &mut Run) -> InteriorLayer {
         }
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    let kept = run.to_keep().filter(|_| plan.specular.is_none());
+    let kept = run.kept_if_whole().filter(|_| plan.specular.is_none());
     if let Some(kept) = kept {
         kept.interior.put(made.clone());
     }
