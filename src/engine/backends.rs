@@ -138,7 +138,7 @@ impl Engine {
         run: &Run,
     ) -> Result<Outcome> {
         let window = run.region.unwrap_or(frame.data_window);
-        run.check_targets([window.height(), window.width()])?;
+        run.begin([window.height(), window.width()])?;
         let Some(region) = run.region else {
             let outcome = run.install(|| self.execute_here(plan, frame, inputs, run))?;
             run.finish(frame, &outcome)?;
@@ -164,7 +164,7 @@ impl Engine {
             Some(outcome) => Ok(outcome),
             None => self
                 .cpu
-                .execute_watched(plan, frame, inputs, run.watch, None),
+                .execute_watched(plan, frame, inputs, run.watch(), None),
         }
     }
 
@@ -183,10 +183,10 @@ impl Engine {
         if run.region.is_some() {
             return self.execute(plan, frame, inputs, run);
         }
-        run.check_targets([frame.mask.height(), frame.mask.width()])?;
+        run.begin([frame.mask.height(), frame.mask.width()])?;
         let outcome = run.install(|| match self.on_device(plan, frame, inputs, run)? {
             Some(outcome) => Ok(outcome),
-            None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch),
+            None => self.cpu.execute_sparingly(plan, frame, inputs, run.watch()),
         })?;
         run.finish(frame, &outcome)?;
         Ok(outcome)
@@ -204,13 +204,13 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Option<Outcome>> {
-        run.watch.check()?;
+        run.watch().check()?;
         let gpu = match &self.device {
             OnDevice::Only(gpu) => {
                 return match gpu::Runner::lacks(plan) {
                     None => {
-                        run.watch.begins(DEVICE, 0.0);
-                        gpu.execute_watched(plan, frame, inputs, run.watch)
+                        run.watch().begins(DEVICE, 0.0);
+                        gpu.execute_watched(plan, frame, inputs, run.watch())
                             .map(Some)
                     }
                     Some(what) => Err(no_kernels(what)),
@@ -226,8 +226,8 @@ impl Engine {
         if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
             return Ok(None);
         }
-        run.watch.begins(DEVICE, 0.0);
-        match gpu.execute_watched(plan, frame, inputs, run.watch) {
+        run.watch().begins(DEVICE, 0.0);
+        match gpu.execute_watched(plan, frame, inputs, run.watch()) {
             // The CPU would refuse it too.
             Err(error @ (Error::Unfit { .. } | Error::Cancelled)) => Err(error),
             Err(error) => {
@@ -393,6 +393,45 @@ mod tests {
         let (whole, again) = (whole.unwrap(), again.unwrap());
         for ((product, a), (_, b)) in whole.products().zip(again.products()) {
             assert_eq!(product.difference(&a, &b), 0.0);
+        }
+    }
+
+    /// Each stage of a device's run is told of before it is recorded; a run that is cancelled at one ends there, and the
+    /// next makes the samples of one that was not.
+    #[test]
+    fn a_run_on_a_device_ends_at_the_stage_at_which_it_is_cancelled() {
+        let Some(device) = gpu::to_test_on(Device::open(Choice::Any)) else {
+            return;
+        };
+        let (plan, frame) = waves();
+        let engine = Engine::on(device);
+        let run = |cancel_at: Option<&str>| {
+            let (token, said) = (CancelToken::new(), Mutex::new(Vec::new()));
+            let tell = |at: Progress| {
+                said.lock().unwrap().push(at);
+                if cancel_at == Some(at.stage) {
+                    token.cancel();
+                }
+            };
+            let run = Run::new().progress(&tell).cancel(&token);
+            let made = engine.execute(&plan, &frame, Inputs::default(), &run);
+            (made, said.into_inner().unwrap())
+        };
+        let (whole, said) = run(None);
+        let whole = whole.unwrap();
+        let stages: Vec<_> = said.iter().map(|at| at.stage).collect();
+        let (own, ends) = (&stages[1..stages.len() - 1], [stages[0], "done"]);
+        assert_eq!((own, ends), (plan.stages(), [DEVICE, "done"]));
+        assert!(said.is_sorted_by(|a, b| a.done <= b.done), "{said:?}");
+        for &stage in plan.stages() {
+            let (stopped, said) = run(Some(stage));
+            assert!(matches!(stopped, Err(Error::Cancelled)), "{stage}");
+            let last = said.last().map(|at| at.stage);
+            assert_eq!(last, Some(stage));
+            let again = run(None).0.unwrap();
+            for ((product, a), (_, b)) in again.products().zip(whole.products()) {
+                assert_eq!(product.difference(&a, &b), 0.0, "{product:?} after {stage}");
+            }
         }
     }
 

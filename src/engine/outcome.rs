@@ -3,8 +3,6 @@
 use crate::engine::slot::Slot;
 use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
 use crate::line::contours::Contour;
-#[cfg(feature = "gpu")]
-use crate::line::interior::InteriorLayer;
 use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -159,19 +157,6 @@ pub struct Outcome {
     pub term_white_levels: Vec<(&'static str, f32)>,
     /// How long each pass took, in order.
     pub timings: Vec<(&'static str, Duration)>,
-}
-
-#[cfg(feature = "gpu")]
-impl Outcome {
-    /// Takes lines inside surfaces, where there are any, into its drawing.
-    pub(crate) fn put_interior(&mut self, layer: Option<InteriorLayer>) {
-        let (Some(drawing), Some(layer)) = (&mut self.drawing, layer) else {
-            return;
-        };
-        self.line_levels = layer.levels;
-        drawing.interior = Some(layer.covered);
-        drawing.interior_lines = layer.lines;
-    }
 }
 
 /// Adds times to those of the same passes.

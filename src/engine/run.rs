@@ -6,13 +6,14 @@ use crate::error::{Error, Result};
 use crate::frame::{Frame, Window};
 use crate::product::Product;
 use rayon::ThreadPool;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// The pass that begins, named as in [`Outcome::timings`]; `device` for all work on a device, `done` at the end.
+    /// The pass that begins, named as in [`Outcome::timings`]; `device` where a device takes over, and then each of its
+    /// stages; `done` at the end.
     pub stage: &'static str,
     /// Approximate share of the work that is done, 0..1.
     pub done: f32,
@@ -42,19 +43,32 @@ impl CancelToken {
 /// Watches a run: reports progress and may end it.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Watch<'a> {
-    progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Who is told, and how far the run had come at the most, as bits: a share from 0 on is in the order of these.
+    progress: Option<(&'a Tell<'a>, &'a AtomicU32)>,
     cancel: Option<&'a CancelToken>,
 }
 
+/// Is told how far a run has come.
+type Tell<'a> = dyn Fn(Progress) + Sync + 'a;
+
 impl Watch<'_> {
-    /// Reports that a pass begins when this share of the work is done.
+    /// Reports that a pass begins when about this share of the work is done. A run in strips that then goes on reports
+    /// shares of a part: none is less than the one before.
     pub(crate) fn begins(&self, stage: &'static str, done: f32) {
-        if let Some(tell) = self.progress {
+        if let Some((tell, furthest)) = self.progress {
+            let done = done.clamp(0.0, 1.0).to_bits();
+            let done = furthest.fetch_max(done, Ordering::Relaxed).max(done);
             tell(Progress {
                 stage,
-                done: done.min(1.0),
+                done: f32::from_bits(done),
             });
         }
+    }
+
+    /// Whether anybody is told of progress, or may end the run.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn looks_on(&self) -> bool {
+        self.progress.is_some() || self.cancel.is_some()
     }
 
     /// What may end the run.
@@ -75,7 +89,9 @@ impl Watch<'_> {
 /// How a request is run.
 #[derive(Default)]
 pub struct Run<'a> {
-    pub(crate) watch: Watch<'a>,
+    progress: Option<&'a Tell<'a>>,
+    furthest: AtomicU32,
+    cancel: Option<&'a CancelToken>,
     pub(crate) region: Option<Window>,
     warn: Option<&'a (dyn Fn(&str) + Sync)>,
     pool: Option<&'a ThreadPool>,
@@ -91,14 +107,14 @@ impl<'a> Run<'a> {
     /// Calls back as each pass begins.
     #[must_use]
     pub fn progress(mut self, tell: &'a (dyn Fn(Progress) + Sync)) -> Self {
-        self.watch.progress = Some(tell);
+        self.progress = Some(tell);
         self
     }
 
     /// Lets a token end the run with [`Error::Cancelled`].
     #[must_use]
     pub fn cancel(mut self, token: &'a CancelToken) -> Self {
-        self.watch.cancel = Some(token);
+        self.cancel = Some(token);
         self
     }
 
@@ -136,11 +152,20 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Checks before a run that the caller's memory fits a picture of this size.
+    /// The observers of this run.
+    pub(crate) fn watch(&self) -> Watch<'_> {
+        Watch {
+            progress: self.progress.map(|tell| (tell, &self.furthest)),
+            cancel: self.cancel,
+        }
+    }
+
+    /// Begins a run of a picture of this size: checks that the caller's memory fits it.
     ///
     /// # Errors
     /// As [`Target::check`].
-    pub(crate) fn check_targets(&self, size: [usize; 2]) -> Result<()> {
+    pub(crate) fn begin(&self, size: [usize; 2]) -> Result<()> {
+        self.furthest.store(0, Ordering::Relaxed);
         let targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
         let mut targets = targets.iter();
         targets.try_for_each(|(product, target)| target.check(*product, size))
@@ -169,7 +194,7 @@ impl<'a> Run<'a> {
             }
             target.write(*product, &planes)?;
         }
-        self.watch.begins("done", 1.0);
+        self.watch().begins("done", 1.0);
         Ok(())
     }
 

@@ -82,7 +82,7 @@ impl<F: AsRef<Frame>> Session<F> {
             });
         }
         let mask = &self.held.as_ref().mask;
-        run.check_targets([mask.height(), mask.width()])?;
+        run.begin([mask.height(), mask.width()])?;
         self.on_device = None;
         self.on_device = self
             .engine
@@ -101,7 +101,7 @@ impl<F: AsRef<Frame>> Session<F> {
         let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
         self.outcome = run.install(|| {
             self.runner
-                .execute_watched(plan, frame, inputs, run.watch, kept)
+                .execute_watched(plan, frame, inputs, run.watch(), kept)
         })?;
         for (pass, _) in &self.outcome.timings {
             *self.counts.entry(pass).or_default() += 1;

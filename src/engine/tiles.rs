@@ -50,12 +50,6 @@ impl<'a> Strips<'a> {
         self.watch.check()
     }
 
-    /// The same strips, taking no more rows above and below than so many.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn reaching(&self, reach: usize) -> Self {
-        Self { reach, ..*self }
-    }
-
     /// Calls `run` for every strip of a frame, with its rows, and assembles the results. Planes of strips go to `recycle`.
     ///
     /// # Errors

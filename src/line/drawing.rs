@@ -57,12 +57,7 @@ pub(crate) static LINES_ONLY: Stage = Stage {
 
 fn leave_white(run: &mut Run) {
     let mask = &run.frame.mask;
-    let tone = Tone {
-        density: None,
-        made: None,
-        luminance: None,
-        white: 1.0,
-    };
+    let tone = Tone::on_paper(1.0);
     let blank = Plane::filled(mask.width(), mask.height(), 0.0);
     finish(run, tone, blank, Vec::new());
 }
@@ -78,6 +73,16 @@ pub(crate) struct Tone {
 }
 
 impl Tone {
+    /// A tone that is drawn elsewhere, or not at all.
+    pub(crate) fn on_paper(white: f32) -> Self {
+        Self {
+            density: None,
+            made: None,
+            luminance: None,
+            white,
+        }
+    }
+
     /// The tone of a run, out of its hands until [`finish`] gives it back.
     pub(crate) fn taken(run: &mut Run) -> Self {
         let (plan, frame) = (run.plan, run.frame);
@@ -138,7 +143,7 @@ fn covering(mut density: Plane) -> Plane {
 pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
     let (plan, memory) = (run.plan, run.memory);
-    match run.to_keep().filter(|_| plan.specular.is_none()) {
+    match run.kept_if_whole().filter(|_| plan.specular.is_none()) {
         Some(kept) if !canvas.directions.is_empty() => kept.field.put(canvas.directions),
         _ => {
             let planes = canvas.directions.into_iter().flat_map(|d| [d.x, d.y]);

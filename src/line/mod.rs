@@ -8,9 +8,7 @@ pub(crate) mod direction;
 pub(crate) mod direction_field;
 pub(crate) mod drawing;
 #[cfg(feature = "gpu")]
-pub(crate) mod gpu_drawing;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_drawing_strips;
+pub(crate) mod gpu_canvas;
 mod grid;
 pub mod hatching;
 mod ink_cells;

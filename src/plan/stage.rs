@@ -3,6 +3,8 @@
 use crate::engine::cpu::run::Run;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu::run::Run as DeviceRun;
+#[cfg(feature = "gpu")]
+use crate::error::Result;
 use crate::plan::Plan;
 use crate::product::Product;
 
@@ -25,6 +27,9 @@ pub(crate) struct Stage {
     /// Records it for a device.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: fn(&mut DeviceRun),
+    /// What the CPU does of it while the device works on what all stages have recorded.
+    #[cfg(feature = "gpu")]
+    pub(crate) beside_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
     /// What a device cannot do, in a few words.
     #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
@@ -42,6 +47,8 @@ impl Stage {
         cpu: |_| (),
         #[cfg(feature = "gpu")]
         gpu: |_| (),
+        #[cfg(feature = "gpu")]
+        beside_gpu: None,
         #[cfg(feature = "gpu")]
         gpu_lacks: |_| None,
     };

@@ -114,14 +114,14 @@ impl<'a> Run<'a> {
         pass: impl FnOnce() -> T,
     ) -> T {
         let made = self.taken_or(|kept| slot(kept).copied(key), name, pass);
-        if let Some(kept) = self.to_keep() {
+        if let Some(kept) = self.kept_if_whole() {
             slot(kept).put(made.clone());
         }
         made
     }
 
     /// Where results are kept for the next run, as long as they are whole.
-    pub(crate) fn to_keep(&mut self) -> Option<&mut FrameCache> {
+    pub(crate) fn kept_if_whole(&mut self) -> Option<&mut FrameCache> {
         let is_whole = !self.memory.is_cancelled();
         self.kept.as_deref_mut().filter(|_| is_whole)
     }

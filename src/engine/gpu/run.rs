@@ -1,15 +1,22 @@
 //! One frame, or a strip of it, on its way through the kernels.
 
+use crate::engine::cpu::run::Run as HostRun;
+use crate::engine::device_times::{KERNELS, RECORD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
-use crate::engine::gpu::recorder::{Programs, Recorder, Timings};
+use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
+use crate::engine::gpu::runner::Runner;
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
+use crate::engine::outcome::add_timings;
 use crate::error::Result;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
+use crate::line::gpu_canvas::DeviceCanvas;
+use crate::line::hatching::gpu::TextureCache;
 use crate::plan::Plan;
-use std::ops::Range;
+use crate::plan::stage::Stage;
+use std::time::Instant;
 
 /// Bytes of a buffer that nothing is written to.
 pub(crate) const NOWHERE: u64 = 16;
@@ -27,32 +34,91 @@ pub(crate) struct Run<'a> {
     /// The numbers that are chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
-    /// Buffers uploaded while kernels were recorded.
+    /// A drawing, as far as it is on the device.
+    pub(crate) canvas: DeviceCanvas<'a>,
+    /// The run of the CPU, for the stages, or parts of them, that no device has kernels for.
+    pub(crate) host: HostRun<'a>,
+    /// The texture of strokes of earlier runs.
+    pub(crate) texture: &'a TextureCache,
+    /// What the device is at, where someone looks on.
+    at_work: Option<Submitted<'a>>,
+    /// The time of what was waited for so far.
+    pub(crate) waited: Timings,
+    /// What was copied to the device while kernels were recorded.
     held: Vec<wgpu::Buffer>,
 }
 
 impl<'a> Run<'a> {
     pub(crate) fn new(
-        (plan, frame): (&'a Plan, &'a Frame),
-        device: &'a Device,
-        programs: &'a Programs,
-        buffers: &'a Buffers,
+        runner: &'a Runner,
+        host: HostRun<'a>,
+        light: Option<&'a Light<'a>>,
         surface: SurfaceBuffers,
         chosen: [f32; 2],
     ) -> Self {
+        let (device, buffers) = (&runner.device, &runner.buffers);
         let upload = Upload { device, buffers };
         Self {
-            plan,
-            frame,
-            light: None,
+            plan: host.plan,
+            frame: host.frame,
+            light,
             made: Made::default(),
+            canvas: DeviceCanvas::default(),
+            host,
+            texture: &runner.texture,
             device,
             buffers,
-            recorder: Recorder::new(device, programs, buffers),
+            recorder: Recorder::new(device, &runner.programs, buffers),
             surface,
             chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
+            at_work: None,
+            waited: Timings::new(),
             held: Vec::new(),
         }
+    }
+
+    /// Records stages one after another; then the CPU does what it has of them while the device works.
+    ///
+    /// Where someone looks on, each stage is handed to the device as it is recorded, and the one before it is waited for:
+    /// so progress is that of the device, and a cancelled run leaves it two stages to end at the most.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them; [`crate::Error::Gpu`] where the
+    /// device fails.
+    pub(crate) fn go_through(&mut self, stages: &[&'static Stage]) -> Result<()> {
+        let watch = self.host.watch;
+        let (mut done, mut next) = (0.0, Vec::new());
+        for stage in stages {
+            watch.check()?;
+            watch.begins(stage.name, done);
+            (stage.gpu)(self);
+            if watch.looks_on() {
+                self.hand_over()?;
+            }
+            next.extend(stage.beside_gpu);
+            done += 1.0 / stages.len() as f32;
+        }
+        watch.check()?;
+        if !next.is_empty() && !watch.looks_on() {
+            self.hand_over()?;
+        }
+        for beside in next {
+            watch.check()?;
+            beside(self)?;
+        }
+        Ok(())
+    }
+
+    /// Has the device begin with what was recorded, once it is done with what it had.
+    fn hand_over(&mut self) -> Result<()> {
+        let before = self.at_work.replace(self.recorder.submit(&[]));
+        let start = Instant::now();
+        if let Some(before) = before {
+            let (_, times) = before.read()?;
+            let times = times.unwrap_or_else(|| vec![(KERNELS, start.elapsed())]);
+            add_timings(&mut self.waited, &times);
+        }
+        Ok(())
     }
 
     /// The shape alone, as far as the gain takes it.
@@ -100,37 +166,48 @@ impl<'a> Run<'a> {
         buffer
     }
 
-    /// Copies rows of a plane to the device.
-    pub(crate) fn hold_rows(&mut self, plane: &Plane, rows: &Range<usize>) -> wgpu::Buffer {
-        let buffer = self.upload().rows_of(plane, rows);
-        self.held.push(buffer.clone());
-        buffer
-    }
-
-    fn upload(&self) -> Upload<'_> {
+    pub(crate) fn upload(&self) -> Upload<'_> {
         Upload {
             device: self.device,
             buffers: self.buffers,
         }
     }
 
-    /// Copies rows of a field of vectors to the device, x and y.
+    /// Copies a field of vectors to the device, x and y.
     pub(crate) fn hold_field(
         &mut self,
         Vector2Planes { x, y }: &Vector2Planes,
-        rows: &Range<usize>,
     ) -> [wgpu::Buffer; 2] {
-        [x, y].map(|plane| self.hold_rows(plane, rows))
+        [x, y].map(|plane| self.uploaded(plane.samples()))
     }
 
-    /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage.
+    /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage, and the run of the CPU.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] where the device fails.
-    pub(crate) fn finish(self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
-        let done = self.recorder.run(wanted)?;
+    pub(crate) fn finish(mut self, wanted: &[&wgpu::Buffer]) -> Result<Finished<'a>> {
+        let (read, mut times) = self.recorder.run(wanted)?;
+        if let Some(last) = self.at_work.take() {
+            add_timings(&mut self.waited, &last.read()?.1.unwrap_or_default());
+            // Since then the CPU has done more than record.
+            times.retain(|(name, _)| *name != RECORD);
+        }
+        add_timings(&mut self.waited, &times);
         let copied = self.surface.into_buffers().chain(self.held);
         self.buffers.recycle_copied(copied.chain([self.chosen]));
-        Ok(done)
+        Ok(Finished {
+            read,
+            timings: self.waited,
+            host: self.host,
+        })
     }
+}
+
+/// What a run comes to.
+pub(crate) struct Finished<'a> {
+    /// What was wanted, in its order.
+    pub(crate) read: Vec<Vec<f32>>,
+    pub(crate) timings: Timings,
+    /// The run of the CPU.
+    pub(crate) host: HostRun<'a>,
 }

@@ -2,14 +2,13 @@
 
 use crate::engine::cpu::gpu_support::term_white_levels;
 use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
-use crate::engine::gpu::runner::Runner;
+use crate::engine::gpu::runner::{Beside, Runner};
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::{Strips, strip_of};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame};
+use crate::frame::Frame;
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::gpu::known_white_level;
-use crate::light::relight::gpu_lights::Light;
 use crate::light::white_level::chosen_for;
 use crate::params::Adaptive;
 use crate::plan::Plan;
@@ -22,11 +21,11 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        light: Option<&Light>,
+        beside: Beside,
         strips: &Strips,
     ) -> Result<Outcome> {
         let mut plan = plan.clone();
-        let chosen = self.choose(&plan, frame, strips)?;
+        let chosen = self.choose(&plan, frame, beside, strips)?;
         if plan.chooses_gain() {
             plan.scaling.curvature_gain = Adaptive::Fixed(chosen[GAIN as usize]);
         }
@@ -39,12 +38,18 @@ impl Runner {
             plan.scaling.term_white_levels = known.or(levels.into_iter());
         }
         let run =
-            |strip: &Frame, rows: &Range<usize>| self.run_whole(&plan, strip, light, rows.clone());
+            |strip: &Frame, rows: &Range<usize>| self.run_strip(&plan, strip, beside, rows.clone());
         strips.run(frame, run, drop)
     }
 
     /// Gain and white level of the whole picture, as far as they are left open.
-    fn choose(&self, plan: &Plan, frame: &Frame, strips: &Strips) -> Result<[f32; 2]> {
+    fn choose(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        beside: Beside,
+        strips: &Strips,
+    ) -> Result<[f32; 2]> {
         let gain = plan.chooses_gain().then(|| Search::Gain {
             size: [frame.mask.width(), frame.mask.height()],
             factor: plan.resolution_factor as f32,
@@ -54,15 +59,14 @@ impl Runner {
             chosen_for(plan) == Some(Subject::Picture) && known_white_level(plan, frame).is_none();
         let white = is_open.then(|| Search::White(frame.luminance_weights()));
         let searches: Vec<Search> = gain.into_iter().chain(white).collect();
-        self.search(plan, frame, frame.color.as_ref(), &searches, strips)
+        self.search((plan, frame), beside, &searches, strips)
     }
 
-    /// Results of the searches in the shape of a frame and in a picture; 1 where nothing is searched for.
-    pub(crate) fn search(
+    /// Results of the searches in the shape of a frame and in its picture; 1 where nothing is searched for.
+    fn search(
         &self,
-        plan: &Plan,
-        frame: &Frame,
-        picture: Option<&ColorPlanes>,
+        (plan, frame): (&Plan, &Frame),
+        beside: Beside,
         searches: &[Search],
         strips: &Strips,
     ) -> Result<[f32; 2]> {
@@ -71,13 +75,14 @@ impl Runner {
             return Ok([1.0; 2]);
         }
         let of_shape = searches.iter().any(|search| !search.is_of_picture());
+        let picture = frame.color.as_ref();
         let picture = picture.filter(|_| searches.iter().any(Search::is_of_picture));
         let mut searching: Vec<Searching> = Vec::new();
         for pass in 0..SEARCH_PASSES {
             for (takes, gives) in strips.each() {
                 strips.check()?;
                 let strip = strip_of(frame, &takes);
-                let mut run = self.start(plan, &strip);
+                let mut run = self.start(plan, &strip, beside);
                 let fresh = searches.iter().skip(searching.len());
                 let fresh = fresh.map(|&search| Searching::new(&mut run, search));
                 let fresh: Vec<_> = fresh.collect();
@@ -100,7 +105,7 @@ impl Runner {
                         .for_each(|s| s.narrow(&mut run, pass, &chosen));
                 }
                 let chosen = run.chosen.clone();
-                let (read, _) = run.finish(&[&chosen])?;
+                let read = run.finish(&[&chosen])?.read;
                 found = read.into_iter().next().expect("what was chosen is read");
                 let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
                 self.buffers.recycle(shape);

@@ -1,14 +1,16 @@
 //! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
 
 use crate::engine::cpu;
+use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
-use crate::engine::gpu::made::Layer;
+use crate::engine::gpu::made::{Layer, Made};
 use crate::engine::gpu::recorder::Programs;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::run::{Finished, Run};
 use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
@@ -28,20 +30,53 @@ use crate::line::hatching::gpu::TextureCache;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
+use crate::plan::stage::Stage;
+use crate::plan::stages::DRAWING;
 use crate::product::Product;
 use std::ops::Range;
 use std::time::Instant;
 
+/// What a run takes beside its plan and its frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    inputs: Inputs<'a>,
+    light: Option<&'a Light<'a>>,
+    /// For what the CPU does.
+    memory: &'a Memory,
+    watch: Watch<'a>,
+}
+
+#[cfg(test)]
+impl<'a> Beside<'a> {
+    /// No inputs, no light, nobody who looks on.
+    pub(crate) fn nothing(memory: &'a Memory) -> Self {
+        Self {
+            inputs: Inputs::default(),
+            light: None,
+            memory,
+            watch: Watch::default(),
+        }
+    }
+}
+
+/// Which stages of a plan a device does.
+#[derive(Clone, Copy, PartialEq)]
+enum Share {
+    All,
+    /// Those that find the shape and make the picture: the CPU draws.
+    ButDrawing,
+}
+
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
 #[derive(Debug)]
 pub struct Runner {
-    device: Device,
-    programs: Programs,
+    pub(crate) device: Device,
+    pub(crate) programs: Programs,
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
     pub(crate) texture: TextureCache,
-    /// The CPU runner, for parts of drawings without kernels.
-    pub(crate) host: cpu::Runner,
+    /// What makes the parts of drawings that have no kernels.
+    host: cpu::Runner,
     light: LightCache,
 }
 
@@ -76,9 +111,10 @@ impl Runner {
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and its tone where that was made.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// Where the whole frame is too much for the device's memory it goes in strips. Of drawings the CPU finds strokes that
-    /// are lines, the lines along edges, where strokes of a sequence have moved to, and in strips the directions of
-    /// strokes. What was run before, and failed, changes nothing; on a device that was lost all fails.
+    /// Where the whole frame is too much for the device's memory it goes in strips. Of drawings the CPU finds the lines along
+    /// edges and inside surfaces, and where strokes of a sequence have moved to; and it draws by itself, in the tone and along
+    /// the edges of the device, where that takes the frame whole and the device does not: lines are laid one beside another,
+    /// and directions spread over surfaces, across all strips. What was run before, and failed, changes nothing; on a device that was lost all fails.
     ///
     /// # Errors
     /// [`Error::Gpu`] where the device is lost, has too little memory, or takes no picture as large as the environment;
@@ -120,17 +156,27 @@ impl Runner {
         plane_bytes: u64,
         watch: Watch,
     ) -> std::result::Result<Outcome, Fault> {
+        let memory = &self.host.memory.for_run(watch.token());
+        let beside = Beside {
+            inputs,
+            light: None,
+            memory,
+            watch,
+        };
         self.guarded(|| {
             if plan.relighting.is_none() {
-                return self.run_parts(plan, frame, None, inputs, (plane_bytes, watch));
+                return self.run_parts(plan, frame, beside, plane_bytes);
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
             let light = self
                 .light
                 .light(&self.device, plan, frame, illumination, watch)?;
-            let mut outcome =
-                self.run_parts(plan, frame, Some(&light), inputs, (plane_bytes, watch))?;
+            let beside = Beside {
+                light: Some(&light),
+                ..beside
+            };
+            let mut outcome = self.run_parts(plan, frame, beside, plane_bytes)?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
             Ok(outcome)
@@ -176,28 +222,20 @@ impl Runner {
         &self,
         plan: &Plan,
         frame: &Frame,
-        light: Option<&Light>,
-        inputs: Inputs,
-        (plane_bytes, watch): (u64, Watch),
+        beside: Beside,
+        plane_bytes: u64,
     ) -> std::result::Result<Outcome, Fault> {
         let height = frame.mask.height();
         let most_rows = self.most_rows(plan, frame, plane_bytes)?;
-        let is_whole = most_rows >= height as u64;
         let drawing = plan.drawing.as_ref();
-        match drawing {
-            // Lines are placed when all of the tone is there, as that of a drawing in strips is.
-            Some(params)
-                if is_whole
-                    && !params.strokes.style.is_laid()
-                    && largest_buffer(&params.field, frame) <= plane_bytes =>
-            {
-                let drawn = self.draw_whole(plan, frame, params, light, inputs)?;
-                if let Some(outcome) = drawn {
-                    return Ok(outcome);
-                }
+        let is_drawn_here = drawing.is_none_or(|params| {
+            !params.strokes.style.is_laid() && largest_buffer(&params.field, frame) <= plane_bytes
+        });
+        if most_rows >= height as u64 && is_drawn_here {
+            let whole = self.run_stages((plan, Share::All), frame, beside, 0..height)?;
+            if let Some(outcome) = whole {
+                return Ok(outcome);
             }
-            None if is_whole => return Ok(self.run_whole(plan, frame, light, 0..height)?),
-            _ => {}
         }
         let reach = match drawing {
             // The directions of a drawing are found on the whole.
@@ -209,11 +247,37 @@ impl Runner {
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
             ))));
         };
-        let strips = strips.watched(watch);
+        let strips = strips.watched(beside.watch);
+        let outcome = self.run_strips(plan, frame, beside, &strips)?;
         Ok(match drawing {
-            Some(params) => self.draw_strips(plan, frame, params, light, inputs, &strips)?,
-            None => self.run_strips(plan, frame, light, &strips)?,
+            Some(_) => self.drawn_by_host(plan, frame, beside, outcome)?,
+            None => outcome,
         })
+    }
+
+    /// The CPU's run on a frame.
+    fn host_run<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, beside: Beside<'a>) -> HostRun<'a> {
+        HostRun {
+            memory: beside.memory,
+            watch: beside.watch,
+            ..HostRun::new(&self.host, plan, frame, beside.inputs)
+        }
+    }
+
+    /// Draws on the CPU, in the tone and along the edges that a device has made.
+    fn drawn_by_host(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        beside: Beside,
+        made: Outcome,
+    ) -> Result<Outcome> {
+        let mut run = HostRun {
+            outcome: made,
+            ..self.host_run(plan, frame, beside)
+        };
+        run.go_through(DRAWING)?;
+        Ok(run.outcome)
     }
 
     pub(crate) fn upload(&self) -> Upload<'_> {
@@ -224,7 +288,12 @@ impl Runner {
     }
 
     /// Copies what `plan` takes of `frame` to the device, and begins to record.
-    pub(crate) fn start<'a>(&'a self, plan: &'a Plan, frame: &'a Frame) -> Run<'a> {
+    pub(crate) fn start<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &'a Frame,
+        beside: Beside<'a>,
+    ) -> Run<'a> {
         self.buffers.begin_run();
         let mut chosen = [0.0; 2];
         chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
@@ -237,64 +306,85 @@ impl Runner {
             // Where it fails, so does the run.
             let _ = wait_for(&self.device.device, None);
         }
-        Run::new(
-            (plan, frame),
-            &self.device,
-            &self.programs,
-            &self.buffers,
-            surface,
-            chosen,
-        )
+        let host = self.host_run(plan, frame, beside);
+        Run::new(self, host, beside.light, surface, chosen)
     }
 
-    /// Runs `plan` on a frame whose planes the device takes: on these rows of the one that the light was made for.
-    pub(crate) fn run_whole(
+    /// Runs the stages of `plan` that find the shape and make the picture, on a strip whose rows are these of the frame
+    /// that the light was made for. Of the shape what the plan asks for is read, and what drawing takes.
+    pub(crate) fn run_strip(
         &self,
         plan: &Plan,
-        frame: &Frame,
-        light: Option<&Light>,
+        strip: &Frame,
+        beside: Beside,
         rows: Range<usize>,
     ) -> Result<Outcome> {
+        let made = self.run_stages((plan, Share::ButDrawing), strip, beside, rows)?;
+        Ok(made.expect("only a drawing is too much"))
+    }
+
+    /// Runs stages on a frame whose planes the device takes: on these rows of the one that the light was made for. `None`
+    /// where a drawing's surfaces fall apart into more patches than there is room for.
+    fn run_stages(
+        &self,
+        (plan, share): (&Plan, Share),
+        frame: &Frame,
+        beside: Beside,
+        rows: Range<usize>,
+    ) -> Result<Option<Outcome>> {
         let start = Instant::now();
-        let copied = match light {
+        let (stages, left): (Vec<_>, Vec<_>) = running(plan).partition(|stage| {
+            let draws = DRAWING.iter().any(|drawing| drawing.name == stage.name);
+            share == Share::All || !draws
+        });
+        let draws = plan.drawing.is_some() && share == Share::All;
+        let copied = match beside.light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if plan.makes_picture() && !plan.display => self.upload().picture(frame),
+            None if draws || plan.makes_picture() && !plan.display => self.upload().picture(frame),
             None => None,
         };
         let is_copied = copied.is_some();
-        let mut run = self.start(plan, frame);
-        (run.light, run.made.picture) = (light, copied);
+        let mut run = self.start(plan, frame, beside);
+        run.made.picture = copied;
         let uploaded = start.elapsed();
-        running(plan).for_each(|stage| (stage.gpu)(&mut run));
+        run.go_through(&stages)?;
 
         let mut made = std::mem::take(&mut run.made);
-        let layers = match plan.wants(Product::Curvature) {
-            true => made.layers(),
-            false => Vec::new(),
-        };
+        let canvas = std::mem::take(&mut run.canvas);
+        let layers = layers_read(&made, plan, &left);
         let picture = made.picture.take();
+        let is_shown = plan.makes_picture();
         let numbers = run.chosen.clone();
         let mut wanted = vec![&numbers];
-        wanted.extend(picture.iter().flatten());
+        wanted.extend(picture.iter().flatten().filter(|_| is_shown));
         wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
         wanted.extend(made.term_whites.iter().map(|(_, white)| white));
-        let (read, timings) = run.finish(&wanted)?;
+        wanted.extend(canvas.wanted());
+        let Finished {
+            read,
+            timings,
+            mut host,
+        } = run.finish(&wanted)?;
 
+        let start = Instant::now();
         let mut read = read.into_iter();
         let chosen = read.next().expect("what was chosen is read first");
         let mut outcome = Outcome::default();
-        outcome.timings.push((UPLOAD, uploaded));
-        outcome.timings.extend(timings);
-        let start = Instant::now();
-        if picture.is_some() {
+        if is_shown && picture.is_some() {
             let mut planes = read.by_ref().map(|samples| plane(frame, samples));
             outcome.put(Product::Picture, &mut planes);
         }
-        if let (Some(color), Some(_)) = (&mut outcome.color, light) {
+        if let (Some(color), Some(_)) = (&mut outcome.color, beside.light) {
             frame_lit(color, frame);
         }
         put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
-        outcome.term_white_levels = levels_of(&made.term_whites, read);
+        outcome.term_white_levels = levels_of(&made.term_whites, read.by_ref());
+        let is_drawn = canvas.put(&mut host, frame, &mut read);
+        outcome.drawing = host.outcome.drawing.take();
+        outcome.line_levels = host.outcome.line_levels;
+        outcome.timings.push((UPLOAD, uploaded));
+        add_timings(&mut outcome.timings, &host.outcome.timings);
+        add_timings(&mut outcome.timings, &timings);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
         if plan.wants_curvature() {
             outcome.gain = Some(chosen[GAIN as usize]);
@@ -304,9 +394,21 @@ impl Runner {
         }
         let picture = picture.into_iter().flatten();
         self.buffers.recycle_either(picture, is_copied);
-        self.buffers.recycle(made.into_buffers());
-        Ok(outcome)
+        let rest = made.into_buffers().chain(canvas.into_buffers());
+        self.buffers.recycle(rest);
+        Ok(is_drawn.then_some(outcome))
     }
+}
+
+/// The layers that are read of what a device has made: those that are asked for, and those that the stages take which
+/// are left to the CPU.
+fn layers_read(made: &Made, plan: &Plan, left: &[&'static Stage]) -> Vec<Layer> {
+    let taken: Vec<Product> = left.iter().flat_map(|stage| (stage.takes)(plan)).collect();
+    let mut layers = made.layers();
+    if !plan.wants(Product::Curvature) {
+        layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
+    }
+    layers
 }
 
 fn plane(frame: &Frame, samples: Vec<f32>) -> Plane {

@@ -67,14 +67,11 @@ impl Upload<'_> {
 
     /// These rows of a picture.
     pub(crate) fn rows(self, picture: &ColorPlanes, rows: &Range<usize>) -> Picture {
-        [&picture.r, &picture.g, &picture.b].map(|plane| self.rows_of(plane, rows))
-    }
-
-    /// These rows of a plane.
-    pub(crate) fn rows_of(self, plane: &Plane, rows: &Range<usize>) -> wgpu::Buffer {
-        let width = plane.width();
-        let samples = &plane.samples()[rows.start * width..rows.end * width];
-        self.bytes(bytemuck::cast_slice(samples))
+        [&picture.r, &picture.g, &picture.b].map(|plane| {
+            let width = plane.width();
+            let samples = &plane.samples()[rows.start * width..rows.end * width];
+            self.bytes(bytemuck::cast_slice(samples))
+        })
     }
 
     fn coverage(self, mask: &Mask) -> wgpu::Buffer {

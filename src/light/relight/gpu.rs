@@ -244,9 +244,10 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
 }
 
 /// What `relight.wgsl` is switched by that every frame in this light shares.
-fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 16] {
+fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17] {
     let is = |kind: Material| relighting.params.material.material == kind;
     let used = &light.around.ready.used;
+    let lobes = Lobes::of(&relighting.params.material, false);
     let is_covered = matches!(relighting.albedo, Albedo::Layer | Albedo::Picture);
     [
         ("WARPS", relighting.warps),
@@ -255,6 +256,7 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 16
         ("PHONG", is(Material::Phong)),
         ("BLINN_PHONG", is(Material::BlinnPhong)),
         ("ASHIKHMIN_SHIRLEY", is(Material::AshikhminShirley)),
+        ("GLOSSY", lobes.is_some_and(|lobes| lobes.are_glossy())),
         ("TOWARD_LIGHT", relighting.toward_light),
         ("ALBEDO_IS_COVERED", is_covered),
         ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),

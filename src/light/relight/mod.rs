@@ -104,7 +104,7 @@ pub(crate) fn relight(run: &mut Run) {
     };
     let color = run.timed("relight", || lit(&scene, memory));
     drop(scene);
-    match (estimate, run.to_keep()) {
+    match (estimate, run.kept_if_whole()) {
         (Some(estimate), Some(kept)) => kept.albedo.put(estimate),
         (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
         (None, _) => {}

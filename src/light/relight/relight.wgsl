@@ -37,6 +37,8 @@ override GLASS: bool;
 override LIT_SPHERE: bool;
 override TWO_SPHERES: bool;
 override HAS_CONTRAST: bool;
+// Whether single lights have a specular term.
+override GLOSSY: bool;
 override FEW_TONES: bool;
 override TOON: bool;
 
@@ -136,7 +138,7 @@ fn prepare(i: u32, column: u32, row: u32) {
 fn add(light: Arriving, color: vec3<f32>) {
     let terms = reflect_light(light, pixel, chosen[GAIN]);
     diffuse += terms.diffuse * color;
-    if PHONG || BLINN_PHONG || ASHIKHMIN_SHIRLEY {
+    if GLOSSY {
         specular += terms.specular * color;
     }
 }

@@ -61,15 +61,8 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if relighting.warps {
         let pixels = &mut batch.pixels;
         pixels.warp_by(relighting.params.warping.warp * scene.gain);
-        match lobes {
-            Some(Lobes::Phong { .. }) => pixels.mirrored.unwarp(&pixels.unwarp),
-            Some(Lobes::BlinnPhong { far: false, .. }) => pixels.to_eye.unwarp(&pixels.unwarp),
-            Some(Lobes::AshikhminShirley(_)) => {
-                pixels.to_eye.unwarp(&pixels.unwarp);
-                pixels.along.unwarp(&pixels.unwarp);
-                pixels.across.unwarp(&pixels.unwarp);
-            }
-            _ => {}
+        if let Some(lobes) = lobes {
+            lobes.unwarp_axes(pixels);
         }
     }
     if relighting.scales {

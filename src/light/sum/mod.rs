@@ -66,14 +66,13 @@ pub(crate) fn reflect_light(
     [direction, half]: [[f32; 3]; 2],
     share: f32,
 ) -> [f32; 2] {
-    let mut terms = Terms::NONE;
+    let (mut terms, mut scratch) = (Terms::NONE, Scratch::NONE);
     let light = Arriving {
         direction: |_| direction,
         half: |_| half,
         share: |_| share,
         everywhere: false,
     };
-    let mut scratch = Scratch::NONE;
     scratch.reflect(&mut terms, pixels, shading, light);
     [terms.diffuse[0], terms.specular[0]]
 }

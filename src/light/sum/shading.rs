@@ -1,7 +1,7 @@
 //! What the lights of a run act through: lobes, their powers, warping and scaling.
 
 use crate::fast_math::{exp, ln};
-use crate::light::batch::Lanes;
+use crate::light::batch::{Lanes, Pixels};
 use crate::light::brdf::AshikhminShirley;
 use crate::params::{Material, MaterialParams};
 
@@ -81,6 +81,22 @@ impl Lobes {
                 Some(Self::AshikhminShirley(AshikhminShirley::new(params)))
             }
             Material::Mirror | Material::Glass => None,
+        }
+    }
+
+    /// Follows the vectors that these lobes take, beside the normal, under the inverse warps.
+    #[inline(always)]
+    pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
+        let unwarp = &pixels.unwarp;
+        match self {
+            Self::Diffuse { .. } | Self::BlinnPhong { far: true, .. } => {}
+            Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
+            Self::BlinnPhong { far: false, .. } => pixels.to_eye.unwarp(unwarp),
+            Self::AshikhminShirley(_) => {
+                pixels.to_eye.unwarp(unwarp);
+                pixels.along.unwarp(unwarp);
+                pixels.across.unwarp(unwarp);
+            }
         }
     }
 

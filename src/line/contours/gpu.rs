@@ -1,6 +1,5 @@
 //! Edges as lists: of what is made per pixel only what lies along edges is read.
 
-use crate::engine::cpu::gpu_support::{contour_lines, contours_along};
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
@@ -11,13 +10,17 @@ use crate::engine::gpu::surface::deinterleave;
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
 use crate::engine::gpu::wgsl::Number::{F32, U32};
 use crate::engine::gpu::wgsl::wgsl;
+use crate::engine::outcome::add_timings;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
+use crate::line::contours::coverage::{DrawnLine, Piece, strokes};
+use crate::line::contours::cpu::{Weights, contours};
 use crate::line::contours::crack::KINK;
 use crate::line::contours::cracks::LEAST_STEP;
 use crate::line::contours::found::{FoundCrack, FoundEdges};
+use crate::line::contours::stage::scaled;
 use crate::line::contours::{Contour, HALF_PLAIN_JUMP};
-use crate::params::ContourParams;
+use crate::params::{ContourParams, Style};
 use crate::plan::{Available, Plan};
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::gpu::FACING;
@@ -109,6 +112,55 @@ pub(crate) enum PendingReadback<'d> {
     Listed(Submitted<'d>, [usize; 2]),
     /// As planes of weights: there are too many for lists.
     InPlanes(Submitted<'d>),
+}
+
+/// Lists edges, and has the device hand them out: their numbers are waited for.
+pub(crate) fn list_edges(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let params = contours_of(plan);
+    let shape = run.made.shape.take().expect("edges come first");
+    let lists = run.edge_lists(plan, frame, &shape, &params);
+    let counted = run.recorder.submit(&[&lists.counts]).read();
+    let weights = shape.weights.as_ref();
+    let weights = weights.expect("contours are planned with their weights");
+    run.canvas.edges = Some(counted.map(|(read, times)| {
+        add_timings(&mut run.waited, &times.unwrap_or_default());
+        run.dispatch(lists, &read[0], weights)
+    }));
+    run.made.shape = Some(shape);
+}
+
+/// Follows the edges that were listed from pixel to pixel, which a device cannot; it makes strokes meanwhile. What the lines
+/// cover is recorded.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] where the device fails.
+pub(crate) fn follow_listed(run: &mut Run) -> Result<()> {
+    let (plan, frame) = (run.plan, run.frame);
+    let edges = run.canvas.edges.take().expect("edges were listed")?;
+    let host = &mut run.host;
+    let lines = host.timed("contour-lines", || {
+        edges.lines(plan, frame, &contours_of(plan))
+    })?;
+    let strokes = plan.drawing.as_ref().map(|params| &params.strokes);
+    let grain = strokes.filter(|strokes| strokes.style == Style::Pencil);
+    let seed = grain.map(|strokes| strokes.seed);
+    run.canvas.contours = Some(run.covered_by_lines(frame, &contour_pieces(&lines), seed));
+    run.host.canvas.contours = Some((Plane::default(), lines));
+    Ok(())
+}
+
+fn contours_of(plan: &Plan) -> ContourParams {
+    let params = plan.drawing.as_ref();
+    let params = params.and_then(|params| scaled(plan, params));
+    params.expect("contours are asked for")
+}
+
+/// The pieces that contours are drawn in: lines that meet are one.
+fn contour_pieces(lines: &[Contour]) -> Vec<Piece> {
+    let pieces = lines.par_iter();
+    let pieces = pieces.flat_map_iter(|line| strokes(&DrawnLine::from(line)));
+    pieces.map(|piece| (0, piece)).collect()
 }
 
 impl<'a> Run<'a> {
@@ -244,14 +296,15 @@ impl PendingReadback<'_> {
             Self::Listed(submitted, counts) => {
                 let (read, _) = submitted.read()?;
                 let edges = listed(&read, counts);
-                Ok(contours_along(plan, frame, &edges, params))
+                Ok(edges.contours(frame, &plan.shape, params))
             }
             Self::InPlanes(submitted) => {
                 let (read, _) = submitted.read()?;
                 let plane =
                     |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-                let [silhouette, crease] = deinterleave::<2>(&read[0]).map(plane);
-                Ok(contour_lines(plan, frame, [&silhouette, &crease], params))
+                let [silhouette, crease] = &deinterleave::<2>(&read[0]).map(plane);
+                let weights = Weights { silhouette, crease };
+                Ok(contours(&weights, frame, &plan.shape, params))
             }
         }
     }

@@ -1,8 +1,8 @@
-//! What lines cover of every pixel: contours, and strokes that are lines.
+//! What lines along edges cover of every pixel.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::GROUP;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::{INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, U32};
@@ -21,8 +21,6 @@ uniforms! {
         /// Coordinates of the first pixel.
         x0: i32,
         y0: i32,
-        /// How many rows of the picture come before.
-        top: u32,
         /// Of the grain, where there is any.
         seed_low: u32,
         seed_high: u32,
@@ -30,7 +28,7 @@ uniforms! {
 }
 
 bindings! {
-    LineCoverageBuffers { covered, tile_starts, tile_pieces, pieces, lines, covered_by_lines }
+    LineCoverageBuffers { tile_starts, tile_pieces, pieces, lines, covered_by_lines }
 }
 
 /// The coverage of each pixel by lines.
@@ -38,7 +36,6 @@ pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, Line
     "LineCoverage",
     &[
         INDEX,
-        COVERAGE,
         wgsl!("round_stroke.wgsl"),
         wgsl!(
             "../paper.wgsl",
@@ -65,8 +62,8 @@ struct Tiles {
 }
 
 impl Tiles {
-    /// The tiles of a picture of this size, or of a strip whose first row is `top`.
-    fn new(pieces: &[Piece], size: [u32; 2], top: usize) -> Self {
+    /// The tiles of a picture of this size.
+    fn new(pieces: &[Piece], size: [u32; 2]) -> Self {
         let size = [0, 1].map(|axis| size[axis].div_ceil(GROUP[axis]));
         let reached = |piece: &RoundStroke| {
             // Casts of what lies outside saturate.
@@ -76,7 +73,7 @@ impl Tiles {
                 (first / side).floor() as u32..end.min(size[axis])
             };
             let columns = tiles(0, piece.across());
-            let rows = tiles(1, piece.rows().map(|y| y - top as f32));
+            let rows = tiles(1, piece.rows());
             rows.flat_map(move |row| columns.clone().map(move |column| row * size[0] + column))
         };
         let mut starts = vec![0; (size[0] * size[1] + 1) as usize];
@@ -102,29 +99,17 @@ impl Tiles {
     }
 }
 
-/// The medium and place of lines.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Medium {
-    /// In ink that ends where the surface does.
-    InkWithin,
-    /// In ink, also outside the mask.
-    Ink,
-    /// In graphite, also outside the mask, on paper with a grain of this seed.
-    Graphite(u64),
-}
-
 impl Run<'_> {
-    /// The coverage of every pixel by pieces of lines. Pieces of one line count once where they meet; lines, each with its
-    /// pieces together, lie side by side. Row 0 of a strip is the row `top` of the picture whose coordinates lines are in.
+    /// What pieces of lines cover of every pixel, also outside the mask: in ink, or in graphite on paper with a grain of
+    /// this seed. Pieces of one line are one where they meet; lines, each with its pieces together, lie side by side.
     pub(crate) fn covered_by_lines(
         &mut self,
         frame: &Frame,
-        top: usize,
         pieces: &[Piece],
-        medium: Medium,
+        grain: Option<u64>,
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
-        let tiles = Tiles::new(pieces, [width, height], top);
+        let tiles = Tiles::new(pieces, [width, height]);
         let (mut lines, mut numbers): (Vec<u32>, Vec<[f32; 8]>) = pieces
             .iter()
             .map(|(line, piece)| (*line, piece.numbers()))
@@ -137,31 +122,19 @@ impl Run<'_> {
         let numbers = self.uploaded(numbers.as_flattened());
         let lines = self.uploaded_bytes(bytemuck::cast_slice(&lines));
         let covered = self.take(self.surface.plane_bytes());
-        let seed = match medium {
-            Medium::Graphite(seed) => spread_seed(seed),
-            Medium::InkWithin | Medium::Ink => 0,
-        };
-        let switches = [
-            ("IN_GRAPHITE", matches!(medium, Medium::Graphite(_))),
-            ("WITHIN", matches!(medium, Medium::InkWithin)),
-        ];
+        let seed = grain.map_or(0, spread_seed);
         self.recorder.over_pixels(
-            match medium {
-                Medium::InkWithin => "hatching",
-                Medium::Ink | Medium::Graphite(_) => "contours",
-            },
-            (&LINE_COVERAGE, &switches),
+            "contours",
+            (&LINE_COVERAGE, &[("IN_GRAPHITE", grain.is_some())]),
             &LineCoverageParams {
                 width,
                 height,
                 x0: frame.data_window.x0,
                 y0: frame.data_window.y0,
-                top: top as u32,
                 seed_low: seed as u32,
                 seed_high: (seed >> 32) as u32,
             },
             &LineCoverageBuffers {
-                covered: &self.surface.covered,
                 tile_starts: &starts,
                 tile_pieces: &by_tile,
                 pieces: &numbers,

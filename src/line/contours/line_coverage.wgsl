@@ -1,18 +1,15 @@
 // How much of every pixel lines cover: a group makes a tile of pixels from the pieces of lines that reach it.
 
 @group(0) @binding(0) var<uniform> params: LineCoverageParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
 // Where the pieces of each tile begin in their list, and where the last end.
-@group(0) @binding(2) var<storage, read> tile_starts: array<u32>;
-@group(0) @binding(3) var<storage, read> tile_pieces: array<u32>;
-@group(0) @binding(4) var<storage, read> pieces: array<Piece>;
+@group(0) @binding(1) var<storage, read> tile_starts: array<u32>;
+@group(0) @binding(2) var<storage, read> tile_pieces: array<u32>;
+@group(0) @binding(3) var<storage, read> pieces: array<Piece>;
 // The line of each piece.
-@group(0) @binding(5) var<storage, read> lines: array<u32>;
-@group(0) @binding(6) var<storage, read_write> covered_by_lines: array<f32>;
+@group(0) @binding(4) var<storage, read> lines: array<u32>;
+@group(0) @binding(5) var<storage, read_write> covered_by_lines: array<f32>;
 
 override IN_GRAPHITE: bool;
-// Whether nothing is drawn outside the mask.
-override WITHIN: bool;
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(
@@ -24,12 +21,8 @@ fn main(
         return;
     }
     let i = index_of(id.x, id.y);
-    if WITHIN && !is_covered(id.x, id.y) {
-        covered_by_lines[i] = 0.0;
-        return;
-    }
     let tile = group.y * groups.x + group.x;
-    let middle = vec2<f32>(f32(id.x) + 0.5, f32(params.top + id.y) + 0.5);
+    let middle = vec2<f32>(f32(id.x) + 0.5, f32(id.y) + 0.5);
     // What lines cover together, and what the one at hand does.
     var sum = 0.0;
     var own = 0.0;

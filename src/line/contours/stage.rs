@@ -26,6 +26,10 @@ pub(crate) static CONTOURS: Stage = Stage {
         decide,
     }],
     cpu: draw,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::list_edges,
+    #[cfg(feature = "gpu")]
+    beside_gpu: Some(super::gpu::follow_listed),
     ..Stage::DEFAULT
 };
 
@@ -83,7 +87,7 @@ fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) 
         (covered(&lines, &drawn.mask, memory), lines)
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    if let Some(kept) = run.to_keep().filter(|_| plan.specular.is_none()) {
+    if let Some(kept) = run.kept_if_whole().filter(|_| plan.specular.is_none()) {
         kept.contours.put(made.clone());
     }
     made

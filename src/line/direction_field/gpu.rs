@@ -25,6 +25,16 @@ pub(crate) struct StrokeFields {
     pub(crate) room: u32,
 }
 
+/// Finds the directions of strokes along the edges that the device has.
+pub(crate) fn find(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let params = plan.drawing.as_ref().expect("strokes are of a drawing");
+    let shape = run.made.shape.as_ref().expect("edges come first");
+    let conductance = shape.conductance.clone();
+    let fields = run.stroke_fields(plan, &params.field, params.directions, frame, &conductance);
+    run.canvas.fields = Some(fields);
+}
+
 impl StrokeFields {
     /// All of its buffers.
     pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
@@ -250,10 +260,12 @@ impl Run<'_> {
 mod tests {
     use super::*;
     use crate::engine::cpu;
+    use crate::engine::cpu::memory::Memory;
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
-    use crate::engine::gpu::runner::Runner;
+    use crate::engine::gpu::runner::{Beside, Runner};
     use crate::engine::inputs::Inputs;
     use crate::frame::{Camera, ColorPlanes, Plane, Projection};
+    use crate::line::direction_field::cpu::stroke_fields;
     use crate::params::{Fallback, LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, ToneFrom};
     use crate::product::Product;
@@ -288,7 +300,8 @@ mod tests {
 
     fn found(runner: &Runner, plan: &Plan, frame: &Frame) -> Found {
         let line = plan.drawing.as_ref().unwrap();
-        let mut run = runner.start(plan, frame);
+        let memory = Memory::default();
+        let mut run = runner.start(plan, frame, Beside::nothing(&memory));
         let edges = run.edges(plan, frame);
         let fields = run.stroke_fields(
             plan,
@@ -300,7 +313,7 @@ mod tests {
         let planes = fields.directions.iter().flatten();
         let mut wanted = vec![&fields.further, &edges.conductance];
         wanted.extend(planes);
-        let (mut read, _) = run.finish(&wanted).unwrap();
+        let mut read = run.finish(&wanted).unwrap().read;
         let planes = read.split_off(2);
         let [further, conductance] = read.try_into().unwrap();
         let (width, height) = (frame.mask.width(), frame.mask.height());
@@ -318,8 +331,9 @@ mod tests {
         let line = plan.drawing.as_ref().unwrap();
         let found = found(runner, &plan, frame);
         assert!(found.further[0] <= found.further[1]);
-        let host = cpu::Runner::default();
-        let expected = host.drawn_directions(&plan, frame, line, &found.conductance);
+        let (wanted, memory) = (line.directions, Memory::default());
+        let edges = &found.conductance;
+        let expected = stroke_fields(&plan, &line.field, wanted, frame, edges, None, &memory);
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let (mut sum, mut wide, mut count) = (0.0, 0, 0);
         for (found, expected) in found.planes.chunks(2).zip(&expected) {

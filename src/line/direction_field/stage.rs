@@ -30,6 +30,8 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     }],
     cpu: find,
     #[cfg(feature = "gpu")]
+    gpu: super::gpu::find,
+    #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
         plan.available
             .object_angles

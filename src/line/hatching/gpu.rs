@@ -1,5 +1,6 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
+use crate::engine::device_times::UPLOAD;
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
@@ -8,6 +9,7 @@ use crate::engine::gpu::surface::{Picture, Upload};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
+use crate::engine::outcome::add_timings;
 use crate::frame::Frame;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::{CROSSED_FROM, Hatching};
@@ -18,6 +20,7 @@ use crate::params::{Adaptive, ToneParams};
 use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// Strokes along a field of directions.
 const HATCHING: Wgsl = wgsl!(
@@ -182,6 +185,57 @@ impl TextureCache {
         *kept = Some((map.clone(), texture.clone()));
         texture
     }
+}
+
+/// Strokes on the device.
+pub(crate) struct Hatched {
+    /// The numbers chosen, paper white among them.
+    pub(crate) chosen: wgpu::Buffer,
+    pub(crate) densities: wgpu::Buffer,
+    /// How much of the paper they cover.
+    pub(crate) ink: wgpu::Buffer,
+}
+
+/// Draws strokes of a texture in the tone of the picture.
+pub(crate) fn hatch(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let params = plan.drawing.as_ref().expect("strokes are of a drawing");
+    let picture = run.made.picture.take();
+    let picture = picture.expect("a drawing is planned with its tone");
+    let chosen = run.choose_paper_white(&params.tone, frame, &picture);
+    let densities = run.densities(&params.tone, frame, &picture, &chosen);
+    run.made.picture = Some(picture);
+    let start = Instant::now();
+    let (strokes, texture) = (&params.strokes, run.texture);
+    let strokes = match &run.host.canvas.art_map {
+        Some(map) => Strokes::new(map, texture.of(map, run.upload()), strokes),
+        None => {
+            let map = run.host.inputs.art_map;
+            let map = map.expect("strokes of pictures come with them");
+            Strokes::new(map, Texture::new(map, run.upload()), strokes)
+        }
+    };
+    let coordinates = run.host.canvas.coordinates.take();
+    let sheets = run.sheets(coordinates.as_ref());
+    run.host.canvas.coordinates = coordinates;
+    add_timings(&mut run.waited, &[(UPLOAD, start.elapsed())]);
+    let fields = run.canvas.fields.take();
+    let fields = fields.expect("strokes follow directions");
+    let directions = &fields.directions;
+    let ink = run.hatched(
+        &params.strokes,
+        frame,
+        &densities,
+        directions,
+        &strokes,
+        &sheets,
+    );
+    run.canvas.fields = Some(fields);
+    run.canvas.hatched = Some(Hatched {
+        chosen,
+        densities,
+        ink,
+    });
 }
 
 impl Run<'_> {

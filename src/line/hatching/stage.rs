@@ -20,6 +20,8 @@ pub(crate) static HATCHING: Stage = Stage {
         },
     }],
     cpu: hatch,
+    #[cfg(feature = "gpu")]
+    gpu: super::gpu::hatch,
     ..Stage::DEFAULT
 };
 

@@ -1,6 +1,10 @@
 //! Interior lines in a drawing.
 
 use crate::engine::cpu::run::Run;
+#[cfg(feature = "gpu")]
+use crate::engine::gpu::run::Run as DeviceRun;
+#[cfg(feature = "gpu")]
+use crate::error::Result;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
@@ -8,6 +12,8 @@ use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
+#[cfg(feature = "gpu")]
+use crate::shape::edges::cpu::edges_with_weights;
 
 /// Lines inside surfaces. They follow contours, which they join and do not double.
 pub(crate) static INTERIOR: Stage = Stage {
@@ -23,6 +29,8 @@ pub(crate) static INTERIOR: Stage = Stage {
         decide,
     }],
     cpu: draw,
+    #[cfg(feature = "gpu")]
+    beside_gpu: Some(draw_beside),
     ..Stage::DEFAULT
 };
 
@@ -56,6 +64,20 @@ fn draw(run: &mut Run) {
     }
 }
 
+/// Draws while a device makes strokes: lines are followed from pixel to pixel, which it cannot. Edges are made once more, in
+/// less time than it takes to read the weights of all pixels back.
+#[cfg(feature = "gpu")]
+fn draw_beside(run: &mut DeviceRun) -> Result<()> {
+    let (plan, frame, host) = (run.plan, run.frame, &mut run.host);
+    let memory = host.memory;
+    let made = host.timed(INTERIOR.name, || {
+        edges_with_weights(plan, frame, true, memory).0
+    });
+    host.outcome.shape.silhouette = made.silhouette;
+    draw(host);
+    Ok(())
+}
+
 fn follow(run: &mut Run) -> InteriorLayer {
     let (plan, frame, runner, memory) = (run.plan, run.frame, run.runner, run.memory);
     let params = plan.drawing.as_ref().and_then(|params| params.interior);
@@ -82,7 +104,7 @@ fn follow(run: &mut Run) -> InteriorLayer {
         }
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    let kept = run.to_keep().filter(|_| plan.specular.is_none());
+    let kept = run.kept_if_whole().filter(|_| plan.specular.is_none());
     if let Some(kept) = kept {
         kept.interior.put(made.clone());
     }

@@ -6,7 +6,6 @@ use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
-use std::ops::Range;
 
 /// How a texture lies on a surface that moves.
 pub(crate) const TEXTURE_COORDINATES: Wgsl =
@@ -38,29 +37,25 @@ pub(crate) struct BoundTexture {
 }
 
 impl Run<'_> {
-    /// These rows of what a drawing is made of; without coordinates its texture lies still in the picture.
-    pub(crate) fn sheets(
-        &mut self,
-        coordinates: Option<&TextureCoordinates>,
-        rows: &Range<usize>,
-    ) -> Sheets {
+    /// What a drawing is made of; without coordinates its texture lies still in the picture.
+    pub(crate) fn sheets(&mut self, coordinates: Option<&TextureCoordinates>) -> Sheets {
         let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
         let surface = sheets.iter().find_map(|sheet| sheet.place);
         let surface = surface.map(|(_, surface)| surface);
         let depth = surface.and_then(|surface| surface.depth);
         let motion = surface.and_then(|surface| surface.motion);
         Sheets {
-            each: sheets.iter().map(|sheet| self.laid(sheet, rows)).collect(),
-            depth: depth.map(|depth| self.hold_rows(depth, rows)),
-            motion: motion.map(|motion| self.hold_field(motion, rows)),
+            each: sheets.iter().map(|sheet| self.laid(sheet)).collect(),
+            depth: depth.map(|depth| self.uploaded(depth.samples())),
+            motion: motion.map(|motion| self.hold_field(motion)),
         }
     }
 
-    fn laid(&mut self, sheet: &PlacedTexture, rows: &Range<usize>) -> BoundTexture {
+    fn laid(&mut self, sheet: &PlacedTexture) -> BoundTexture {
         BoundTexture {
-            place: sheet.place.map(|(place, _)| self.hold_field(place, rows)),
+            place: sheet.place.map(|(place, _)| self.hold_field(place)),
             origin: sheet.origin,
-            share: sheet.share.map(|share| self.hold_rows(share, rows)),
+            share: sheet.share.map(|share| self.uploaded(share.samples())),
         }
     }
 }

@@ -21,6 +21,9 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
         },
     }],
     cpu: place,
+    // They are carried from frame to frame on the CPU, and strokes take them as they begin.
+    #[cfg(feature = "gpu")]
+    gpu: |run| place(&mut run.host),
     ..Stage::DEFAULT
 };
 

@@ -18,6 +18,9 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
         },
     }],
     cpu: make,
+    // Strokes are drawn into it one after another; it is made once.
+    #[cfg(feature = "gpu")]
+    gpu: |run| make(&mut run.host),
     ..Stage::DEFAULT
 };
 

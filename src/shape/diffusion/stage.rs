@@ -24,8 +24,7 @@ pub(crate) static DIFFUSION: Stage = Stage {
     cpu: diffuse,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::diffuse,
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |_| None,
+    ..Stage::DEFAULT
 };
 
 fn decide(plan: &Plan) -> Verdict {

@@ -104,7 +104,7 @@ fn find_edges(run: &mut Run) {
         let (mut weights, gradient) = run.timed("edges-and-gradient", || {
             edges_with_weights(plan, frame, with_weights, memory)
         });
-        if let Some(kept) = run.to_keep() {
+        if let Some(kept) = run.kept_if_whole() {
             kept.keep_unwanted(&mut weights, wanted);
             kept.undiffused.put(gradient.clone());
         }

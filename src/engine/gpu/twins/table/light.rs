@@ -423,8 +423,7 @@ fn lit_pixel(words: &mut [u32]) {
     let (known, rest) = rest.split_at_mut(46);
     unit_vector(&mut light[..3]);
     unit_vector(&mut light[3..6]);
-    let toward_viewer = f32::from_bits(light[5]).abs();
-    set(&mut light[5..6], &[toward_viewer]);
+    each(&mut light[5..6], f32::abs);
     within_range(&mut light[6..], 0.0, 1e6);
     for axis in known[..25].chunks_exact_mut(5) {
         unit_vector(&mut axis[..3]);
