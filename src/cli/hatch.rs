@@ -212,6 +212,7 @@ impl HatchArgs {
             return refused(&found, &format!("{less}, or raise --max-memory"));
         }
         loaded.frame = loaded.frame.enlarged(times);
+        loaded.enlarged = times;
         Ok(times)
     }
 

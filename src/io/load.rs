@@ -33,6 +33,8 @@ pub struct Loaded {
     pub frame: Frame,
     /// The layers that may hold motion since the frame before, where it was needed.
     pub motion: Option<MotionLayers>,
+    /// How many times as large as its files the frame has been made.
+    pub enlarged: f64,
     /// What was concluded.
     pub findings: Vec<Finding>,
     /// What the user should know.
@@ -257,6 +259,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     notes.on_steps(&frame);
     Ok(Loaded {
         motion: sources.motion(&mut planes, inputs, display_window),
+        enlarged: 1.0,
         findings: notes.findings,
         warnings: notes.warnings,
         photo_bits: photo_bits(&main),

@@ -16,6 +16,7 @@ mod stored;
 
 pub(super) use decoder::{max_code, one_line, unsupported};
 pub use kept::Kept;
+pub(crate) use kept::RESOLUTIONS;
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;
