@@ -164,7 +164,7 @@ fn verdict(
             Some(_) => {}
         }
     }
-    if let Some((own, its, other)) = nearest.filter(|(own, its, _)| *own > CLEARLY * its) {
+    if let Some((own, its, other)) = nearest.filter(|(own, its, _)| *own >= CLEARLY * its) {
         let why = format!(
             "{label} leads {} ({own:.3} left) about as well as {other} ({its:.3} left)",
             best.convention
@@ -210,12 +210,12 @@ fn beats_stillness(
         );
         Err((false, why))
     };
-    if own > CLEARLY * its {
+    if own >= CLEARLY * its {
         return as_well("a picture", own, its);
     }
     // Where the surface moves as a world that stands still does, the two are one.
     match world.and_then(|world| best.against(world)) {
-        Some((own, its)) if own > CLEARLY * its => as_well("a world", own, its),
+        Some((own, its)) if own >= CLEARLY * its => as_well("a world", own, its),
         _ => Ok(()),
     }
 }

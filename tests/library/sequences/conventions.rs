@@ -59,18 +59,27 @@ fn judged(
     come: &dyn Fn(f64, f64) -> [f64; 2],
     channels: Channels,
 ) -> (Option<MotionLayers>, Option<MotionVerdict>) {
-    let desk = tempfile::tempdir().unwrap();
     let from = |x: f64, y: f64| {
         let [dx, dy] = come(x, y);
         [x - dx, y + dy]
     };
+    judged_between([&|x, y| [x, y], &from], come, channels)
+}
+
+/// The same of two frames that look where these say on the relief.
+fn judged_between(
+    at: [&dyn Fn(f64, f64) -> [f64; 2]; 2],
+    come: &dyn Fn(f64, f64) -> [f64; 2],
+    channels: Channels,
+) -> (Option<MotionLayers>, Option<MotionVerdict>) {
+    let desk = tempfile::tempdir().unwrap();
     let write = |name: &str, planes: &[(String, Plane)]| {
         let path = desk.path().join(name);
         Part::of(planes.iter().map(|(name, plane)| (name, plane))).write(&path);
         read(&path)
     };
-    let before = write("1.exr", &frame(|x, y| [x, y]));
-    let mut planes = frame(from);
+    let before = write("1.exr", &frame(at[0]));
+    let mut planes = frame(at[1]);
     for (name, stored) in channels {
         let plane = Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
             let [dx, dy] = come(x as f64 + 0.5, y as f64 + 0.5);
@@ -229,6 +238,17 @@ fn what_frames_do_not_show_is_not_guessed() {
     assert!(!verdict.unwrap().is_found());
     // Its name does not say how to read it, that of Blender's does.
     assert!(layers.unwrap().by_name().is_none());
+    // One colour and one slope everywhere: what moves inside looks the same in every reading.
+    let inside = |x: f64, y: f64| match (x - MIDDLE[0]).hypot(y - MIDDLE[1]) < 20.0 {
+        true => [3.5, -2.25],
+        false => [0.0; 2],
+    };
+    let (_, verdict) = judged_between(
+        [&|_, _| [0.0; 2], &|_, _| [0.0; 2]],
+        &inside,
+        &[("velocity.x", &|x, _| x), ("velocity.y", &|_, y| y)],
+    );
+    assert!(!verdict.unwrap().is_found());
     // No layer, no verdict; a motion along x alone leaves the sense of y open for the frames to come.
     assert!(judged(&pan, &[]).1.is_none());
     let along_x = |_: f64, _: f64| [3.5, 0.0];
