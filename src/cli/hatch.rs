@@ -128,7 +128,7 @@ impl FrameCommand for HatchArgs {
         let draw = |frame: &mut Frame, inputs: engine::Inputs| {
             kit.engine.execute_sparingly(&plan, frame, inputs, &run)
         };
-        let outcome = match (moves, job.frame) {
+        let mut outcome = match (moves, job.frame) {
             (true, Some(number)) => job.in_turn(|| {
                 let mut course = kit.course.lock().unwrap_or_else(PoisonError::into_inner);
                 let motion = course
@@ -148,6 +148,9 @@ impl FrameCommand for HatchArgs {
             }),
             _ => draw(&mut loaded.frame, inputs),
         }?;
+        if let (Some(drawing), false) = (&mut outcome.drawing, is_svg(&job.work)) {
+            self.mix(drawing, &loaded.frame, times);
+        }
         let done = Done {
             loaded,
             plan,
@@ -209,6 +212,7 @@ impl HatchArgs {
             return refused(&found, &format!("{less}, or raise --max-memory"));
         }
         loaded.frame = loaded.frame.enlarged(times);
+        loaded.enlarged = times;
         Ok(times)
     }
 

@@ -1,5 +1,6 @@
 //! `relievo inspect`.
 
+use super::inspect_motion;
 use super::message;
 use super::panics::caught;
 use super::threads::on_threads;
@@ -77,10 +78,15 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     let mut inputs = args.roles.inputs(file);
     let survey = io::survey(file, inputs.view.as_deref())?;
     inputs.light = Some(LightInputs::default());
-    let (findings, mut warnings, problem) = match look(inputs) {
+    let (findings, mut warnings, problem) = match look(inputs.clone()) {
         Ok((loaded, note)) => {
+            let motion = match note {
+                None => inspect_motion::finding(&inputs)?,
+                Some(_) => None,
+            };
             let warnings = loaded.warnings.into_iter().chain(note);
-            (loaded.findings, warnings.collect(), None)
+            let findings = loaded.findings.into_iter().chain(motion);
+            (findings.collect(), warnings.collect(), None)
         }
         Err(Error::Damaged { path, found }) => return Err(Error::Damaged { path, found }),
         Err(error) => (Vec::new(), Vec::new(), Some(error.to_string())),

@@ -267,7 +267,10 @@ impl<'a> Job<'a> {
         let Kind::Picture(format) = Kind::of(path)? else {
             unreachable!("layers go to an EXR")
         };
-        let encoding = self.work.output.encoding(&done.loaded, settings)?;
+        let encoding =
+            self.work
+                .output
+                .encoding(&done.loaded, settings, &self.work.flags.params)?;
         write_atomically(path, replace, |w| {
             write_picture_as(w, path, format, picture, &encoding)
         })

@@ -6,6 +6,7 @@ mod files;
 mod frames;
 mod hatch;
 mod inspect;
+mod inspect_motion;
 mod job;
 mod message;
 mod motion;

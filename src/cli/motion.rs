@@ -2,11 +2,22 @@
 
 use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
 use crate::io::Loaded;
+use crate::io::motion::{FrameBefore, MotionLayers, MotionVerdict};
 
 /// What has to be kept of a frame to know how the next one moved.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
-    before: Option<(i32, Option<Camera>)>,
+    before: Option<Before>,
+    /// How layers of motion are read, once frames have shown it.
+    verdict: Option<MotionVerdict>,
+}
+
+#[derive(Debug)]
+struct Before {
+    number: i32,
+    camera: Option<Camera>,
+    /// What it showed, while the convention of motion is open.
+    seen: Option<FrameBefore>,
 }
 
 impl Steps {
@@ -24,9 +35,34 @@ impl Steps {
         say: impl Fn(&str),
     ) -> Option<Vector2Planes> {
         let camera = loaded.frame.camera;
-        let (last, camera_before) = self.before.replace((number, camera))?;
-        if let Some(motion) = loaded.motion.take() {
-            let step = i64::from(number) - i64::from(last);
+        let layers = loaded.motion.take();
+        let is_open = self
+            .verdict
+            .as_ref()
+            .is_none_or(|verdict| !verdict.is_settled);
+        let now = Before {
+            number,
+            camera,
+            seen: is_open.then(|| FrameBefore::of(&loaded.frame)),
+        };
+        let before = self.before.replace(now)?;
+        let still = before
+            .camera
+            .and_then(|before| static_world_motion(&loaded.frame, &before));
+        let step = i64::from(number) - i64::from(before.number);
+        let step = u32::try_from(step).unwrap_or(1).max(1);
+        let of_layers = layers.and_then(|layers| {
+            if let Some(seen) = &before.seen {
+                let verdict = layers.judge(&loaded.frame, seen, step, still.as_ref());
+                self.learn(verdict, &layers, &say);
+            }
+            let found = self
+                .verdict
+                .as_ref()
+                .and_then(|verdict| layers.read_as(verdict));
+            found.or_else(|| layers.by_name())
+        });
+        if let Some(motion) = of_layers {
             if step > 1 {
                 say(
                     "where frames are left out motion is taken for so many times that since the frame before",
@@ -34,16 +70,33 @@ impl Steps {
             }
             return Some(longer(motion, step as f32));
         }
-        let motion = camera_before.and_then(|before| static_world_motion(&loaded.frame, &before));
-        say(match motion {
-            Some(_) => {
-                "no layer of motion: it is taken from depth and cameras, as of a world that stands still"
-            }
+        say(match still {
+            Some(_) => "motion is taken from depth and cameras, as of a world that stands still",
             None => {
-                "neither a layer of motion nor depth with a camera: strokes lie still in the picture"
+                "neither motion nor depth with a camera is known: strokes lie still in the picture"
             }
         });
-        motion
+        still
+    }
+
+    /// Takes a verdict for all frames from here on, unless an earlier one found a layer and this one does not.
+    fn learn(&mut self, verdict: MotionVerdict, layers: &MotionLayers, say: impl Fn(&str)) {
+        let was_found = self.verdict.as_ref().is_some_and(MotionVerdict::is_found);
+        if was_found && !verdict.is_found() {
+            return;
+        }
+        let is_news = match verdict.is_found() {
+            true => !was_found && !layers.is_by_name(&verdict),
+            false => !verdict.is_still,
+        };
+        if is_news {
+            let conclusion = match verdict.is_found() || !layers.has_named() {
+                true => &verdict.conclusion,
+                false => "read as the name of its layer says, which frames do not show",
+            };
+            say(&format!("motion: {conclusion} ({})", verdict.evidence));
+        }
+        self.verdict = Some(verdict);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
 use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
+use crate::params::Params;
 use std::io::{Seek, Write};
 use std::path::Path;
 use wildmatch::WildMatch;
@@ -55,7 +56,12 @@ impl OutputArgs {
     }
 
     /// How a picture made of `loaded` by this recipe is written.
-    pub(super) fn encoding(&self, loaded: &Loaded, recipe: String) -> Result<Encoding> {
+    pub(super) fn encoding(
+        &self,
+        loaded: &Loaded,
+        recipe: String,
+        params: &Params,
+    ) -> Result<Encoding> {
         let mut metadata = loaded.metadata()?;
         // Colours that were turned to other primaries are no longer those of the profile.
         metadata.profile = metadata.profile.filter(|_| loaded.chromaticities.is_none());
@@ -64,6 +70,10 @@ impl OutputArgs {
             quality: self.quality.unwrap_or(plain.quality),
             software: Some(software()),
             settings: Some(recipe),
+            pixel_mm: params
+                .pixel_size
+                .map(|size| f64::from(size.mm) / loaded.enlarged),
+            scale_bar: params.scale_bar,
             metadata,
         })
     }

@@ -278,7 +278,10 @@ pub(super) fn make<W: StripWork>(
         let whites = match gathered {
             Some(gathered) => {
                 let settings = job.recipe(&chosen);
-                let encoding = job.work.output.encoding(&sample, settings)?;
+                let encoding =
+                    job.work
+                        .output
+                        .encoding(&sample, settings, &job.work.flags.params)?;
                 write_gathered(&source, job, output, (gathered, &encoding), exposure)?
             }
             None => {

@@ -12,6 +12,7 @@ use crate::io::picture::{Display, Picture, PictureFormat};
 use crate::io::{self, Needs};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::line::bilevel::bilevel;
+use crate::line::fading::{faded, largest_around};
 use crate::line::paper::on_paper;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
@@ -79,8 +80,8 @@ impl HatchArgs {
     ) -> (Inputs, Needs) {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
-        // What a mask or objects leave out is not drawn.
-        needs.strength = false;
+        // Lines of an SVG are there or not: what is chosen is coverage.
+        needs.strength = !is_svg(&self.relight.work);
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         if looks
             .line
@@ -113,6 +114,21 @@ impl HatchArgs {
     /// Pixels per inch of the print's height.
     pub(crate) fn dpi(&self) -> f32 {
         self.params().strokes.print_dpi()
+    }
+
+    /// Takes as much ink as is asked for, everywhere and for each pixel. Lines along edges lie about them: what is chosen has them
+    /// whole, as far as they reach.
+    pub(crate) fn mix(&self, drawing: &mut Drawing, frame: &Frame, times: f64) {
+        let share = self.relight.work.flags.params.mix;
+        let strength = frame.strength.as_ref();
+        let width_px = self.params().contours.map_or(0.0, |lines| lines.width_px);
+        let reach = (0.5 * f64::from(width_px) * times).ceil() as usize + 1;
+        let around = strength.map(|strength| largest_around(strength, reach));
+        faded(&mut drawing.hatching, strength, share);
+        let within = drawing.interior.iter_mut().chain(&mut drawing.asked);
+        within.for_each(|ink| faded(ink, strength, share));
+        let along_edges = drawing.contours.iter_mut();
+        along_edges.for_each(|ink| faded(ink, around.as_ref(), share));
     }
 
     /// A drawing on its paper, as a picture shows it.

@@ -66,7 +66,38 @@ fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTree
     Some(numbers.collect())
 }
 
-fn parsed(hex: &str) -> Option<u32> {
+/// The number of an object of this name: its hash by MurmurHash3 (32 bits, seed 0), of which one bit is turned where the float of
+/// these bits would be none, infinite or denormal ([CM], specification 1.2).
+pub(super) fn hashed(name: &str) -> u32 {
+    let hash = murmur3(name.as_bytes());
+    match (hash >> 23) & 0xff {
+        0 | 0xff => hash ^ (1 << 23),
+        _ => hash,
+    }
+}
+
+/// MurmurHash3_x86_32 by Austin Appleby, which is in the public domain, with seed 0.
+fn murmur3(bytes: &[u8]) -> u32 {
+    let scrambled = |block: u32| {
+        let block = block.wrapping_mul(0xcc9e_2d51).rotate_left(15);
+        block.wrapping_mul(0x1b87_3593)
+    };
+    let mut blocks = bytes.chunks_exact(4);
+    let mut hash = 0u32;
+    for block in &mut blocks {
+        let block = u32::from_le_bytes([block[0], block[1], block[2], block[3]]);
+        hash = (hash ^ scrambled(block)).rotate_left(13);
+        hash = hash.wrapping_mul(5).wrapping_add(0xe654_6b64);
+    }
+    let rest = blocks.remainder().iter().rev();
+    let rest = rest.fold(0, |rest, &byte| rest << 8 | u32::from(byte));
+    hash ^= scrambled(rest) ^ bytes.len() as u32;
+    hash = (hash ^ (hash >> 16)).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
+    hash ^ (hash >> 16)
+}
+
+pub(super) fn parsed(hex: &str) -> Option<u32> {
     u32::from_str_radix(hex, 16).ok()
 }
 

@@ -3,13 +3,14 @@
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
 use super::light_layers::LightSources;
+use super::motion::{MotionLayers, motion_sources};
 use super::objects::refuse_numbers;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::{RoleSource, missing, read_rows};
 use crate::error::{Error, Result};
-use crate::frame::{AWAY, ColorPlanes, Plane, Vector2Planes, Vector3Planes, Window};
+use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use std::rc::Rc;
 
 /// Silhouettes come from one map: an occlusion map that was asked for spares the depth.
@@ -73,7 +74,7 @@ impl FrameSources {
         roles.extend(find(Role::Mask, &inputs.mask)?);
         roles.extend(find(Role::Coverage, &inputs.coverage)?);
         if needs.motion {
-            roles.extend(find(Role::Motion, &inputs.motion)?);
+            roles.extend(motion_sources(inputs.motion.as_deref(), main)?);
         }
         if inputs.importance.is_some() {
             roles.extend(find(Role::Importance, &inputs.importance)?);
@@ -134,6 +135,18 @@ impl FrameSources {
         ColorSpace::of_interop_id(self.get(Role::Color)?.interop_id()?)
     }
 
+    /// The layers that may hold motion, of what was read of them.
+    pub(super) fn motion(
+        &self,
+        planes: &mut Planes,
+        inputs: &Inputs,
+        display: Window,
+    ) -> Option<MotionLayers> {
+        let sources = self.roles.iter().filter(|s| s.role == Role::Motion);
+        let read = planes.motion().into_iter();
+        MotionLayers::of(sources, read, inputs.motion.is_some(), display)
+    }
+
     pub(super) fn get(&self, role: Role) -> Option<&RoleSource> {
         self.roles.iter().find(|s| s.role == role)
     }
@@ -174,7 +187,7 @@ pub(super) struct Planes {
 impl Planes {
     fn take(&mut self, role: Role) -> Option<RolePlanes> {
         let index = self.roles.iter().position(|(r, _)| *r == role)?;
-        Some(self.roles.swap_remove(index).1)
+        Some(self.roles.remove(index).1)
     }
 
     pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
@@ -185,17 +198,10 @@ impl Planes {
         self.take(role).map(RolePlanes::into_scalar)
     }
 
-    /// From previous minus current, as files have it, to how far the surface has come.
-    pub(super) fn motion(&mut self) -> Option<Vector2Planes> {
-        let planes = self.take(Role::Motion)?.planes;
-        let come = |plane: &Plane| plane.map(|back| if back.is_finite() { -back } else { AWAY });
-        // A file named for motion may hold a picture of one channel: no way along the other axis.
-        let x = come(&planes[0]);
-        let y = match planes.get(1) {
-            Some(plane) => come(plane),
-            None => x.map(|_| 0.0),
-        };
-        Some(Vector2Planes { x, y })
+    /// All that may hold motion, in the order of their sources.
+    pub(super) fn motion(&mut self) -> Vec<Vec<Plane>> {
+        let taken = std::iter::from_fn(|| self.take(Role::Motion));
+        taken.map(|read| read.planes).collect()
     }
 
     /// A picture and its coverage, without samples that are not finite.

@@ -35,8 +35,7 @@ pub struct Inputs {
     pub albedo: Option<String>,
     /// Importance; read only where it is named here.
     pub importance: Option<String>,
-    /// Motion since the frame before, in pixels, y up, as previous minus current; read only where
-    /// [`Needs`] ask for it.
+    /// Motion since the frame before, in any convention; read only where [`Needs`] ask for it.
     pub motion: Option<String>,
     /// How much of what is made is taken, 0..1, where [`Needs`] ask for it; else coverage as below.
     pub mask: Option<String>,

@@ -8,6 +8,7 @@ use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth};
 use super::light_layers::LightSources;
+use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
 use super::opened::{Holding, Opened};
@@ -21,8 +22,7 @@ use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector2Planes, Vector3Planes,
-    Window,
+    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window,
 };
 use std::ops::Range;
 use std::rc::Rc;
@@ -31,9 +31,10 @@ use std::rc::Rc;
 pub struct Loaded {
     /// The frame, in view space.
     pub frame: Frame,
-    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up;
-    /// [`AWAY`](crate::frame::AWAY) where the file has no finite number.
-    pub motion: Option<Vector2Planes>,
+    /// The layers that may hold motion since the frame before, where it was needed.
+    pub motion: Option<MotionLayers>,
+    /// How many times as large as its files the frame has been made.
+    pub enlarged: f64,
     /// What was concluded.
     pub findings: Vec<Finding>,
     /// What the user should know.
@@ -258,7 +259,8 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     frame.confidence = needs.confidence(&frame);
     notes.on_steps(&frame);
     Ok(Loaded {
-        motion: planes.motion(),
+        motion: sources.motion(&mut planes, inputs, display_window),
+        enlarged: 1.0,
         findings: notes.findings,
         warnings: notes.warnings,
         photo_bits: photo_bits(&main),

@@ -17,6 +17,7 @@ pub mod inputs;
 mod integrability;
 mod light_layers;
 mod load;
+pub mod motion;
 mod names;
 mod nearest;
 mod normal_encoding;

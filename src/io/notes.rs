@@ -73,6 +73,8 @@ impl Notes {
         let findings = sources
             .roles
             .iter()
+            // Which layer is motion is judged from two frames.
+            .filter(|source| source.role != Role::Motion)
             .map(|source| Finding {
                 subject: source.role.name(),
                 conclusion: source.label().into(),

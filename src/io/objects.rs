@@ -154,17 +154,26 @@ fn sources<'a>(
     hashed: &'a [Cryptomatte],
 ) -> Result<Vec<ObjectSource<'a>>> {
     let pattern = WildMatch::new(name);
+    let by_number = name.strip_prefix('#').and_then(cryptomatte::parsed);
+    // What no manifest names has the hash of its name.
+    let is_plain = !name.contains(['*', '?', '#']);
     let names = hashed.iter().filter_map(|layer| {
         let objects = layer.manifest.iter();
-        let numbers: Vec<u32> = objects
+        let mut numbers: Vec<u32> = objects
             .filter(|(name, _)| pattern.matches(name))
             .map(|(_, number)| *number)
+            .chain(by_number)
             .collect();
+        if is_plain && layer.manifest.is_empty() {
+            numbers.push(cryptomatte::hashed(name));
+        }
         (!numbers.is_empty()).then_some(ObjectSource::Names(layer, numbers))
     });
     let mut found: Vec<ObjectSource> = names.collect();
-    if found.is_empty()
-        && let Ok(number) = name.parse::<u16>()
+    if let Ok(number) = name.parse::<u16>()
+        && hashed
+            .iter()
+            .all(|layer| !layer.manifest.contains_key(name))
     {
         let index = by_name(layers, Role::ObjectIndex);
         let index = index.or_else(|| by_name(layers, Role::MaterialIndex));
@@ -283,7 +292,7 @@ fn unknown(name: &str, file: &ExrFile, layers: &[Layer], hashed: &[Cryptomatte])
         (None, false, _) => "give one of them; * stands for any letters".into(),
         (None, true, true) => "give the number of an object, as in --object 2".into(),
         (None, true, false) => {
-            "render it with its manifest, or name a mask with --mask LAYER or --mask FILE".into()
+            "give names in full, or hashes, as in --object '#05777012', or render it with its manifest".into()
         }
     };
     Error::MissingAov {

@@ -119,6 +119,31 @@ impl RoleSource {
         })
     }
 
+    /// These channels of `file`, for `role`.
+    pub(super) fn of_match(role: Role, file: &Rc<Opened>, found: Match) -> Self {
+        Self {
+            role,
+            file: file.clone(),
+            layer: Some(found),
+            chosen: None,
+        }
+    }
+
+    /// Its channels; none of a photo.
+    pub(super) fn found(&self) -> Option<&Match> {
+        self.layer.as_ref()
+    }
+
+    /// Full names of its channels, for messages.
+    pub(super) fn channel_names(&self) -> String {
+        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
+            return self.label().into();
+        };
+        let channels = &file.parts[layer.part].channels;
+        let names = layer.channels.iter().map(|&c| channels[c].name.as_str());
+        names.collect::<Vec<_>>().join(" ")
+    }
+
     /// The same without its coverage.
     pub(super) fn without_alpha(mut self) -> Self {
         if let Some(layer) = &mut self.layer {

@@ -27,6 +27,7 @@ mod line;
 mod range;
 mod relight;
 mod run;
+mod scale_bar;
 mod shape;
 mod specular;
 
@@ -45,6 +46,7 @@ pub use relight::{
     WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
+pub use scale_bar::{PixelSize, ScaleBar};
 pub(crate) use shape::COARSE_ROUNDING;
 pub(crate) use shape::check_scales;
 pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
@@ -100,7 +102,14 @@ params! {
         size: Option<PaperSize> = None, flag: "--size", form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
         /// How it is drawn.
         line: LineParams;
+        /// How wide a pixel of the input is on what it shows, as in 0.05mm, 12um, 0.4cm or 2m: pictures have the resolution of a
+        /// print in that size, unless --dpi gives another.
+        pixel_size: Option<PixelSize> = None, flag: "--pixel-size", form: "LENGTH", group: Group::Print;
+        /// A bar of a round length by --pixel-size, about a fifth of the picture's width: on the picture in its quietest corner, or
+        /// outside in a white strip below it.
+        scale_bar: ScaleBar = ScaleBar::Off, flag: "--scale-bar", form: "WHERE", group: Group::Print;
     }
+    relations Params::relations;
 }
 
 /// The whole table.

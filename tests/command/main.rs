@@ -24,6 +24,7 @@ mod readme;
 mod recipes;
 mod relight;
 mod report;
+mod scale_bar;
 mod sequences;
 mod specular;
 #[cfg(unix)]

@@ -209,3 +209,68 @@ fn depth_that_fog_lacks_is_filled_and_said() {
     assert!(missing * 8 > inside, "{missing} of {inside}");
     assert!(edges * 5 < inside, "{edges} of {inside}");
 }
+
+#[test]
+fn a_drawing_fades_with_the_share_of_an_object() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let drawn = |flags: &str| {
+        let words = format!("hatch {haze} --layers results -q -o out.exr {flags}");
+        relievo(desk.path(), &words).done();
+        ["strokes.hatching", "strokes.contours"]
+            .map(|name| channel(&desk.path().join("out.exr"), name))
+    };
+    let whole = drawn("");
+    let of_head = drawn("--object Head");
+    let of_half = drawn("--object Head --mix 0.5");
+    let share = head(&haze);
+    let (mut inside, mut along) = (0.0, 0.0);
+    for y in 0..share.height() {
+        for x in 0..share.width() {
+            let [all, own, half] = [&whole, &of_head, &of_half].map(|d| d[0].at(x, y));
+            let wanted = share.at(x, y) * all;
+            // Half floats: 2^-11 of each.
+            assert!(
+                (own - wanted).abs() <= 1e-3 * all + 1e-6,
+                "{own} of {wanted}"
+            );
+            assert!((half - 0.5 * wanted).abs() <= 1e-3 * all + 1e-6, "{half}");
+            inside += f64::from(own);
+            // Lines along edges keep their outer half: two pixels beside the head are theirs.
+            let [all, own] = [&whole, &of_head].map(|d| d[1].at(x, y));
+            assert!(own <= all, "{own} of {all}");
+            along += f64::from(if share.at(x, y) == 0.0 { own } else { 0.0 });
+        }
+    }
+    assert!(inside > 100.0 && along > 20.0, "{inside}, {along}");
+}
+
+#[test]
+fn what_no_manifest_names_is_found_by_the_hash_of_its_name() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr");
+    // The same file with a manifest that cannot be read: one letter of its key is another, of the same length.
+    let mut bytes = std::fs::read(&haze).unwrap();
+    let at = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|w| w == what);
+    while let Some(found) = at(&bytes, b"/manifest\0") {
+        bytes[found + 1] = b'M';
+    }
+    let bare = desk.path().join("bare.exr");
+    std::fs::write(&bare, bytes).unwrap();
+    let named = red(desk.path(), &haze.display().to_string(), "--object Head");
+    for flags in [
+        "--object Head",
+        "--object #05777012",
+        "--object #05777012 --object !Ring",
+    ] {
+        assert!(red(desk.path(), "bare.exr", flags) == named, "{flags}");
+    }
+    let line = relievo(desk.path(), "enhance bare.exr -o out.png --object H*").refused(1);
+    assert!(line.contains("--object '#"), "{line}");
+    let ran = relievo(desk.path(), "enhance bare.exr -o out.png --object Nobody").done();
+    assert!(
+        ran.stderr.contains("nothing of what is chosen"),
+        "{}",
+        ran.stderr
+    );
+}

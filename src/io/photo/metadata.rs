@@ -27,7 +27,7 @@ pub struct PhotoMetadata {
 }
 
 /// Resolutions that are taken for such, in pixels per inch.
-const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
+pub(crate) const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
 
 /// Longest colour profile that is kept, in bytes.
 const MAX_PROFILE: usize = 1 << 24;

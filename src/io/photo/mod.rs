@@ -16,6 +16,7 @@ mod stored;
 
 pub(super) use decoder::{max_code, one_line, unsupported};
 pub use metadata::PhotoMetadata;
+pub(crate) use metadata::RESOLUTIONS;
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;

@@ -1,7 +1,8 @@
 //! How the file of a picture is encoded, and what it says beside its pixels.
 
 use crate::io::exif::Exif;
-use crate::io::photo::PhotoMetadata;
+use crate::io::photo::{PhotoMetadata, RESOLUTIONS};
+use crate::params::{MM_PER_INCH, ScaleBar};
 
 /// How the file of a picture is encoded, and what it says beside its pixels.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +13,10 @@ pub struct Encoding {
     pub software: Option<String>,
     /// The settings it was made by. PNG, JPEG and TIFF hold them as their description.
     pub settings: Option<String>,
+    /// How wide a pixel is on what the picture shows, in millimetres, where that is known.
+    pub pixel_mm: Option<f64>,
+    /// Where the picture has a bar of a round length, if the size of a pixel is known.
+    pub scale_bar: ScaleBar,
     /// What it keeps of the photo that it was made of: PNG and JPEG all of it, TIFF all but what the camera said.
     pub metadata: PhotoMetadata,
 }
@@ -22,6 +27,8 @@ impl Default for Encoding {
             quality: 95,
             software: None,
             settings: None,
+            pixel_mm: None,
+            scale_bar: ScaleBar::Off,
             metadata: PhotoMetadata::default(),
         }
     }
@@ -31,8 +38,13 @@ impl Default for Encoding {
 const LONGEST_IN_JPEG: usize = 65_535 - 8;
 
 impl Encoding {
-    /// The resolution of a picture that is so many columns wide, in pixels per inch: on paper it is as large as the photo.
+    /// The resolution of a picture that is so many columns wide, in pixels per inch: on paper it is as large as what it shows, where
+    /// that is known and can be printed, or else as the photo.
     pub(super) fn dpi(&self, width: usize) -> Option<[f32; 2]> {
+        let of_pixels = self.pixel_mm.map(|mm| (f64::from(MM_PER_INCH) / mm) as f32);
+        if let Some(dpi) = of_pixels.filter(|dpi| RESOLUTIONS.contains(dpi)) {
+            return Some([dpi; 2]);
+        }
         let times = width as f32 / self.metadata.width.max(1) as f32;
         Some(self.metadata.dpi?.map(|dpi| dpi * times))
     }

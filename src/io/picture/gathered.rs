@@ -3,10 +3,12 @@
 use super::codes::{code, straight};
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
+use super::scale_bar::Bar;
 use super::stored::{self, Stored};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};
+use crate::params::ScaleBar;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
 use rayon::prelude::*;
@@ -162,6 +164,7 @@ impl Gathered {
         if self.channels == 4 && self.is_opaque {
             self.drop_alpha();
         }
+        self.draw_scale_bar(target, encoding)?;
         self.encode(w, encoding).map_err(|error| match error {
             ImageError::IoError(source) => Error::io(target, "write")(source),
             other => unsupported(
@@ -180,6 +183,44 @@ impl Gathered {
             Samples::Float(_) => return,
         }
         self.channels = kept;
+    }
+
+    /// Draws the bar that is asked for.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] where the picture is too small for it.
+    fn draw_scale_bar(&mut self, target: &Path, encoding: &Encoding) -> Result<()> {
+        let (place, Some(pixel_mm)) = (encoding.scale_bar, encoding.pixel_mm) else {
+            return Ok(());
+        };
+        if place == ScaleBar::Off {
+            return Ok(());
+        }
+        let (size, channels) = (self.size, self.channels);
+        let bar = Bar::new(size, pixel_mm);
+        let white = max_code(self.bits);
+        let drawn = match &mut self.samples {
+            Samples::Narrow(samples) => bar.draw(samples, size, channels, [0, white as u8], place),
+            Samples::Wide(samples) => {
+                let codes = [0, white as u16].map(u16::to_ne_bytes);
+                bar.draw(samples, size, channels, codes, place)
+            }
+            Samples::Float(samples) => {
+                let codes = [0.0, 1.0].map(|v| image::Rgb([v; 3]));
+                bar.draw(samples, size, 1, codes, place)
+            }
+        };
+        self.size = drawn.ok_or_else(|| Error::BadParameter {
+            name: "--scale-bar",
+            found: format!(
+                "has no room on {}x{} pixels of {}",
+                size[0],
+                size[1],
+                target.display()
+            ),
+            remedy: "leave it out, or make a larger picture".into(),
+        })?;
+        Ok(())
     }
 
     fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {

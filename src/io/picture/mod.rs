@@ -6,6 +6,7 @@ mod encoding;
 mod exposure;
 mod format;
 mod gathered;
+mod scale_bar;
 mod stored;
 mod whites;
 

@@ -1,6 +1,7 @@
 //! Sequences: strokes that move with the surface.
 
 mod cards;
+mod conventions;
 mod distortion;
 mod measured;
 mod rendered;

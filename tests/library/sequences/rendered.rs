@@ -34,7 +34,7 @@ fn motion_is_read_as_blender_writes_it() {
         let window = now.frame.display_window;
         let before = read_camera(&before, window, 1.0).unwrap();
         let expected = static_world_motion(&now.frame, &before).unwrap();
-        let found = now.motion.unwrap();
+        let found = now.motion.unwrap().by_name().unwrap();
         // The ground stands still; it fills the lowest rows, but for what stands on it.
         let mut off: Vec<f32> = Vec::new();
         for y in 310..360 {
@@ -65,7 +65,10 @@ fn strokes_that_move_with_the_surface_swim_less() {
         Ok(MovingFrame {
             number,
             frame: loaded.frame,
-            motion: loaded.motion.filter(|_| number > 1),
+            motion: loaded
+                .motion
+                .and_then(|m| m.by_name())
+                .filter(|_| number > 1),
         })
     });
     let measured = measure(frames, ShapeParams::default()).unwrap().unwrap();

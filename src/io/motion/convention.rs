@@ -1,0 +1,180 @@
+//! What numbers of motion mean: the direction of time, that of y, and the unit.
+
+use crate::frame::Window;
+use std::fmt;
+
+/// Which way motion leads in time, as far as its sign tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lead {
+    /// Where the surface was, from where it is: previous minus current.
+    Back,
+    /// The other way: current minus previous, or next minus current where it moves evenly.
+    Ahead,
+}
+
+/// What one unit of motion is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionUnit {
+    /// A pixel.
+    Pixels,
+    /// A pixel, over a shutter that is open half the time from frame to frame.
+    PixelsOfHalfAFrame,
+    /// The width of the picture along x, its height along y.
+    Pictures,
+    /// Half of these: the picture is -1..1.
+    HalfPictures,
+    /// -1..1 of half pictures stored as 0..1.
+    EncodedHalfPictures,
+    /// -2048..2048 pixels stored as 0..1, as mental ray's LM_2DMV and Nuke's and After Effects' readers of it.
+    Encoded2048,
+}
+
+impl MotionUnit {
+    pub(super) const ALL: [Self; 6] = [
+        Self::Pixels,
+        Self::Pictures,
+        Self::HalfPictures,
+        Self::PixelsOfHalfAFrame,
+        Self::EncodedHalfPictures,
+        Self::Encoded2048,
+    ];
+
+    /// The number that stands for no motion.
+    fn rest(self) -> f32 {
+        match self {
+            Self::EncodedHalfPictures | Self::Encoded2048 => 0.5,
+            _ => 0.0,
+        }
+    }
+
+    /// Pixels of one unit, along x and y, of a picture shown in `display`.
+    fn pixels(self, display: Window) -> [f32; 2] {
+        let [width, height] = [display.width() as f32, display.height() as f32];
+        match self {
+            Self::Pixels => [1.0; 2],
+            Self::PixelsOfHalfAFrame => [2.0; 2],
+            Self::Pictures | Self::EncodedHalfPictures => [width, height],
+            Self::HalfPictures => [0.5 * width, 0.5 * height],
+            Self::Encoded2048 => [4096.0; 2],
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Pixels => "in pixels",
+            Self::PixelsOfHalfAFrame => "in pixels over half a frame",
+            Self::Pictures => "in widths and heights of the picture",
+            Self::HalfPictures => "in half widths and heights of the picture",
+            Self::EncodedHalfPictures => {
+                "in half widths and heights of the picture, stored as 0..1"
+            }
+            Self::Encoded2048 => "in 2048 pixels, stored as 0..1",
+        }
+    }
+}
+
+/// How two channels hold motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MotionConvention {
+    /// Which way it leads in time.
+    pub lead: Lead,
+    /// Whether y points up.
+    pub y_is_up: bool,
+    /// What one unit is.
+    pub unit: MotionUnit,
+}
+
+impl MotionConvention {
+    /// Where the surface was, from where it is, in pixels, y up: of Blender's `Vector` and Nuke's `backward`.
+    pub(super) const BACK: Self = Self {
+        lead: Lead::Back,
+        y_is_up: true,
+        unit: MotionUnit::Pixels,
+    };
+
+    /// Every convention that motion is tried for, the most usual first.
+    pub(super) fn all() -> impl Iterator<Item = Self> {
+        MotionUnit::ALL.into_iter().flat_map(|unit| {
+            [true, false].into_iter().flat_map(move |y_is_up| {
+                [Lead::Back, Lead::Ahead].map(|lead| Self {
+                    lead,
+                    y_is_up,
+                    unit,
+                })
+            })
+        })
+    }
+
+    /// The way back to the frame before, in pixels, y up, that `stored` means in a picture shown in `display`.
+    pub(super) fn back(self, stored: [f32; 2], display: Window) -> [f32; 2] {
+        let (rest, pixels) = (self.unit.rest(), self.unit.pixels(display));
+        let sign = match self.lead {
+            Lead::Back => 1.0,
+            Lead::Ahead => -1.0,
+        };
+        let up = if self.y_is_up { sign } else { -sign };
+        [
+            sign * pixels[0] * (stored[0] - rest),
+            up * pixels[1] * (stored[1] - rest),
+        ]
+    }
+}
+
+impl fmt::Display for MotionConvention {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lead = match self.lead {
+            Lead::Back => "to the frame before",
+            Lead::Ahead => "on from the frame before",
+        };
+        let y = if self.y_is_up { "y up" } else { "y down" };
+        write!(f, "{lead}, {}, {y}", self.unit.words())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conventions_mean_pixels_back_and_up() {
+        // A surface that came 8 px from the left and 6 px from below, in a picture of 400 x 200: back is (-8, -6), y up.
+        let display = Window::from_size(400, 200);
+        for (lead, y_is_up, unit, stored) in [
+            (Lead::Back, true, MotionUnit::Pixels, [-8.0, -6.0]),
+            (Lead::Ahead, false, MotionUnit::Pixels, [8.0, -6.0]),
+            (
+                Lead::Ahead,
+                true,
+                MotionUnit::PixelsOfHalfAFrame,
+                [4.0, 3.0],
+            ),
+            (Lead::Back, true, MotionUnit::Pictures, [-0.02, -0.03]),
+            (Lead::Back, false, MotionUnit::HalfPictures, [-0.04, 0.06]),
+            // -0.04 and -0.06 of -1..1 are 0.48 and 0.47 of 0..1.
+            (
+                Lead::Back,
+                true,
+                MotionUnit::EncodedHalfPictures,
+                [0.48, 0.47],
+            ),
+            // 8 and 6 of 2048, halved, beside 0.5.
+            (
+                Lead::Ahead,
+                true,
+                MotionUnit::Encoded2048,
+                [0.501_953_1, 0.501_464_8],
+            ),
+        ] {
+            let convention = MotionConvention {
+                lead,
+                y_is_up,
+                unit,
+            };
+            let [x, y] = convention.back(stored, display);
+            assert!(
+                (x + 8.0).abs() < 1e-3 && (y + 6.0).abs() < 1e-3,
+                "{convention}: {x} {y}"
+            );
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Which layers may hold motion: by their names, else those whose names mean nothing.
+//!
+//! To teach a name, add it to [`NAMES`]; one that means the same whoever wrote it, to the row of motion in the table of names.
+
+use super::MotionConvention;
+use crate::error::Result;
+use crate::io::exr::SampleType;
+use crate::io::names;
+use crate::io::opened::Opened;
+use crate::io::roles::{Layer, Match, Role};
+use crate::io::sources::RoleSource;
+use crate::io::words::said;
+use std::rc::Rc;
+
+/// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation: Arnold's
+/// `motionvector`, RenderMan's `motionFore` and `motionBack`, V-Ray's `VRayVelocity`, Nuke's `forward`, Mantra's `Vpixel`, Karma's,
+/// Redshift's, Octane's and Unreal's `MotionVectors`, and `mv` of many.
+const NAMES: &[&str] = &[
+    "motionvector",
+    "motionvectors",
+    "motionvec",
+    "motionback",
+    "motionbackward",
+    "motionfore",
+    "motionforward",
+    "velocity",
+    "forward",
+    "backwards",
+    "vectors",
+    "vpixel",
+    "mv",
+    "mvec",
+    "mvecs",
+    "opticalflow",
+    "flow",
+];
+
+/// Components that are x and y of motion, the best first. Blender's `Vector` leads to the frame before by x and y, and from the next by
+/// z and w.
+const PAIRS: [[&str; 2]; 5] = [["x", "y"], ["z", "w"], ["u", "v"], ["r", "g"], ["b", "a"]];
+
+/// Most pairs that are looked at.
+const MOST_PAIRS: usize = 8;
+
+/// The layers that may hold motion: those of the layer or file that is `named`, else by their names, else all whose names mean
+/// nothing.
+///
+/// # Errors
+/// [`crate::Error::MissingAov`] where nothing is called so, and those of reading the header of a file.
+pub(in crate::io) fn motion_sources(
+    named: Option<&str>,
+    main: &Rc<Opened>,
+) -> Result<Vec<RoleSource>> {
+    if named.is_some() {
+        let resolved = RoleSource::resolve(Role::Motion, named, main)?;
+        return Ok(resolved.map_or_else(Vec::new, pairs_beside));
+    }
+    let Opened::Exr { file, layers, .. } = main.as_ref() else {
+        return Ok(Vec::new());
+    };
+    let pairs = |layer: &Layer| pairs_of(layer, main);
+    let mut found: Vec<_> = layers
+        .iter()
+        .filter(|l| is_motion(l))
+        .flat_map(pairs)
+        .collect();
+    // What a name says for certain comes first.
+    found.sort_by_key(|source| convention_by_name(source).is_none());
+    if found.is_empty() {
+        let is_float = |layer: &&Layer| {
+            let part = &file.parts[layer.part];
+            let mut channels = layer.components.iter();
+            channels.all(|&(_, channel)| part.channels[channel].sample_type != SampleType::Uint)
+        };
+        let means_nothing = |layer: &&Layer| !layer.means_something() && !layer.said().is_excluded;
+        let open = layers.iter().filter(means_nothing).filter(is_float);
+        found = open.flat_map(pairs).collect();
+    }
+    found.truncate(MOST_PAIRS);
+    Ok(found)
+}
+
+/// The pairs of the layer that `source` was found in; a photo, or a channel, is one.
+fn pairs_beside(source: RoleSource) -> Vec<RoleSource> {
+    let pairs: Vec<_> = match layer_of(&source) {
+        Some(layer) => pairs_of(layer, &source.file),
+        None => Vec::new(),
+    };
+    match pairs.is_empty() {
+        true => vec![source],
+        false => pairs,
+    }
+}
+
+/// The whole layer that `source` has channels of.
+fn layer_of(source: &RoleSource) -> Option<&Layer> {
+    let (Opened::Exr { layers, .. }, Some(found)) = (source.file.as_ref(), source.found()) else {
+        return None;
+    };
+    let is_it = |layer: &&Layer| layer.part == found.part && layer.name == found.layer;
+    layers.iter().find(is_it)
+}
+
+/// Whether the name of a layer means motion, whatever its sign and unit.
+fn is_motion(layer: &Layer) -> bool {
+    let listed = Role::Motion.names();
+    let said = said(&layer.name, layer.view.as_deref());
+    let mut words = said.words.iter().map(String::as_str);
+    layer.matched(Role::Motion).is_some()
+        && words.any(|word| listed.contains(&word) || NAMES.contains(&word))
+}
+
+fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
+    let component = |name: &str| {
+        let mut components = layer.components.iter();
+        components
+            .find(|(c, _)| c == name)
+            .map(|&(_, channel)| channel)
+    };
+    let pair = |[x, y]: [&str; 2]| {
+        let channels = vec![component(x)?, component(y)?];
+        let found = Match {
+            layer: layer.name.clone(),
+            part: layer.part,
+            channels,
+            alpha: None,
+        };
+        Some(RoleSource::of_match(Role::Motion, file, found))
+    };
+    PAIRS.into_iter().filter_map(pair).collect()
+}
+
+/// What the name of the layer says of its numbers, where that is the same whoever wrote it.
+pub(super) fn convention_by_name(source: &RoleSource) -> Option<MotionConvention> {
+    let (layer, found) = (layer_of(source)?, source.found()?);
+    let is_first = layer.matched(Role::Motion)?.channels == found.channels;
+    let key = names::key(names::last_word(&layer.name));
+    let is_named =
+        Role::Motion.names().contains(&key.as_str()) || layer.said().role == Some(Role::Motion);
+    (is_first && is_named).then_some(MotionConvention::BACK)
+}

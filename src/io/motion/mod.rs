@@ -1,0 +1,138 @@
+//! Layers of motion: what they hold by their names, and how they lead to the frame before by what both frames show.
+//!
+//! Renderers agree neither on the direction of time, nor on that of y, nor on the unit. `layers` finds the pairs of
+//! channels that may hold motion; `evidence` compares two frames under each [`MotionConvention`].
+
+mod convention;
+mod evidence;
+mod layers;
+
+pub use convention::{Lead, MotionConvention, MotionUnit};
+pub use evidence::{FrameBefore, MotionVerdict};
+use layers::convention_by_name;
+pub(super) use layers::motion_sources;
+
+use super::frame_sources::FrameSources;
+use super::inputs::{Inputs, Needs};
+use super::opened::Opened;
+use super::roles::Role;
+use super::sources::RoleSource;
+use crate::error::Result;
+use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
+
+/// The layers of a frame that may hold its motion, as stored.
+#[derive(Debug, Clone)]
+pub struct MotionLayers {
+    pub(super) pairs: Vec<MotionPair>,
+    pub(super) display: Window,
+}
+
+/// Two channels that may hold motion.
+#[derive(Debug, Clone)]
+pub(super) struct MotionPair {
+    /// The layer and its channels, for messages.
+    pub(super) label: String,
+    /// What its name says that it holds, where that is the same whoever wrote it.
+    pub(super) by_name: Option<MotionConvention>,
+    pub(super) x: Plane,
+    pub(super) y: Plane,
+}
+
+impl MotionLayers {
+    /// The layers of `sources`, with their planes as `read`; one that a flag names is read as the flag says unless the frames show
+    /// otherwise. A file named for motion may hold a picture of one channel: no motion along the other axis.
+    pub(super) fn of<'a>(
+        sources: impl Iterator<Item = &'a RoleSource>,
+        read: impl Iterator<Item = Vec<Plane>>,
+        is_given: bool,
+        display: Window,
+    ) -> Option<Self> {
+        let pair = |(index, (source, planes)): (usize, (&RoleSource, Vec<Plane>))| {
+            let mut planes = planes.into_iter();
+            let x = planes.next()?;
+            let y = planes.next().unwrap_or_else(|| x.map(|_| 0.0));
+            let given = (is_given && index == 0).then_some(MotionConvention::BACK);
+            Some(MotionPair {
+                label: source.channel_names(),
+                by_name: given.or_else(|| convention_by_name(source)),
+                x,
+                y,
+            })
+        };
+        let pairs: Vec<_> = sources.zip(read).enumerate().filter_map(pair).collect();
+        (!pairs.is_empty()).then_some(Self { pairs, display })
+    }
+
+    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up, as the name of the
+    /// first layer says; [`AWAY`] where the file has no finite number. `None` where no name says how to read it.
+    pub fn by_name(&self) -> Option<Vector2Planes> {
+        let (index, convention) = self.named()?;
+        Some(self.come(index, convention))
+    }
+
+    /// Whether `verdict` is what the name of a layer says.
+    pub fn is_by_name(&self, verdict: &MotionVerdict) -> bool {
+        verdict.found.is_some() && verdict.found == self.named()
+    }
+
+    /// Whether the name of a layer, or a flag, says how to read it.
+    pub fn has_named(&self) -> bool {
+        self.named().is_some()
+    }
+
+    /// The first pair whose name says what it holds.
+    fn named(&self) -> Option<(usize, MotionConvention)> {
+        let mut pairs = self.pairs.iter().enumerate();
+        pairs.find_map(|(index, pair)| Some((index, pair.by_name?)))
+    }
+
+    /// How far the surface has come since the frame before, by one pair read in one way.
+    fn come(&self, pair: usize, convention: MotionConvention) -> Vector2Planes {
+        let MotionPair { x, y, .. } = &self.pairs[pair];
+        let both = Plane::from_fn(x.width(), x.height(), |i, j| {
+            match convention.back([x.at(i, j), y.at(i, j)], self.display) {
+                [x, y] if x.is_finite() && y.is_finite() => [-x, -y],
+                _ => [AWAY; 2],
+            }
+        });
+        Vector2Planes {
+            x: both.map(|come| come[0]),
+            y: both.map(|come| come[1]),
+        }
+    }
+
+    /// Compares `now`, the frame that these layers are of, to the frame `before` under each convention. `steps` is how many frames lie
+    /// between them; `still` is the motion of a world that stands still, where cameras are known.
+    pub fn judge(
+        &self,
+        now: &Frame,
+        before: &FrameBefore,
+        steps: u32,
+        still: Option<&Vector2Planes>,
+    ) -> MotionVerdict {
+        evidence::judge(self, now, before, steps, still)
+    }
+
+    /// The motion that a verdict found; `None` where it found none.
+    pub fn read_as(&self, verdict: &MotionVerdict) -> Option<Vector2Planes> {
+        let (pair, convention) = verdict.found?;
+        (pair < self.pairs.len()).then(|| self.come(pair, convention))
+    }
+}
+
+/// Names of the layers that may hold motion of the frame that `inputs` describe, without reading a pixel.
+///
+/// # Errors
+/// Any [`crate::Error`] of reading a header.
+pub fn motion_layer_names(inputs: &Inputs) -> Result<Vec<String>> {
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    let needs = Needs {
+        motion: true,
+        ..Needs::default()
+    };
+    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
+    let motion = sources.roles.iter().filter(|s| s.role == Role::Motion);
+    let mut names: Vec<_> = motion.map(|source| source.label().to_string()).collect();
+    names.dedup();
+    Ok(names)
+}

@@ -1,0 +1,117 @@
+//! A bar of a round length on pictures, and the resolution that goes with it.
+
+use super::inputs::write_planes;
+use crate::common::program::relievo;
+use relievo::frame::Plane;
+use relievo::io::photo::Photo;
+use relievo::io::picture::ViewTransform;
+use std::path::Path;
+
+const SIZE: [usize; 2] = [240, 160];
+
+/// A photo of grey with a pattern, and normals that face the viewer.
+fn write_inputs(here: &Path) {
+    let pattern = |x: usize, y: usize| 0.3 + 0.2 * ((x / 3 + y / 3) % 2) as f32;
+    let plane = |value: &dyn Fn(usize, usize) -> f32| Plane::from_fn(SIZE[0], SIZE[1], value);
+    let grey = plane(&pattern);
+    let write = |name: &str, planes| {
+        write_planes(&here.join(name), planes, None, 8, ViewTransform::Srgb);
+    };
+    write("in.png", [grey.clone(), grey.clone(), grey]);
+    let [across, up] = [0.22, 1.0].map(|value| plane(&|_, _| value));
+    write("n.png", [across.clone(), across, up]);
+}
+
+/// The longest run of black in any row from `from` on.
+fn longest(photo: &Photo, from: usize) -> usize {
+    let plane = &photo.channels[0];
+    let of_row = |y: usize| {
+        let runs = plane.row(y).split(|&v| v > 0.0);
+        runs.map(<[f32]>::len).max().unwrap_or(0)
+    };
+    (from..plane.height()).map(of_row).max().unwrap_or(0)
+}
+
+#[test]
+fn pictures_have_a_bar_as_long_as_it_says() {
+    let desk = tempfile::tempdir().unwrap();
+    write_inputs(desk.path());
+    let made = |words: &str, name: &str| {
+        relievo(desk.path(), &format!("{words} -q -o {name}")).done();
+        Photo::read(&desk.path().join(name)).unwrap()
+    };
+    let enhance = "enhance in.png --normal n.png";
+    let plain = made(enhance, "plain.png");
+    // Three tenths of 240 pixels of 0.05 mm are 3.6 mm: 2 mm are 40 pixels.
+    for (words, name) in [
+        (enhance, "enhance.png"),
+        (enhance, "enhance.tif"),
+        (
+            "relight in.png --normal n.png --light 135,40",
+            "relight.png",
+        ),
+        ("shape in.png --normal n.png", "shape.png"),
+        ("hatch in.png --normal n.png", "hatch.png"),
+    ] {
+        let words = format!("{words} --pixel-size 0.05mm --scale-bar");
+        let on = made(&format!("{words} on"), name);
+        assert_eq!((on.width, on.height), (SIZE[0], SIZE[1]), "{name}");
+        assert_eq!(longest(&on, 0), 40, "{name}");
+        let outside = made(&format!("{words} outside"), name);
+        assert!(outside.height > SIZE[1], "{name}");
+        assert_eq!(longest(&outside, SIZE[1]), 40, "{name}");
+    }
+    let outside = made(
+        &format!("{enhance} --pixel-size 50um --scale-bar outside"),
+        "outside.png",
+    );
+    for y in 0..SIZE[1] {
+        assert_eq!(outside.channels[0].row(y), plain.channels[0].row(y));
+    }
+    // Twice as large, a pixel is half as wide: 2 mm are 80 pixels.
+    let twice = "hatch in.png --normal n.png --enlarge 2 --pixel-size 0.05mm --scale-bar outside";
+    assert_eq!(longest(&made(twice, "twice.png"), 2 * SIZE[1]), 80);
+}
+
+#[test]
+fn the_resolution_is_that_of_the_pixels_unless_it_is_given() {
+    let desk = tempfile::tempdir().unwrap();
+    write_inputs(desk.path());
+    let per_metre = |flags: &str| {
+        let words = format!("enhance in.png --normal n.png -q -o out.png {flags}");
+        relievo(desk.path(), &words).done();
+        let file = std::fs::File::open(desk.path().join("out.png")).unwrap();
+        let reader = png::Decoder::new(std::io::BufReader::new(file))
+            .read_info()
+            .unwrap();
+        reader.info().pixel_dims.map(|dims| dims.xppu)
+    };
+    assert_eq!(per_metre(""), None);
+    // Pixels of 0.05 mm: 20,000 in a metre. 300 in an inch are 11,811 in a metre.
+    assert_eq!(per_metre("--pixel-size 0.05mm"), Some(20_000));
+    assert_eq!(per_metre("--pixel-size 0.05mm --dpi 300"), Some(11_811));
+    // Nobody prints a field in its own size.
+    assert_eq!(per_metre("--pixel-size 2m"), None);
+    let refused = |flags: &str, code| {
+        let words = format!("enhance in.png --normal n.png -o out.png {flags}");
+        relievo(desk.path(), &words).refused(code)
+    };
+    assert!(refused("--scale-bar on", 2).contains("--pixel-size"));
+    let small = Plane::filled(40, 30, 0.4);
+    write_planes(
+        &desk.path().join("in.png"),
+        [small.clone(), small.clone(), small],
+        None,
+        8,
+        ViewTransform::Srgb,
+    );
+    let [across, up] = [0.22, 1.0].map(|value| Plane::filled(40, 30, value));
+    write_planes(
+        &desk.path().join("n.png"),
+        [across.clone(), across, up],
+        None,
+        8,
+        ViewTransform::Srgb,
+    );
+    assert!(refused("--pixel-size 1mm --scale-bar on", 2).contains("no room"));
+}
