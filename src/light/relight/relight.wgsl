@@ -118,11 +118,11 @@ fn prepare(i: u32, column: u32, row: u32) {
         let yy = pixel.unwarp.z;
         pixel.unwarp_squared = vec3<f32>(xx * xx + xy * xy, 2.0 * xy * (xx + yy), xy * xy + yy * yy);
         pixel.spread = warp_determinant(pixel.unwarp);
-        pixel.normal = axis_unwarp(pixel.normal.vector, pixel.unwarp);
-        pixel.to_eye = axis_unwarp(pixel.to_eye.vector, pixel.unwarp);
-        pixel.mirrored = axis_unwarp(pixel.mirrored.vector, pixel.unwarp);
-        pixel.along = axis_unwarp(pixel.along.vector, pixel.unwarp);
-        pixel.across = axis_unwarp(pixel.across.vector, pixel.unwarp);
+        pixel.normal = unwarped(pixel.normal.vector);
+        pixel.to_eye = unwarped(pixel.to_eye.vector);
+        pixel.mirrored = unwarped(pixel.mirrored.vector);
+        pixel.along = unwarped(pixel.along.vector);
+        pixel.across = unwarped(pixel.across.vector);
     }
     if HAS_HESSIAN || HAS_TRACE {
         find_kappa(i);
@@ -136,7 +136,7 @@ fn prepare(i: u32, column: u32, row: u32) {
 
 // Adds one light of this colour.
 fn add(light: Arriving, color: vec3<f32>) {
-    let terms = reflect_light(light, pixel, chosen[GAIN]);
+    let terms = reflect_light(light);
     diffuse += terms.diffuse * color;
     if GLOSSY {
         specular += terms.specular * color;

@@ -58,25 +58,6 @@ pub(crate) struct LightSum {
 
 const ZERO: Lanes = [0.0; BATCH];
 
-/// The diffuse and specular terms of one light, of which `share` arrives, at the first pixel of a batch.
-#[cfg(all(test, feature = "gpu"))]
-pub(crate) fn reflect_light(
-    pixels: &Pixels,
-    shading: &Shading,
-    [direction, half]: [[f32; 3]; 2],
-    share: f32,
-) -> [f32; 2] {
-    let (mut terms, mut scratch) = (Terms::NONE, Scratch::NONE);
-    let light = Arriving {
-        direction: |_| direction,
-        half: |_| half,
-        share: |_| share,
-        everywhere: false,
-    };
-    scratch.reflect(&mut terms, pixels, shading, light);
-    [terms.diffuse[0], terms.specular[0]]
-}
-
 impl Default for LightSum {
     fn default() -> Self {
         Self::new()

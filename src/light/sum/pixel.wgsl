@@ -44,6 +44,6 @@ fn scalar_product(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-fn axis_unwarp(vector: vec3<f32>, unwarp: vec3<f32>) -> Axis {
-    return Axis(vector, warp_apply(unwarp, vector));
+fn unwarped(vector: vec3<f32>) -> Axis {
+    return Axis(vector, warp_apply(pixel.unwarp, vector));
 }

@@ -41,8 +41,19 @@ fn at_most_1(x: f32) -> f32 {
     return select(1.0, x, x < 1.0);
 }
 
-// What arrives of a light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse
-// of Lambda (xx, twice xy, yy) are given.
+fn arrive(light: Arriving) -> Incidence {
+    let n = pixel.normal.vector;
+    let cosine = scalar_product(n, light.direction);
+    var lobe = 0.0;
+    if BLINN_PHONG && FAR_EYE {
+        let along = positive(scalar_product(n, light.half));
+        lobe = at_most_1(along * along);
+    }
+    return Incidence(light.share, cosine, 1.0, lobe);
+}
+
+// The same of a light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse of
+// Lambda (xx, twice xy, yy) are given.
 fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Incidence {
     let n = normal.vector;
     let g = normal.unwarped;
@@ -98,15 +109,23 @@ fn power_raise(x: f32) -> f32 {
     return power;
 }
 
-// Makes the diffuse and specular terms of a light at a pixel, where curvature is mapped with a gain.
-fn reflect_light(light: Arriving, pixel: Pixel, gain: f32) -> Terms {
-    let n = pixel.normal.vector;
-    var arrived = Incidence(light.share, scalar_product(n, light.direction), 1.0, 0.0);
+// Mapped curvature toward the light.
+fn kappa_toward(light: Arriving, inverse: f32) -> f32 {
+    var l = light.direction.xy;
+    if HAS_JACOBIAN {
+        let twice = 2.0 * light.half.z * inverse;
+        l = twice * warp_apply(pixel.unwarp, light.half);
+    }
+    return mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
+}
+
+// Makes the diffuse and specular terms of a light.
+fn reflect_light(light: Arriving) -> Terms {
+    var arrived: Incidence;
     if HAS_JACOBIAN {
         arrived = arrive_unwarped(light, pixel.normal, pixel.unwarp_squared);
-    } else if BLINN_PHONG && FAR_EYE {
-        let along = positive(scalar_product(n, light.half));
-        arrived.lobe = at_most_1(along * along);
+    } else {
+        arrived = arrive(light);
     }
     if !(arrived.cosine > 0.0) {
         return Terms(0.0, 0.0);
@@ -114,12 +133,7 @@ fn reflect_light(light: Arriving, pixel: Pixel, gain: f32) -> Terms {
     var diffuse_curve = pixel.diffuse_curve;
     var specular_curve = pixel.specular_curve;
     if TOWARD_LIGHT {
-        var l = light.direction.xy;
-        if HAS_JACOBIAN {
-            let twice = 2.0 * light.half.z * arrived.inverse;
-            l = twice * warp_apply(pixel.unwarp, light.half);
-        }
-        let kappa = mapped_curvature_toward(pixel.hessian, l, gain, params.anisotropy);
+        let kappa = kappa_toward(light, arrived.inverse);
         diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
         specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
     }
@@ -134,7 +148,7 @@ fn reflect_light(light: Arriving, pixel: Pixel, gain: f32) -> Terms {
         let lv = product(light, arrived.inverse, pixel.across);
         // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
         let inverse = 1.0 / sqrt(max(2.0 + 2.0 * le, SHORTEST));
-        let ne = min(positive(scalar_product(n, eye)), 1.0);
+        let ne = min(positive(scalar_product(pixel.normal.vector, eye)), 1.0);
         let cosines = Cosines(
             cosine,
             ne,
@@ -156,7 +170,7 @@ fn reflect_light(light: Arriving, pixel: Pixel, gain: f32) -> Terms {
             let light_eye = product(light, arrived.inverse, pixel.to_eye);
             // The cosine may be held back, and is not here.
             let light_normal = product(light, arrived.inverse, pixel.normal);
-            lobe = half_way(light_eye, light_normal, scalar_product(n, pixel.to_eye.vector));
+            lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
         }
         lobe = power_raise(lobe);
         diffuse = arrived.weight * cosine;

@@ -24,7 +24,10 @@ pub(crate) static DIFFUSION: Stage = Stage {
     cpu: diffuse,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::diffuse,
-    ..Stage::DEFAULT
+    #[cfg(feature = "gpu")]
+    beside_gpu: None,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| None,
 };
 
 fn decide(plan: &Plan) -> Verdict {

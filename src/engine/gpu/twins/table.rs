@@ -9,7 +9,7 @@ use crate::fast_math::exponential::{EXP, LN, split_exp};
 use crate::fast_math::{self, polynomial, power_of_two};
 use crate::frame::luminance;
 use crate::frame::{Projection, SightLines};
-use crate::light::batch::{Axis, BATCH, Pixels};
+use crate::light::batch::BATCH;
 use crate::light::brdf::{self, AshikhminShirley, Cosines, fifth_power, passed};
 use crate::light::environment::equirectangular_position;
 use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
@@ -20,8 +20,8 @@ use crate::light::light_warping::{
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
+use crate::light::sum::Exponent;
 use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
-use crate::light::sum::{Exponent, Lobes, Scaled, Shading, TowardLight, reflect_light};
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
 use crate::line::contours::crack;

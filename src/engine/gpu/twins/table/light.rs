@@ -9,7 +9,6 @@ pub(super) fn twins() -> Vec<Twin> {
         reflectance(),
         warping(),
         lights(),
-        reflected(),
         look_ups(),
     ]
     .into_iter()
@@ -237,20 +236,6 @@ fn lights() -> Vec<Twin> {
             RELIGHT,
             |a: [f32; 3], b: [f32; 3]| { scalar_product(a, b) }
         ),
-        twin!(
-            axis_unwarp,
-            Axis::unwarp,
-            RELIGHT,
-            |vector: [f32; 3], unwarp: [f32; 3]| {
-                let lanes = |v: [f32; 3]| v.map(|v| [v; BATCH]);
-                let mut axis = Axis {
-                    vector: lanes(vector),
-                    unwarped: [[0.0; BATCH]; 2],
-                };
-                axis.unwarp(&lanes(unwarp));
-                (axis.at(0), axis.unwarped.map(|lanes| lanes[0]))
-            }
-        ),
         twin!(positive, positive, RELIGHT, |x: f32| positive(x)),
         twin!(at_most_1, at_most_1, RELIGHT, |x: f32| at_most_1(x)),
         twin!(
@@ -314,140 +299,6 @@ fn lights() -> Vec<Twin> {
             within_range(&mut words[2..], 0.0, 1e6);
         }),
     ]
-}
-
-/// A light at a pixel, by every lobe.
-fn reflected() -> Vec<Twin> {
-    vec![
-        twin!(
-            reflect_light,
-            reflect_light,
-            RELIGHT,
-            |light: [f32; 7],
-             known: [f32; 46],
-             gain: f32,
-             whole: u32,
-             params: [f32; 9],
-             switches: [bool; 7]| {
-                let [warped, toward, scales, ..] = switches;
-                let [_, magnitudes @ .., anisotropy, invariant_point, _, _, _, _] = params;
-                let toward_light = toward.then_some(TowardLight {
-                    gain,
-                    anisotropy,
-                    magnitudes,
-                });
-                let shading = Shading {
-                    warped,
-                    scaled: scales.then_some(Scaled {
-                        invariant_point,
-                        toward_light,
-                    }),
-                    lobes: lobes(whole, &params, &switches[3..]),
-                };
-                let [d_x, d_y, d_z, h_x, h_y, h_z, share] = light;
-                let directions = [[d_x, d_y, d_z], [h_x, h_y, h_z]];
-                reflect_light(&pixel(&known), &shading, directions, share)
-            }
-        )
-        .with(&[
-            "whole_power",
-            "power",
-            "diffuse_magnitude",
-            "specular_magnitude",
-            "anisotropy",
-            "invariant_point",
-            "coat_along",
-            "coat_across",
-            "reflectance",
-            "coat_normalisation",
-            "HAS_JACOBIAN",
-            "TOWARD_LIGHT",
-            "SCALES",
-            "ASHIKHMIN_SHIRLEY",
-            "PHONG",
-            "BLINN_PHONG",
-            "FAR_EYE",
-        ])
-        .on(lit_pixel),
-    ]
-}
-
-/// The lobes that switches stand for, in the order in which WGSL asks them.
-fn lobes(whole: u32, params: &[f32; 9], switches: &[bool]) -> Lobes {
-    let [power, .., along, across, reflectance, normalisation] = *params;
-    let power = match whole {
-        0 => Exponent::Real(power),
-        whole => Exponent::Integer(whole),
-    };
-    match *switches {
-        [true, ..] => Lobes::AshikhminShirley(AshikhminShirley {
-            coat: [along, across],
-            reflectance,
-            normalisation,
-        }),
-        [_, true, ..] => Lobes::Phong { power },
-        [_, _, true, far] => Lobes::BlinnPhong { power, far },
-        _ => Lobes::Diffuse { power },
-    }
-}
-
-/// A batch whose pixels are all this one, in the order of its members in WGSL.
-fn pixel(known: &[f32; 46]) -> Pixels {
-    let lanes = |at: usize| [known[at]; BATCH];
-    let vector = |at: usize| [lanes(at), lanes(at + 1), lanes(at + 2)];
-    let axis = |at: usize| Axis {
-        vector: vector(at),
-        unwarped: [lanes(at + 3), lanes(at + 4)],
-    };
-    let mut pixels = Pixels::new();
-    pixels.normal = axis(0);
-    pixels.to_eye = axis(5);
-    pixels.mirrored = axis(10);
-    pixels.along = axis(15);
-    pixels.across = axis(20);
-    pixels.unwarp = vector(25);
-    pixels.unwarp_squared = vector(28);
-    pixels.spread = lanes(31);
-    pixels.hessian = vector(32);
-    for (k, curve) in pixels.curves.iter_mut().enumerate() {
-        (curve.dark, curve.bright) = (lanes(36 + 2 * k), lanes(37 + 2 * k));
-    }
-    pixels
-}
-
-/// A light and a pixel as they come: all that a lobe takes is prepared of unit vectors, of a warp whose axes are scaled by a
-/// third to three, and of parameters in their ranges. Their parts are asked on hostile values by themselves; here products
-/// of several of these would overflow, and of what is left of that neither backend says anything.
-fn lit_pixel(words: &mut [u32]) {
-    let (light, rest) = words.split_at_mut(7);
-    let (known, rest) = rest.split_at_mut(46);
-    unit_vector(&mut light[..3]);
-    unit_vector(&mut light[3..6]);
-    each(&mut light[5..6], f32::abs);
-    within_range(&mut light[6..], 0.0, 1e6);
-    for axis in known[..25].chunks_exact_mut(5) {
-        unit_vector(&mut axis[..3]);
-        within_range(&mut axis[3..], -3.0, 3.0);
-    }
-    within_range(&mut known[25..28], -3.0, 3.0);
-    // A square of a warp, in which the term of x and y cannot outweigh the others.
-    for (at, [from, to]) in [(28, [0.1, 9.0]), (29, [-0.19, 0.19]), (30, [0.1, 9.0])] {
-        within_range(&mut known[at..=at], from, to);
-    }
-    within_range(&mut known[31..32], 0.1, 9.0);
-    bounded(&mut known[32..36]);
-    within_range(&mut known[36..42], 0.0, 1e9);
-    bounded(&mut known[42..]);
-    let (gain, rest) = rest.split_at_mut(1);
-    within_range(gain, 0.0, 1e3);
-    rest[0] %= 1025;
-    let params = &mut rest[1..10];
-    within_range(&mut params[..1], 0.0, 1e6);
-    within_range(&mut params[1..3], -20.0, 20.0);
-    within_range(&mut params[3..5], 0.0, 1.0);
-    within_range(&mut params[5..7], 0.0, 1e4);
-    within_range(&mut params[7..8], 0.0, 1.0);
-    within_range(&mut params[8..], 0.0, 1e4);
 }
 
 fn look_ups() -> Vec<Twin> {

@@ -43,7 +43,6 @@ fn elementary() -> Vec<Twin> {
         twin!(copysign, f32::copysign, RELIGHT, |size: f32, sign: f32| {
             size.copysign(sign)
         }),
-        // What asks it clamps before: beyond, the exponential is 0 or infinite.
         twin!(split_exp, split_exp, RELIGHT, |x: f32| split_exp(x))
             .on(|words| within_range(words, -104.0, 89.0)),
         twin!(exp_of, fast_math::exp, RELIGHT, |x: f32| fast_math::exp(x)).on(no_nan),
@@ -100,8 +99,7 @@ fn edges() -> Vec<Twin> {
         .on(no_nan)
         .within(Tolerance::Absolute(1e-6)),
         // The CPU takes the angle from the cross product, this from the chord, which loses digits toward half a turn alone:
-        // far past every threshold. Normals are unit, their mean length is that of a filtered one, thresholds are angles of which
-        // the upper is larger.
+        // far past every threshold.
         twin!(
             crease_detector_weight,
             CreaseDetector::weight,
