@@ -118,7 +118,7 @@ struct Cells<'a> {
     memory: &'a Memory,
 }
 
-/// What is seen, in means over cells.
+/// What is seen, in means over cells; edges are the strongest of each.
 struct Seen {
     /// Normals, of any length.
     normal: [Plane; 3],
@@ -135,33 +135,31 @@ impl Cells<'_> {
     fn seen(&self, shown: &Shown) -> Seen {
         let Shown { frame, .. } = shown;
         let normal = &frame.normal;
-        let [nx, ny, nz, before, conductance, trace, luminance] =
-            self.grid.means(&frame.mask, self.memory, |y| {
-                let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-                let silhouette = shown.silhouette.map(|plane| plane.row(y));
-                let (conductance, trace) = (shown.conductance.row(y), shown.curvature.0.row(y));
-                let luminance = luminances(shown, y);
-                move |x| {
-                    let before = 1.0 - silhouette.map_or(0.0, |row| row[x]);
-                    let luminance = luminance(x);
-                    [
-                        nx[x],
-                        ny[x],
-                        nz[x],
-                        before,
-                        conductance[x],
-                        trace[x],
-                        luminance,
-                    ]
-                }
-            });
+        let [nx, ny, nz, trace, luminance] = self.grid.means(&frame.mask, self.memory, |y| {
+            let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+            let (trace, luminance) = (shown.curvature.0.row(y), luminances(shown, y));
+            move |x| [nx[x], ny[x], nz[x], trace[x], luminance(x)]
+        });
         Seen {
             normal: [nx, ny, nz],
-            before,
-            conductance,
+            before: self.before(shown.silhouette),
+            conductance: self.grid.least(shown.conductance),
             trace,
             luminance,
         }
+    }
+
+    /// What silhouettes leave open. An edge closes every cell that it enters: in a mean, one that is two pixels wide and
+    /// falls half into each of two cells would leave both half open.
+    fn before(&self, silhouette: Option<&Plane>) -> Plane {
+        let mask = &self.grid.mask;
+        let Some(silhouette) = silhouette else {
+            return Plane::filled(mask.width(), mask.height(), 1.0);
+        };
+        let mut before = self.grid.most(silhouette);
+        let samples = before.samples_mut().iter_mut();
+        samples.for_each(|sample| *sample = 1.0 - *sample);
+        before
     }
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
