@@ -582,6 +582,23 @@ mod tests {
     }
 
     #[test]
+    fn an_edge_half_in_each_of_two_cells_stops_tone() {
+        // Cells are 2 pixels wide here, so columns 703 and 704 are half of cells 351 and 352. Were those half open, the two
+        // planes would mix over two cells.
+        let normal = Vector3Planes::from_fn(1400, 1400, |x, _| match x {
+            0..704 => DVec3::new(-0.6, 0.0, 0.8),
+            _ => DVec3::new(0.6, 0.0, 0.8),
+        });
+        let tone = key_tone(normal, Mask::full(1400, 1400), 703..705);
+        for side in [600..703, 705..800] {
+            let row = &tone.row(700)[side];
+            let first = row[0];
+            assert!(row.iter().all(|t| (t - first).abs() < 0.02), "{row:?}");
+        }
+        assert!(tone.at(600, 700) > tone.at(800, 700) + 0.3);
+    }
+
+    #[test]
     fn tones_are_finite_whatever_comes() {
         let poison = |x: usize| match x {
             3 => DVec3::NAN,
