@@ -153,13 +153,13 @@ impl Cells<'_> {
     /// falls half into each of two cells would leave both half open.
     fn before(&self, silhouette: Option<&Plane>) -> Plane {
         let mask = &self.grid.mask;
-        let Some(silhouette) = silhouette else {
-            return Plane::filled(mask.width(), mask.height(), 1.0);
-        };
-        let mut before = self.grid.most(silhouette);
-        let samples = before.samples_mut().iter_mut();
-        samples.for_each(|sample| *sample = 1.0 - *sample);
-        before
+        let most = silhouette.map(|silhouette| self.grid.most(silhouette));
+        Plane::from_fn(mask.width(), mask.height(), |x, y| {
+            if !mask.at(x, y) {
+                return 0.0;
+            }
+            1.0 - most.as_ref().map_or(0.0, |most| most.at(x, y))
+        })
     }
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
