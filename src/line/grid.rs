@@ -65,12 +65,24 @@ impl Grid {
 
     /// The least sample of a plane of pixels in each cell; 0 where nothing is covered.
     pub(crate) fn least(&self, pixels: &Plane) -> Plane {
+        self.folded(pixels, f32::INFINITY, f32::min)
+    }
+
+    /// The greatest sample of a plane of pixels in each cell; 0 where nothing is covered.
+    pub(crate) fn most(&self, pixels: &Plane) -> Plane {
+        self.folded(pixels, f32::NEG_INFINITY, f32::max)
+    }
+
+    fn folded(&self, pixels: &Plane, none: f32, fold: fn(f32, f32) -> f32) -> Plane {
         let step = self.step;
         Plane::from_fn(self.mask.width(), self.mask.height(), |column, row| {
+            if !self.mask.at(column, row) {
+                return 0.0;
+            }
             let rows = row * step..((row + 1) * step).min(pixels.height());
             let columns = column * step..((column + 1) * step).min(pixels.width());
             let samples = rows.flat_map(|y| &pixels.row(y)[columns.clone()]);
-            samples.copied().fold(f32::INFINITY, f32::min)
+            samples.copied().fold(none, fold)
         })
     }
 

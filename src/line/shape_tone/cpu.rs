@@ -118,7 +118,7 @@ struct Cells<'a> {
     memory: &'a Memory,
 }
 
-/// The surface and its picture, as means over cells.
+/// The surface and its picture, as means over cells; edges are the strongest of each cell.
 struct Seen {
     /// Normals, of any length.
     normal: [Plane; 3],
@@ -135,33 +135,31 @@ impl Cells<'_> {
     fn seen(&self, shown: &Shown) -> Seen {
         let Shown { frame, .. } = shown;
         let normal = &frame.normal;
-        let [nx, ny, nz, before, conductance, trace, luminance] =
-            self.grid.means(&frame.mask, self.memory, |y| {
-                let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-                let silhouette = shown.silhouette.map(|plane| plane.row(y));
-                let (conductance, trace) = (shown.conductance.row(y), shown.curvature.0.row(y));
-                let luminance = luminances(shown, y);
-                move |x| {
-                    let before = 1.0 - silhouette.map_or(0.0, |row| row[x]);
-                    let luminance = luminance(x);
-                    [
-                        nx[x],
-                        ny[x],
-                        nz[x],
-                        before,
-                        conductance[x],
-                        trace[x],
-                        luminance,
-                    ]
-                }
-            });
+        let [nx, ny, nz, trace, luminance] = self.grid.means(&frame.mask, self.memory, |y| {
+            let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+            let (trace, luminance) = (shown.curvature.0.row(y), luminances(shown, y));
+            move |x| [nx[x], ny[x], nz[x], trace[x], luminance(x)]
+        });
         Seen {
             normal: [nx, ny, nz],
-            before,
-            conductance,
+            before: self.before(shown.silhouette),
+            conductance: self.grid.least(shown.conductance),
             trace,
             luminance,
         }
+    }
+
+    /// What silhouettes leave open. An edge closes every cell that it enters: in a mean, one that is two pixels wide and
+    /// falls half into each of two cells would leave both half open.
+    fn before(&self, silhouette: Option<&Plane>) -> Plane {
+        let mask = &self.grid.mask;
+        let most = silhouette.map(|silhouette| self.grid.most(silhouette));
+        Plane::from_fn(mask.width(), mask.height(), |x, y| {
+            if !mask.at(x, y) {
+                return 0.0;
+            }
+            1.0 - most.as_ref().map_or(0.0, |most| most.at(x, y))
+        })
     }
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
@@ -590,6 +588,23 @@ mod tests {
             assert!(row.iter().all(|t| (t - first).abs() < 0.02), "{row:?}");
         }
         assert!(tone.at(10, 20) > tone.at(80, 20) + 0.3);
+    }
+
+    #[test]
+    fn an_edge_half_in_each_of_two_cells_stops_tone() {
+        // Cells are 2 pixels wide here, so columns 703 and 704 are half of cells 351 and 352. Were those half open, the two
+        // planes would mix over two cells.
+        let normal = Vector3Planes::from_fn(1400, 1400, |x, _| match x {
+            0..704 => DVec3::new(-0.6, 0.0, 0.8),
+            _ => DVec3::new(0.6, 0.0, 0.8),
+        });
+        let tone = key_tone(normal, Mask::full(1400, 1400), 703..705);
+        for side in [600..703, 705..800] {
+            let row = &tone.row(700)[side];
+            let first = row[0];
+            assert!(row.iter().all(|t| (t - first).abs() < 0.02), "{row:?}");
+        }
+        assert!(tone.at(600, 700) > tone.at(800, 700) + 0.3);
     }
 
     #[test]

@@ -31,7 +31,7 @@ const DARKEST_KEY: f32 = 0.03;
 const BARE: [f32; 2] = [0.88, 0.97];
 
 /// How much of the ink on a plain background is left out where it is to be quieter than the subject.
-const QUIET: f32 = 0.6;
+const QUIET: f32 = 0.8;
 
 /// The key light's direction if none is given.
 pub(crate) fn key_light() -> Vec3 {
