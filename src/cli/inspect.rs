@@ -24,6 +24,7 @@ const EVERYTHING: Needs = Needs {
     motion: false,
     strength: false,
     confidence: false,
+    confidence_if_any: false,
 };
 
 /// Most characters of a line.

@@ -15,6 +15,7 @@ const NEEDS: Needs = Needs {
     motion: true,
     strength: false,
     confidence: false,
+    confidence_if_any: false,
 };
 
 /// The finding on motion of the frame of `inputs`; `None` where no layer may hold any.

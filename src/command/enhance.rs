@@ -30,6 +30,7 @@ impl EnhanceArgs {
         let needs = Needs {
             color: true,
             strength: true,
+            confidence_if_any: true,
             projection: self.work.flags.params.shape.foreshortening != 0.0,
             ..Needs::default()
         };

@@ -82,6 +82,7 @@ impl HatchArgs {
         needs.projection = true;
         // Lines of an SVG are there or not: what is chosen is coverage.
         needs.strength = !is_svg(&self.relight.work);
+        needs.confidence_if_any = false;
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         if looks
             .line

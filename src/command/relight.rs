@@ -122,6 +122,7 @@ pub(crate) fn needs(
         motion: false,
         strength: true,
         confidence: false,
+        confidence_if_any: true,
     }
 }
 

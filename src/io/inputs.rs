@@ -81,17 +81,18 @@ pub struct Needs {
     pub projection: bool,
     /// Motion since the frame before, where there is any.
     pub motion: bool,
-    /// How much of what is made is taken, where a mask or objects say so; else they are coverage. How far what
-    /// pixels hold is that of one surface, where any is not.
+    /// Masks and objects as strengths of the change; else they are coverage.
     pub strength: bool,
-    /// How far what pixels hold is that of one surface, also where all is.
+    /// The confidence that each pixel shows one surface alone; see [`Frame::confidence`].
     pub confidence: bool,
+    /// The same only where it is below 1 anywhere.
+    pub confidence_if_any: bool,
 }
 
 impl Needs {
-    /// How far what pixels of a frame hold is that of one surface, as it is needed.
+    /// The confidence of the pixels of a frame, as it is needed.
     pub(super) fn confidence(&self, frame: &Frame) -> Option<Plane> {
-        let found = (self.strength || self.confidence).then(|| confidence(frame));
+        let found = (self.confidence_if_any || self.confidence).then(|| confidence(frame));
         let full = || Plane::filled(frame.mask.width(), frame.mask.height(), 1.0);
         found.flatten().or_else(|| self.confidence.then(full))
     }

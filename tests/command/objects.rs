@@ -123,24 +123,6 @@ fn objects_that_are_not_there_are_refused_with_those_that_are() {
 }
 
 #[test]
-fn strokes_are_drawn_on_the_object_alone() {
-    let desk = tempfile::tempdir().unwrap();
-    let haze = fixture("haze.exr").display().to_string();
-    let words = format!("hatch {haze} --object Head --layers results -q -o out.exr");
-    relievo(desk.path(), &words).done();
-    let ink = channel(&desk.path().join("out.exr"), "strokes.hatching");
-    let share = head(&haze);
-    let (mut inside, mut outside) = (0.0, 0.0);
-    for (ink, share) in ink.samples().iter().zip(share.samples()) {
-        match *share > 0.5 {
-            true => inside += ink,
-            false => outside += ink,
-        }
-    }
-    assert!(inside > 500.0 && outside == 0.0, "{inside} {outside}");
-}
-
-#[test]
 fn strokes_have_an_angle_by_object() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr").display().to_string();
