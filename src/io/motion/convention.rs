@@ -5,7 +5,7 @@ use std::fmt;
 
 /// Which way motion leads in time, as far as its sign tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lead {
+pub(super) enum Lead {
     /// Where the surface was, from where it is: previous minus current.
     Back,
     /// The other way: current minus previous, or next minus current where it moves evenly.
@@ -14,7 +14,7 @@ pub enum Lead {
 
 /// What one unit of motion is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MotionUnit {
+pub(super) enum MotionUnit {
     /// A pixel.
     Pixels,
     /// A pixel, over a shutter that is open half the time from frame to frame.
@@ -75,13 +75,13 @@ impl MotionUnit {
 
 /// How two channels hold motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MotionConvention {
+pub(super) struct MotionConvention {
     /// Which way it leads in time.
-    pub lead: Lead,
+    lead: Lead,
     /// Whether y points up.
-    pub y_is_up: bool,
+    y_is_up: bool,
     /// What one unit is.
-    pub unit: MotionUnit,
+    unit: MotionUnit,
 }
 
 impl MotionConvention {

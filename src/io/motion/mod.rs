@@ -7,7 +7,7 @@ mod convention;
 mod evidence;
 mod layers;
 
-pub use convention::{Lead, MotionConvention, MotionUnit};
+use convention::MotionConvention;
 pub use evidence::{FrameBefore, MotionVerdict};
 use layers::convention_by_name;
 pub(super) use layers::motion_sources;
@@ -33,7 +33,7 @@ pub(super) struct MotionPair {
     /// The layer and its channels, for messages.
     pub(super) label: String,
     /// What its name says that it holds, where that is the same whoever wrote it.
-    pub(super) by_name: Option<MotionConvention>,
+    by_name: Option<MotionConvention>,
     pub(super) x: Plane,
     pub(super) y: Plane,
 }
@@ -124,7 +124,7 @@ impl MotionLayers {
 ///
 /// # Errors
 /// Any [`crate::Error`] of reading a header.
-pub fn motion_layer_names(inputs: &Inputs) -> Result<Vec<String>> {
+pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<Vec<String>> {
     let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
     let needs = Needs {
         motion: true,
