@@ -93,7 +93,7 @@ fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
 }
 
 // The power of the lobe of numbers from 0 to 1; 0 stays 0.
-fn power_raise(x: f32) -> f32 {
+fn exponent_raise(x: f32) -> f32 {
     if params.whole_power == 0u {
         let power = exp_of(params.power * ln(max(x, MIN_POSITIVE)));
         return select(0.0, power, x > 0.0);
@@ -162,7 +162,7 @@ fn reflect_light(light: Arriving) -> Terms {
         diffuse = arrived.weight * ashikhmin_shirley_diffuse(cosines.nl, ne);
         specular = arrived.weight * ashikhmin_shirley_specular(cosines);
     } else if PHONG {
-        lobe = power_raise(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
+        lobe = exponent_raise(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
         diffuse = arrived.weight * cosine;
         specular = arrived.weight * lobe;
     } else if BLINN_PHONG {
@@ -172,11 +172,11 @@ fn reflect_light(light: Arriving) -> Terms {
             let light_normal = product(light, arrived.inverse, pixel.normal);
             lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
         }
-        lobe = power_raise(lobe);
+        lobe = exponent_raise(lobe);
         diffuse = arrived.weight * cosine;
         specular = arrived.weight * cosine * lobe;
     } else {
-        cosine = power_raise(cosine);
+        cosine = exponent_raise(cosine);
         diffuse = arrived.weight * cosine;
     }
     if SCALES {

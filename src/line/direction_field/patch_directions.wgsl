@@ -9,7 +9,7 @@
 @group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
 
 // The unit direction of the curvature larger in size, in the frame of the tensor; 0 where there is none.
-fn form_larger(form: vec4<f32>) -> vec2<f32> {
+fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     let d = select(-form.xy, form.xy, form.z >= 0.0);
     let length = sqrt(dot(d, d));
     let axis = select(vec2<f32>(d.y, length - d.x), vec2<f32>(d.x + length, d.y), d.x >= 0.0);
@@ -18,7 +18,7 @@ fn form_larger(form: vec4<f32>) -> vec2<f32> {
 }
 
 // How sure directions are, 0..1.
-fn form_confidence(form: vec4<f32>) -> f32 {
+fn curvature_tensor_confidence(form: vec4<f32>) -> f32 {
     let difference = sqrt(dot(form.xy, form.xy));
     let mean = abs(form.z);
     let lesser = min(difference, mean);
@@ -31,7 +31,7 @@ fn form_confidence(form: vec4<f32>) -> f32 {
 }
 
 // How much the surface is a plane, 0..1.
-fn form_flatness(form: vec4<f32>) -> f32 {
+fn curvature_tensor_flatness(form: vec4<f32>) -> f32 {
     let curvature = sqrt(dot(form.xy, form.xy)) + abs(form.z);
     let square = params.doubt * params.doubt;
     let share = square / (square + curvature * curvature);
@@ -42,7 +42,7 @@ fn form_flatness(form: vec4<f32>) -> f32 {
 fn own_direction(i: u32, line: vec3<f32>) -> vec2<f32> {
     let form = forms[i];
     let normal = patches[i].normal;
-    let most = form_larger(form);
+    let most = curvature_tensor_larger(form);
     let axis = select(vec2<f32>(-most.y, most.x), most, params.family == 0u);
     let tangents = upright_tangents(normal);
     if all(axis == vec2<f32>(0.0)) || !tangents.are_there {
@@ -50,14 +50,14 @@ fn own_direction(i: u32, line: vec3<f32>) -> vec2<f32> {
     }
     let seen = picture_direction(line, axis.x * tangents.x + axis.y * tangents.y);
     let facing = clamp(sight_lines_facing(line, normal) / FACING, 0.0, 1.0);
-    return form_confidence(form) * facing * facing * doubled(seen);
+    return curvature_tensor_confidence(form) * facing * facing * doubled(seen);
 }
 
 fn visit(i: u32) {
     let line = line(middle_of(i));
     let own = own_direction(i, line);
     let sure = sqrt(dot(own, own));
-    let flat_share = form_flatness(forms[i]);
+    let flat_share = curvature_tensor_flatness(forms[i]);
     let sum = own + flat_share * doubled(fallback(line, patches[i].normal));
     directions[i] = vec4<f32>(sum, sure + flat_share, 1.0);
 }

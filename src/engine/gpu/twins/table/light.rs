@@ -279,7 +279,7 @@ fn lights() -> Vec<Twin> {
         ),
         // A cosine clamped to 0..1; integer powers up to the largest that is multiplied, real ones up to the largest exponent.
         twin!(
-            power_raise,
+            exponent_raise,
             Exponent::raise,
             RELIGHT,
             |x: f32, whole: u32, power: f32| {

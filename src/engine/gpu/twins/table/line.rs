@@ -146,7 +146,7 @@ fn directions() -> Vec<Twin> {
         )
         .on(bounded),
         twin!(
-            form_larger,
+            curvature_tensor_larger,
             CurvatureTensor::larger,
             PATCH_DIRECTIONS,
             |f: [f32; 4]| { form(f).larger().unwrap_or_default().as_vec2().to_array() }
@@ -155,7 +155,7 @@ fn directions() -> Vec<Twin> {
         .within(SINGLE),
         // A doubt is a share; where it is next to none the precision of forms decides.
         twin!(
-            form_confidence,
+            curvature_tensor_confidence,
             CurvatureTensor::confidence,
             PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).confidence(doubt.into()) as f32 }
@@ -168,7 +168,7 @@ fn directions() -> Vec<Twin> {
         .within(SINGLE),
         // The same; none at all is a case of its own.
         twin!(
-            form_flatness,
+            curvature_tensor_flatness,
             CurvatureTensor::flatness,
             PATCH_DIRECTIONS,
             |f: [f32; 4], doubt: f32| { form(f).flatness(doubt.into()) as f32 }
