@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::frame::static_world_motion;
 use crate::io::inputs::Inputs;
-use crate::io::motion::{FrameBefore, MotionLayers, motion_layer_names};
+use crate::io::motion::{FrameBefore, MotionLayers};
+use crate::io::motion_layer_names;
 use crate::io::{self, Finding, Needs};
 use std::path::{Path, PathBuf};
 

@@ -313,7 +313,7 @@ fn no_kernels(what: &str) -> Error {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::engine::run::{CancelToken, Progress};
+    use crate::engine::watch::{CancelToken, Progress};
     use crate::params::{Scale, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;

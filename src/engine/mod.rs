@@ -16,12 +16,14 @@ pub(crate) mod slot;
 pub(crate) mod target;
 pub(crate) mod tiles;
 pub(crate) mod tolerances;
+pub(crate) mod watch;
 
 pub use crate::engine::backends::Engine;
 pub use crate::engine::inputs::Inputs;
 pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
 pub use crate::engine::request::{Request, Tone};
-pub use crate::engine::run::{CancelToken, Progress, Run};
+pub use crate::engine::run::Run;
 pub use crate::engine::session::Session;
 pub use crate::engine::target::Target;
+pub use crate::engine::watch::{CancelToken, Progress};
 pub use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};

@@ -1,7 +1,7 @@
 //! Pictures in strips, where memory or a device takes no more than so many rows at a time.
 
 use crate::engine::outcome::{Outcome, add_timings};
-use crate::engine::run::Watch;
+use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;

@@ -219,3 +219,20 @@ impl Planes {
         (Some(read.into_color()), alpha)
     }
 }
+
+/// Names of the layers that may hold motion of the frame that `inputs` describe, without reading a pixel.
+///
+/// # Errors
+/// Any [`crate::Error`] of reading a header.
+pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<Vec<String>> {
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    let needs = Needs {
+        motion: true,
+        ..Needs::default()
+    };
+    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
+    let motion = sources.roles.iter().filter(|s| s.role == Role::Motion);
+    let mut names: Vec<_> = motion.map(|source| source.label().to_string()).collect();
+    names.dedup();
+    Ok(names)
+}

@@ -53,6 +53,8 @@ pub use art_map::read_art_map;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
 pub(crate) use footprint::frame_bytes;
+#[cfg(feature = "cli")]
+pub(crate) use frame_sources::motion_layer_names;
 pub use inputs::Needs;
 pub(crate) use load::InputFiles;
 pub use load::{Loaded, load};

@@ -5,14 +5,8 @@
 //! the CPU's own run, by their own passes. Strips are not drawn here at all: lines and directions spread across them, so the
 //! CPU has to make most of such a drawing, and a pass for the rest saves less than carrying directions and ink to and fro.
 
-use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::gpu::constants::WHITE;
+use crate::engine::gpu::recorder::Submitted;
 use crate::error::Result;
-use crate::frame::{Frame, Plane};
-use crate::line::contours::gpu::PendingReadback;
-use crate::line::direction_field::gpu::StrokeFields;
-use crate::line::drawing::{Tone, finish};
-use crate::line::hatching::gpu::Hatched;
 
 /// What is of a drawing on the device; what the CPU has of it lies on the canvas of its own run.
 #[derive(Default)]
@@ -35,35 +29,45 @@ impl DeviceCanvas<'_> {
         fields.chain(hatched).chain(&self.contours)
     }
 
-    /// Puts the drawing together of what was read and of what lies on the canvas of the CPU. Whether surfaces fell apart
-    /// into no more patches than there was room for; else directions are missing, and the CPU has to draw.
-    pub(crate) fn put(
-        &self,
-        host: &mut HostRun,
-        frame: &Frame,
-        read: &mut impl Iterator<Item = Vec<f32>>,
-    ) -> bool {
-        let Some(fields) = &self.fields else {
-            return true;
-        };
-        let mut next = || read.next().expect("all that is wanted is read");
-        if next()[0].to_bits() > fields.room {
-            return false;
-        }
-        let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-        let (chosen, ink) = (next(), plane(next()));
-        if let Some((covered, _)) = &mut host.canvas.contours {
-            *covered = plane(next());
-        }
-        let tone = Tone::on_paper(chosen[WHITE as usize]);
-        finish(host, tone, ink, Vec::new());
-        true
-    }
-
     /// All of its buffers.
     pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
         let fields = self.fields.into_iter().flat_map(StrokeFields::into_buffers);
         let hatched = self.hatched.into_iter().flat_map(|h| [h.densities, h.ink]);
         fields.chain(hatched).chain(self.contours)
     }
+}
+
+/// Edges on their way from the device.
+pub(crate) enum PendingReadback<'d> {
+    /// In lists, of which so many are cracks and creases.
+    Listed(Submitted<'d>, [usize; 2]),
+    /// As planes of weights: there are too many for lists.
+    InPlanes(Submitted<'d>),
+}
+
+/// Directions of strokes on the device.
+pub(crate) struct StrokeFields {
+    /// Unit directions in the picture, x right and y up, of each family: their x, and their y.
+    pub(crate) directions: Vec<[wgpu::Buffer; 2]>,
+    /// How many patches there are after the first ones of all cells.
+    pub(crate) further: wgpu::Buffer,
+    /// For how many there is room: where there are more, directions are missing.
+    pub(crate) room: u32,
+}
+
+impl StrokeFields {
+    /// All of its buffers.
+    pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
+        let directions = self.directions.into_iter().flatten();
+        directions.chain([self.further])
+    }
+}
+
+/// Strokes on the device.
+pub(crate) struct Hatched {
+    /// The numbers chosen, paper white among them.
+    pub(crate) chosen: wgpu::Buffer,
+    pub(crate) densities: wgpu::Buffer,
+    /// How much of the paper they cover.
+    pub(crate) ink: wgpu::Buffer,
 }

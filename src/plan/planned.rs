@@ -2,7 +2,7 @@
 
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
-use crate::params::{LineParams, ScalingParams, ShapeParams, SpecularParams};
+use crate::params::{ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams};
 use crate::plan::available::Available;
 use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
@@ -103,6 +103,12 @@ impl Plan {
     /// Whether a product is wanted, by the caller or by a stage.
     pub fn wants(&self, product: Product) -> bool {
         self.wanted.contains(&product)
+    }
+
+    /// Contours of the drawing, where it has any, at the size that lines have in the picture.
+    pub(crate) fn contours(&self) -> Option<ContourParams> {
+        let contours = self.drawing.as_ref()?.contours?;
+        Some(contours.scaled(self.line_scale))
     }
 
     /// Whether curvature is made at all.

@@ -1,7 +1,7 @@
 //! Recycled planes of finished runs: fresh memory comes page by page from the system, which costs more than many a pass
 //! over it.
 
-use crate::engine::run::CancelToken;
+use crate::engine::watch::CancelToken;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -4,7 +4,7 @@ use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::run::Watch;
+use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction_field::cpu as direction_field;
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::engine::cpu::memory::Memory;
     use crate::engine::cpu::rows::map_covered;
-    use crate::engine::run::CancelToken;
+    use crate::engine::watch::CancelToken;
     use crate::frame::{Mask, Plane};
     use crate::params::RunOptions;
     use crate::shape::diffusion::cpu::diffusion;

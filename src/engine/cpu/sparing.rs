@@ -3,8 +3,8 @@
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
-use crate::engine::run::Watch;
 use crate::engine::tiles::{Strips, rows_of};
+use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, luminance};
 use crate::light::enhancement::Subject;

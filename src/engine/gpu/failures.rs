@@ -7,7 +7,7 @@ use crate::engine::gpu::limits;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::run::Watch;
+use crate::engine::watch::Watch;
 use crate::error::Error;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};

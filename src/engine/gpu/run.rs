@@ -6,16 +6,14 @@ use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
 use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
-use crate::engine::gpu::runner::Runner;
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
 use crate::frame::{Frame, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
 use crate::line::gpu_canvas::DeviceCanvas;
-use crate::line::hatching::gpu::TextureCache;
+use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
-use crate::plan::stage::Stage;
 use std::time::Instant;
 
 /// Bytes of a buffer that nothing is written to.
@@ -50,13 +48,14 @@ pub(crate) struct Run<'a> {
 
 impl<'a> Run<'a> {
     pub(crate) fn new(
-        runner: &'a Runner,
+        (device, buffers): (&'a Device, &'a Buffers),
+        recorder: Recorder<'a>,
+        texture: &'a TextureCache,
         host: HostRun<'a>,
         light: Option<&'a Light<'a>>,
         surface: SurfaceBuffers,
         chosen: [f32; 2],
     ) -> Self {
-        let (device, buffers) = (&runner.device, &runner.buffers);
         let upload = Upload { device, buffers };
         Self {
             plan: host.plan,
@@ -65,10 +64,10 @@ impl<'a> Run<'a> {
             made: Made::default(),
             canvas: DeviceCanvas::default(),
             host,
-            texture: &runner.texture,
+            texture,
             device,
             buffers,
-            recorder: Recorder::new(device, &runner.programs, buffers),
+            recorder,
             surface,
             chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
             at_work: None,
@@ -77,40 +76,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Records stages one after another; then the CPU does what it has of them while the device works.
-    ///
-    /// Where someone looks on, each stage is handed to the device as it is recorded, and the one before it is waited for:
-    /// so progress is that of the device, and a cancelled run leaves it two stages to end at the most.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them; [`crate::Error::Gpu`] where the
-    /// device fails.
-    pub(crate) fn go_through(&mut self, stages: &[&'static Stage]) -> Result<()> {
-        let watch = self.host.watch;
-        let (mut done, mut next) = (0.0, Vec::new());
-        for stage in stages {
-            watch.check()?;
-            watch.begins(stage.name, done);
-            (stage.gpu)(self);
-            if watch.looks_on() {
-                self.hand_over()?;
-            }
-            next.extend(stage.beside_gpu);
-            done += 1.0 / stages.len() as f32;
-        }
-        watch.check()?;
-        if !next.is_empty() && !watch.looks_on() {
-            self.hand_over()?;
-        }
-        for beside in next {
-            watch.check()?;
-            beside(self)?;
-        }
-        Ok(())
-    }
-
     /// Has the device begin with what was recorded, once it is done with what it had.
-    fn hand_over(&mut self) -> Result<()> {
+    pub(super) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
         let start = Instant::now();
         if let Some(before) = before {

@@ -9,15 +9,15 @@ use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::made::{Layer, Made};
-use crate::engine::gpu::recorder::Programs;
+use crate::engine::gpu::recorder::{Programs, Recorder};
 use crate::engine::gpu::run::{Finished, Run};
 use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::outcome::add_timings;
-use crate::engine::run::Watch;
 use crate::engine::tiles::Strips;
+use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
@@ -26,7 +26,7 @@ use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::direction_field::gpu_patches::largest_buffer;
-use crate::line::hatching::gpu::TextureCache;
+use crate::line::hatching::gpu_texture::TextureCache;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
@@ -307,7 +307,17 @@ impl Runner {
             let _ = wait_for(&self.device.device, None);
         }
         let host = self.host_run(plan, frame, beside);
-        Run::new(self, host, beside.light, surface, chosen)
+        let place = (&self.device, &self.buffers);
+        let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
+        Run::new(
+            place,
+            recorder,
+            &self.texture,
+            host,
+            beside.light,
+            surface,
+            chosen,
+        )
     }
 
     /// Runs the stages of `plan` that find the shape and make the picture, on a strip whose rows are these of the frame
@@ -453,4 +463,38 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
         false => 2,
     };
     4 * widest * frame.mask.width() as u64
+}
+
+impl Run<'_> {
+    /// Records stages one after another; then the CPU does what it has of them while the device works.
+    ///
+    /// Where someone looks on, each stage is handed to the device as it is recorded, and the one before it is waited for:
+    /// so progress is that of the device, and a cancelled run leaves it two stages to end at the most.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them; [`crate::Error::Gpu`] where the
+    /// device fails.
+    pub(crate) fn go_through(&mut self, stages: &[&'static Stage]) -> Result<()> {
+        let watch = self.host.watch;
+        let (mut done, mut next) = (0.0, Vec::new());
+        for stage in stages {
+            watch.check()?;
+            watch.begins(stage.name, done);
+            (stage.gpu)(self);
+            if watch.looks_on() {
+                self.hand_over()?;
+            }
+            next.extend(stage.beside_gpu);
+            done += 1.0 / stages.len() as f32;
+        }
+        watch.check()?;
+        if !next.is_empty() && !watch.looks_on() {
+            self.hand_over()?;
+        }
+        for beside in next {
+            watch.check()?;
+            beside(self)?;
+        }
+        Ok(())
+    }
 }

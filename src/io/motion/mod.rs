@@ -12,12 +12,7 @@ pub use evidence::{FrameBefore, MotionVerdict};
 use layers::convention_by_name;
 pub(super) use layers::motion_sources;
 
-use super::frame_sources::FrameSources;
-use super::inputs::{Inputs, Needs};
-use super::opened::Opened;
-use super::roles::Role;
 use super::sources::RoleSource;
-use crate::error::Result;
 use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
 
 /// The layers of a frame that may hold its motion, as stored.
@@ -118,21 +113,4 @@ impl MotionLayers {
         let (pair, convention) = verdict.found?;
         (pair < self.pairs.len()).then(|| self.come(pair, convention))
     }
-}
-
-/// Names of the layers that may hold motion of the frame that `inputs` describe, without reading a pixel.
-///
-/// # Errors
-/// Any [`crate::Error`] of reading a header.
-pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<Vec<String>> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
-    let needs = Needs {
-        motion: true,
-        ..Needs::default()
-    };
-    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
-    let motion = sources.roles.iter().filter(|s| s.role == Role::Motion);
-    let mut names: Vec<_> = motion.map(|source| source.label().to_string()).collect();
-    names.dedup();
-    Ok(names)
 }

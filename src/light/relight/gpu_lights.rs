@@ -4,7 +4,7 @@ use crate::engine::cpu::gpu_support::estimated_albedo;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::surface::Upload;
-use crate::engine::run::Watch;
+use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;

@@ -3,7 +3,6 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
-use crate::engine::gpu::recorder::Submitted;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::deinterleave;
@@ -18,8 +17,8 @@ use crate::line::contours::cpu::{Weights, contours};
 use crate::line::contours::crack::KINK;
 use crate::line::contours::cracks::LEAST_STEP;
 use crate::line::contours::found::{FoundCrack, FoundEdges};
-use crate::line::contours::stage::scaled;
 use crate::line::contours::{Contour, HALF_PLAIN_JUMP};
+use crate::line::gpu_canvas::PendingReadback;
 use crate::params::{ContourParams, Style};
 use crate::plan::{Available, Plan};
 use crate::shape::edges::SilhouetteSource;
@@ -106,18 +105,10 @@ pub(crate) struct EdgeLists {
     creases: wgpu::Buffer,
 }
 
-/// Edges on their way from the device.
-pub(crate) enum PendingReadback<'d> {
-    /// In lists, of which so many are cracks and creases.
-    Listed(Submitted<'d>, [usize; 2]),
-    /// As planes of weights: there are too many for lists.
-    InPlanes(Submitted<'d>),
-}
-
 /// Lists edges, and has the device hand them out: their numbers are waited for.
 pub(crate) fn list_edges(run: &mut Run) {
     let (plan, frame) = (run.plan, run.frame);
-    let params = contours_of(plan);
+    let params = plan.contours().expect("contours are asked for");
     let shape = run.made.shape.take().expect("edges come first");
     let lists = run.edge_lists(plan, frame, &shape, &params);
     let counted = run.recorder.submit(&[&lists.counts]).read();
@@ -140,7 +131,11 @@ pub(crate) fn follow_listed(run: &mut Run) -> Result<()> {
     let edges = run.canvas.edges.take().expect("edges were listed")?;
     let host = &mut run.host;
     let lines = host.timed("contour-lines", || {
-        edges.lines(plan, frame, &contours_of(plan))
+        edges.lines(
+            plan,
+            frame,
+            &plan.contours().expect("contours are asked for"),
+        )
     })?;
     let strokes = plan.drawing.as_ref().map(|params| &params.strokes);
     let grain = strokes.filter(|strokes| strokes.style == Style::Pencil);
@@ -148,12 +143,6 @@ pub(crate) fn follow_listed(run: &mut Run) -> Result<()> {
     run.canvas.contours = Some(run.covered_by_lines(frame, &contour_pieces(&lines), seed));
     run.host.canvas.contours = Some((Plane::default(), lines));
     Ok(())
-}
-
-fn contours_of(plan: &Plan) -> ContourParams {
-    let params = plan.drawing.as_ref();
-    let params = params.and_then(|params| scaled(plan, params));
-    params.expect("contours are asked for")
 }
 
 /// The pieces that contours are drawn in: lines that meet are one.

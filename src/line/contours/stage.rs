@@ -7,7 +7,7 @@ use crate::line::contours::coverage::covered;
 use crate::line::contours::cpu::{self, Weights};
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
-use crate::params::{ContourParams, LineParams};
+use crate::params::ContourParams;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -15,10 +15,7 @@ use crate::product::Product;
 /// Lines along silhouettes and creases. They come first: strokes do not take the weights of edges.
 pub(crate) static CONTOURS: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Crease],
-    depends_on: |plan| {
-        let params = plan.drawing.as_ref();
-        format!("{:?}", params.and_then(|params| scaled(plan, params)))
-    },
+    depends_on: |plan| format!("{:?}", plan.contours()),
     name: "contours",
     steps: &[Step {
         name: "contours",
@@ -43,16 +40,10 @@ fn decide(plan: &Plan) -> Verdict {
     })
 }
 
-/// Contours at the size that lines have in the picture.
-pub(crate) fn scaled(plan: &Plan, params: &LineParams) -> Option<ContourParams> {
-    let contours = params.contours;
-    contours.map(|contours| contours.scaled(plan.line_scale))
-}
-
 fn draw(run: &mut Run) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("contours are of a drawing");
-    let contours = scaled(plan, params).expect("contours are asked for");
+    let contours = plan.contours().expect("contours are asked for");
     let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
     let kept = kept.and_then(|kept| kept.contours.copied(plan.key(CONTOURS.name)));
     let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));

@@ -12,18 +12,9 @@ use crate::line::direction_field::gpu_patches::{Patches, STAGE};
 use crate::line::direction_field::setting::{
     FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
+use crate::line::gpu_canvas::StrokeFields;
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
-
-/// Directions of strokes on the device.
-pub(crate) struct StrokeFields {
-    /// Unit directions in the picture, x right and y up, of each family: their x, and their y.
-    pub(crate) directions: Vec<[wgpu::Buffer; 2]>,
-    /// How many patches there are after the first ones of all cells.
-    pub(crate) further: wgpu::Buffer,
-    /// For how many there is room: where there are more, directions are missing.
-    pub(crate) room: u32,
-}
 
 /// Finds the directions of strokes along the edges that the device has.
 pub(crate) fn find(run: &mut Run) {
@@ -33,14 +24,6 @@ pub(crate) fn find(run: &mut Run) {
     let conductance = shape.conductance.clone();
     let fields = run.stroke_fields(plan, &params.field, params.directions, frame, &conductance);
     run.canvas.fields = Some(fields);
-}
-
-impl StrokeFields {
-    /// All of its buffers.
-    pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
-        let directions = self.directions.into_iter().flatten();
-        directions.chain([self.further])
-    }
 }
 
 impl Run<'_> {

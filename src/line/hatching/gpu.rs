@@ -1,25 +1,28 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
+use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::UPLOAD;
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::surface::{Picture, Upload};
+use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::engine::outcome::add_timings;
-use crate::frame::Frame;
+use crate::frame::{Frame, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
+use crate::line::drawing::{Tone, finish};
+use crate::line::gpu_canvas::{DeviceCanvas, Hatched};
+use crate::line::hatching::gpu_texture::Texture;
 use crate::line::hatching::{CROSSED_FROM, Hatching};
 use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
-use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, Texels, TonalArtMap};
+use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
 use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::f32::consts::PI;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Strokes along a field of directions.
@@ -115,36 +118,6 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesB
     ],
 );
 
-/// A texture of strokes on the device.
-#[derive(Debug, Clone)]
-pub(crate) struct Texture {
-    texels: wgpu::Buffer,
-    thresholds: wgpu::Buffer,
-    size: [u32; 2],
-    /// 0 for strokes, which take their ink by thresholds of their own.
-    slices: u32,
-}
-
-impl Texture {
-    /// A copy of `map` on the device.
-    pub(crate) fn new(map: &TonalArtMap, upload: Upload) -> Self {
-        let size = map.period();
-        let (texels, slices) = match map.texels() {
-            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
-            Texels::Slices(samples) => {
-                let slices = samples.len() / (size[0] * size[1]);
-                (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
-            }
-        };
-        Self {
-            texels,
-            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
-            size: size.map(|texels| texels as u32),
-            slices,
-        }
-    }
-}
-
 /// A texture on the device, and how it lies at every level.
 pub(crate) struct Strokes {
     texture: Texture,
@@ -163,37 +136,31 @@ impl Strokes {
     }
 }
 
-/// The texture of the last drawing, with what it was copied of.
-#[derive(Debug, Default)]
-pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
-
-impl TextureCache {
-    /// Forgets it: what was copied in a run that failed may be nothing.
-    pub(crate) fn forget(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    /// The copy of `map`.
-    pub(crate) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((copied, texture)) = &*kept
-            && Arc::ptr_eq(copied, map)
-        {
-            return texture.clone();
+impl DeviceCanvas<'_> {
+    /// Puts the drawing together of what was read and of what lies on the canvas of the CPU. Whether surfaces fell apart
+    /// into no more patches than there was room for; else directions are missing, and the CPU has to draw.
+    pub(crate) fn put(
+        &self,
+        host: &mut HostRun,
+        frame: &Frame,
+        read: &mut impl Iterator<Item = Vec<f32>>,
+    ) -> bool {
+        let Some(fields) = &self.fields else {
+            return true;
+        };
+        let mut next = || read.next().expect("all that is wanted is read");
+        if next()[0].to_bits() > fields.room {
+            return false;
         }
-        let texture = Texture::new(map, upload);
-        *kept = Some((map.clone(), texture.clone()));
-        texture
+        let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
+        let (chosen, ink) = (next(), plane(next()));
+        if let Some((covered, _)) = &mut host.canvas.contours {
+            *covered = plane(next());
+        }
+        let tone = Tone::on_paper(chosen[WHITE as usize]);
+        finish(host, tone, ink, Vec::new());
+        true
     }
-}
-
-/// Strokes on the device.
-pub(crate) struct Hatched {
-    /// The numbers chosen, paper white among them.
-    pub(crate) chosen: wgpu::Buffer,
-    pub(crate) densities: wgpu::Buffer,
-    /// How much of the paper they cover.
-    pub(crate) ink: wgpu::Buffer,
 }
 
 /// Draws strokes of a texture in the tone of the picture.

@@ -15,6 +15,8 @@
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu_texture;
 pub(crate) mod stage;
 
 use super::random::Random;

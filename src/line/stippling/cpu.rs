@@ -46,7 +46,7 @@ fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::run::CancelToken;
+    use crate::engine::watch::CancelToken;
 
     #[test]
     fn dots_cover_the_ink_that_is_wanted() {

@@ -15,7 +15,7 @@ mod tool;
 
 use super::contours::polyline::evened;
 use super::direction_field::setting::OPEN;
-use crate::engine::run::CancelToken;
+use crate::engine::watch::CancelToken;
 use crate::frame::{Plane, Vector2Planes};
 use glam::Vec2;
 use placed::{Placed, Point};

@@ -1,0 +1,59 @@
+//! Textures of strokes on a device, kept between runs.
+
+use crate::engine::gpu::surface::Upload;
+use crate::line::tonal_art_map::{Texels, TonalArtMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A texture of strokes on the device.
+#[derive(Debug, Clone)]
+pub(crate) struct Texture {
+    pub(super) texels: wgpu::Buffer,
+    pub(super) thresholds: wgpu::Buffer,
+    pub(super) size: [u32; 2],
+    /// 0 for strokes, which take their ink by thresholds of their own.
+    pub(super) slices: u32,
+}
+
+impl Texture {
+    /// A copy of `map` on the device.
+    pub(crate) fn new(map: &TonalArtMap, upload: Upload) -> Self {
+        let size = map.period();
+        let (texels, slices) = match map.texels() {
+            Texels::Strokes(words) => (upload.bytes(bytemuck::cast_slice(&words)), 0),
+            Texels::Slices(samples) => {
+                let slices = samples.len() / (size[0] * size[1]);
+                (upload.bytes(bytemuck::cast_slice(&samples)), slices as u32)
+            }
+        };
+        Self {
+            texels,
+            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
+            size: size.map(|texels| texels as u32),
+            slices,
+        }
+    }
+}
+
+/// The texture of the last drawing, with what it was copied of.
+#[derive(Debug, Default)]
+pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
+
+impl TextureCache {
+    /// Forgets it: what was copied in a run that failed may be nothing.
+    pub(crate) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// The copy of `map`.
+    pub(crate) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((copied, texture)) = &*kept
+            && Arc::ptr_eq(copied, map)
+        {
+            return texture.clone();
+        }
+        let texture = Texture::new(map, upload);
+        *kept = Some((map.clone(), texture.clone()));
+        texture
+    }
+}
