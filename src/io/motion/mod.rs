@@ -1,7 +1,7 @@
 //! Layers of motion: what they hold by their names, and how they lead to the frame before by what both frames show.
 //!
 //! Renderers agree neither on the direction of time, nor on that of y, nor on the unit. `layers` finds the pairs of
-//! channels that may hold motion; `evidence` compares two frames under each [`MotionConvention`].
+//! channels that may hold motion; `evidence` compares two frames under each reading of them.
 
 mod convention;
 mod evidence;
