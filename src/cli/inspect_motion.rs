@@ -24,22 +24,25 @@ const NEEDS: Needs = Needs {
 /// # Errors
 /// Those of loading it.
 pub(super) fn finding(inputs: &Inputs) -> Result<Option<Finding>> {
-    let names = motion_layer_names(inputs)?;
+    let (names, mean_motion) = motion_layer_names(inputs)?;
     let Some(first) = names.first() else {
         return Ok(None);
     };
     let flag = format!("--motion \"{first}\"");
-    let unread = |evidence: &str| Finding {
-        subject: "motion".into(),
-        conclusion: names.join(", "),
-        evidence: evidence.into(),
-        flag: flag.clone(),
+    // Only comparing frames shows whether layers without a telling name hold motion.
+    let unread = |evidence: &str| {
+        mean_motion.then(|| Finding {
+            subject: "motion".into(),
+            conclusion: names.join(", "),
+            evidence: evidence.into(),
+            flag: flag.clone(),
+        })
     };
     let Some((before, number)) = frame_before(&inputs.picture).filter(|(path, _)| path.exists())
     else {
-        return Ok(Some(unread(
+        return Ok(unread(
             "how it leads to the frame before is judged where that lies beside the file",
-        )));
+        ));
     };
     let inputs_before = Inputs {
         picture: before.clone(),
@@ -47,7 +50,7 @@ pub(super) fn finding(inputs: &Inputs) -> Result<Option<Finding>> {
     };
     // A frame before that is no frame tells nothing.
     let Ok(seen) = io::load(&inputs_before, NEEDS) else {
-        return Ok(Some(unread("the frame before cannot be read")));
+        return Ok(unread("the frame before cannot be read"));
     };
     let now = io::load(inputs, NEEDS)?;
     let still = seen

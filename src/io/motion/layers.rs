@@ -80,6 +80,11 @@ pub(in crate::io) fn motion_sources(
     Ok(found)
 }
 
+/// Whether the name of the layer that `source` was found in means motion.
+pub(in crate::io) fn means_motion(source: &RoleSource) -> bool {
+    layer_of(source).is_some_and(is_motion)
+}
+
 /// The pairs of the layer that `source` was found in; a photo, or a channel, is one.
 fn pairs_beside(source: RoleSource) -> Vec<RoleSource> {
     let pairs: Vec<_> = match layer_of(&source) {

@@ -10,7 +10,7 @@ mod layers;
 use convention::MotionConvention;
 pub use evidence::{FrameBefore, MotionVerdict};
 use layers::convention_by_name;
-pub(super) use layers::motion_sources;
+pub(super) use layers::{means_motion, motion_sources};
 
 use super::sources::RoleSource;
 use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
