@@ -199,7 +199,6 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         pixel_aspect,
     };
 
-    // Decode, find where a surface was seen, and turn to view space.
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
@@ -213,24 +212,14 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         notes.on_strength(strength, inputs.rows.is_some());
     }
     let strength = layers.take_strength(strength, needs);
-    let sense = source.depth_sense(&normal, &layers)?;
-    let stored = sense.as_ref().map(|(stored, _)| *stored);
-    let depth = layers.depth.as_mut().map(|depth| (depth, stored));
-    let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
-    let Covered {
-        mut mask,
+    let SeenSurface {
+        normal,
+        mask,
         lengths,
-        filled,
-    } = coverage::cover(&mut normal, depth, alpha, covered);
-    notes.on_coverage(&mask);
-    notes.on_filled(filled, &mask);
-    let view = source.turn_to_view(needs, &mut normal, &mask, &layers)?;
-    notes.findings.extend(view.findings);
-    notes.warnings.extend(view.warnings);
-    let depth_is_half = source.depth_is_half(&layers);
-    if let Some(depth) = source.depth_of_positions(&layers, view.camera.as_ref(), &mut mask) {
-        layers.depth = Some(depth);
-    }
+        sense,
+        depth_is_half,
+        view,
+    } = source.seen_surface(normal, &mut layers, needs, &mut notes)?;
 
     let read = light.assemble(light_planes, layers.color.as_ref(), &mask);
     notes.findings.extend(read.findings);
@@ -351,6 +340,17 @@ struct FrameSource<'a> {
     pixel_aspect: f32,
 }
 
+/// The surface of a frame in view space, and how its layers were read.
+struct SeenSurface {
+    normal: Vector3Planes,
+    mask: Mask,
+    /// The lengths that the normals had.
+    lengths: Plane,
+    sense: Sense,
+    depth_is_half: bool,
+    view: View,
+}
+
 impl FrameSource<'_> {
     fn surface<'s>(
         &'s self,
@@ -367,6 +367,43 @@ impl FrameSource<'_> {
             display_window: self.display_window,
             pixel_aspect: self.pixel_aspect,
         }
+    }
+
+    /// Finds where a surface was seen by decoded normals, and turns these to view space; depth of `layers` becomes that of
+    /// positions where they stand in for it.
+    fn seen_surface(
+        &self,
+        mut normal: Vector3Planes,
+        layers: &mut Layers,
+        needs: Needs,
+        notes: &mut Notes,
+    ) -> Result<SeenSurface> {
+        let sense = self.depth_sense(&normal, layers)?;
+        let stored = sense.as_ref().map(|(stored, _)| *stored);
+        let depth = layers.depth.as_mut().map(|depth| (depth, stored));
+        let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
+        let Covered {
+            mut mask,
+            lengths,
+            filled,
+        } = coverage::cover(&mut normal, depth, alpha, covered);
+        notes.on_coverage(&mask);
+        notes.on_filled(filled, &mask);
+        let mut view = self.turn_to_view(needs, &mut normal, &mask, layers)?;
+        notes.findings.append(&mut view.findings);
+        notes.warnings.append(&mut view.warnings);
+        let depth_is_half = self.depth_is_half(layers);
+        if let Some(depth) = self.depth_of_positions(layers, view.camera.as_ref(), &mut mask) {
+            layers.depth = Some(depth);
+        }
+        Ok(SeenSurface {
+            normal,
+            mask,
+            lengths,
+            sense,
+            depth_is_half,
+            view,
+        })
     }
 
     /// How much of what is made is taken, 0..1: the share of objects, times the mask.
