@@ -66,7 +66,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
             .then_some(longest)
     };
     // What shows nothing ends a square, as a long normal does.
-    let ended = each_row(lengths, |y, row| {
+    let ended = of_rows(lengths, |y, row| {
         let lengths = lengths.row(y).iter().zip(mask.row(y));
         for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
             *sample = if covered { length.min(1.0) } else { 1.0 };
@@ -99,7 +99,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
 /// The confidence by depths that stand alone.
 fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     let last = [depth.width(), depth.height()].map(|length| length.saturating_sub(1));
-    let alone = each_row(depth, |y, row| {
+    let alone = of_rows(depth, |y, row| {
         let (here, covered) = (depth.row(y), mask.row(y));
         for x in mask.span(y).filter(|&x| covered[x]) {
             let across = (x > 0 && x < last[0] && covered[x - 1] && covered[x + 1])
@@ -137,7 +137,7 @@ fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
 
 /// The least or the greatest sample of the square around each pixel, as far as it lies within the plane.
 fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
-    each_row(plane, |y, row| {
+    of_rows(plane, |y, row| {
         let mut column = plane.row(y).to_vec();
         for other in around(y, reach, plane.height()) {
             for (sample, &other) in column.iter_mut().zip(plane.row(other)) {
@@ -159,7 +159,7 @@ fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
 
 /// The sum over the square around each pixel, as far as it lies within the plane.
 fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
-    each_row(plane, |y, row| {
+    of_rows(plane, |y, row| {
         let mut column = vec![0.0; row.len()];
         for other in around(y, reach, plane.height()) {
             let samples = column.iter_mut().zip(plane.row(other));
@@ -173,7 +173,7 @@ fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
 
 /// A plane of what is made of the samples of two.
 fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
-    each_row(a, |y, row| {
+    of_rows(a, |y, row| {
         for (sample, (&a, &b)) in row.iter_mut().zip(a.row(y).iter().zip(b.row(y))) {
             *sample = make(a, b);
         }
@@ -186,11 +186,9 @@ fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
 }
 
 /// A plane of the size of this one whose rows, of zeros, are made by `make`.
-fn each_row(like: &Plane, make: impl Fn(usize, &mut [f32]) + Sync) -> Plane {
+fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32]) + Sync) -> Plane {
     let mut made = Plane::filled(like.width(), like.height(), 0.0);
-    let width = like.width().max(1);
-    let rows = made.samples_mut().par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| make(y, row));
+    made.each_row(make);
     made
 }
 

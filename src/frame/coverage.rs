@@ -5,7 +5,6 @@ use super::holes::fill;
 use super::normals::{MIN_LENGTH, normalise};
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
-use rayon::prelude::*;
 
 /// Where decoded normals have a direction, depth is a distance, and mask and alpha are above one half: of those that are
 /// given.
@@ -17,8 +16,7 @@ pub(crate) fn of_normals(
 ) -> Mask {
     let (width, height) = (normal.x.width(), normal.x.height());
     let mut covered = Plane::filled(width, height, false);
-    let rows = covered.samples_mut().par_chunks_mut(width.max(1));
-    rows.enumerate().for_each(|(y, row)| {
+    covered.each_row(|y, row| {
         let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
         for (x, covered) in row.iter_mut().enumerate() {
             // Finite only where all components are.

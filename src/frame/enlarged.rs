@@ -1,7 +1,6 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
 use super::{Camera, Frame, Mask, Plane, Window};
-use rayon::prelude::*;
 
 /// Samples are of one surface where neither is nearer than this share of the other's depth.
 const SAME: f32 = 0.965;
@@ -166,8 +165,7 @@ fn samples<T: Copy + Default + Send>(
     sample: impl Fn(usize, usize) -> T + Sync,
 ) -> Plane<T> {
     let mut plane = Plane::filled(width, height, T::default());
-    let rows = plane.samples_mut().par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(y, row)| {
+    plane.each_row(|y, row| {
         for (x, out) in row.iter_mut().enumerate() {
             *out = sample(x, y);
         }

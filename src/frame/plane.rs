@@ -3,6 +3,7 @@
 use crate::frame::Window;
 use glam::{DVec3, Vec3};
 use ndarray::{ArrayView2, ArrayViewMut2};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// One quantity over a rectangle of pixels: row-major, rows contiguous, rows running down.
@@ -42,10 +43,10 @@ impl<T: Copy> Plane<T> {
 
     /// A plane whose sample at column `x` and row `y` is `sample(x, y)`.
     pub fn from_fn(width: usize, height: usize, mut sample: impl FnMut(usize, usize) -> T) -> Self {
-        let samples = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| sample(x, y))
-            .collect();
+        let mut samples = Vec::with_capacity(width * height);
+        for y in 0..height {
+            samples.extend((0..width).map(|x| sample(x, y)));
+        }
         Self {
             width,
             height,
@@ -111,6 +112,14 @@ impl<T: Copy> Plane<T> {
         }
     }
 
+    /// Does `work(y, row)` on every row, rows in parallel.
+    pub(crate) fn each_row(&mut self, work: impl Fn(usize, &mut [T]) + Sync)
+    where
+        T: Send,
+    {
+        in_parallel(&mut self.samples, self.width, &work);
+    }
+
     /// The part of this plane inside `part`, where the plane itself covers `whole`.
     ///
     /// # Panics
@@ -156,6 +165,12 @@ impl<T: Copy> Plane<T> {
         ArrayViewMut2::from_shape((self.height, self.width), &mut self.samples)
             .expect("a plane is contiguous")
     }
+}
+
+/// Not generic in the work: rayon is compiled once for each type of sample.
+fn in_parallel<T: Send>(samples: &mut [T], width: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    let rows = samples.par_chunks_mut(width.max(1)).enumerate();
+    rows.for_each(|(y, row)| work(y, row));
 }
 
 /// A field of 2-vectors, one plane per component (x right, y up).

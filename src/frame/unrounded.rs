@@ -7,7 +7,6 @@
 //! averages out, and texture is not a stair.
 
 use super::{Plane, Vector3Planes};
-use rayon::prelude::*;
 
 /// Halvings of the widest neighbourhoods, whose standard deviation is 13 pixels.
 const LEVELS: usize = 4;
@@ -78,7 +77,7 @@ fn unround_plane(field: &mut Plane, half_step: f32) {
 /// Moves a field by a share of its way to what wide neighbourhoods have, both given at every second sample of every
 /// second row, and kept within half a step of the codes.
 fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32) {
-    each_row(field, |y, row| {
+    field.each_row(|y, row| {
         let [mut wide, mut share] = [vec![0.0; row.len()], vec![0.0; row.len()]];
         double_row(halves[0], y, &mut wide);
         double_row(halves[1], y, &mut share);
@@ -94,7 +93,7 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
 /// How much a field changes from each pixel to the next ones, times `scale`.
 fn steps_of(field: &Plane, scale: f32) -> Plane {
     let mut steps = Plane::filled(field.width(), field.height(), 0.0);
-    each_row(&mut steps, |y, steps| {
+    steps.each_row(|y, steps| {
         let (row, below) = (field.row(y), field.row((y + 1).min(field.height() - 1)));
         let right = row[1..].iter().chain(row.last());
         for (step, ((&here, &right), &below)) in
@@ -110,7 +109,7 @@ fn steps_of(field: &Plane, scale: f32) -> Plane {
 /// Twice a mean less its own mean: what the mean takes off a bend is given back.
 fn without_bias(mean: &Plane) -> Plane {
     let mut twice = smoothed(mean);
-    each_row(&mut twice, |y, row| {
+    twice.each_row(|y, row| {
         for (twice, &once) in row.iter_mut().zip(mean.row(y)) {
             *twice = 2.0 * once - *twice;
         }
@@ -121,7 +120,7 @@ fn without_bias(mean: &Plane) -> Plane {
 /// The mean over 3x3 pixels.
 fn smoothed(plane: &Plane) -> Plane {
     let mut smooth = Plane::filled(plane.width(), plane.height(), 0.0);
-    each_row(&mut smooth, |y, row| {
+    smooth.each_row(|y, row| {
         let column = weighted(plane, y, &[1.0 / 3.0; 3]);
         for (smooth, three) in row.iter_mut().zip(column.windows(3)) {
             *smooth = (three[0] + three[1] + three[2]) / 3.0;
@@ -134,7 +133,7 @@ fn smoothed(plane: &Plane) -> Plane {
 fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
     let mut half = Plane::filled(size[0], size[1], 0.0);
-    each_row(&mut half, |y, row| {
+    half.each_row(|y, row| {
         let column = weighted(plane, 2 * y, &[1.0, 4.0, 6.0, 4.0, 1.0].map(|w| w / 16.0));
         let pairs = |from: usize| column[from..].chunks_exact(2);
         let taps = pairs(0).zip(pairs(2)).zip(pairs(4));
@@ -150,7 +149,7 @@ fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
     (1..halvings).rev().fold(plane, |half, finer| {
         let size = [whole.width(), whole.height()].map(|length| length.div_ceil(1 << finer));
         let mut double = Plane::filled(size[0], size[1], 0.0);
-        each_row(&mut double, |y, row| double_row(&half, y, row));
+        double.each_row(|y, row| double_row(&half, y, row));
         double
     })
 }
@@ -188,12 +187,6 @@ fn weighted<const N: usize>(plane: &Plane, y: usize, weights: &[f32; N]) -> Vec<
     sum[..reach].fill(first);
     sum[reach + width..].fill(last);
     sum
-}
-
-fn each_row(plane: &mut Plane, work: impl Fn(usize, &mut [f32]) + Sync) {
-    let width = plane.width();
-    let rows = plane.samples_mut().par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| work(y, row));
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Blending a result with the picture it was made of.
 
 use crate::frame::{ColorPlanes, Plane};
-use rayon::prelude::*;
 
 /// Takes `share`, 0..1, of what was made, or as much of that as `strength`, 0..1, says for each pixel, and of the picture
 /// as it was `before` the rest: nothing where there was none.
@@ -19,9 +18,7 @@ pub(crate) fn mix(
     let before = before.map(|before| [&before.r, &before.g, &before.b]);
     let planes = [&mut made.r, &mut made.g, &mut made.b].into_iter();
     for (channel, plane) in planes.enumerate() {
-        let width = plane.width().max(1);
-        let rows = plane.samples_mut().par_chunks_mut(width).enumerate();
-        rows.for_each(|(y, row)| {
+        plane.each_row(|y, row| {
             for (x, sample) in row.iter_mut().enumerate() {
                 let taken = share * strength.map_or(1.0, |strength| strength.at(x, y));
                 let was = before.map_or(0.0, |planes| planes[channel].at(x, y));

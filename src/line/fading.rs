@@ -1,16 +1,13 @@
 //! Ink that fades: a drawing of a part of the picture.
 
 use crate::frame::Plane;
-use rayon::prelude::*;
 
 /// Leaves `share`, 0..1, of the `ink` of a layer, or as much of that as `strength`, 0..1, says for each pixel.
 pub(crate) fn faded(ink: &mut Plane, strength: Option<&Plane>, share: f32) {
     if strength.is_none() && share == 1.0 {
         return;
     }
-    let width = ink.width().max(1);
-    let rows = ink.samples_mut().par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| match strength {
+    ink.each_row(|y, row| match strength {
         Some(strength) => {
             let strengths = strength.row(y);
             row.iter_mut()

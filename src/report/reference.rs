@@ -277,8 +277,7 @@ impl Operator {
         combine: impl Fn(f64, f64, f64) -> f64 + Sync,
     ) {
         let (w, h) = (g.width(), g.height());
-        let rows = out.samples_mut().par_chunks_mut(w.max(1)).enumerate();
-        rows.for_each(|(y, out)| {
+        out.each_row(|y, out| {
             let (at, left, above) = (g.row(y), self.left.row(y), self.above.row(y));
             let north = g.row(y.saturating_sub(1));
             let south = (y + 1 < h).then(|| (g.row(y + 1), self.above.row(y + 1)));

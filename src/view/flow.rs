@@ -1,7 +1,6 @@
 //! Line integral convolution: noise smeared along directions shows where they lead.
 
 use crate::frame::{Mask, Plane, Vector2Planes};
-use rayon::prelude::*;
 
 /// Pixels to either side along which noise is averaged.
 const REACH: usize = 12;
@@ -14,8 +13,7 @@ const SPREAD: f32 = 3.5;
 pub(super) fn along(directions: &Vector2Planes, mask: &Mask) -> Plane {
     let (width, height) = (mask.width(), mask.height());
     let mut smeared = Plane::filled(width, height, 1.0);
-    let rows = smeared.samples_mut().par_chunks_mut(width.max(1));
-    rows.enumerate().for_each(|(y, row)| {
+    smeared.each_row(|y, row| {
         let covered = mask.row(y);
         for x in mask.span(y).filter(|&x| covered[x]) {
             let mut sum = noise(x, y);

@@ -24,7 +24,6 @@ fn strips_are_the_whole_bit_for_bit() {
             "enhance --curvature-gain 3 --white-level 0.5 --depth-of-output half",
         ),
         ("idle", "enhance --scaling 0"),
-        ("layers", "shape --layers results"),
         ("picked", "shape --layers results --write kappa,normal"),
         (
             "scales",
@@ -157,7 +156,7 @@ fn the_least_memory_that_is_named_works_and_less_does_not() {
     write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |_| false);
     for work in [
         "enhance in.exr -o out.exr",
-        "enhance in.exr -o out.exr --scale 20",
+        "enhance in.exr -o out.exr --scale 6",
         "shape in8.jpg --normal n8.png --normal-flip none -o out.png",
         "hatch in8.jpg --normal n8.png --normal-flip none -o out.png",
     ] {

@@ -54,11 +54,13 @@ impl PercentileSearch {
     ) {
         let keys = |y| row(y).map(key_of);
         let counts = match (self.is_narrow, self.upper) {
-            (false, _) => histogram(rows, |y| keys(y).map(|key| key >> 16)),
-            (true, Some((upper, _))) => {
-                let within = |y| keys(y).filter(move |key| key >> 16 == upper);
-                histogram(rows, |y| within(y).map(|key| key & 0xffff))
-            }
+            (false, _) => histogram(rows, &|y, counts| {
+                keys(y).for_each(|key| counts[(key >> 16) as usize % BINS] += 1);
+            }),
+            (true, Some((upper, _))) => histogram(rows, &|y, counts| {
+                let within = keys(y).filter(|key| key >> 16 == upper);
+                within.for_each(|key| counts[(key & 0xffff) as usize % BINS] += 1);
+            }),
             (true, None) => return,
         };
         let sums = self.counts.iter_mut().zip(counts);
@@ -88,11 +90,8 @@ impl PercentileSearch {
     }
 }
 
-/// How often each of the bins is named over all rows.
-fn histogram<Bins: Iterator<Item = u32>>(
-    rows: Range<usize>,
-    bins: impl Fn(usize) -> Bins + Sync,
-) -> Vec<u32> {
+/// How often each of the bins is counted over all rows, by `count(y, counts)`.
+fn histogram(rows: Range<usize>, count: &(dyn Fn(usize, &mut [u32]) + Sync)) -> Vec<u32> {
     // A histogram for each task: few tasks, yet enough to even out threads that were kept waiting.
     let rows_per_task = rows.len().div_ceil(2 * rayon::current_num_threads());
     rows.into_par_iter()
@@ -100,7 +99,7 @@ fn histogram<Bins: Iterator<Item = u32>>(
         .fold(
             || vec![0; BINS],
             |mut counts, y| {
-                bins(y).for_each(|bin| counts[bin as usize % BINS] += 1);
+                count(y, &mut counts);
                 counts
             },
         )

@@ -31,13 +31,23 @@ pub(crate) fn map_rows<const N: usize>(
     fill: impl Fn(usize, [&mut [f32]; N]) + Sync,
 ) -> [Plane; N] {
     let mut planes = [(); N].map(|()| memory.plane(mask));
-    rows_of(&mut planes)
+    each_row(&mut planes, mask, memory, &fill);
+    planes
+}
+
+/// Rayon's part of [`map_rows`], compiled once for all that fills.
+fn each_row<const N: usize>(
+    planes: &mut [Plane; N],
+    mask: &Mask,
+    memory: &Memory,
+    fill: &(dyn Fn(usize, [&mut [f32]; N]) + Sync),
+) {
+    rows_of(planes)
         .into_par_iter()
         .enumerate()
         .with_min_len(ROWS_PER_TASK)
         .filter(|(y, _)| !mask.span(*y).is_empty() && !memory.is_cancelled())
         .for_each(|(y, rows)| fill(y, rows));
-    planes
 }
 
 /// The rows of several planes of one size, gathered by row.

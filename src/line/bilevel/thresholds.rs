@@ -1,7 +1,6 @@
 //! Where grey turns to white, from place to place.
 
 use crate::frame::Plane;
-use rayon::prelude::*;
 
 /// Side of the squares that greys are counted in, in pixels.
 const SIDE: usize = 8;
@@ -67,8 +66,7 @@ impl Thresholds {
     pub(super) fn of(light: &Plane, is_plain: impl Fn(f32) -> bool + Sync) -> Self {
         let [columns, rows] = [light.width(), light.height()].map(|side| side.div_ceil(SIDE));
         let mut greys = Plane::filled(columns, rows, Greys::NONE);
-        let squares = greys.samples_mut().par_chunks_mut(columns.max(1));
-        squares.enumerate().for_each(|(row, squares)| {
+        greys.each_row(|row, squares| {
             for y in row * SIDE..light.height().min((row + 1) * SIDE) {
                 for (x, &light) in light.row(y).iter().enumerate() {
                     if !is_plain(light) {
@@ -78,8 +76,7 @@ impl Thresholds {
             }
         });
         let mut of_squares = Plane::filled(columns, rows, MIDDLE);
-        let squares = of_squares.samples_mut().par_chunks_mut(columns.max(1));
-        squares.enumerate().for_each(|(row, thresholds)| {
+        of_squares.each_row(|row, thresholds| {
             for (column, threshold) in thresholds.iter_mut().enumerate() {
                 *threshold = around(&greys, column, row).threshold();
             }

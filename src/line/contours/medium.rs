@@ -3,7 +3,6 @@
 use crate::frame::{Frame, Plane, Window};
 use crate::line::paper::{grain, graphite};
 use crate::params::{StrokeParams, Style};
-use rayon::prelude::*;
 
 /// The coverage of lines drawn in the medium of strokes.
 pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -> Plane {
@@ -15,9 +14,7 @@ pub(crate) fn in_medium(covered: Plane, frame: &Frame, strokes: &StrokeParams) -
 
 /// Lines as a pencil draws them on grained paper.
 fn in_graphite(mut covered: Plane, window: Window, seed: u64) -> Plane {
-    let width = covered.width();
-    let rows = covered.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
+    covered.each_row(|y, row| {
         let y = window.y0.wrapping_add(y as i32);
         for (x, coverage) in row.iter_mut().enumerate().filter(|(_, c)| **c > 0.0) {
             let x = window.x0.wrapping_add(x as i32);

@@ -2,7 +2,6 @@
 
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 
 /// The viewer, as seen from the pixels of a level.
 pub(super) struct Viewer {
@@ -56,8 +55,7 @@ impl Viewer {
     pub(super) fn facings(&self, normals: &Plane<Vec3>, mask: &Mask) -> Plane {
         let width = normals.width();
         let mut facings = Plane::filled(width, normals.height(), 0.0);
-        let rows = facings.samples_mut().par_chunks_mut(width);
-        rows.enumerate().for_each(|(y, row)| {
+        facings.each_row(|y, row| {
             let normals = normals.row(y);
             for run in mask.runs(y) {
                 for x in run {

@@ -155,8 +155,7 @@ impl Level {
     fn units(&self, across: &Vector2Planes, z: &Plane) -> Plane<Vec3> {
         let (width, mask) = (z.width(), &self.frame.mask);
         let mut normals = Plane::filled(width, z.height(), Vec3::ZERO);
-        let rows = normals.samples_mut().par_chunks_mut(width);
-        rows.enumerate().for_each(|(y, row)| {
+        normals.each_row(|y, row| {
             let [across_x, across_y, z] = [&across.x, &across.y, z].map(|plane| plane.row(y));
             for run in mask.runs(y) {
                 for x in run {

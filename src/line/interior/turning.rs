@@ -2,7 +2,6 @@
 
 use crate::frame::{Mask, Plane};
 use glam::{Vec2, Vec3};
-use rayon::prelude::*;
 
 /// Derivatives of the unit normal per pixel, x right and y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +74,7 @@ fn rows_around(normals: &Plane<Vec3>, y: usize) -> [&[Vec3]; 3] {
 pub(super) fn curvature(normals: &Plane<Vec3>, mask: &Mask) -> Plane {
     let (width, height) = (normals.width(), normals.height());
     let mut curvature = Plane::filled(width, height, 0.0);
-    let rows = curvature.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
+    curvature.each_row(|y, row| {
         let around = rows_around(normals, y);
         for run in mask.runs(y) {
             for x in run {

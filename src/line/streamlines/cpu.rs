@@ -125,9 +125,7 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
         memory.recycle([crossing]);
     }
     // Ink beyond a silhouette lies under its line.
-    let width = covered.width();
-    let rows = covered.samples_mut().par_chunks_mut(width);
-    rows.enumerate().for_each(|(y, row)| {
+    covered.each_row(|y, row| {
         let covered = frame.mask.plane().row(y);
         for (ink, _) in row
             .iter_mut()

@@ -1,7 +1,6 @@
 //! From one frame to the next: where the surface of every pixel was, and the places it had there.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::rows::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::hidden::Hidden;
@@ -13,7 +12,6 @@ use crate::line::texture_coordinates::places::{
 };
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use crate::quantile::quantile;
-use rayon::prelude::*;
 
 /// How often places are averaged with those around them in each frame. What that takes from the curvature of a
 /// map is a thousandth of a pixel; what it takes from roughness of up to eight pixels is most.
@@ -141,9 +139,7 @@ impl<'a> Step<'a> {
     pub(crate) fn origins(&self) -> Plane<Origin> {
         let mask = &self.frame.mask;
         let mut origins = Plane::filled(mask.width(), mask.height(), Origin::default());
-        let rows = origins.samples_mut().par_chunks_mut(mask.width().max(1));
-        let rows = rows.enumerate().with_min_len(ROWS_PER_TASK);
-        rows.for_each(|(y, row)| {
+        origins.each_row(|y, row| {
             for run in mask.runs(y) {
                 for x in run {
                     row[x] = self.origin(x, y);

@@ -13,7 +13,6 @@ use crate::report::scenes::angle_deg;
 use crate::report::sweeps::directions::vector_at;
 use crate::report::timing::Times;
 use glam::DVec2;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Numbers of levels that are tried, the last as the limit of them all.
@@ -217,8 +216,7 @@ fn bell(plane: &Plane, radius: usize) -> Plane {
 fn along_rows(plane: &Plane, radius: usize) -> Plane {
     let mut mean = plane.clone();
     let width = plane.width();
-    let rows = mean.samples_mut().par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(y, out)| {
+    mean.each_row(|y, out| {
         let row = plane.row(y);
         let inside = |x: isize| f64::from(row[x.clamp(0, width as isize - 1) as usize]);
         let reach = radius as isize;

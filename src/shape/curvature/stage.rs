@@ -1,7 +1,6 @@
 //! From the gradient to curvature: its trace alone where that is enough, else the Hessian and what is made of it.
 
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::run::Run;
 use crate::engine::outcome::{ScaleShape, Shape};
 use crate::frame::{Plane, SymmetricPlanes, Vector2Planes};
@@ -11,7 +10,6 @@ use crate::product::Product;
 use crate::shape::curvature::cpu;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::hessian::REACH;
-use rayon::prelude::*;
 
 /// The sum of the curvatures.
 pub(crate) static TRACE: Stage = Stage {
@@ -273,10 +271,7 @@ fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
 fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
     if factor != 1.0 {
         let factor = factor as f32;
-        let width = per_pixel.width();
-        let rows = per_pixel.samples_mut().par_chunks_mut(width);
-        rows.with_min_len(ROWS_PER_TASK)
-            .for_each(|row| row.iter_mut().for_each(|v| *v *= factor));
+        per_pixel.each_row(|_, row| row.iter_mut().for_each(|v| *v *= factor));
     }
     per_pixel
 }
