@@ -118,11 +118,11 @@ fn prepare(i: u32, column: u32, row: u32) {
         let yy = pixel.unwarp.z;
         pixel.unwarp_squared = vec3<f32>(xx * xx + xy * xy, 2.0 * xy * (xx + yy), xy * xy + yy * yy);
         pixel.spread = warp_determinant(pixel.unwarp);
-        pixel.normal = unwarped(pixel.normal.vector);
-        pixel.to_eye = unwarped(pixel.to_eye.vector);
-        pixel.mirrored = unwarped(pixel.mirrored.vector);
-        pixel.along = unwarped(pixel.along.vector);
-        pixel.across = unwarped(pixel.across.vector);
+        pixel.normal.unwarped = warp_apply(pixel.unwarp, pixel.normal.vector);
+        pixel.to_eye.unwarped = warp_apply(pixel.unwarp, pixel.to_eye.vector);
+        pixel.mirrored.unwarped = warp_apply(pixel.unwarp, pixel.mirrored.vector);
+        pixel.along.unwarped = warp_apply(pixel.unwarp, pixel.along.vector);
+        pixel.across.unwarped = warp_apply(pixel.unwarp, pixel.across.vector);
     }
     if HAS_HESSIAN || HAS_TRACE {
         find_kappa(i);

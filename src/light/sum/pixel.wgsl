@@ -43,7 +43,3 @@ override SCALES: bool;
 fn scalar_product(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-
-fn unwarped(vector: vec3<f32>) -> Axis {
-    return Axis(vector, warp_apply(pixel.unwarp, vector));
-}

@@ -122,6 +122,20 @@ pub(crate) fn product(
     }
 }
 
+/// x and y of the unwarped direction of light, where `inverse` is [`Unwarped::inverse`].
+#[inline(always)]
+pub(crate) fn unwarped_xy([xx, xy, yy]: [f32; 3], [x, y, z]: [f32; 3], inverse: f32) -> [f32; 2] {
+    let twice = 2.0 * z * inverse;
+    [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
+}
+
+/// The square of n . h for an eye on the axis.
+#[inline(always)]
+pub(crate) fn half_vector_lobe(normal: [f32; 3], half: [f32; 3]) -> f32 {
+    let along = positive(scalar_product(normal, half));
+    at_most_1(along * along)
+}
+
 /// The square of n . h, h half-way between light and an eye that is not on the axis, from the scalar products of light,
 /// eye and normal.
 #[inline(always)]
@@ -274,8 +288,7 @@ impl Scratch {
     #[inline(always)]
     fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
         for i in 0..BATCH {
-            let along = positive(scalar_product(pixels.normal.at(i), half(i)));
-            self.lobe[i] = at_most_1(along * along);
+            self.lobe[i] = half_vector_lobe(pixels.normal.at(i), half(i));
         }
     }
 
@@ -400,14 +413,8 @@ impl Scratch {
                     [x, y]
                 }
                 Some(half) => {
-                    let [x, y, z] = half(i);
-                    let [xx, xy, yy] = [
-                        pixels.unwarp[0][i],
-                        pixels.unwarp[1][i],
-                        pixels.unwarp[2][i],
-                    ];
-                    let twice = 2.0 * z * self.inverse[i];
-                    [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
+                    let [xx, xy, yy] = &pixels.unwarp;
+                    unwarped_xy([xx[i], xy[i], yy[i]], half(i), self.inverse[i])
                 }
             };
             (across_x[i], across_y[i]) = (x, y);

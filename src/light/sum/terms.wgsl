@@ -41,19 +41,14 @@ fn at_most_1(x: f32) -> f32 {
     return select(1.0, x, x < 1.0);
 }
 
-fn arrive(light: Arriving) -> Incidence {
-    let n = pixel.normal.vector;
-    let cosine = scalar_product(n, light.direction);
-    var lobe = 0.0;
-    if BLINN_PHONG && FAR_EYE {
-        let along = positive(scalar_product(n, light.half));
-        lobe = at_most_1(along * along);
-    }
-    return Incidence(light.share, cosine, 1.0, lobe);
+// The square of n . h for an eye on the axis.
+fn half_vector_lobe(normal: vec3<f32>, half: vec3<f32>) -> f32 {
+    let along = positive(scalar_product(normal, half));
+    return at_most_1(along * along);
 }
 
-// The same of a light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse of
-// Lambda (xx, twice xy, yy) are given.
+// A light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse of Lambda (xx,
+// twice xy, yy) are given.
 fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Incidence {
     let n = normal.vector;
     let g = normal.unwarped;
@@ -109,14 +104,10 @@ fn exponent_raise(x: f32) -> f32 {
     return power;
 }
 
-// Mapped curvature toward the light.
-fn kappa_toward(light: Arriving, inverse: f32) -> f32 {
-    var l = light.direction.xy;
-    if HAS_JACOBIAN {
-        let twice = 2.0 * light.half.z * inverse;
-        l = twice * warp_apply(pixel.unwarp, light.half);
-    }
-    return mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
+// x and y of the unwarped direction of light, where `inverse` is that of Incidence.
+fn unwarped_xy(unwarp: vec3<f32>, half: vec3<f32>, inverse: f32) -> vec2<f32> {
+    let twice = 2.0 * half.z * inverse;
+    return twice * warp_apply(unwarp, half);
 }
 
 // Makes the diffuse and specular terms of a light.
@@ -125,7 +116,11 @@ fn reflect_light(light: Arriving) -> Terms {
     if HAS_JACOBIAN {
         arrived = arrive_unwarped(light, pixel.normal, pixel.unwarp_squared);
     } else {
-        arrived = arrive(light);
+        let n = pixel.normal.vector;
+        arrived = Incidence(light.share, scalar_product(n, light.direction), 1.0, 0.0);
+        if BLINN_PHONG && FAR_EYE {
+            arrived.lobe = half_vector_lobe(n, light.half);
+        }
     }
     if !(arrived.cosine > 0.0) {
         return Terms(0.0, 0.0);
@@ -133,7 +128,11 @@ fn reflect_light(light: Arriving) -> Terms {
     var diffuse_curve = pixel.diffuse_curve;
     var specular_curve = pixel.specular_curve;
     if TOWARD_LIGHT {
-        let kappa = kappa_toward(light, arrived.inverse);
+        var l = light.direction.xy;
+        if HAS_JACOBIAN {
+            l = unwarped_xy(pixel.unwarp, light.half, arrived.inverse);
+        }
+        let kappa = mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
         diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
         specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
     }

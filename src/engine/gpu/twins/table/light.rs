@@ -272,6 +272,20 @@ fn lights() -> Vec<Twin> {
         )
         .with(&["HAS_JACOBIAN"]),
         twin!(
+            half_vector_lobe,
+            terms::half_vector_lobe,
+            RELIGHT,
+            |normal: [f32; 3], half: [f32; 3]| terms::half_vector_lobe(normal, half)
+        ),
+        twin!(
+            unwarped_xy,
+            terms::unwarped_xy,
+            RELIGHT,
+            |unwarp: [f32; 3], half: [f32; 3], inverse: f32| {
+                terms::unwarped_xy(unwarp, half, inverse)
+            }
+        ),
+        twin!(
             half_way,
             terms::half_way,
             RELIGHT,
