@@ -1,21 +1,21 @@
-//! What can go wrong, split by what a caller can do about it.
+//! The error type, split by what a caller can do about each case.
 
 use std::fmt::{Display, LowerExp};
 use std::path::{Path, PathBuf};
 
-/// The result of everything here that can fail.
+/// The result of every fallible function of the crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What went wrong. Each message is one line: the file, what was found, what to do next.
+/// An error. Each message is one line: the file, what was found, what to do next.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A layer that the work needs is neither in the file nor named.
+    /// A required layer is neither in the file nor named.
     #[error("{}: {found}; {remedy}", path.display())]
     MissingAov {
-        /// The file looked into.
+        /// The file searched.
         path: PathBuf,
-        /// What is missing and what the file holds instead.
+        /// The missing layer, and what the file holds instead.
         found: String,
         /// The flag that would name it.
         remedy: String,
@@ -25,19 +25,19 @@ pub enum Error {
     SizeMismatch {
         /// The file that does not fit.
         path: PathBuf,
-        /// Its window.
+        /// Window of that file.
         found: String,
-        /// What it had to fit, and its window.
+        /// The input it has to match, and its window.
         expected: String,
     },
     /// A parameter lies outside its range, or two contradict each other.
     #[error("{name} {found}; {remedy}")]
     BadParameter {
-        /// The parameter, as it is called on the command line.
+        /// Its name on the command line.
         name: &'static str,
-        /// What was given.
+        /// The value given.
         found: String,
-        /// What it may be.
+        /// The values accepted.
         remedy: String,
     },
     /// The file is of a kind, or uses a feature, that cannot be read or written.
@@ -45,9 +45,9 @@ pub enum Error {
     Unsupported {
         /// The file.
         path: PathBuf,
-        /// The feature.
+        /// The unsupported feature.
         found: String,
-        /// How to make a file that can be.
+        /// How to make a file that is supported.
         remedy: String,
     },
     /// The file contradicts itself or ends too early.
@@ -58,22 +58,22 @@ pub enum Error {
         /// The contradiction.
         found: String,
     },
-    /// The data leave open something that must be known.
+    /// The data leave a required property ambiguous.
     #[error("{}: {found}; {remedy}", path.display())]
     Undetermined {
         /// The file.
         path: PathBuf,
-        /// What stays open, with the evidence.
+        /// The ambiguity, with the evidence.
         found: String,
         /// The flag that settles it.
         remedy: String,
     },
-    /// This build has no window, or none can be opened.
+    /// This build has no viewer, or no window can be opened.
     #[error("view: {found}; {remedy}")]
     Window {
-        /// What is missing.
+        /// The missing component.
         found: String,
-        /// How to come by it.
+        /// How to get it.
         remedy: String,
     },
     /// A recipe cannot be used as it stands.
@@ -83,52 +83,52 @@ pub enum Error {
         path: PathBuf,
         /// The setting, or what is wrong with the file.
         found: String,
-        /// What to write instead.
+        /// The setting or value to write instead.
         remedy: String,
     },
-    /// There is no device for the GPU backend, or none that will do.
+    /// No suitable device for the GPU backend.
     #[error("no GPU: {found}; {remedy}")]
     NoGpu {
-        /// What was looked for.
+        /// The devices looked for.
         found: String,
-        /// What to install, or to use instead.
+        /// What to install or use instead.
         remedy: &'static str,
     },
-    /// A device failed: out of memory, lost, or refusing what it was asked to do.
+    /// A device failed: out of memory, lost, or a refused operation.
     #[error("{device}: {found}; use --backend cpu, or a smaller picture")]
     Gpu {
-        /// Its name.
+        /// Name of the device.
         device: String,
-        /// What happened.
+        /// The failure reported.
         found: String,
     },
-    /// A plan is run on other inputs than it was made for.
+    /// A plan is run on inputs other than those it was made for.
     #[error("{found}; {remedy}")]
     Unfit {
-        /// What the plan takes, and what there is.
+        /// Inputs the plan expects, and those given.
         found: String,
-        /// What to give.
+        /// The input to give.
         remedy: &'static str,
     },
     /// The run was cancelled by its token.
     #[error("the run was cancelled")]
     Cancelled,
-    /// This program is at fault: it panicked.
+    /// A bug in this program: it panicked.
     #[error("{}: a fault of relievo itself ({found}); please report it, with this file", path.display())]
     Fault {
-        /// The file that was being worked on.
+        /// The file being processed.
         path: PathBuf,
-        /// What the panic said, and where.
+        /// The panic's message and location.
         found: String,
     },
-    /// A stage gave samples that are not finite from inputs that are.
+    /// A stage produced non-finite samples from finite inputs.
     #[error("{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme", path.display())]
     NotFinite {
-        /// The picture that was worked on.
+        /// The picture being processed.
         path: PathBuf,
-        /// The first stage that did.
+        /// The first stage that produced them.
         stage: String,
-        /// How many samples, and where.
+        /// Number of non-finite samples, and where.
         found: String,
     },
     /// The system refused a file operation.
@@ -136,7 +136,7 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What was tried, as a verb: "read", "write".
+        /// The attempted operation, as a verb: "read", "write".
         action: &'static str,
         /// Why the system refused.
         source: std::io::Error,
@@ -155,7 +155,7 @@ impl Error {
     }
 }
 
-/// A number as messages have it: with an exponent where it is tiny or huge.
+/// A number for messages, with an exponent where it is tiny or huge.
 pub(crate) fn short<T: Copy + Display + LowerExp + Into<f64>>(number: T) -> String {
     let size = number.into().abs();
     match size == 0.0 || (1e-3..1e6).contains(&size) {

@@ -1,5 +1,5 @@
-//! The table of products: layers of a file, the viewer's list and probe, read-back from a device, comparisons between
-//! backends and recycled memory all go over it.
+//! The table of products, shared by EXR layers, the viewer's list and probe, device read-back, comparisons between
+//! backends and memory recycling.
 
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ pub enum Product {
     Curvature,
     /// Mapped curvature.
     MappedCurvature,
-    /// Direction of the surface's own curvature.
+    /// Direction of the principal curvature of the surface.
     Direction,
     /// Direction of the view-centred curvature.
     ViewDirection,
@@ -33,7 +33,7 @@ pub enum Product {
     Strokes,
     /// Coverage of the contours.
     Contours,
-    /// Coverage of the lines inside surfaces.
+    /// Coverage of the interior lines.
     Interior,
 }
 
@@ -42,9 +42,9 @@ pub enum Product {
 pub(crate) enum Compared {
     /// By the largest difference, relative to the largest value.
     Largest,
-    /// By the mean difference of ink, since a rounding may flip a pixel of a texture.
+    /// By the mean difference of ink, since rounding may flip a pixel of a texture.
     Ink,
-    /// By the mean angle between directions, each equal to its opposite.
+    /// By the mean angle between directions, where opposite directions are equal.
     Directions,
 }
 
@@ -53,7 +53,7 @@ pub(crate) enum Compared {
 pub struct Shown {
     /// Its name in the list of layers.
     pub name: &'static str,
-    /// One line on what is seen.
+    /// One-line description of the picture.
     pub help: &'static str,
 }
 
@@ -68,19 +68,19 @@ pub struct ProductRow {
     pub layer: Option<&'static str>,
     /// Its components, each a plane, as the layer's channels are named.
     pub components: &'static [&'static str],
-    /// Unit and range of its numbers.
+    /// Unit and range of its values.
     pub unit: &'static str,
-    /// Whether every further scale has one too.
+    /// Whether each further scale has this product too.
     pub at_scales: bool,
     /// How backends are compared.
     pub(crate) compared: Compared,
-    /// The tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
+    /// Tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
     pub tolerance: f64,
-    /// A grey picture of it, 0 black and 1 white, in the viewer.
+    /// How the viewer shows it as a grey picture, 0 black and 1 white.
     pub shown: Option<Shown>,
 }
 
-/// A row that the viewer's list leaves out, compared by the largest difference.
+/// A row hidden from the viewer's list, compared by the largest difference.
 const fn row(
     product: Product,
     name: &'static str,
@@ -150,7 +150,7 @@ static TABLE: [ProductRow; 14] = [
 ];
 
 impl ProductRow {
-    /// Its name where its numbers stand, after its layer: `gradient`, `weights.crease`.
+    /// Label of its values: the layer, with the component where there is only one: `gradient`, `weights.crease`.
     pub fn label(&self) -> Option<String> {
         let layer = self.layer?;
         Some(match self.components {
@@ -161,17 +161,17 @@ impl ProductRow {
 }
 
 impl Product {
-    /// All there are, in the order of their layers in a file.
+    /// All products, in the order of their layers in a file.
     pub fn all() -> impl Iterator<Item = Self> {
         TABLE.iter().map(|row| row.product)
     }
 
-    /// Whether it is of the descriptor, not a picture or a drawing.
+    /// Whether it belongs to the shape descriptor, rather than a picture or a drawing.
     pub(crate) fn is_of_shape(self) -> bool {
         self < Self::Picture
     }
 
-    /// What is known of it.
+    /// Its row of the table.
     pub fn row(self) -> &'static ProductRow {
         let row = &TABLE[self as usize];
         debug_assert!(
@@ -188,7 +188,7 @@ impl Product {
         layer.flat_map(|layer| row.components.iter().map(move |c| format!("{layer}.{c}")))
     }
 
-    /// The same at a scale beyond the first, whose layer is named after it: `curvature_8px`, `curvature_2_5px`.
+    /// The same at a scale beyond the first, whose layer name carries the scale: `curvature_8px`, `curvature_2_5px`.
     pub fn channels_at(self, sigma_px: f32) -> impl Iterator<Item = String> {
         let row = self.row();
         // A dot would end the layer's name.

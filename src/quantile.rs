@@ -1,9 +1,9 @@
-//! Quantiles of a list of values. Those of whole planes are found by histograms instead, by the same rank.
+//! Quantiles of a list of values. Whole planes use histograms instead, with the same rank.
 
 use std::cmp::Ordering;
 
-/// The value that a share of `values`, 0..1, lies below: of rank `share (n - 1)`, rounded, so that the median of an
-/// even number is the upper of the middle two. `None` where there is no value. Reorders `values`.
+/// The `share` quantile of `values`, 0..1: the value of rank `share (n - 1)`, rounded, so that the median of an even
+/// count is the upper of the middle two. `None` if `values` is empty. Reorders `values`.
 pub(crate) fn quantile<T: Copy>(
     values: &mut [T],
     share: f64,
@@ -14,8 +14,8 @@ pub(crate) fn quantile<T: Copy>(
     Some(*values.select_nth_unstable_by(rank, order).1)
 }
 
-/// The least of `values` that at least a share of them, 0..1, do not exceed: an error that so many stay below. `None`
-/// where there is no value. Reorders `values`.
+/// The smallest of `values` that at least a share of them, 0..1, do not exceed, such as an error bound. `None` if
+/// `values` is empty. Reorders `values`.
 pub(crate) fn bound(values: &mut [f64], share: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     let count = (share * values.len() as f64).ceil() as usize;

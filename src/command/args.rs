@@ -15,17 +15,17 @@ use crate::params::Group;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
-/// Most threads that can be asked for; more than any machine has cores for.
+/// Upper limit of --threads; no machine has more cores.
 pub(crate) const MOST_THREADS: u16 = 512;
 
-/// What the commands that make a picture share.
+/// Arguments shared by all commands that make a picture.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct WorkArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
-    /// More of them, each made on its own, to the folder that -o names or to a name with {name}: there, and in the names
-    /// of all files that go with them, it stands for the name of each.
+    /// More inputs, each processed on its own, to the folder named by -o or to a name with {name}: there, and in the
+    /// names of all files written beside it, {name} stands for each input's name.
     #[arg(value_name = "MORE")]
     pub(crate) more: Vec<PathBuf>,
     #[command(flatten)]
@@ -45,10 +45,10 @@ pub(crate) struct WorkArgs {
 }
 
 impl WorkArgs {
-    /// The frames asked for; `None` for a single picture.
+    /// The frames of a sequence; `None` for a single picture.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for frames and names that do not go together, and for one file of timings.
+    /// [`Error::BadParameter`] for frames and names that do not match, and for a single timings file for a sequence.
     pub(crate) fn frames(&self) -> Result<Option<&[i32]>> {
         let frames = self
             .sequence
@@ -66,7 +66,7 @@ impl WorkArgs {
         }
     }
 
-    /// The same for one frame of a sequence.
+    /// These arguments for one frame of a sequence.
     pub(crate) fn of_frame(&self, frame: i32) -> Self {
         let mut one = self.clone();
         one.input = numbered_path(&self.input, frame);
@@ -77,7 +77,7 @@ impl WorkArgs {
         one
     }
 
-    /// Which files and layers are read, of a single picture or of one frame of a sequence.
+    /// Files and layers to read, for a single picture or one frame of a sequence.
     pub(super) fn inputs(&self, frame: Option<i32>) -> Inputs {
         match frame {
             Some(frame) => inputs_of_frame(&self.roles, &self.input, frame),
@@ -85,12 +85,12 @@ impl WorkArgs {
         }
     }
 
-    /// About how much memory it takes to work on `picture`.
+    /// Estimated memory, in bytes, for processing `picture`.
     pub(crate) fn frame_bytes(&self, picture: &Path) -> u64 {
         frame_bytes(picture, self.flags.more_scales().len())
     }
 
-    /// Refuses `picture` where it is too large, for commands that need it whole.
+    /// Refuses a `picture` over the memory limit, for commands that need the whole of it.
     pub(crate) fn refuse_too_large(&self, picture: &Path) -> Result<()> {
         let bytes = self.frame_bytes(picture);
         match bytes > self.run.max_memory.most() {
@@ -99,7 +99,7 @@ impl WorkArgs {
         }
     }
 
-    /// The refusal of a picture that takes `least` bytes or more.
+    /// Error for a picture that needs at least `least` bytes.
     pub(crate) fn too_large(&self, picture: &Path, why: &str, least: u64) -> Error {
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         Error::Unsupported {
@@ -144,7 +144,7 @@ pub(crate) struct OutputArgs {
     /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,
-    /// EXR: sample type; where not given a picture has that of the input, or float if that is a photo, and layers half.
+    /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
     /// Pictures: from scene-linear to display.
@@ -161,11 +161,11 @@ pub(crate) struct OutputArgs {
     pub(crate) force: bool,
 }
 
-/// The words for sample types.
+/// Names of sample types.
 const OUTPUT_TYPES: [(OutputType, &str); 2] =
     [(OutputType::Half, "half"), (OutputType::Float, "float")];
 
-/// The words for curves.
+/// Names of view transforms.
 const VIEW_TRANSFORMS: [(ViewTransform, &str); 2] =
     [(ViewTransform::Srgb, "srgb"), (ViewTransform::None, "none")];
 
@@ -190,10 +190,10 @@ pub(crate) enum BackendArg {
 }
 
 impl BackendArg {
-    /// The engine that is asked for.
+    /// The engine of this backend.
     ///
     /// # Errors
-    /// [`crate::Error::NoGpu`] where there has to be a device and is none.
+    /// [`crate::Error::NoGpu`] where a device is required and none is available.
     pub(crate) fn engine(self) -> Result<Engine> {
         match self {
             Self::Auto => Ok(Engine::auto()),
@@ -203,7 +203,7 @@ impl BackendArg {
     }
 }
 
-/// How a sequence shows how far it has come.
+/// How the progress of a sequence is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ProgressArg {
     Auto,
@@ -213,11 +213,12 @@ pub(crate) enum ProgressArg {
     None,
 }
 
-/// What computes.
+/// Backend and threads.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub(crate) struct ComputeArgs {
-    /// What computes: auto takes a GPU where there is one, in a build that can, and the CPU for what it has no kernels for.
+    /// Backend: auto uses a GPU where the build supports it and one is available, and the CPU for stages without
+    /// kernels.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
     pub(crate) backend: BackendArg,
     /// Threads; all cores where not given.
@@ -234,23 +235,23 @@ pub(crate) struct RunArgs {
     /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free; photos then go in strips from 1.5G on.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
     pub(crate) max_memory: MaxMemory,
-    /// Write the settings of this command line, and what was chosen automatically, as a recipe.
+    /// Write the settings of this command line, and the automatic choices, as a recipe.
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) save_recipe: Option<PathBuf>,
     /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
     /// terminal, else plain.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
     pub(crate) progress: ProgressArg,
-    /// Print each stage kept or left out, and why.
+    /// Print each stage kept or dropped, and why.
     #[arg(long)]
     pub(crate) explain: bool,
     /// Write how long each stage took, as JSON.
     #[arg(long, value_name = "FILE.json")]
     pub(crate) timings: Option<PathBuf>,
-    /// Say what was concluded about the inputs.
+    /// Report how the inputs were read.
     #[arg(short, long, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }

@@ -5,10 +5,10 @@ use super::output::Kind;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// What stands in names of files for the name of each picture, without its folder and extension.
+/// Placeholder in file names for the input's name without folder and extension.
 pub(crate) const NAME: &str = "{name}";
 
-/// Several pictures, and the folder that all that is made of them goes to, if it is no name of its own for each.
+/// Several pictures, and their output folder unless the output name has a placeholder.
 #[derive(Debug, Clone)]
 pub(crate) struct Batch {
     inputs: Vec<PathBuf>,
@@ -21,13 +21,13 @@ impl Batch {
         self.inputs.iter().map(PathBuf::as_path)
     }
 
-    /// What stands for [`NAME`] in the names that go with `input`.
+    /// The text that replaces [`NAME`] in files written for `input`.
     pub(crate) fn name_of(input: &Path) -> String {
         let stem = input.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
 
-    /// Makes `work` that of `input` alone.
+    /// Restricts `work` to `input`.
     pub(crate) fn give(&self, input: &Path, work: &mut WorkArgs) {
         work.input = input.to_path_buf();
         work.more.clear();
@@ -40,10 +40,10 @@ impl Batch {
 }
 
 impl WorkArgs {
-    /// The pictures of the command line, where they are several or go to a folder.
+    /// The pictures of the command line, where there are several or the output is a folder.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for files that would be of all pictures, and for frames besides.
+    /// [`Error::BadParameter`] for a single file shared by all pictures, and for frames combined with several pictures.
     pub(crate) fn batch(&self) -> Result<Option<Batch>> {
         let output = self.output.output.as_deref();
         let folder = output.filter(|output| self.is_folder(output));
@@ -80,7 +80,8 @@ impl WorkArgs {
         }))
     }
 
-    /// Whether an output is a folder: it is called so, or has no extension and is there, or is for several pictures.
+    /// Whether an output is a folder: written as one, or without extension and either existing or shared by several
+    /// pictures.
     fn is_folder(&self, output: &Path) -> bool {
         let text = output.to_string_lossy();
         let is_called_so = text.ends_with(std::path::is_separator);
@@ -88,7 +89,7 @@ impl WorkArgs {
         is_called_so || may_be_one && (output.is_dir() || !self.more.is_empty())
     }
 
-    /// The refusal of one file for all pictures. One of them may have been meant as the output.
+    /// Error for a single file shared by all pictures. One of the inputs may have been meant as the output.
     fn one_for_all(&self, name: &'static str, path: &Path) -> Error {
         let is_stray = |path: &&PathBuf| !path.exists() && Kind::of(path).is_ok();
         let stray = self.more.iter().find(is_stray).map(|path| path.display());

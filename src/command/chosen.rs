@@ -9,27 +9,27 @@ use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 use crate::params::{LineLevels, ToneLevels};
 
-/// Rows of depth that show how far away a frame's surface is.
+/// Rows of depth sampled for the distance of a frame's surface.
 const ROWS_FOR_DISTANCE: usize = 32;
 
-/// What was chosen for one frame. What was given, or was not needed, is not among it.
+/// Automatic choices for one frame. Settings that were given or not needed are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Chosen {
-    /// Numbers, by the flag that gives them; those of a kind of light also by its name.
+    /// Numbers by their flag; those of a kind of light also by the light's name.
     numbers: Vec<(&'static str, &'static str, f32)>,
-    /// What tones that show the shape were fit to; of a sequence the median of its frames.
+    /// Levels that shape-showing tones were fitted to; for a sequence the median over its frames.
     tone_levels: Option<[f32; ToneLevels::COUNT]>,
-    /// What widths of lines inside surfaces were fit to; of a sequence the median of its frames.
+    /// Levels that widths of interior lines were fitted to; for a sequence the median over its frames.
     line_levels: Option<[f32; LineLevels::COUNT]>,
-    /// How the layers were read, where they show any surface.
+    /// How the layers were read, for frames that show a surface.
     conventions: Option<Conventions>,
-    /// The camera, where it was recovered, and how far away what it sees is; of a sequence that of all.
+    /// The recovered camera of one frame and the distance of the surface; a sequence has `still_camera` instead.
     recovered: Option<(KnownCamera, f64)>,
     still_camera: Option<StillCamera>,
 }
 
 impl Chosen {
-    /// What was chosen for what was made of `loaded`.
+    /// Choices made while loading `loaded` and running to `outcome`.
     pub(crate) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
         let single = [
             ("curvature-gain", outcome.gain),
@@ -50,7 +50,7 @@ impl Chosen {
         }
     }
 
-    /// How layers were read, and nothing else yet.
+    /// How the layers were read, before anything has run.
     pub(crate) fn of_reading(loaded: &Loaded) -> Self {
         Self {
             conventions: conventions_of(loaded),
@@ -58,7 +58,7 @@ impl Chosen {
         }
     }
 
-    /// The same with what was chosen of a picture that came in strips.
+    /// Adds the choices made on the whole of a picture processed in strips.
     pub(crate) fn with(mut self, choice: &StripChoice, environment_gain: Option<f32>) -> Self {
         let single = [
             ("curvature-gain", choice.gain),
@@ -70,14 +70,14 @@ impl Chosen {
         self
     }
 
-    /// The same with stops that were chosen for its picture, if any were.
+    /// Adds the exposure chosen for the picture, in stops.
     pub(crate) fn exposed(mut self, stops: Option<f32>) -> Self {
         self.numbers
             .extend(stops.map(|stops| ("exposure", "", stops)));
         self
     }
 
-    /// What suits frames of which `each` was chosen: of every number the median, of conventions those of most.
+    /// Choices that suit all frames: the median of each number, the most frequent conventions.
     pub(crate) fn for_all(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
         kinds.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
@@ -119,7 +119,7 @@ impl Chosen {
             .collect()
     }
 
-    /// The numbers that were chosen, by the names of their settings.
+    /// The numbers chosen, by the names of their settings.
     #[cfg(feature = "view")]
     pub(super) fn numbers(&self) -> Vec<(String, String)> {
         let numbers = self.numbers.iter().filter(|(_, term, _)| term.is_empty());
@@ -150,7 +150,7 @@ impl Chosen {
     }
 }
 
-/// The numbers among these that there are, and the white levels of kinds of light.
+/// The numbers present in `single`, and the white levels of kinds of light.
 fn numbers(
     single: &[(&'static str, Option<f32>)],
     terms: &[(&'static str, f32)],
@@ -162,7 +162,7 @@ fn numbers(
     single.chain(terms).collect()
 }
 
-/// The camera of a frame, if it was recovered, and the distance of something in its middle.
+/// The recovered camera of a frame, and the median distance of its surface (1 without depth).
 fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
     let known = loaded
         .known_camera()
@@ -183,13 +183,13 @@ fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
     Some((known, middle.unwrap_or(1.0).into()))
 }
 
-/// A frame without any surface says nothing of its layers.
+/// `None` for a frame without a surface: it says nothing about its layers.
 fn conventions_of(loaded: &Loaded) -> Option<Conventions> {
     let shows_surface = loaded.frame.mask.count() > 0;
     shows_surface.then_some(loaded.conventions)
 }
 
-/// What there is most of; of equals the first.
+/// The most frequent of `all`; the first of equals.
 fn most_frequent(all: impl Iterator<Item = Conventions>) -> Option<Conventions> {
     let mut counts: Vec<(Conventions, usize)> = Vec::new();
     for one in all {

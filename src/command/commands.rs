@@ -30,7 +30,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Say what is in files: which layer plays which role, in which space, and why.
+    /// Describe files: the role and space of each layer, and the evidence.
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(InspectArgs),
     /// Write the shape descriptor: layers to an EXR, or the coloured curvature display to a picture.
@@ -138,10 +138,10 @@ pub(crate) struct InspectArgs {
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) roles: RoleArgs,
-    /// Scaling magnitude that is planned: warn where it is too much.
+    /// Planned scaling magnitude: warn where it is too high.
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
     pub(crate) scaling: Option<f32>,
-    /// Invariant point that is planned with it.
+    /// Planned invariant point, for the same warning.
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) invariant_point: Option<f32>,
     /// Print one JSON array instead of text.
@@ -154,8 +154,8 @@ pub(crate) struct RecipeArgs {
     /// The recipe: a TOML file, or the name of a preset.
     #[arg(value_name = "RECIPE")]
     pub(crate) recipe: PathBuf,
-    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings. With --keep-levels what it
-    /// holds as chosen is taken for other frames too.
+    /// IN, -o OUT and other arguments of the recipe's command; they go before its settings. --keep-levels applies the
+    /// recipe's automatic choices to other frames too.
     #[arg(
         value_name = "ARGUMENT",
         trailing_var_arg = true,
@@ -166,7 +166,7 @@ pub(crate) struct RecipeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
-    /// The render or photo; it can be opened in the window too.
+    /// The render or photo; one can also be opened in the window.
     #[arg(value_name = "IN")]
     pub(super) input: Option<PathBuf>,
     /// Recipe to begin with.
@@ -214,7 +214,7 @@ pub(crate) struct ReportArgs {
     pub(crate) frames: FramesArg,
     #[command(flatten)]
     pub(crate) motion: MotionArg,
-    /// Directory for report.md, report.json and plots; made where there is none, older ones replaced.
+    /// Directory for report.md, report.json and plots; created if missing, older files replaced.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
     pub(crate) output: PathBuf,
     /// Fewer scales, smaller scenes, fewer runs.
@@ -227,30 +227,30 @@ pub(crate) struct ReportArgs {
     pub(crate) quiet: bool,
 }
 
-/// The clap command of that name; the whole program where there is none.
+/// The clap subcommand of that name; the whole program if there is none.
 pub(super) fn command_named(name: &str) -> clap::Command {
     let cli = Cli::command();
     cli.find_subcommand(name).cloned().unwrap_or(cli)
 }
 
-/// The names that an argument is written by, without dashes.
+/// The long names of an argument, without dashes.
 pub(super) fn names_of(arg: &clap::Arg) -> impl Iterator<Item = &str> {
     let aliases = arg.get_visible_aliases().unwrap_or_default();
     arg.get_long().into_iter().chain(aliases)
 }
 
-/// The argument that is written `--name`.
+/// The argument spelled `--name`.
 pub(super) fn long<'a>(command: &'a clap::Command, name: &str) -> Option<&'a clap::Arg> {
     command
         .get_arguments()
         .find(|arg| names_of(arg).any(|known| known == name))
 }
 
-/// The ids of all arguments that were typed.
+/// The ids of all arguments given on the command line.
 pub(super) fn typed_ids(matches: &ArgMatches) -> impl Iterator<Item = &str> {
     let ids = matches.ids().map(clap::Id::as_str);
     ids.filter(|id| {
-        // Groups of flattened arguments have ids, and no values.
+        // Flattened groups of arguments have ids but no values.
         matches.try_get_raw(id).is_ok()
             && matches.value_source(id) == Some(ValueSource::CommandLine)
     })

@@ -12,7 +12,7 @@ use crate::light::radiance_scaling::monotone_limit;
 use crate::params::{Params, ScalingParams};
 use crate::plan::{Available, Goal, LightAvailable, Plan};
 
-/// The picture that was made, of the frame's own. A plan with nothing to do leaves it as it came.
+/// The enhanced picture and the frame's own. A plan with nothing to do leaves the picture unchanged.
 pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a> {
     let before = frame.color.as_ref();
     let color = outcome.color.as_ref().or(before);
@@ -23,7 +23,7 @@ pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a
 }
 
 impl EnhanceArgs {
-    /// What is read of a frame.
+    /// Inputs and layers to read for a frame.
     pub(crate) fn reading(&self, frame: Option<i32>) -> (Inputs, Needs) {
         let mut inputs = self.work.inputs(frame);
         inputs.light = Some(self.light.inputs(&self.work.flags.params, frame));
@@ -37,7 +37,7 @@ impl EnhanceArgs {
         (inputs, needs)
     }
 
-    /// The plan for a frame, with what was found in the whole of which it is a strip.
+    /// The plan for a frame, with choices made on the whole picture if the frame is a strip of it.
     pub(crate) fn plan(&self, frame: &Frame, found: &StripChoice) -> Result<Plan> {
         let Params { shape, scaling, .. } = self.work.flags.params;
         let available = Available::in_frame(frame);
@@ -45,7 +45,7 @@ impl EnhanceArgs {
     }
 }
 
-/// Concavities lose their order of brightness past a limit ([RS] only claims it for convexities).
+/// Warns past the limit beyond which concavities lose their order of brightness ([RS] claims it only for convexities).
 pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
     let limit = monotone_limit(scaling.invariant_point);
     let magnitudes = [
@@ -66,7 +66,7 @@ pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
     .collect()
 }
 
-/// Magnitudes that were asked for and have no light to scale.
+/// Magnitudes that were given but have no light to scale.
 pub(crate) fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> Vec<String> {
     let available = LightAvailable::of(light);
     let LightAvailable {
@@ -90,7 +90,7 @@ pub(crate) fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> V
         ),
     ];
     let idle = terms.into_iter().filter(|&(_, magnitude, used)| {
-        // A magnitude of 0 is at peace with nothing to scale.
+        // A magnitude of 0 needs no light.
         magnitude.is_some_and(|g| g > 0.0) && !used
     });
     idle.map(|(name, ..)| format!("{name} changes nothing: no layer of such light is scaled here"))

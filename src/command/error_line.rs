@@ -5,29 +5,29 @@ use crate::error::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::path::Path;
 
-/// An error as one line.
+/// The error's message with line breaks as spaces.
 pub(crate) fn line_of(error: &Error) -> String {
     error.to_string().replace('\n', " ")
 }
 
-/// What is wrong with a command line, as one line: `error: ...`.
+/// One line for a misused command line: `error: ...`.
 pub(crate) fn misuse_line(error: &clap::Error) -> String {
     if let Some(line) = stray_file(error) {
         return line;
     }
-    // Usage and the pointer to the help follow the message as paragraphs of their own.
+    // Usage and the pointer to the help follow the message as separate paragraphs.
     let text = error.to_string();
     let message: Vec<_> = text
         .lines()
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
-        // That a flag could be meant as a value helps nobody here.
+        // Clap's tip for passing a flag as a value never applies here.
         .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
         .collect();
     message.join(" ").replace(" tip:", "; tip:")
 }
 
-/// What is said of a word that is no flag, where none was expected.
+/// Message for a stray word that is not a flag.
 fn stray_file(error: &clap::Error) -> Option<String> {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) else {
         return None;

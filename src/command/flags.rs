@@ -38,7 +38,7 @@ impl Flag {
         self.value.as_deref()
     }
 
-    /// The flag as it is typed.
+    /// The flag as typed on a command line.
     pub(super) fn word(&self) -> OsString {
         match &self.value {
             Some(value) => format!("--{}={value}", self.name).into(),
@@ -47,13 +47,13 @@ impl Flag {
     }
 }
 
-/// What the parameters of a command line are, and what flags say beyond.
+/// Parameters of a command line, and the flags that go beyond them.
 #[derive(Debug, Clone)]
 pub(crate) struct Flags {
     pub(crate) params: Params,
     /// All sigmas of `--scale`.
     scales: Vec<f32>,
-    /// The folder of `--style`.
+    /// The folder given to `--style`.
     pub(super) folder_of_strokes: Option<PathBuf>,
 }
 
@@ -72,10 +72,10 @@ impl Flags {
         self.params.validate()
     }
 
-    /// Refuses several scales where there is one result.
+    /// Refuses several scales where only one result is made.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] naming what takes several.
+    /// [`Error::BadParameter`] naming the flag that takes several.
     pub(crate) fn refuse_more_scales(&self) -> Result<()> {
         if self.more_scales().is_empty() {
             return Ok(());
@@ -89,7 +89,7 @@ impl Flags {
 }
 
 impl FromArgMatches for Flags {
-    /// Takes every parameter that the command has, whichever section declares it.
+    /// Reads every parameter that the command has, whichever section declares it.
     fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
         let mut params = Params::default();
         for row in table() {
@@ -130,7 +130,7 @@ impl Args for Flags {
     }
 }
 
-/// What a command line says, or leaves at its default, for the argument called `name`, if it has one.
+/// Values of the argument `name`, given or default; `None` if the command has no such argument.
 fn values(matches: &ArgMatches, name: &str) -> Option<Vec<String>> {
     let values = matches.try_get_raw(name).ok()??;
     Some(
@@ -140,7 +140,7 @@ fn values(matches: &ArgMatches, name: &str) -> Option<Vec<String>> {
     )
 }
 
-/// The place among a command's flags where those of one group of parameters stand.
+/// Marks where the flags of one parameter group stand among a command's flags.
 #[derive(Debug, Clone)]
 pub(super) struct Section<const GROUP: u8>;
 
@@ -193,7 +193,7 @@ fn arg(row: &'static Param) -> Arg {
     }
 }
 
-/// Takes the words of `all`.
+/// Parser for the words of `all`.
 pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
     all: impl IntoIterator<Item = (T, &'static str)>,
 ) -> impl TypedValueParser<Value = T> {
@@ -205,7 +205,7 @@ pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// Takes the texts that are values of a parameter.
+/// Parser for the values of a parameter.
 fn value_parser(row: &'static Param) -> ValueParser {
     match row.kind {
         Kind::Choice(all) => PossibleValuesParser::new(all.iter().map(|choice| choice.name)).into(),

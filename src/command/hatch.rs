@@ -22,7 +22,7 @@ use crate::params::{
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::Path;
 
-/// What its flags say a drawing is to look like.
+/// Settings of a drawing, collected from the flags.
 pub(crate) struct Looks {
     shape: ShapeParams,
     scaling: ScalingParams,
@@ -30,21 +30,21 @@ pub(crate) struct Looks {
     pub(crate) line: LineParams,
 }
 
-/// How a frame comes to be drawn.
+/// Circumstances in which a frame is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
-    /// How many times larger than it was it was made.
+    /// Enlargement of the frame before drawing; 1 keeps its size.
     pub(crate) times: f64,
-    /// Whether it is one of several, whose tones and lines have to go together.
+    /// Whether it belongs to a sequence, whose frames need consistent tones and lines.
     pub(crate) is_in_sequence: bool,
-    /// Whether strokes move with its surface.
+    /// Whether strokes move with the surface.
     pub(crate) moves: bool,
-    /// Whether mirrors and lenses are traced in it.
+    /// Whether mirrors and lenses are traced in the frame.
     pub(crate) is_specular: bool,
 }
 
 impl HatchArgs {
-    /// What its flags say, if it can be drawn.
+    /// Settings of the drawing, checked for contradictions.
     pub(crate) fn looks(&self) -> Result<Looks> {
         let relight = &self.relight;
         let work = &relight.work;
@@ -63,7 +63,7 @@ impl HatchArgs {
         })
     }
 
-    /// The texture of strokes, where it comes from pictures.
+    /// The stroke texture, if it comes from pictures.
     pub(crate) fn art_map(&self, looks: &Looks) -> Result<Option<TonalArtMap>> {
         let map = self.pictures();
         let most = self.relight.work.run.max_memory.for_light();
@@ -71,7 +71,7 @@ impl HatchArgs {
             .transpose()
     }
 
-    /// What is read of a frame.
+    /// Inputs and layers to read for a frame.
     pub(crate) fn reading(
         &self,
         looks: &Looks,
@@ -80,7 +80,7 @@ impl HatchArgs {
     ) -> (Inputs, Needs) {
         let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
         needs.projection = true;
-        // Lines of an SVG are there or not: what is chosen is coverage.
+        // Lines of an SVG are either there or not, so the mask is read as coverage.
         needs.strength = !is_svg(&self.relight.work);
         needs.confidence_if_any = false;
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
@@ -98,7 +98,7 @@ impl HatchArgs {
         (inputs, needs)
     }
 
-    /// How many times larger than the frame its drawing is.
+    /// The enlargement of a frame for its drawing.
     pub(crate) fn times(&self, frame: &Frame) -> Result<f64> {
         let params = &self.relight.work.flags.params;
         let window = frame.display_window;
@@ -112,13 +112,13 @@ impl HatchArgs {
         }
     }
 
-    /// Pixels per inch of the print's height.
+    /// Pixels per inch that give the print's height.
     pub(crate) fn dpi(&self) -> f32 {
         self.params().strokes.print_dpi()
     }
 
-    /// Takes as much ink as is asked for, everywhere and for each pixel. Lines along edges lie about them: what is chosen has them
-    /// whole, as far as they reach.
+    /// Mixes in only the requested share of ink, overall and per pixel. Where the mask selects lines along edges, they
+    /// are kept whole as far as they reach.
     pub(crate) fn mix(&self, drawing: &mut Drawing, frame: &Frame, times: f64) {
         let share = self.relight.work.flags.params.mix;
         let strength = frame.strength.as_ref();
@@ -165,7 +165,7 @@ impl HatchArgs {
         }
     }
 
-    /// The plan for a frame, and the light, with a lamp where there is none and some is wanted.
+    /// The plan for a frame and its light, with a default lamp where tones need light and none is given.
     pub(crate) fn plan(
         &self,
         looks: &Looks,
@@ -185,7 +185,7 @@ impl HatchArgs {
             ..Available::in_frame(frame)
         };
         let is_lit = LightKinds::in_light(&illumination) != LightKinds::default();
-        // What is seen in mirrors has no tone but its light's.
+        // A surface seen in mirrors has no tone but that of its light.
         let shows_shape = self.tone() == ToneSource::Auto && !is_specular;
         let relit = match self.tone() {
             ToneSource::Relight => true,
@@ -220,7 +220,7 @@ impl HatchArgs {
     }
 }
 
-/// How the shape of a frame is found that was made so many `times` as large: in pixels of the one it was made of.
+/// Shape parameters for a frame enlarged by `times`, measured in pixels of the original.
 fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
     if times == 1.0 {
         return shape;
@@ -231,7 +231,7 @@ fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
     let SoftThreshold { lo, hi } = shape.crease;
     ShapeParams {
         reference_height: shape.reference_height.or(Some(height)),
-        // Normals that were interpolated turn by so much less from pixel to pixel.
+        // Interpolated normals turn `times` less from pixel to pixel.
         crease: SoftThreshold {
             lo: lo / times as f32,
             hi: hi / times as f32,
@@ -240,7 +240,7 @@ fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
     }
 }
 
-/// Refuses black and white alone in pictures that hold no such thing; layers of an EXR hold coverage.
+/// Refuses bilevel ink for file types without it; EXR layers hold coverage.
 fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
     let is_grey = matches!(
         kind,
@@ -256,7 +256,7 @@ fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
     }
 }
 
-/// An SVG holds lines, whatever the pen.
+/// Turns pen strokes into lines for an SVG, and refuses textures.
 fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
     match strokes.style {
         Style::Pen => strokes.style = Style::Lines,
@@ -272,7 +272,7 @@ fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
     Ok(())
 }
 
-/// The texture of strokes in a folder of pictures.
+/// The stroke texture read from a folder of pictures.
 fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<TonalArtMap> {
     let factor = match strokes.scale {
         StrokeScale::Auto => 1.0,
@@ -292,13 +292,13 @@ fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<Tonal
     ))
 }
 
-/// Whether a drawing is written as lines.
+/// Whether the drawing is written as SVG lines.
 pub(crate) fn is_svg(work: &WorkArgs) -> bool {
     let extension = work.output.output.as_deref().and_then(Path::extension);
     extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
 }
 
-/// The ink of a drawing on its paper.
+/// Colour of the ink on its paper.
 pub(crate) fn inked(drawing: &Drawing) -> ColorPlanes {
     on_paper(&drawing.layers())
 }

@@ -16,13 +16,13 @@ pub(crate) struct Invocation {
     words: Vec<OsString>,
     /// The recipe that some of them come from.
     recipe: Option<PathBuf>,
-    /// Those of them that the recipe holds as chosen for the same frames.
+    /// Flags that the recipe holds as chosen for these same frames.
     kept: Vec<Flag>,
-    /// What is said of others.
+    /// Note about choices that the recipe made for other frames.
     note: Option<String>,
 }
 
-/// What was typed, as clap understands it.
+/// The command line as parsed by clap.
 pub(crate) struct Parsed {
     pub(crate) cli: Cli,
     pub(crate) matches: ArgMatches,
@@ -38,17 +38,17 @@ impl Invocation {
         }
     }
 
-    /// The recipe that was read for it.
+    /// The recipe it was read from.
     pub(crate) fn recipe(&self) -> Option<&Path> {
         self.recipe.as_deref()
     }
 
-    /// What a recipe chose for these frames, and was taken from it.
+    /// Flags taken from the recipe's choices for these frames.
     pub(crate) fn kept(&self) -> &[Flag] {
         &self.kept
     }
 
-    /// What the user should know of its recipe.
+    /// A note for the user about the recipe.
     pub(crate) fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }
@@ -59,8 +59,8 @@ impl Invocation {
         Ok(Parsed { cli, matches })
     }
 
-    /// The command that `recipe` stands for: its settings, then `rest`, which has the last word. What it holds as chosen
-    /// is taken for frames of the same name, and for others with `--keep-levels`.
+    /// The command line for `recipe`: its settings, then `rest`, which overrides them. Its automatic choices apply to
+    /// frames of the same name, and to others with `--keep-levels`.
     ///
     /// # Errors
     /// [`crate::Error::Recipe`] for settings that the command does not take.
@@ -108,7 +108,7 @@ impl Invocation {
         })
     }
 
-    /// The same with the name of a picture where its place is.
+    /// Replaces the name placeholder by `name`.
     pub(crate) fn named(&self, name: &str) -> Self {
         let named = |word: &OsString| match word.to_str() {
             Some(text) => text.replace(NAME, name).into(),
@@ -120,7 +120,7 @@ impl Invocation {
         }
     }
 
-    /// The same with `flags`, as far as the command knows them; they overrule what stands there.
+    /// Adds the `flags` that the command knows; they override earlier ones.
     pub(crate) fn with(&self, flags: &[Flag]) -> Self {
         let command = command_named(&self.words[1].to_string_lossy());
         let known = flags.iter().filter(|f| long(&command, f.name()).is_some());
@@ -140,12 +140,12 @@ impl Invocation {
     }
 }
 
-/// What words of a command line say, as far as they can be understood alone.
+/// What is needed from a partial command line, as far as clap can parse it alone.
 #[derive(Default)]
 struct Given {
-    /// The ids of their arguments.
+    /// Ids of the arguments that were typed.
     typed: BTreeSet<String>,
-    /// What the frames of the input are called.
+    /// The common name of the input's frames.
     input: Option<String>,
 }
 

@@ -6,14 +6,13 @@
 
 use crate::command::args::LayerNames;
 
-/// Name of the part that holds our results, of the layer that holds a picture beside others, and what full names begin
-/// with.
+/// Name of the part that holds our results, of the layer that holds a picture beside others, and prefix of full names.
 pub(crate) const PART: &str = "relievo";
 
 impl LayerNames {
-    /// The name of a channel that is called `short` in our tables: `normal.x`, `curvature.kappa`, `relievo.R`.
+    /// The channel name for the `short` name in our tables: `normal.x`, `curvature.kappa`, `relievo.R`.
     ///
-    /// The bare `R`, `G`, `B` and `A` of a picture in a file of its own stay.
+    /// A picture in a file of its own keeps the bare `R`, `G`, `B` and `A`.
     pub(crate) fn of(self, short: &str) -> String {
         let (Self::Full, Some((layer, component))) = (self, short.rsplit_once('.')) else {
             return short.into();
@@ -26,7 +25,7 @@ impl LayerNames {
     }
 }
 
-/// `direction_view` as `DirectionView`; a number keeps the sign before it: `curvature_2_5px` is `Curvature_2_5px`.
+/// `direction_view` as `DirectionView`; numbers keep their underscores: `curvature_2_5px` is `Curvature_2_5px`.
 fn in_capitals(name: &str) -> String {
     let words = name.split('_');
     words

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Which layers of light are scaled one by one.
+/// Layers of light to scale separately.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light layers")]
 pub(crate) struct LightLayerFlags {
@@ -19,7 +19,7 @@ pub(crate) struct LightLayerFlags {
     /// Specular light, the surface's colour included: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     specular: Option<String>,
-    /// The surface's diffuse colour, by which diffuse light is judged: a layer of IN or a file.
+    /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     albedo: Option<String>,
     /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees
@@ -59,8 +59,8 @@ impl FromStr for GroupDirection {
 }
 
 impl LightLayerFlags {
-    /// What light to read, of which only that is wanted which the magnitudes of `params` change.
-    /// In a sequence the names are those of one frame.
+    /// Layers of light to read, only those whose magnitude in `params` is not zero. In a sequence the names are those
+    /// of one frame.
     pub(super) fn inputs(&self, params: &Params, frame: Option<i32>) -> LightInputs {
         let named = |name: &Option<String>| {
             let name = name.as_deref()?;
@@ -90,7 +90,7 @@ impl LightLayerFlags {
         }
     }
 
-    /// Every input that is a file of its own, of one frame in a sequence.
+    /// Every input that is a separate file, for one frame of a sequence.
     pub(crate) fn files(&self, frame: Option<i32>) -> impl Iterator<Item = PathBuf> {
         let named = [&self.diffuse, &self.specular, &self.albedo];
         let of_frame = move |name: &String| match frame {
@@ -120,7 +120,7 @@ mod tests {
         near("key=0,0", 1.0, 0.0, 0.0);
         near("key=90,0", 0.0, 1.0, 0.0);
         near("key=17,90", 0.0, 0.0, 1.0);
-        // 60 degrees up: half of it is left in the picture plane.
+        // An elevation of 60 degrees leaves cos 60 = 1/2 in the picture plane.
         near("key=180,60", -0.5, 0.0, 0.75_f32.sqrt());
         for bad in ["key", "key=1", "=1,2", "key=1,x", "key=1,nan", "key=0,91"] {
             assert!(bad.parse::<GroupDirection>().is_err(), "{bad}");

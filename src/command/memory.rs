@@ -4,18 +4,18 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Share of what is free that a run takes where no amount is given.
+/// Share of free memory used by default.
 const SHARE: f64 = 0.6;
 
-/// What is taken to be free where the system does not report it.
+/// Free memory assumed where the system does not report it, in bytes.
 const UNKNOWN: u64 = 4 << 30;
 
-/// An amount of memory: `2G`, `500M`, or bytes; or what this machine has to spare.
+/// A memory limit: `2G`, `500M` or bytes, or a share of this machine's free memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MaxMemory {
-    /// Six tenths of what is free when the run begins, within the limits of its control group.
+    /// Six tenths of the memory free when the run begins, within the limits of its control group.
     Auto,
-    /// Given, in bytes.
+    /// A limit given in bytes.
     Bytes(u64),
 }
 
@@ -28,7 +28,7 @@ impl MaxMemory {
         }
     }
 
-    /// The amount beyond which nothing is begun: where none is given, all that is free.
+    /// Hard limit, beyond which no work is started: the given amount, or all free memory.
     pub(crate) fn most(self) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -38,13 +38,13 @@ impl MaxMemory {
 }
 
 impl MaxMemory {
-    /// What pictures that light is read from, or strokes, may take beside the frame: half.
+    /// Bytes that images of light, or strokes, may take beside the frame: half.
     pub(crate) fn for_light(self) -> u64 {
         self.bytes() / 2
     }
 }
 
-/// Bytes that this process may still take: of the machine, and of its control group.
+/// Bytes this process may still allocate, by the machine and by its control group.
 fn free() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
@@ -53,7 +53,7 @@ fn free() -> Option<u64> {
     Some(group_limit().map_or(machine, |group| machine.min(group)))
 }
 
-/// What the control groups of this process still allow: the least of its own and of those around it.
+/// Bytes left in the control groups of this process: the minimum over its own and its ancestors.
 fn group_limit() -> Option<u64> {
     let number = |path: PathBuf| -> Option<u64> {
         let text = std::fs::read_to_string(path).ok()?;
@@ -63,7 +63,7 @@ fn group_limit() -> Option<u64> {
     let limits = groups.lines().flat_map(|line| {
         let mut fields = line.splitn(3, ':');
         let (_, kind, path) = (fields.next(), fields.next(), fields.next());
-        // Version 2 has one group of no kind, version 1 one of each.
+        // Version 2 has one group without a controller name, version 1 one per controller.
         let (root, limit, used) = match kind {
             Some("") => ("/sys/fs/cgroup", "memory.max", "memory.current"),
             _ => (

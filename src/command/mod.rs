@@ -1,4 +1,4 @@
-//! Arguments and recipes, and the plan that they make for a frame.
+//! Arguments and recipes, and the plans they make for a frame.
 
 pub(crate) mod args;
 pub(crate) mod batch;

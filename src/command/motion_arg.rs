@@ -3,7 +3,7 @@
 use super::sequence::numbered;
 use clap::Args;
 
-/// What moves between frames.
+/// The motion between frames.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub(crate) struct MotionArg {
@@ -15,12 +15,12 @@ pub(crate) struct MotionArg {
 }
 
 impl MotionArg {
-    /// Whether strokes are to move with the surface.
+    /// Whether strokes move with the surface.
     pub(crate) fn moves(&self) -> bool {
         self.motion.as_deref() != Some("none")
     }
 
-    /// The layer or file of motion that was named, for one frame.
+    /// The named layer or file of motion, for one frame.
     pub(crate) fn of_frame(&self, frame: i32) -> Option<String> {
         let named = self.motion.as_deref().filter(|_| self.moves())?;
         Some(numbered(named, frame))

@@ -35,7 +35,7 @@ impl Kind {
     }
 }
 
-/// A picture that was made, and the one that it goes on from; `None` where its light is new.
+/// A result picture, and the picture it was derived from; `None` where it was lit anew.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MadePicture<'a> {
     pub(crate) color: &'a ColorPlanes,
@@ -43,12 +43,12 @@ pub(crate) struct MadePicture<'a> {
 }
 
 impl MadePicture<'_> {
-    /// Whether it is left open how bright it is to be shown.
+    /// Whether the exposure is still to be chosen.
     pub(crate) fn leaves_exposure(&self, params: &DisplayParams) -> bool {
         params.exposure == Exposure::Auto && self.before.is_none()
     }
 
-    /// Stops that suit it on this surface, where they are left open.
+    /// Automatic exposure in stops for this surface; `None` where it is given.
     pub(crate) fn exposure(&self, params: &DisplayParams, mask: &Mask) -> Option<f32> {
         self.leaves_exposure(params).then(|| {
             let mut brightness = Brightness::default();
@@ -58,7 +58,7 @@ impl MadePicture<'_> {
     }
 }
 
-/// A picture as a display is given it, in Rec. 709 primaries.
+/// A picture as sent to a display, in Rec. 709 primaries.
 pub(crate) struct Displayed<'a> {
     color: Cow<'a, ColorPlanes>,
     before: Option<Cow<'a, ColorPlanes>>,
@@ -93,7 +93,7 @@ impl Displayed<'_> {
 }
 
 impl OutputArgs {
-    /// The kind of the output; a picture where there is none.
+    /// The kind of the output; a picture if no output is given.
     pub(crate) fn kind(&self) -> Result<Kind> {
         match &self.output {
             Some(path) => Kind::of(path),
@@ -101,7 +101,7 @@ impl OutputArgs {
         }
     }
 
-    /// Refuses a quality where there is no JPEG to have it, and channels that are picked where there is no EXR.
+    /// Refuses --quality for files that are not JPEG, and a choice of channels for files that are not EXR.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the output.
@@ -129,7 +129,7 @@ impl OutputArgs {
 }
 
 impl WorkArgs {
-    /// Takes as much of the picture that was made of `frame` as is asked for, everywhere and for each pixel.
+    /// Blends the result of `frame` with the original by the requested share, overall and per pixel.
     pub(crate) fn mix(&self, frame: &Frame, outcome: &mut Outcome) {
         if let Some(made) = &mut outcome.color {
             let params = &self.flags.params;
@@ -142,14 +142,14 @@ impl WorkArgs {
         }
     }
 
-    /// Pixels per inch that were given, across and down.
+    /// Pixels per inch as given, across and down.
     pub(crate) fn dpi(&self, frame: &Frame) -> Option<[f32; 2]> {
         let dpi = self.flags.params.line.strokes.dpi?;
         Some([dpi / frame.pixel_aspect, dpi])
     }
 
-    /// What was made of a frame, with the primaries of its file, as a display is given it, in 8 bits; `chosen` is the
-    /// exposure where that was left open.
+    /// The result for a display, in 8 bits, converted from the file's primaries; `chosen` is the exposure where none
+    /// was given.
     pub(crate) fn displayed<'a>(
         &self,
         frame: &'a Frame,

@@ -20,8 +20,8 @@ use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The picture that light makes; it goes on from the frame's own where only a `share` of it is taken, or is taken in
-/// places.
+/// The relit picture; it is derived from the frame's own where only a `share` of it is blended in, overall or per
+/// pixel.
 pub(crate) fn lit<'a>(frame: &'a Frame, outcome: &'a Outcome, share: f32) -> MadePicture<'a> {
     let is_mixed = share != 1.0 || frame.strength.is_some();
     MadePicture {
@@ -31,7 +31,7 @@ pub(crate) fn lit<'a>(frame: &'a Frame, outcome: &'a Outcome, share: f32) -> Mad
 }
 
 impl RelightArgs {
-    /// The plan for lighting a frame, with what was found in the whole of which it is a strip.
+    /// The plan for relighting a frame, with choices made on the whole picture if the frame is a strip of it.
     pub(crate) fn plan(
         &self,
         frame: &Frame,
@@ -52,7 +52,7 @@ impl RelightArgs {
         Ok(plan)
     }
 
-    /// What is read of a frame to be lit anew.
+    /// Files and layers to read for relighting a frame.
     pub(crate) fn inputs(&self, frame: Option<i32>) -> Inputs {
         let mut inputs = self.work.inputs(frame);
         inputs.albedo = self.albedo_of_frame(frame);
@@ -65,7 +65,7 @@ impl RelightArgs {
     }
 }
 
-/// What mirrors and lenses show, for materials that are either.
+/// The scene seen in mirrors and lenses, for materials that are either.
 pub(crate) fn specular_scene(
     inputs: &SpecularInputs,
     params: &RelightParams,
@@ -99,7 +99,7 @@ pub(crate) fn specular_scene(
     Ok(scene)
 }
 
-/// The frame's picture is read for an albedo to be estimated, and for what lies around the surface.
+/// The picture is needed for estimating an albedo, and for the surroundings of the surface.
 pub(crate) fn needs(
     params: &RelightParams,
     foreshortening: f32,
@@ -126,7 +126,7 @@ pub(crate) fn needs(
     }
 }
 
-/// The light, whose pictures may take `most_bytes` each.
+/// The light; each image it reads may take `most_bytes`.
 pub(crate) fn illumination(args: &RelightArgs, most_bytes: u64) -> Result<Illumination> {
     Ok(Illumination {
         environment: environment(args, most_bytes)?,
@@ -154,7 +154,7 @@ pub(super) fn lit_spheres(flags: &LightFlags, most_bytes: u64) -> Result<Vec<Lit
         .collect()
 }
 
-/// The lights that are given as flags, not as files.
+/// The lights given by flags rather than files.
 pub(super) fn lights(args: &RelightArgs) -> Result<Illumination> {
     let flags = &args.light;
     let mut directional: Vec<DirectionalLight> = flags
@@ -198,7 +198,7 @@ pub(super) fn lights(args: &RelightArgs) -> Result<Illumination> {
     Ok(lights)
 }
 
-/// A round light as `count` lights that are as bright together as one.
+/// A disc light as `count` directional lights that together have its brightness.
 fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = DirectionalLight> + use<> {
     let [azimuth, elevation, radius] = light.0;
     let center = direction_of(azimuth, elevation);

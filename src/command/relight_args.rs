@@ -35,7 +35,7 @@ pub(crate) struct RelightArgs {
     _display: Section<{ Group::Display as u8 }>,
 }
 
-/// What lights the surface.
+/// Lights, environments and lit spheres.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct LightFlags {
@@ -58,7 +58,7 @@ pub(super) struct LightFlags {
     pub(super) lit_sphere: Vec<PathBuf>,
 }
 
-/// What the surface is made of, beside the parameters of its material.
+/// Surface properties other than the parameters of its material.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Material")]
 struct SurfaceFlags {
@@ -67,7 +67,7 @@ struct SurfaceFlags {
     albedo: Option<String>,
 }
 
-/// N numbers and perhaps a colour, separated by commas.
+/// N numbers and an optional colour, separated by commas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Numbers<const N: usize>(pub(super) [f32; N], pub(super) Option<[f32; 3]>);
 
@@ -99,7 +99,7 @@ impl<const N: usize> Numbers<N> {
 }
 
 impl RelightArgs {
-    /// Everything but the lights.
+    /// Relighting parameters without the lights.
     pub(crate) fn params(&self) -> RelightParams {
         let params = self.work.flags.params.relight;
         RelightParams {
@@ -111,7 +111,7 @@ impl RelightArgs {
         }
     }
 
-    /// Whether there is no light but this, if any, and ambient light that was not asked for: all but black.
+    /// Whether `light` is empty and ambient light was not asked for: the result would be almost black.
     pub(crate) fn is_dark(&self, light: &Illumination) -> bool {
         let MaterialParams {
             material, ambient, ..
@@ -121,7 +121,7 @@ impl RelightArgs {
         !is_lit && !shows_around && ambient == MaterialParams::default().ambient
     }
 
-    /// What is said of lights whose elevation goes beyond the zenith.
+    /// Warnings for lights with an elevation beyond the zenith.
     pub(crate) fn past_the_zenith(&self) -> impl Iterator<Item = String> {
         let far = self.light.light.iter().map(|light| light.0);
         let round = self
@@ -141,18 +141,18 @@ impl RelightArgs {
         })
     }
 
-    /// Whether there is light that comes from all around, and less of it in corners.
+    /// Whether some light comes from all directions, so that occlusion dims it.
     pub(super) fn dims_by_occlusion(&self) -> bool {
         self.light.environment.is_some() || self.params().material.ambient > 0.0
     }
 
-    /// The layer or file of the surface's colour that was named, for one frame of a sequence.
+    /// The named layer or file of the surface's colour, for one frame of a sequence.
     pub(super) fn albedo_of_frame(&self, frame: Option<i32>) -> Option<String> {
         let name = self.surface.albedo.as_deref()?;
         Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
     }
 
-    /// Files that only this command reads, of one frame in a sequence.
+    /// Files that only this command reads, for one frame of a sequence.
     pub(crate) fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
         let albedo = self.albedo_of_frame(frame).map(PathBuf::from);
         let lights = self.light.environment.iter().chain(&self.light.lit_sphere);

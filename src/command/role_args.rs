@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inputs")]
 pub(crate) struct RoleArgs {
-    /// View that all layers are taken from, of a file with several: left. Not given: the default one.
+    /// View to take all layers from (as in left), for files with several; the default view if not given.
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
     /// Normals: a layer of IN or a file.
@@ -31,11 +31,11 @@ pub(crate) struct RoleArgs {
     /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out.
     #[arg(long, value_name = "NAME|FILE|none")]
     occlusion: Option<String>,
-    /// How far each pixel is diffused, from 0, all detail, to 1, as far as asked for: a layer of IN or a file.
+    /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     importance: Option<String>,
-    /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is found in all of the picture,
-    /// and what is drawn or measured is so where the mask is above one half.
+    /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
+    /// picture; drawings and measurements cover the pixels where the mask is above one half.
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
     /// Only this object, by its name in Cryptomatte, * and ? for any letters, or its number in an index pass; !NAME
@@ -54,14 +54,15 @@ pub(crate) struct RoleArgs {
     /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
-    /// What depth measures.
+    /// Quantity stored as depth.
     #[arg(long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
     depth_kind: Given<StoredDepth>,
-    /// What the colours of the inputs mean: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos
-    /// are srgb and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
+    /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
+    /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
     colorspace: Given<ColorSpace>,
-    /// The camera of all frames of a sequence, as --save-recipe writes it where it was recovered and stands still.
+    /// The camera shared by all frames of a sequence, as --save-recipe writes it where it was recovered and stands
+    /// still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
     /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
@@ -69,7 +70,7 @@ pub(crate) struct RoleArgs {
     camera: Option<PathBuf>,
 }
 
-/// Spaces of normals. That of an object which was not turned is the world's.
+/// Spaces of normals. For an object that is not rotated, object space equals world space.
 const NORMAL_SPACES: [(NormalSpace, &str); 3] = [
     (NormalSpace::View, "view"),
     (NormalSpace::World, "world"),
@@ -81,7 +82,7 @@ const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
     (NormalEncoding::Unsigned, "unsigned"),
 ];
 
-/// Axes that were given, or `auto`.
+/// Given axes, or `auto`.
 #[derive(Debug, Clone, Copy)]
 struct FlipArg(Option<Flip>);
 
@@ -96,11 +97,11 @@ impl std::str::FromStr for FlipArg {
     }
 }
 
-/// One of several that was given, or `auto`.
+/// A given value, or `auto`.
 #[derive(Debug, Clone, Copy)]
 struct Given<T>(Option<T>);
 
-/// Offers `auto` and the names of `all`.
+/// Parser for `auto` and the names of `all`.
 fn auto_or<T: Copy + Send + Sync + 'static>(
     all: impl IntoIterator<Item = (T, &'static str)>,
 ) -> impl TypedValueParser<Value = Given<T>> {
@@ -108,7 +109,7 @@ fn auto_or<T: Copy + Send + Sync + 'static>(
     one_of(std::iter::once((None, "auto")).chain(all)).map(Given)
 }
 
-/// The flags by which layers are read in the same way.
+/// The flags that make layers be read by these conventions.
 pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
     let Conventions {
         normal_space,
@@ -127,7 +128,7 @@ pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
     .collect()
 }
 
-/// The first word for a value.
+/// The first name of a value.
 fn name<T: PartialEq>(all: &[(T, &'static str)], value: &T) -> &'static str {
     let named = all.iter().find(|(one, _)| one == value);
     named.expect("every value has a word").1
@@ -162,7 +163,7 @@ impl RoleArgs {
         }
     }
 
-    /// Gives every layer and file the name that `name` makes of its own.
+    /// Replaces every layer and file name by `name` of it.
     pub(super) fn rename(&mut self, name: impl Fn(&str) -> String) {
         let named = [
             &mut self.normal,
@@ -184,7 +185,7 @@ impl RoleArgs {
         }
     }
 
-    /// Every input that is a file of its own.
+    /// Every input that is a separate file.
     pub(crate) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
         let named = [
             &self.normal,

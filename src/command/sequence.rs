@@ -8,10 +8,10 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Frames looked at for what is chosen automatically.
+/// Number of frames sampled for automatic choices.
 const SAMPLES: usize = 5;
 
-/// Which frames.
+/// The frames of a sequence.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub(crate) struct FramesArg {
@@ -21,20 +21,20 @@ pub(crate) struct FramesArg {
     frames: Option<FrameList>,
 }
 
-/// How a sequence is gone through.
+/// Options for processing a sequence.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub(crate) struct SequenceArgs {
     #[command(flatten)]
     pub(super) frames: FramesArg,
-    /// Frames that all which is automatic is chosen from, once for all: five across --frames where not given;
+    /// Frames that all automatic settings are chosen from, once for the sequence; by default five spread over --frames.
     /// none lets each frame choose for itself.
     #[arg(long, value_name = "LIST|none", allow_hyphen_values = true)]
     sample_frames: Option<Samples>,
-    /// Leave frames alone whose output is there and whole.
+    /// Skip frames whose output exists and is complete.
     #[arg(long, requires = "frames")]
     pub(crate) skip_existing: bool,
-    /// What to do about frames that have no input.
+    /// How to treat frames without an input.
     #[arg(
         long,
         value_name = "WHAT",
@@ -54,7 +54,7 @@ pub(crate) enum MissingArg {
     Skip,
 }
 
-/// Frames to be looked at, or none.
+/// Frames to sample, or none.
 #[derive(Debug, Clone)]
 struct Samples(Option<FrameList>);
 
@@ -70,28 +70,28 @@ impl FromStr for Samples {
 }
 
 impl FramesArg {
-    /// Whether frames were listed.
+    /// Whether frames were given.
     pub(super) fn is_given(&self) -> bool {
         self.frames.is_some()
     }
 
-    /// The frames that were listed.
+    /// The frames that were given.
     #[cfg(feature = "view")]
     pub(super) fn numbers(&self) -> Option<Vec<i32>> {
         Some(self.frames.as_ref()?.numbers().to_vec())
     }
 
-    /// The frames, for names that have a place for their numbers; `None` for a single picture.
+    /// The frames, for names with a placeholder for the number; `None` for a single picture.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for frames without such names, and names without frames.
+    /// [`Error::BadParameter`] for frames without such names, and for such names without frames.
     pub(crate) fn of(&self, input: &Path, output: Option<&Path>) -> Result<Option<&[i32]>> {
         frames_of(self.frames.as_ref(), input, output)
     }
 }
 
 impl SequenceArgs {
-    /// The frames among `frames` to be looked at, or others that were asked for.
+    /// The frames to sample: those given, else some of `frames`.
     pub(crate) fn samples(&self, frames: &[i32]) -> Vec<i32> {
         match &self.sample_frames {
             Some(Samples(None)) => Vec::new(),
@@ -101,7 +101,7 @@ impl SequenceArgs {
     }
 }
 
-/// The first, the last, and some between them.
+/// The first frame, the last, and some evenly between them.
 fn spread(frames: &[i32]) -> Vec<i32> {
     let last = frames.len() - 1;
     let count = SAMPLES.min(frames.len());
@@ -109,7 +109,7 @@ fn spread(frames: &[i32]) -> Vec<i32> {
     (0..count).map(|i| frames[place(i)]).collect()
 }
 
-/// A name with the number in its place, if it has one.
+/// The name with its placeholder replaced by the frame number, if it has one.
 pub(super) fn numbered(name: &str, frame: i32) -> String {
     of_frame(name, frame).unwrap_or_else(|| name.into())
 }

@@ -21,14 +21,14 @@ pub(crate) fn display(outcome: &Outcome) -> Picture<'_> {
         grey: false,
         bits: 8,
         dpi: None,
-        // The display's colours are meant for the screen as they are.
+        // The display's colours are already display-referred.
         transform: ViewTransform::None,
         display: Display::default(),
     }
 }
 
 impl WorkArgs {
-    /// What is read of a frame whose shape is looked for.
+    /// Inputs and layers to read for the shape of a frame.
     pub(crate) fn reading(&self, goal: Goal, frame: Option<i32>) -> (Inputs, Needs) {
         let needs = Needs {
             projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
@@ -38,14 +38,14 @@ impl WorkArgs {
         (self.inputs(frame), needs)
     }
 
-    /// The plan for the shape in a frame, with what was found in the whole of which it is a strip.
+    /// The plan for the shape of a frame, with choices made on the whole picture if the frame is a strip of it.
     pub(crate) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
         let Params { shape, scaling, .. } = self.flags.params;
         let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
         Plan::at_scales(goal, available, shape, scaling, self.flags.more_scales())
     }
 
-    /// What is made: layers or a display, as the output has it.
+    /// The result, by the kind of output: layers or a display.
     pub(crate) fn goal(&self) -> Result<Goal> {
         Ok(match self.output.kind()? {
             Kind::Exr => Goal::Layers,

@@ -1,5 +1,5 @@
-//! A look: a command and its settings, as a recipe holds them and the viewer changes them. Its names, defaults and help
-//! are those of the flags.
+//! A look: a command and its settings, as stored in recipes and edited in the viewer. Names, defaults and help come
+//! from the flags.
 
 mod setting;
 mod view_session;
@@ -21,10 +21,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The output that stands in a command line which is only looked at: nothing is written there.
+/// Placeholder output for command lines that are only previewed; nothing is written there.
 const NOWHERE: &str = "view.png";
 
-/// The command that shows shape at once, on any surface: new light.
+/// The command opened first: new light shows shape on any surface.
 const FIRST_COMMAND: &str = "relight";
 
 /// An error as one line.
@@ -34,13 +34,13 @@ pub(crate) type Said = String;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Look {
     command: String,
-    /// What is not at its default, by the name of its flag. Settings that the command does not know wait for one that
-    /// does.
+    /// Settings not at their default, by flag name. Settings unknown to the current command are kept for one that knows
+    /// them.
     settings: BTreeMap<String, Vec<String>>,
 }
 
 impl Default for Look {
-    /// New light from the lamp that lights drawings.
+    /// New light from the lamp that also lights drawings.
     fn default() -> Self {
         let [azimuth, elevation] = LAMP_DEG;
         Self {
@@ -78,7 +78,7 @@ impl Look {
         self.command = command.into();
     }
 
-    /// What a setting was given, of one that may be given again the first.
+    /// The value given to a setting; the first, if it may be given several times.
     pub(crate) fn value(&self, name: &str) -> Option<&str> {
         self.values(name).first().map(String::as_str)
     }
@@ -87,12 +87,12 @@ impl Look {
         self.settings.get(name).map_or(&[], Vec::as_slice)
     }
 
-    /// Gives a setting a value, or its default back; what cannot stand beside it goes.
+    /// Sets a value, or resets it to its default; settings that conflict with it are removed.
     pub(crate) fn set(&mut self, name: &str, value: Option<String>) {
         self.set_all(name, value.into_iter().collect());
     }
 
-    /// The same for one that may be given again.
+    /// The same for a setting that may be given several times.
     pub(crate) fn set_all(&mut self, name: &str, values: Vec<String>) {
         if values.is_empty() {
             self.settings.remove(name);
@@ -116,7 +116,7 @@ impl Look {
         look
     }
 
-    /// The same new light without any shape brought out, where it is new light at all.
+    /// The same relighting without shape enhancement; `None` for other commands.
     pub(crate) fn unaltered(&self) -> Option<Self> {
         (self.command == FIRST_COMMAND).then(|| self.with("method", "plain"))
     }
@@ -142,7 +142,7 @@ impl Look {
         known.flatten().collect()
     }
 
-    /// The command line that writes what the look makes of `input` to `output`.
+    /// The command line that applies the look to `input` and writes `output`.
     pub(crate) fn invocation(&self, input: &Path, output: &Path) -> Invocation {
         let start = ["relievo".into(), self.command.clone().into()];
         let flags = self.flags();
@@ -158,13 +158,13 @@ impl Look {
             .map_err(|error| misuse_line(&error).replacen("error: ", "", 1))
     }
 
-    /// The recipe of the look, with what was chosen where it leaves that open.
+    /// The recipe of the look, with the automatic choices it leaves open.
     fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, Said> {
         let parsed = self.parse(input)?;
         Ok(RecipeText::of(&parsed.matches, &[]).with(chosen))
     }
 
-    /// The command line that makes the same of `input`, quoted for a shell.
+    /// The command line that reproduces the result from `input`, quoted for a shell.
     pub(crate) fn command_line(&self, input: &Path, frames: Option<&[i32]>) -> String {
         let flags = self.flags();
         let flags = flags.iter().map(Flag::word);
@@ -192,7 +192,7 @@ impl Look {
     }
 }
 
-/// A word as a shell takes it for one.
+/// A word quoted so that a shell takes it as one.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+%@".contains(c);
     match !word.is_empty() && word.chars().all(is_plain) {
@@ -201,7 +201,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Writes the picture that a look makes of one file to another.
+/// Writes the picture that a look makes of the first path to the second.
 pub(crate) type SavePicture = fn(&Look, &Path, &Path) -> std::result::Result<(), Said>;
 
 /// The arguments of a window.
@@ -216,10 +216,10 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// What `args` name: a recipe, and flags that have the last word; pictures go through `save`.
+    /// The recipe and overriding flags given in `args`; pictures are saved by `save`.
     ///
     /// # Errors
-    /// As [`Recipe::read`]; [`crate::Error::NoGpu`] where there has to be a device and is none.
+    /// As [`Recipe::read`]; [`crate::Error::NoGpu`] where a device is required and none is available.
     pub(crate) fn of(args: &ViewArgs, typed: &Invocation, save: SavePicture) -> Result<Self> {
         let mut look = match &args.recipe {
             Some(path) => Look::of_recipe(path)?,

@@ -8,14 +8,14 @@ use clap::Arg;
 /// A setting as a control shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Setting {
-    /// Its flag, without dashes.
+    /// Flag name without dashes.
     pub(crate) name: String,
-    /// The family it belongs to.
+    /// Parameter family.
     pub(crate) family: String,
     pub(crate) help: String,
-    /// What it is measured in; empty for a plain number.
+    /// Unit; empty for a plain number.
     pub(crate) unit: &'static str,
-    /// Its value where none is given; of some there is none.
+    /// Default value, if there is one.
     pub(crate) default: Option<String>,
     pub(crate) kind: Kind,
 }
@@ -27,7 +27,7 @@ pub(crate) enum Kind {
     Switch,
     /// One of these words.
     Choice(Vec<String>),
-    /// A number, or the word that may stand in its place.
+    /// A number, or a word accepted in its place.
     Number {
         range: Useful,
         is_whole: bool,
@@ -35,9 +35,9 @@ pub(crate) enum Kind {
     },
     /// Anything else.
     Text {
-        /// What it looks like: `LO,HI`.
+        /// Form of the text, as in `LO,HI`.
         form: String,
-        /// Whether it may be given again.
+        /// Whether it may be given several times.
         is_repeatable: bool,
     },
 }
@@ -66,7 +66,7 @@ fn setting(arg: &Arg) -> Option<Setting> {
     })
 }
 
-/// The slider of a parameter that has one.
+/// A slider, for parameters with a useful range.
 fn slider(row: &Param) -> Option<Kind> {
     match row.kind {
         params::Kind::Number { whole, word } => Some(Kind::Number {

@@ -15,25 +15,25 @@ use std::path::Path;
 /// Version of the recipes that this program writes, and the newest it reads.
 const VERSION: i64 = 1;
 
-/// The table of a recipe that holds what was chosen automatically, and the name in it of the frames that it is for.
+/// The recipe table of automatic choices, and its key for the frames they were chosen for.
 const CHOSEN: &str = "chosen";
 const FRAMES: &str = "frames";
 
-/// The flag that takes what a recipe chose for other frames.
+/// The flag that applies a recipe's automatic choices to other frames.
 pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 
-/// The flag that says which frames choose for all: none do where a recipe holds what they chose.
+/// The flag naming the frames that choose for all; unused where a recipe already holds their choices.
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
-/// Commands that a recipe may stand for.
+/// Commands that a recipe can run.
 pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 
-/// The names of the recipes that come with the program.
+/// Names of the presets.
 pub(super) fn presets() -> String {
     presets::PRESETS.map(|(name, _)| name).join(", ")
 }
 
-/// Whether an argument is a setting, to be kept: not a file of this run, nor how it is run.
+/// Whether an argument is a setting worth keeping: not a file of this run, nor a run option.
 pub(super) fn is_setting(arg: &Arg) -> bool {
     let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
@@ -42,17 +42,17 @@ pub(super) fn is_setting(arg: &Arg) -> bool {
     arg.get_long().is_some() && is_kept && !files.contains(&id)
 }
 
-/// Whether it is on where it is given, and takes no value.
+/// Whether the flag takes no value.
 pub(super) fn is_switch(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::SetTrue)
 }
 
-/// Whether it may be given again, for another value.
+/// Whether the flag may be given several times.
 pub(super) fn is_repeatable(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none()
 }
 
-/// What the frames of a sequence are called alike: the name of a file with `#` for its last number.
+/// The common name of a sequence's frames: the file name with its last number as `#`.
 pub(super) fn frames_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     // `%04d` stands for a number, and so does a row of `#`.

@@ -1,4 +1,4 @@
-//! Presets: recipes that come with the program, one for each kind of subject.
+//! Presets: recipes built into the program, one for each kind of subject.
 
 /// The names of presets and their texts.
 pub(super) const PRESETS: [(&str, &str); 7] = [

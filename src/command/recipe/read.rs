@@ -11,7 +11,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// The longest recipe that is read: a thousand settings fit.
+/// Size limit of a recipe; a thousand settings fit.
 const MOST_BYTES: u64 = 1 << 20;
 
 /// The settings of a command.
@@ -20,17 +20,17 @@ pub struct Recipe {
     pub(in crate::command) path: PathBuf,
     pub(in crate::command) command: String,
     settings: Table,
-    /// What was chosen automatically, and the frames that it is for.
+    /// Automatic choices, and the frames they were chosen for.
     chosen: Table,
     frames: Option<String>,
 }
 
 impl Recipe {
-    /// Reads a recipe; where there is no such file and the path is the name of a preset, that preset.
+    /// Reads a recipe; if there is no such file and the path names a preset, that preset.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Recipe`] for what is no TOML, of another version or without a command, and for settings
-    /// that the command does not have, with the nearest one that it has.
+    /// [`Error::Io`]; [`Error::Recipe`] for invalid TOML, another version or a missing command, and for settings the
+    /// command does not have, with the nearest one it has.
     pub fn read(path: &Path) -> Result<Self> {
         let preset = path.to_str().and_then(preset);
         if let Some(text) = preset.filter(|_| !path.exists()) {
@@ -52,7 +52,7 @@ impl Recipe {
         Self::parse(path, &text)
     }
 
-    /// The recipe in `text`; `path` is only named in errors.
+    /// Parses `text` as a recipe; `path` is used in errors only.
     ///
     /// # Errors
     /// As [`Recipe::read`].
@@ -119,12 +119,12 @@ impl Recipe {
         self.flags_in(&self.settings, command)
     }
 
-    /// What was chosen automatically, as flags of `command`.
+    /// The automatic choices as flags of `command`.
     pub(in crate::command) fn chosen(&self, command: &Command) -> Result<Vec<Flag>> {
         self.flags_in(&self.chosen, command)
     }
 
-    /// The frames that it was chosen for, as [`frames_of`] names them.
+    /// The frames they were chosen for, as [`frames_of`] names them.
     pub(in crate::command) fn frames(&self) -> Option<&str> {
         self.frames.as_deref()
     }
@@ -183,7 +183,7 @@ impl Recipe {
     }
 }
 
-/// A value as it would be typed; a list with commas.
+/// A value as typed on a command line; lists are joined by commas.
 fn one_or_list(value: &Value) -> Option<String> {
     let one = |value: &Value| match value {
         Value::String(text) => Some(text.clone()),

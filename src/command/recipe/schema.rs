@@ -92,7 +92,7 @@ fn of_value(arg: &Arg) -> Value {
     }
 }
 
-/// A number within its range.
+/// Schema of a number within its range.
 fn of_number(row: &Param, whole: bool) -> Value {
     let mut schema = match whole {
         true => json!({ "type": "integer", "minimum": 0 }),
@@ -102,7 +102,7 @@ fn of_number(row: &Param, whole: bool) -> Value {
     for (name, end) in ends.into_iter().filter(|(_, end)| end.is_finite()) {
         schema[name] = match whole {
             true => json!(*end as i64),
-            // As many digits as single precision has.
+            // Only the digits of single precision.
             false => json!(end.to_string().parse::<f64>().unwrap_or(f64::from(*end))),
         };
     }

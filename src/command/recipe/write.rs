@@ -9,19 +9,19 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Value;
 
-/// The settings of a command line, to be written with what was chosen.
+/// The settings of a command line, to be written with the automatic choices.
 #[derive(Debug, Clone)]
 pub(crate) struct RecipeText {
     command: String,
     settings: BTreeMap<String, Value>,
-    /// The frames that what was chosen is for, by the name of their files.
+    /// The frames the choices are for, by file name.
     frames: String,
-    /// The choices for all of them.
+    /// Choices made for all frames.
     chosen: Vec<Flag>,
 }
 
 impl RecipeText {
-    /// The settings that were typed for the command of `matches`. Those of `kept`, which another recipe had chosen, stay
+    /// The settings typed for the command of `matches`. Those in `kept`, which another recipe had chosen, are listed
     /// apart.
     pub(crate) fn of(matches: &ArgMatches, kept: &[Flag]) -> Self {
         let (name, matches) = matches.subcommand().expect("a command was parsed");
@@ -45,13 +45,13 @@ impl RecipeText {
         }
     }
 
-    /// The same with what was chosen for all frames besides.
+    /// Adds the choices made for all frames.
     pub(crate) fn choosing(mut self, chosen: Vec<Flag>) -> Self {
         self.chosen.extend(chosen);
         self
     }
 
-    /// The recipe, and apart from it what was `chosen` for these frames where it leaves that open.
+    /// The recipe text, with the choices in `chosen` for settings it leaves open in a separate table.
     pub(crate) fn with(&self, chosen: &Chosen) -> String {
         let mut text = format!("version = {VERSION}\ncommand = \"{}\"\n", self.command);
         for (name, value) in &self.settings {
@@ -68,12 +68,12 @@ impl RecipeText {
         text
     }
 
-    /// What was chosen, by the names of settings that were not typed.
+    /// Automatic choices by setting name, without the settings that were typed.
     fn chosen_values(&self, chosen: &Chosen) -> BTreeMap<String, Value> {
         let command = command_named(&self.command);
         let mut found = BTreeMap::new();
         let of_frame = chosen.flags();
-        // What was chosen for all has the last word.
+        // Choices for all frames override those for this one.
         for flags in [&of_frame, &self.chosen] {
             for flags in flags.chunk_by(|a, b| a.name() == b.name()) {
                 let name = flags[0].name();
@@ -93,7 +93,7 @@ impl RecipeText {
     }
 }
 
-/// The words typed for one argument.
+/// The value typed for one argument.
 fn value(arg: &Arg, matches: &ArgMatches) -> Value {
     if is_switch(arg) {
         return Value::Boolean(true);
@@ -109,7 +109,7 @@ fn value(arg: &Arg, matches: &ArgMatches) -> Value {
     }
 }
 
-/// A number where the text is one.
+/// A TOML number if the text is one.
 fn typed_value(text: &str) -> Value {
     let is_plain = |number: &f64| number.is_finite() && number.to_string() == text;
     match (text.parse::<i64>(), text.parse::<f64>()) {

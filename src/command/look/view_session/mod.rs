@@ -28,7 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Which file, and which frame of a sequence.
+/// A file, and the frame number if it is a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reading {
     pub(crate) input: PathBuf,
@@ -64,11 +64,11 @@ pub(crate) enum What {
     Layers,
 }
 
-/// The holder of a frame.
+/// The frame held by an engine session.
 enum Held {
-    /// With all that was read along with it.
+    /// At full size, with everything read along with it.
     Whole(Box<Loaded>),
-    /// Every so many pixels of it.
+    /// Reduced to every n-th pixel.
     Reduced(Box<Frame>),
 }
 
@@ -81,12 +81,12 @@ impl AsRef<Frame> for Held {
     }
 }
 
-/// The frame in hand.
+/// The open frame.
 struct OpenFrame {
     source: Source,
     /// The scene that mirrors and lenses show.
     scene: Option<SpecularScene>,
-    /// By the step between the pixels that are left; 1 holds the whole.
+    /// Engine sessions by pixel step; step 1 holds the whole frame.
     sessions: BTreeMap<usize, Session<Held>>,
 }
 
@@ -101,7 +101,8 @@ impl OpenFrame {
         self.sessions.get_mut(&step).expect("it is there by now")
     }
 
-    /// Runs a plan for the frame of [`OpenFrame::session`], with what its mirrors show; what is said of devices is said once.
+    /// Runs a plan for the frame of [`OpenFrame::session`] and its mirrored scene; repeated device messages are
+    /// dropped.
     fn execute(
         &mut self,
         step: usize,
@@ -138,14 +139,14 @@ struct Made {
     step: usize,
 }
 
-/// Makes pictures of one frame, and keeps what the next ones can use.
+/// Makes pictures of one frame, and caches what later ones can reuse.
 pub(crate) struct ViewSession {
     engine: Arc<Engine>,
-    /// Messages about devices.
+    /// Device messages shown so far.
     said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
     around: SurroundingFiles,
-    /// The texture of strokes that a folder holds.
+    /// The stroke texture read from a folder.
     art_map: Option<(PathBuf, crate::params::StrokeScale, TonalArtMap)>,
     made: Option<Made>,
 }
@@ -154,7 +155,7 @@ const A_COMMAND: &str = "a look is one of the commands of recipes";
 const IN_HAND: &str = "a frame has been read";
 
 impl ViewSession {
-    /// An empty one that works by `engine`.
+    /// An empty session that runs on `engine`.
     pub(crate) fn new(engine: Arc<Engine>) -> Self {
         Self {
             engine,
@@ -166,11 +167,11 @@ impl ViewSession {
         }
     }
 
-    /// Makes `what` of a frame by `look`, of every `step`th pixel: [`ViewSession::outcome`] then holds it. Only what changed is
-    /// read or made anew.
+    /// Makes `what` of a frame with `look`, from every `step`th pixel; [`ViewSession::outcome`] then holds the result.
+    /// Only changed inputs and stages are redone.
     ///
     /// # Errors
-    /// An error of the settings or the files, as one line.
+    /// One line for invalid settings or unreadable files.
     pub(crate) fn make(
         &mut self,
         look: &Look,
@@ -184,14 +185,14 @@ impl ViewSession {
         let said = |error| line_of(&error);
         self.read(&command, reading).map_err(said)?;
         let sitter = self.sitter.as_ref().expect(IN_HAND);
-        // What mirrors show is not reduced with the frame.
+        // The scene in mirrors is not reduced with the frame, so neither is the frame.
         let step = if sitter.scene.is_some() {
             1
         } else {
             step.max(1)
         };
         if step > 1 && look.value("reference-height").is_none() {
-            // A quick look is meant for the size of the whole.
+            // Previews use lengths in pixels of the whole frame.
             let height = sitter.loaded().frame.display_window.height().max(1);
             let at_size = look.with("reference-height", height);
             command = at_size.parse(&reading.input)?.cli.command;
@@ -205,7 +206,7 @@ impl ViewSession {
         Ok(())
     }
 
-    /// The frame that was last made something of, perhaps reduced.
+    /// The frame used last, perhaps reduced.
     pub(crate) fn frame(&self) -> Option<&Frame> {
         Some(self.session()?.held().as_ref())
     }
@@ -215,7 +216,7 @@ impl ViewSession {
         Some(self.session()?.outcome())
     }
 
-    /// Width and height of the whole frame in pixels, and how wide a pixel is for its height.
+    /// Width and height of the whole frame in pixels, and the pixel aspect ratio (width / height).
     pub(crate) fn size(&self) -> Option<([usize; 2], f32)> {
         let frame = &self.sitter.as_ref()?.loaded().frame;
         Some((
@@ -224,7 +225,7 @@ impl ViewSession {
         ))
     }
 
-    /// The step between the pixels that the last picture was made of.
+    /// The pixel step of the last picture.
     pub(crate) fn step(&self) -> usize {
         self.made.as_ref().map_or(1, |made| made.step)
     }
@@ -234,12 +235,12 @@ impl ViewSession {
         Some(self.sitter.as_ref()?.sessions[&1].counts())
     }
 
-    /// The numbers that were chosen automatically for it, by the names of their settings.
+    /// Numbers chosen automatically for the last picture, by setting name.
     pub(crate) fn chosen_numbers(&self) -> Vec<(String, String)> {
         self.chosen().numbers()
     }
 
-    /// The recipe that the command line would save with it.
+    /// The recipe that the command line would save with the last picture.
     pub(crate) fn recipe(
         &self,
         look: &Look,
@@ -268,7 +269,7 @@ impl ViewSession {
         self.sitter.as_ref()?.sessions.get(&made.step)
     }
 
-    /// The picture that was made last, as its file would show it.
+    /// The last picture, as its file would show it.
     pub(crate) fn picture(&self) -> Option<Pixels> {
         let made = self.made.as_ref()?;
         let (frame, outcome) = (self.frame()?, self.outcome()?);
@@ -297,7 +298,7 @@ impl ViewSession {
         })
     }
 
-    /// The picture as it came; normals where there is none.
+    /// The input picture, or the normals where there is none.
     pub(crate) fn as_it_came(&self) -> Option<Pixels> {
         let frame = self.frame()?;
         if let Some(color) = &frame.color {
@@ -329,7 +330,7 @@ impl ViewSession {
         Pixels::of(&work.displayed(frame, primaries, made, exposure).picture())
     }
 
-    /// Has the session of the frame make it, which then holds it.
+    /// Runs the stages for `what`; the frame's engine session then holds the result.
     fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
         let work = work_of(command);
         match (command, what) {
@@ -406,7 +407,7 @@ mod tests {
     use crate::engine::gpu::device::to_test_on;
     use std::path::Path;
 
-    /// The picture of each command, as it is shown.
+    /// The picture of each command, as shown in the window.
     fn pictures(session: &mut ViewSession) -> Vec<Pixels> {
         let reading = Reading {
             input: Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr"),
@@ -415,7 +416,7 @@ mod tests {
         let shown = Look::commands().iter().map(|command| {
             let mut look = Look::default();
             look.set_command(command);
-            // A device has no kernels for tones that show the shape.
+            // The GPU has no kernels for shape-showing tones.
             look.set("tone", Some("enhance".into()));
             session.make(&look, &reading, What::Picture, 1).unwrap();
             session.picture().unwrap()
@@ -432,13 +433,13 @@ mod tests {
         let expected = pictures(&mut ViewSession::new(Arc::default()));
         let mut session = ViewSession::new(engine.into());
         let found = pictures(&mut session);
-        // The device did it: no pass has run on the CPU.
+        // Everything ran on the GPU: no CPU pass was counted.
         assert_eq!(session.counts().map(BTreeMap::len), Some(0));
         for (found, expected) in found.iter().zip(&expected) {
             let pixels = found.rgba.iter().zip(&expected.rgba);
             let apart =
                 |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
-            // A rounding may carry a stroke's pixel past a threshold.
+            // Rounding may push a pixel of a stroke across a threshold.
             let count = pixels.filter(|&pair| apart(pair)).count();
             assert!(count * 1000 <= expected.rgba.len(), "{count} pixels");
         }

@@ -1,4 +1,4 @@
-//! What a look is made of: files, read again only when others are named.
+//! Inputs of a look: files, read again only when the names change.
 
 use super::{A_COMMAND, Held, OpenFrame, Reading, ViewSession, work_of};
 use crate::command::commands::Command;
@@ -24,12 +24,12 @@ use std::sync::Arc;
 pub(super) struct Source {
     inputs: Inputs,
     needs: Needs,
-    /// Whether it is one frame of several.
+    /// Whether it belongs to a sequence.
     pub(super) is_in_sequence: bool,
     specular: Option<(SpecularInputs, Material)>,
 }
 
-/// Light that comes from files, and which.
+/// Light read from files, and their names.
 #[derive(Default)]
 pub(super) struct SurroundingFiles {
     files: (Option<PathBuf>, f32, Vec<PathBuf>),
@@ -38,7 +38,7 @@ pub(super) struct SurroundingFiles {
 }
 
 impl ViewSession {
-    /// Reads what the command takes, unless it is in hand.
+    /// Reads the command's inputs unless they are already open.
     pub(super) fn read(&mut self, command: &Command, reading: &Reading) -> Result<()> {
         let work = work_of(command);
         work.flags.validate()?;
@@ -48,7 +48,7 @@ impl ViewSession {
             return Ok(());
         }
         work.refuse_too_large(&source.inputs.picture)?;
-        // The last frame goes before the next one comes.
+        // Frees the last frame before reading the next one.
         self.sitter = None;
         let mut loaded = io::load(&source.inputs, source.needs)?;
         let scene = match (&source.specular, command) {
@@ -102,7 +102,7 @@ impl ViewSession {
         })
     }
 
-    /// All the light that flags tell of; files are read once.
+    /// All light given by flags; files are read once.
     pub(super) fn illumination(&mut self, args: &RelightArgs) -> Result<Illumination> {
         let files = (
             args.light.environment.clone(),
@@ -123,7 +123,7 @@ impl ViewSession {
         })
     }
 
-    /// Reads the texture of strokes from the folder that is named, unless it is at hand.
+    /// Reads the stroke texture from the given folder unless it is already loaded.
     pub(super) fn read_art_map(&mut self, args: &HatchArgs, looks: &hatch::Looks) -> Result<()> {
         let Some(folder) = args.pictures() else {
             return Ok(());
