@@ -4,11 +4,11 @@ use super::table::even;
 use std::ops::RangeInclusive;
 
 number_or_word! {
-    /// Stops by which a picture is made brighter, or darker.
+    /// Exposure compensation in stops.
     pub enum Exposure {
-        /// New light is dimmed where it would burn; a picture keeps its own.
+        /// New light is darkened where it would clip; an enhanced picture keeps its exposure.
         Auto = "auto",
-        /// Given.
+        /// A given number of stops.
         Stops(f32),
     }
     whole: false,
@@ -17,30 +17,29 @@ number_or_word! {
 }
 
 choices! {
-    /// What becomes of light that is brighter than a display's white.
+    /// Treatment of light brighter than the display's white.
     #[derive(Default)]
     pub enum Highlights {
-        /// What new light or enhancement brings close to white or beyond is compressed, in its order and hue; where a picture
-        /// was too bright before, enhancement changes the white that is left of it.
+        /// Highlights near or above white that are new, or brightened by enhancement, are compressed; their order and
+        /// hue stay. Where the input already exceeds white, enhancement works on the range that remains.
         Compress = "compress" [default],
-        /// It is cut off at white, channel by channel.
+        /// Values are clipped at white, channel by channel.
         Clip = "clip",
     }
 }
 
-/// Stops: a factor of 2^30 leaves nothing of any picture.
+/// Stops: a factor of 2^30 makes any picture all white, 2^-30 all black.
 const STOPS: RangeInclusive<f32> = -30.0..=30.0;
 
 params! {
-    /// How linear light is brought to the range of a display. Files that hold linear numbers, EXR and HDR, are left as
-    /// they are.
+    /// Mapping of linear light to the range of a display. Files that hold linear values, EXR and HDR, are not mapped.
     pub struct DisplayParams in Display {
-        /// Stops by which pictures are brighter, or darker; auto dims new light where it would burn, and leaves what is
-        /// enhanced as bright as it is.
+        /// Exposure compensation in stops; auto darkens new light where it would clip, and leaves the exposure of an
+        /// enhanced picture unchanged.
         exposure: Exposure = Exposure::Auto,
             flag: "--exposure", form: "EV|auto", valid: STOPS, useful: even(-8.0, 8.0);
-        /// What becomes of light near the white of pictures, where it is new or brighter than it was: compress keeps its
-        /// order and hue, clip cuts it off.
+        /// Treatment of highlights near white that are new or brighter than before: compress keeps their order and hue,
+        /// clip cuts them off.
         highlights: Highlights = Highlights::Compress, flag: "--highlights", form: "HOW";
     }
 }

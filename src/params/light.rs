@@ -6,7 +6,7 @@ use super::{Group, Param};
 use std::ops::RangeInclusive;
 
 number_or_word! {
-    /// A number above 0 that is given, or chosen from the frame.
+    /// A positive number, given or chosen from the frame.
     pub enum Adaptive {
         /// Chosen from the frame.
         Auto = "auto",
@@ -18,17 +18,16 @@ number_or_word! {
     expected: "expected auto or a number above 0",
 }
 
-/// Luminance that counts as white, and factors of radiance: whatever pictures in single precision have, and as much
-/// as is chosen automatically.
+/// Luminances that count as white, and factors of radiance: all positive values of single precision, so that every
+/// automatic choice is valid.
 pub(super) const LEVELS: RangeInclusive<f32> = 1e-38..=f32::MAX;
-/// Curvature gains, in pixels: every product with a curvature is a number.
+/// Curvature gains in pixels, limited so that gain times curvature stays finite.
 const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e30;
-/// Scaling magnitudes. From 60 on nothing changes any more: see
-/// [`crate::light::radiance_scaling::ScalingCurve::of`].
+/// Scaling magnitudes. Above 60 the result no longer changes: see [`crate::light::radiance_scaling::ScalingCurve::of`].
 const MAGNITUDES: RangeInclusive<f32> = 0.0..=1e6;
 
 params! {
-    /// How radiance scaling alters a shading ([RS] section 4.2).
+    /// Radiance scaling of a shading ([RS] section 4.2).
     pub struct ScalingParams in Scaling {
         /// Curvature gain in pixels, or auto to fit the frame.
         ///
@@ -39,35 +38,35 @@ params! {
             valid: GAINS_PX, useful: by_factors(0.1, 200.0);
         /// Scaling magnitude: 0 changes nothing.
         ///
-        /// The gamma of the paper. 1 is plain to see; past [`crate::light::radiance_scaling::monotone_limit`]
+        /// The gamma of the paper. 1 is clearly visible; past [`crate::light::radiance_scaling::monotone_limit`]
         /// concavities may show new dark rims.
         scaling: f32 = 1.0, flag: "--scaling", alias: Some("strength"), form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
-        /// The same for ambient light and occlusion alone.
+        /// Scaling magnitude for ambient light and occlusion; --scaling by default.
         scaling_ambient: Option<f32> = None,
             flag: "--scaling-ambient", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
-        /// The same for diffuse light alone.
+        /// Scaling magnitude for diffuse light; --scaling by default.
         scaling_diffuse: Option<f32> = None,
             flag: "--scaling-diffuse", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
-        /// The same for specular light alone.
+        /// Scaling magnitude for specular light; --scaling by default.
         scaling_specular: Option<f32> = None,
             flag: "--scaling-specular", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
-        /// Intensity, 0..1, that stays as it is; brighter ones brighten on convexities.
+        /// Intensity, 0..1, that scaling leaves unchanged; brighter ones brighten on convexities.
         ///
-        /// The alpha of the paper: intensities below it darken there; on concavities the other way round. Toward 0
-        /// convexities only brighten.
+        /// The alpha of the paper: on convexities intensities below it darken; on concavities the effect is reversed.
+        /// Toward 0 convexities only brighten.
         invariant_point: f32 = 0.25,
             flag: "--invariant-point", form: "A", valid: 0.0..=1.0, useful: even(0.01, 0.99);
-        /// Where lights have directions: 1 lets the curvature along the light count, -1 that across it.
+        /// For directional lights: 1 uses the curvature along the light, -1 the curvature across it.
         ///
-        /// The lambda of the paper; at 0 their sum counts.
+        /// The lambda of the paper; 0 uses their sum.
         anisotropy: f32 = 0.0, flag: "--anisotropy", form: "L", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
         /// Luminance that counts as intensity 1, or auto to fit the picture.
         ///
-        /// It is scene-linear. Auto takes a high percentile of the surface's own. Above it every intensity scales alike.
+        /// In scene-linear units. Auto takes a high percentile over the surface. All intensities above it scale alike.
         white_level: Adaptive = Adaptive::Auto,
             flag: "--white-level", form: "L|auto", group: Group::WhiteLevels,
             valid: LEVELS, useful: by_factors(0.01, 10.0);
-        /// The same for one kind of light where lobes are scaled by themselves: diffuse=0.4. Repeatable.
+        /// White level of one kind of light where lobes are scaled separately: diffuse=0.4. Repeatable.
         term_white_levels: TermWhiteLevels = TermWhiteLevels::NONE,
             flag: "--term-white-level", form: "NAME=L", group: Group::WhiteLevels, many: Many::Repeated, valid: LEVELS;
     }
@@ -84,21 +83,21 @@ pub(crate) const TERMS: [&str; 7] = [
     "sheen",
 ];
 
-/// White levels by kind of light, as many as are given: `diffuse=0.4`.
+/// The white levels given, by kind of light: `diffuse=0.4`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct TermWhiteLevels([Option<f32>; TERMS.len()]);
 
 impl TermWhiteLevels {
-    /// None is given.
+    /// No level is given.
     pub const NONE: Self = Self([None; TERMS.len()]);
 
-    /// The level given for the light called `term`, one of `TERMS`.
+    /// The level given for `term`, one of `TERMS`.
     pub fn of(&self, term: &str) -> Option<f32> {
         let index = TERMS.iter().position(|&name| name == term)?;
         self.0[index]
     }
 
-    /// These levels, and for kinds of light that have none those of `others`.
+    /// These levels, completed by `others` for kinds of light without one.
     pub fn or<'a>(mut self, others: impl Iterator<Item = (&'a str, f32)>) -> Self {
         for (term, level) in others {
             if let Some(index) = TERMS.iter().position(|&name| name == term) {

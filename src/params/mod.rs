@@ -1,6 +1,6 @@
-//! Every tunable in one table: its meaning, unit, range and default. Nothing else types a default again.
+//! All tunable parameters in one table: meaning, unit, range and default. Defaults are stated nowhere else.
 //!
-//! The table describes each parameter for any interface that offers it, and [`Params`] takes it by its name:
+//! The table describes each parameter for any user interface, and [`Params`] accepts values by name:
 //!
 //! ```
 //! use relievo::params::{Group, Parameters, Params, param, table};
@@ -54,14 +54,14 @@ pub use specular::{Bend, SearchParams, SpecularParams};
 pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
 
 choices! {
-    /// Whether the lobes of light are scaled one by one.
+    /// Whether the lobes of light are scaled separately.
     #[derive(Default)]
     pub enum LobeChoice {
-        /// Where the input tells them apart and no layer was named to be scaled as a whole.
+        /// If the input separates them and no layer was named to be scaled as a whole.
         Auto = "auto" [default],
-        /// They are, and the input has to tell them apart.
+        /// Always; the input must separate them.
         On = "on",
-        /// They are not.
+        /// Never.
         Off = "off",
     }
 }
@@ -69,44 +69,44 @@ choices! {
 params! {
     /// All parameters of a picture.
     pub struct Params in Light {
-        /// How shape is found.
+        /// Shape analysis.
         shape: ShapeParams;
-        /// How shading is scaled.
+        /// Radiance scaling.
         scaling: ScalingParams;
-        /// Scale each lobe of the light by itself, where the file has light passes: diffuse, specular and others.
-        /// auto does so unless --color names what is to be scaled.
+        /// Scale each lobe of the light separately, where the file has light passes: diffuse, specular and others. auto
+        /// does so unless --color names the layer to scale.
         lobes: LobeChoice = LobeChoice::Auto, flag: "--lobes", form: "WHEN", group: Group::LightLayers;
-        /// Turns the environment about the vertical.
+        /// Rotates the environment about the vertical axis.
         environment_rotate_deg: f32 = 0.0,
             flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
             valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
-        /// How the surface is lit.
+        /// Relighting.
         relight: RelightParams;
-        /// How much of the change is taken, and of the picture as it was the rest: 0 leaves it as it is.
+        /// Blend between the original picture, 0, and the full change, 1.
         mix: f32 = 1.0,
             flag: "--mix", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
-        /// How much the change fades where pixels are means over several surfaces: out of focus, in motion, in fur and
-        /// fog. 0 makes no difference between them and others.
+        /// How much the change fades where pixels blend several surfaces: defocus, motion blur, fur and fog. 0 treats
+        /// them like all others.
         blur_fade: f32 = 1.0,
             flag: "--blur-fade", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
-        /// How pictures are brought to a display.
+        /// Mapping to a display.
         display: DisplayParams;
-        /// How what mirrors and lenses show is searched for.
+        /// Search for what mirrors and lenses show.
         search: SearchParams;
-        /// Where tone comes from: the picture by radiance scaling, the picture as it is, or new light; auto shows the
-        /// shape, by a key light and the picture, or new light where any is given.
+        /// Source of tone: the picture after radiance scaling, the picture unchanged, or new light; auto shows the
+        /// shape, with a key light and the picture, or new light where any is given.
         tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
-        /// How many times larger than the picture it is drawn; auto makes small ones large enough for strokes.
+        /// Enlargement of the picture before drawing; auto makes small pictures large enough for strokes.
         enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
-        /// The paper it is to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: it is drawn as large as that is at --dpi.
+        /// Paper to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: the drawing is enlarged to that size at --dpi.
         size: Option<PaperSize> = None, flag: "--size", form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
-        /// How it is drawn.
+        /// Line art.
         line: LineParams;
-        /// How wide a pixel of the input is on what it shows, as in 0.05mm, 12um, 0.4cm or 2m: pictures have the resolution of a
-        /// print in that size, unless --dpi gives another.
+        /// Width of an input pixel on the surface, as in 0.05mm, 12um, 0.4cm or 2m: pictures get the resolution of a
+        /// life-size print, unless --dpi gives another.
         pixel_size: Option<PixelSize> = None, flag: "--pixel-size", form: "LENGTH", group: Group::Print;
-        /// A bar of a round length by --pixel-size, about a fifth of the picture's width: on the picture in its quietest corner, or
-        /// outside in a white strip below it.
+        /// A scale bar of a round length by --pixel-size, about a fifth of the picture's width: on the picture in its
+        /// quietest corner, or outside in a white strip below it.
         scale_bar: ScaleBar = ScaleBar::Off, flag: "--scale-bar", form: "WHERE", group: Group::Print;
     }
     relations Params::relations;
@@ -122,7 +122,7 @@ pub fn table() -> &'static [&'static Param] {
     &TABLE
 }
 
-/// The row of the parameter that recipes call `name`.
+/// The row of the parameter named `name` in recipes.
 pub fn param(name: &str) -> Option<&'static Param> {
     table()
         .iter()
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// The parameters with one of them set to `text`, if they pass.
+    /// Default parameters with one set to `text`, if they pass validation.
     fn with(row: &Param, text: &str) -> std::result::Result<Params, String> {
         let mut params = Params::default();
         assert!(params.set(row.name(), text)?, "{} is not set", row.flag);
@@ -238,7 +238,7 @@ mod tests {
                 );
             }
         }
-        // A message names the flag, the value and the range.
+        // Messages name the flag, the value and the range.
         let levels = param("levels").unwrap();
         assert_eq!(
             with(levels, "361").unwrap_err(),

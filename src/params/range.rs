@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
 
-/// Angles in degrees: past a million turns single precision holds no direction.
+/// Angles in degrees: beyond a million, single precision no longer resolves a direction.
 pub(super) const ANGLES_DEG: RangeInclusive<f32> = -1e6..=1e6;
 
 /// Refuses a `value` of the parameter `name` unless it lies in `range`.

@@ -7,41 +7,41 @@ use super::{Adaptive, Group};
 use std::ops::RangeInclusive;
 
 choices! {
-    /// How light is altered to show shape.
+    /// How light is modified to show shape.
     pub enum Method {
-        /// Not at all.
+        /// Unmodified.
         Plain = "plain",
         /// Light warping: its directions are bent by curvature ([LW]).
         Warp = "warp",
-        /// Radiance scaling: what is reflected is scaled by curvature ([RS]).
+        /// Radiance scaling: reflected light is scaled by curvature ([RS]).
         Scale = "scale",
-        /// Directions are bent, then what is reflected is scaled ([RS] figure 14).
+        /// Directions are bent, then reflected light is scaled ([RS] figure 14).
         Both = "both",
     }
 }
 
 impl Method {
-    /// Whether directions are bent.
+    /// Whether directions of light are bent.
     pub fn warps(self) -> bool {
         matches!(self, Self::Warp | Self::Both)
     }
 
-    /// Whether what is reflected is scaled.
+    /// Whether reflected light is scaled.
     pub fn scales(self) -> bool {
         matches!(self, Self::Scale | Self::Both)
     }
 }
 
 params! {
-    /// How light warping bends and brightens ([LW] sections 5 and 6.2).
+    /// Light warping: bending and contrast ([LW] sections 5 and 6.2).
     pub struct WarpingParams in Warping {
-        /// Strength of the warp; times the curvature gain it is the paper's alpha. 0 bends nothing.
+        /// Strength of the warp; multiplied by the curvature gain it is the paper's alpha. 0 bends nothing.
         ///
         /// The bend saturates at 60 degrees for light from the side.
         warp: f32 = 4.0, flag: "--warp", form: "A", valid: FACTORS, useful: even(0.0, 20.0);
         /// Contrast by curvature, -1 to 1: above 0 concavities brighten.
         ///
-        /// Convexities darken then; below 0 it is the other way round, at most by the factor 3 to this power.
+        /// Convexities then darken; below 0 the effect is reversed. The factor is at most 3 to this power.
         contrast: f32 = 0.0, flag: "--contrast", form: "G", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
     }
 }
@@ -49,50 +49,50 @@ params! {
 choices! {
     /// Which side of the light integral is warped.
     pub enum WarpBy {
-        /// Lights where light is sampled, look-ups where it is prefiltered or mirrored.
+        /// Sampled lights; look-ups for prefiltered or mirrored environments.
         Auto = "auto",
-        /// Every look-up into the environment ([LW] equation 1).
+        /// Each look-up into the environment ([LW] equation 1).
         Lookups = "lookups",
-        /// Sampled lights, each with the Jacobian of the inverse ([LW] equation 2).
+        /// Sampled lights, each weighted by the Jacobian of the inverse warp ([LW] equation 2).
         Lights = "lights",
     }
 }
 
 choices! {
-    /// Where the colour of the surface itself comes from.
+    /// Source of the surface's own colour.
     pub enum AlbedoSource {
-        /// A layer where there is one, else an estimate from the picture, else white.
+        /// A layer if there is one, else an estimate from the picture, else white.
         Auto = "auto",
         /// A layer or file.
         Layer = "layer",
-        /// The picture divided by the shading that fits it best.
+        /// The picture divided by the best-fitting shading.
         Estimate = "estimate",
-        /// The picture as it is: scans under even light.
+        /// The picture unchanged, for scans under even light.
         Picture = "picture",
         /// White.
         White = "white",
     }
 }
 
-/// Factors of light, and of the warp.
+/// Factors of light and of the warp.
 const FACTORS: RangeInclusive<f32> = 0.0..=1e6;
 
 /// Exponents of highlights: at a million they are a twentieth of a degree wide.
 const EXPONENTS: RangeInclusive<f32> = 0.0..=1e6;
 
-/// Samples of an environment where none are asked for: [LW] figure 1.
+/// Default number of samples of an environment: [LW] figure 1.
 pub(crate) const AUTO_SAMPLES: u32 = 54;
 
-/// Most samples of an environment, and most lights.
+/// Maximum number of samples of an environment, and of lights.
 pub(crate) const MAX_LIGHTS: u32 = 100_000;
 
 number_or_word! {
-    /// How many samples stand for an environment.
+    /// Number of samples that represent an environment.
     #[derive(Eq)]
     pub enum Samples {
-        /// Prefiltered where that serves, else as many as the paper shows.
+        /// Prefiltered if the material allows it, else as many as in the paper.
         Auto = "auto",
-        /// This many; 0 looks prefiltered maps up.
+        /// A fixed number; 0 uses prefiltered maps.
         Fixed(u32),
     }
     whole: true,
@@ -101,11 +101,11 @@ number_or_word! {
 }
 
 number_or_word! {
-    /// Which way the brushed grain of an anisotropic surface runs.
+    /// Grain direction of a brushed anisotropic surface.
     pub enum Tangent {
-        /// Along the curvature larger in size.
+        /// Along the larger principal curvature.
         Curvature = "curvature",
-        /// At this angle in the picture, degrees counterclockwise from the right.
+        /// At a fixed angle in the picture, in degrees counterclockwise from the right.
         Degrees(f32),
     }
     whole: false,
@@ -114,15 +114,15 @@ number_or_word! {
 }
 
 choices! {
-    /// What a surface is made of, as far as its lobes go ([RS] section 5).
+    /// Reflectance model: the lobes of a surface ([RS] section 5).
     pub enum Material {
         /// Diffuse: the cosine with the normal.
         Lambert = "lambert",
-        /// Diffuse, and a highlight about the mirrored view.
+        /// Diffuse with a highlight about the mirrored view direction.
         Phong = "phong",
-        /// Diffuse, and a highlight where the half vector meets the normal.
+        /// Diffuse with a highlight where the half vector meets the normal.
         BlinnPhong = "blinn-phong",
-        /// Diffuse in few tones.
+        /// Diffuse, quantised to few tones.
         Toon = "toon",
         /// Diffuse and flat, as the moon: a power of the cosine below 1.
         Sublambert = "sublambert",
@@ -130,40 +130,40 @@ choices! {
         AshikhminShirley = "ashikhmin-shirley",
         /// A perfect mirror of the environment.
         Mirror = "mirror",
-        /// Clear glass, its first surface alone.
+        /// Clear glass, first surface only.
         Glass = "glass",
     }
 }
 
 params! {
-    /// Numbers that materials are tuned by; each uses its own.
+    /// Material parameters; each material uses its own.
     pub struct MaterialParams in Material {
-        /// Even light on everything but mirrors, glass and lit spheres.
+        /// Ambient light, on all materials but mirrors, glass and lit spheres.
         ///
-        /// It is a share of a light of 1.
+        /// Relative to a light of intensity 1.
         ambient: f32 = 0.1,
             flag: "--ambient", form: "A", group: Group::Light, valid: FACTORS, useful: even(0.0, 1.0);
-        /// The kind of material.
+        /// Reflectance model.
         material: Material = Material::Lambert, flag: "--material", form: "KIND";
         /// Factor of diffuse light.
         diffuse_gain: f32 = 0.9, flag: "--diffuse-gain", form: "D", valid: FACTORS, useful: even(0.0, 2.0);
         /// Factor of specular light: 0.25 for phong and blinn-phong, else 1.
         specular_gain: Option<f32> = None,
             flag: "--specular-gain", form: "S", valid: FACTORS, useful: even(0.0, 2.0);
-        /// phong, blinn-phong: exponent of the highlight, higher is smaller.
+        /// phong, blinn-phong: exponent of the highlight; higher is smaller.
         shininess: f32 = 32.0, flag: "--shininess", form: "N", valid: EXPONENTS, useful: by_factors(1.0, 500.0);
         /// sublambert: exponent of the cosine, 0 flat to 1 lambert.
         flatness: f32 = 0.5, flag: "--flatness", alias: Some("cosine-exponent"), form: "Z", valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// ashikhmin-shirley: exponents along and across the grain.
         coat: [f32; 2] = [80.0, 80.0], flag: "--coat", alias: Some("coat-exponents"), form: "NU,NV", valid: EXPONENTS;
-        /// ashikhmin-shirley: reflectance of the coat, seen from straight above.
+        /// ashikhmin-shirley: reflectance of the coat at normal incidence.
         reflectance: f32 = 0.05, flag: "--reflectance", form: "R", valid: 0.0..=1.0, useful: even(0.0, 1.0);
-        /// ashikhmin-shirley: the grain follows the curvature, or an angle in the picture.
+        /// ashikhmin-shirley: grain direction, along the curvature or at an angle in the picture.
         tangent: Tangent = Tangent::Curvature,
             flag: "--tangent", form: "curvature|DEG", unit: Unit::Degrees, valid: ANGLES_DEG;
         /// glass: index of refraction.
         ior: f32 = 1.5, flag: "--ior", form: "N", valid: 0.1..=10.0, useful: even(1.0, 3.0);
-        /// glass: a thin sheet of two parallel surfaces, through which light goes straight on.
+        /// glass: a thin sheet with parallel surfaces, through which light passes undeflected.
         thin: bool = false, flag: "--thin";
     }
 }
@@ -177,48 +177,47 @@ pub struct Quantisation {
     pub softness: f32,
 }
 
-/// Tones of [`Material::Toon`].
+/// Number of tones of [`Material::Toon`].
 const TOON_LEVELS: u32 = 4;
 
 params! {
-    /// All parameters of relighting beside the lights themselves.
+    /// Relighting parameters, without the lights themselves.
     pub struct RelightParams in Material {
-        /// Factor of the environment, or auto: the brightest white surface that faces the viewer shows 1.
+        /// Factor of the environment; auto makes the brightest white surface facing the viewer show 1.
         environment_gain: Adaptive = Adaptive::Auto,
             flag: "--environment-gain", form: "G|auto", group: Group::Light,
             valid: LEVELS, useful: by_factors(0.01, 10.0);
-        /// Lights that stand for the environment, and for each area light; 0 looks prefiltered light up; auto
-        /// chooses.
+        /// Number of lights that sample the environment and each area light; 0 uses prefiltered maps; auto chooses.
         samples: Samples = Samples::Auto,
             flag: "--samples", form: "N|auto", group: Group::Light,
             valid: 0.0..=MAX_LIGHTS as f32, useful: even(0.0, 256.0);
-        /// How light is bent.
+        /// Light warping.
         warping: WarpingParams;
-        /// What is warped: sampled lights, or each look-up into the environment.
+        /// Warped quantity: sampled lights, or each look-up into the environment.
         warp_by: WarpBy = WarpBy::Auto, flag: "--warp-by", form: "WHAT", group: Group::Warping;
-        /// Where the surface's colour comes from: a layer; the picture over the shading that fits it best; the picture
+        /// Source of the surface's colour: a layer; the picture divided by the best-fitting shading; the picture
         /// itself.
         albedo: AlbedoSource = AlbedoSource::Auto, flag: "--albedo-from", form: "SOURCE";
-        /// What the surface is made of.
+        /// Material of the surface.
         material: MaterialParams;
-        /// How light is altered.
+        /// How light is modified to show shape.
         method: Method = Method::Both, flag: "--method", form: "METHOD", group: Group::Light;
-        /// Tones above black; toon has 4, other materials all.
+        /// Tones above black; 4 for toon, by default unlimited for other materials.
         toon_levels: Option<u32> = None,
             flag: "--toon-levels", form: "N", valid: 1.0..=1024.0, useful: even(1.0, 12.0);
         /// Softness of the step between tones, 0 to 1.
         ///
-        /// It is a share of a tone: 0 is a hard edge.
+        /// A share of one tone: 0 is a hard edge.
         toon_softness: f32 = 0.15, flag: "--toon-softness", form: "S", valid: 0.0..=1.0, useful: even(0.0, 1.0);
     }
 }
 
-/// Factor of highlights that are known by their shape alone.
+/// Factor of highlights defined by shape alone.
 const HIGHLIGHT: f32 = 0.25;
 
 impl MaterialParams {
-    /// The factor of specular light: a quarter for `Phong` and `BlinnPhong`, whose highlight is 1 at its
-    /// brightest; 1 where reflectance determines it.
+    /// The factor of specular light: a quarter for `Phong` and `BlinnPhong`, whose highlight peaks at 1; 1 where
+    /// reflectance sets the level.
     pub fn specular(&self) -> f32 {
         self.specular_gain.unwrap_or(match self.material {
             Material::Phong | Material::BlinnPhong => HIGHLIGHT,
@@ -228,7 +227,7 @@ impl MaterialParams {
 }
 
 impl RelightParams {
-    /// The tones, where there are few.
+    /// The tones, if luminance is quantised.
     pub fn tones(&self) -> Option<Quantisation> {
         let toon = self.material.material == Material::Toon;
         let levels = self.toon_levels.or_else(|| toon.then_some(TOON_LEVELS))?;

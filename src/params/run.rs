@@ -1,24 +1,24 @@
-//! Options of a run on the CPU. None of them changes a result, only run time.
+//! Options of a run on the CPU. They change run time only, never a result.
 
 use std::num::NonZeroUsize;
 
-/// Largest size of the rectangles that threads work on, in pixels. They are evened out, so that every
-/// thread gets as many.
+/// Largest size of the tiles that threads work on, in pixels. Tiles are balanced so that every thread gets the same
+/// number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileSize {
-    /// Columns. Fewer waste more work on the rim of a tile; more outgrow the cache.
+    /// Columns. Fewer waste more work on the border of a tile; more overflow the cache.
     pub width: NonZeroUsize,
     /// Rows. Fewer waste more work; more leave threads idle at the end.
     pub height: NonZeroUsize,
 }
 
-/// How the CPU runs a plan.
+/// CPU options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunOptions {
-    /// Size of the tiles that diffusion works on.
+    /// Size of diffusion tiles.
     pub tile: TileSize,
-    /// Most sweeps of the diffusion operator over a tile before its neighbours are looked at again.
-    /// Fewer read and write the frame more often; more waste work on the rim and outgrow the cache.
+    /// Maximum number of diffusion sweeps over a tile before its neighbours are read again. Fewer read and write the
+    /// frame more often; more waste work on the border and overflow the cache.
     pub sweeps_per_pass: NonZeroUsize,
 }
 

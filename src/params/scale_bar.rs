@@ -1,4 +1,4 @@
-//! How large what a picture shows is: the size of a pixel, and a bar that shows it.
+//! Physical scale: the size of a pixel, and a scale bar.
 
 use super::line::MM_PER_INCH;
 use super::table::Kind;
@@ -7,17 +7,17 @@ use super::{Param, Params};
 use crate::error::{Error, Result};
 use serde::Serialize;
 
-/// The width of a pixel of the input on the surface that it shows.
+/// Width of an input pixel on the surface shown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PixelSize {
-    /// In millimetres.
+    /// Width in millimetres.
     pub mm: f32,
 }
 
-/// The least and the largest, in millimetres: a nanometre and a hundred kilometres.
+/// Smallest and largest size in millimetres: a nanometre and a hundred kilometres.
 const SIZES_MM: [f32; 2] = [1e-6, 1e8];
 
-/// Units that it can be given in, and their millimetres: longer names first.
+/// Units accepted, in millimetres; longer names first.
 const UNITS: [(&str, f32); 5] = [
     ("mm", 1.0),
     ("cm", 10.0),
@@ -46,27 +46,27 @@ impl Value for PixelSize {
 }
 
 impl PixelSize {
-    /// Pixels per inch of a print that is as large as what it shows.
+    /// Resolution of a life-size print, in pixels per inch.
     pub fn dpi(self) -> f32 {
         MM_PER_INCH / self.mm
     }
 }
 
 choices! {
-    /// Where a picture has a bar of a round length.
+    /// Placement of a scale bar of a round length.
     #[derive(Default)]
     pub enum ScaleBar {
-        /// Nowhere.
+        /// No bar.
         Off = "off" [default],
-        /// In its quietest corner.
+        /// In the quietest corner of the picture.
         On = "on",
-        /// In a white strip below it.
+        /// In a white strip below the picture.
         Outside = "outside",
     }
 }
 
 impl Params {
-    /// Refuses a bar of a length that is not known.
+    /// A scale bar requires a pixel size.
     pub(super) fn relations(&self) -> Result<()> {
         match (self.scale_bar, self.pixel_size) {
             (ScaleBar::On | ScaleBar::Outside, None) => Err(Error::BadParameter {
@@ -105,7 +105,7 @@ mod tests {
         for text in ["0.05", "mm", "0mm", "-1mm", "nanmm", "1km", "1e9m"] {
             assert!(parsed(text).unwrap_err().contains("0.05mm"), "{text}");
         }
-        // 25.4 mm of 0.05 mm each.
+        // 25.4 mm / 0.05 mm = 508 pixels per inch.
         assert!((PixelSize { mm: 0.05 }.dpi() - 508.0).abs() < 1e-3);
         let mut params = Params::default();
         params.set("scale-bar", "outside").unwrap();

@@ -47,26 +47,26 @@ impl Value for SoftThreshold {
         Some(format!("{},{}", self.lo, self.hi))
     }
 
-    /// The upper end is held to the lower one, by the struct that it is of.
+    /// The upper end is validated by the containing struct, against the lower one.
     fn outside(&self, row: &Param) -> Option<String> {
         self.lo.outside(row)
     }
 }
 
-/// How far the gradient is diffused before it is differentiated: the size of the features looked for.
+/// Amount of diffusion of the gradient before differentiation: the size of features shown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
-    /// As this number of explicit steps does ([LW] section 4.3), up to those of the largest sigma. 0 keeps the finest
-    /// detail and all noise.
+    /// A number of explicit steps ([LW] section 4.3), at most those of the largest sigma. 0 keeps the finest detail and
+    /// all noise.
     Iterations(u32),
-    /// As a Gaussian of this standard deviation in pixels, 0 to 4096, does in the open.
+    /// The standard deviation, 0 to 4096 pixels, of the Gaussian that diffusion equals away from edges.
     Sigma(f32),
 }
 
 const DEFAULT_ITERATIONS: u32 = 10;
 
-/// Two parameters that rule each other out.
+/// Two mutually exclusive parameters.
 const _: () = {
     params!(
         @row Shape iterations ["Size of the features to find, as diffusion steps: more show larger ones only."]
@@ -90,7 +90,7 @@ const _: () = {
             table.extend([&iterations, &scale]);
         }
 
-        /// Of several sigmas the first is the scale.
+        /// The first of several sigmas is the scale.
         fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String> {
             let first = text.split(',').next().unwrap_or_default();
             *self = match name {
@@ -111,71 +111,70 @@ const _: () = {
 };
 
 choices! {
-    /// How diffusion is computed.
+    /// Numerical scheme of the diffusion.
     pub enum Solver {
-        /// A Chebyshev expansion within [`ShapeParams::tolerance`]; explicit steps where they are fewer.
+        /// A Chebyshev expansion within [`ShapeParams::tolerance`]; explicit steps where fewer suffice.
         Chebyshev = "chebyshev",
-        /// The paper's steps, one by one.
+        /// The paper's explicit steps.
         Explicit = "explicit",
     }
 }
 
 params! {
-    /// How silhouettes, creases and curvature are found.
+    /// Silhouettes, creases and curvature.
     pub struct ShapeParams in Shape {
-        /// How far the gradient is diffused.
+        /// Amount of diffusion of the gradient.
         scale: Scale;
-        /// Height in pixels of the whole picture that the scale and the curvature gain are meant for: a look
-        /// survives another resolution. none counts in the picture's own pixels.
+        /// Height in pixels of the whole picture that the scale and the curvature gain refer to, so that a look carries
+        /// over to another resolution. none uses the picture's own pixels.
         ///
-        /// The height is that of the display window. In a picture f times as high the scale counts f times as many
-        /// pixels, and curvature is given per pixel of the reference, f times what it is per pixel, so that a proxy and
-        /// the final picture look alike. Without one a look grows finer with resolution. The thresholds of silhouettes
-        /// and creases are jumps across one pixel of the picture either way.
+        /// The height is that of the display window. In a picture f times as high the scale covers f times as many
+        /// pixels, and curvature is given per pixel of the reference, f times its value per pixel, so that a proxy and
+        /// the final picture look alike. Without a reference a look grows finer with resolution. Thresholds of
+        /// silhouettes and creases always apply to jumps across one pixel of the picture.
         reference_height: Option<u32> = None,
             flag: "--reference-height", form: "PX|none", unit: Unit::Pixels,
             kind: Kind::Number { whole: true, word: Some("none") },
             valid: 1.0..=f32::INFINITY, useful: by_factors(256.0, 8192.0);
-        /// How diffusion is computed.
+        /// Numerical scheme of the diffusion.
         solver: Solver = Solver::Chebyshev, flag: "--solver", form: "SOLVER";
         /// Largest error of a slope that the Chebyshev solver may add.
         ///
         /// The default changes the curvature by less than 2e-4 per pixel: at an ordinary gain a tenth of an 8-bit grey
         /// level.
         tolerance: f32 = 1e-4, flag: "--tolerance", form: "E", valid: 1e-9..=1000.0, useful: by_factors(1e-6, 1e-2);
-        /// Foreshortening of the gradient: 0 as an object, 1 as the viewer's height field.
+        /// Foreshortening of the gradient: 0 treats the surface as an object, 1 as the viewer's height field.
         ///
-        /// The exponent f of the gradient `-n_xy / n_z^f`. 0 measures the surface as an object seen from anywhere
-        /// (k1 + k2); 1 measures the height field that the viewer sees, with slopes that grow without end toward
-        /// silhouettes.
+        /// The exponent f of the gradient `-n_xy / n_z^f`. 0 measures the surface independently of the view (k1 + k2);
+        /// 1 measures the height field seen by the viewer, whose slopes grow without bound toward silhouettes.
         foreshortening: f32 = 0.0, flag: "--foreshortening", form: "F", valid: 0.0..=4.0, useful: even(0.0, 2.0);
         /// Floor of n_z in that gradient.
         ///
         /// Lower floors let one rim pixel rule the Hessian; higher ones flatten the surface near silhouettes. The
-        /// steepest slope is the floor's -4th power: 1e12, whose square single precision holds.
+        /// steepest slope is the floor's -4th power: at most 1e12, whose square fits single precision.
         min_nz: f32 = 0.05, valid: 1e-3..=1.0;
         /// Length of one explicit step.
         ///
         /// Above 1/4 the scheme is unstable; at exactly 1/4 a checkerboard never decays.
         time_step: f32 = 0.2, valid: 0.001..=0.25,
             why: Some("explicit diffusion is stable only up to there");
-        /// Jump of depth, as a share of the distance, that makes a silhouette.
+        /// Jump of depth, relative to the distance, that makes a silhouette.
         ///
-        /// It is a jump across a pixel. Lower values cut steep slopes apart; higher ones let curvature leak between
+        /// Measured across one pixel. Lower values cut steep slopes apart; higher ones let curvature leak between
         /// objects.
         silhouette: SoftThreshold = SoftThreshold { lo: 0.03, hi: 0.04 },
             flag: "--silhouette", form: "LO,HI", valid: THRESHOLDS;
-        /// The same for an occlusion or alpha map, as an absolute jump, where there is no depth.
+        /// Jump in an occlusion or alpha map that makes a silhouette where there is no depth, absolute.
         occlusion_silhouette: SoftThreshold = SoftThreshold { lo: 0.2, hi: 0.4 }, valid: THRESHOLDS;
         /// Angle across a pixel, in degrees, that makes a crease.
         ///
-        /// It is the angle by which the normal turns. Lower values turn fine relief into creases, which are left alone;
+        /// The angle between the normals. Lower values turn fine relief into creases, which diffusion leaves alone;
         /// higher ones round off real edges.
         crease: SoftThreshold = SoftThreshold { lo: 45.0, hi: 80.0 },
             flag: "--crease", form: "LO,HI", unit: Unit::Degrees, valid: THRESHOLDS;
-        /// Pixels between the normals compared for directions, or auto: more for coarse normals.
+        /// Distance in pixels between the normals compared for directions, or auto: larger for coarse normals.
         ///
-        /// Short steps see fine shapes, and noise; long ones round them off. Before an edge the step shrinks.
+        /// Short steps resolve fine shapes, and noise; long ones round them off. The step shrinks near edges.
         direction_step: Adaptive = Adaptive::Auto,
             flag: "--direction-step", form: "PX|auto", unit: Unit::Pixels,
             kind: Kind::Number { whole: true, word: Some("auto") },
@@ -184,10 +183,10 @@ params! {
     relations ShapeParams::relations;
 }
 
-/// Thresholds that single precision holds with room for a square.
+/// Thresholds whose square fits single precision.
 const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 
-/// Past this a step leaves the shapes it is to describe.
+/// Longer steps leave the local shape they should describe.
 pub(crate) const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl ShapeParams {
@@ -210,7 +209,7 @@ impl ShapeParams {
         self.check_steps(1.0)
     }
 
-    /// Refuses more explicit steps than anybody waits for, where `factor` pixels stand for one of the reference.
+    /// Refuses more explicit steps than the limit, where `factor` pixels correspond to one of the reference.
     fn check_steps(&self, factor: f64) -> Result<()> {
         let steps = self.steps(factor);
         if self.solver == Solver::Chebyshev || steps <= MAX_EXPLICIT_STEPS {
@@ -225,19 +224,19 @@ impl ShapeParams {
         })
     }
 
-    /// Explicit steps that the scale stands for, likewise.
+    /// Explicit steps of the scale, where `factor` pixels correspond to one of the reference.
     fn steps(&self, factor: f64) -> f64 {
         let time = self.diffusion_time() * factor * factor;
         (time / f64::from(self.time_step) * (1.0 - 1e-12)).ceil()
     }
 
-    /// How many pixels of a picture of this height stand for one of the reference; 1 without a reference.
+    /// Pixels of a picture of this height per pixel of the reference; 1 without a reference.
     pub fn resolution_factor(&self, image_height: usize) -> f64 {
         let factor = |reference| image_height.max(1) as f64 / f64::from(reference);
         self.reference_height.map_or(1.0, factor)
     }
 
-    /// Refuses a scale that grows past all pictures in one of `image_height` pixels.
+    /// Refuses a scale that exceeds its limit in a picture of `image_height` pixels.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the reference height.
@@ -254,8 +253,7 @@ impl ShapeParams {
         })
     }
 
-    /// The time of the diffusion equation that [`ShapeParams::scale`] stands for, where a pixel is one of
-    /// the reference.
+    /// Diffusion time of [`ShapeParams::scale`], in pixels of the reference squared.
     pub fn diffusion_time(&self) -> f64 {
         match self.scale {
             Scale::Iterations(count) => f64::from(count) * f64::from(self.time_step),
@@ -263,15 +261,15 @@ impl ShapeParams {
         }
     }
 
-    /// The time of the diffusion equation after which a point is a Gaussian of this sigma in pixels.
+    /// Diffusion time that turns a point into a Gaussian of this sigma in pixels.
     pub fn time_of(sigma: f32) -> f64 {
         0.5 * f64::from(sigma).powi(2)
     }
 
-    /// The least and the greatest [`ShapeParams::direction_step`], in pixels, for normals rounded by up to
-    /// `normal_rounding`. A pixel takes the least, and up to the greatest where that gives no direction.
+    /// Smallest and largest [`ShapeParams::direction_step`], in pixels, for normals rounded by up to `normal_rounding`.
+    /// A pixel uses the smallest, and longer ones where that gives no direction.
     ///
-    /// Noise turns directions by rounding / step, and the surface's own change by step^2.
+    /// The directions' error grows with rounding / step from noise, and with step^2 from the surface's own change.
     pub fn direction_steps_px(&self, normal_rounding: f32) -> [usize; 2] {
         match self.direction_step {
             Adaptive::Fixed(step) => [step as usize; 2],
@@ -281,7 +279,7 @@ impl ShapeParams {
         }
     }
 
-    /// The steepest slope that the gradient can have: n_xy is at most 1, n_z at least its floor.
+    /// Upper bound of the gradient's slope: n_xy is at most 1, n_z at least its floor.
     pub fn largest_slope(&self) -> f64 {
         f64::from(self.min_nz).powf(-f64::from(self.foreshortening))
     }
@@ -293,13 +291,13 @@ impl ShapeParams {
     }
 }
 
-/// Past this a Gaussian is flat over any picture.
+/// A larger Gaussian is flat over any picture.
 const MAX_SIGMA_PX: f32 = 4096.0;
 
-/// Explicit steps of a sigma of 140 pixels: minutes for a large picture, which an expansion diffuses in a second.
+/// Explicit steps for a sigma of 140 pixels: minutes for a large picture, where the expansion takes a second.
 const MAX_EXPLICIT_STEPS: f64 = 50_000.0;
 
-/// Most scales of one run: twelve octaves in steps of a fifth of one.
+/// Maximum number of scales of one run: twelve octaves in steps of a fifth.
 pub(crate) const MAX_SCALES: usize = 64;
 
 /// Refuses more than [`MAX_SCALES`] scales.
@@ -317,12 +315,12 @@ pub(crate) fn check_scales(count: usize) -> Result<()> {
     }
 }
 
-/// Normals rounded by more than this are coarse: those of 8 bits (1/255), not half floats (1/4096).
+/// Normals rounded by more than this are coarse: 8 bits (1/255), not half floats (1/4096).
 pub(crate) const COARSE_ROUNDING: f32 = 1e-3;
 
-/// The first step over coarse normals, and the last over any that are not exact. On 8-bit ellipsoids of
-/// 32, 64, 128 and 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees at 4 px alone,
-/// 13, 17, 7, 5 at 16 px alone, and 7, 7, 6, 6 with 16 px where 4 px show nothing.
+/// The first step for coarse normals, and the last for any that are not exact. On 8-bit ellipsoids of 32, 64, 128 and
+/// 256 px the 95th percentile of the directions' error is 7, 5, 8, 27 degrees with 4 px alone, 13, 17, 7, 5 with 16 px
+/// alone, and 7, 7, 6, 6 with 16 px where 4 px give no direction.
 const COARSE_STEP_PX: usize = 4;
 const WIDEST_STEP_PX: usize = 16;
 
@@ -354,7 +352,8 @@ mod tests {
             ..ShapeParams::default()
         };
         let said = |params: ShapeParams| params.validate().unwrap_err().to_string();
-        // 4096^2 / 2 / 0.2 steps are a sigma of 4096 px: 41943040, less one as 0.2 is a little more in single precision.
+        // 4096^2 / 2 / 0.2 steps are a sigma of 4096 px: 41943040, less one as 0.2 is slightly larger in single
+        // precision.
         let most = Scale::Iterations(41_943_039);
         of(most, Solver::Chebyshev).validate().unwrap();
         let more = said(of(Scale::Iterations(u32::MAX), Solver::Chebyshev));
@@ -367,7 +366,7 @@ mod tests {
         of(Scale::Iterations(50_000), Solver::Explicit)
             .validate()
             .unwrap();
-        // A sigma of 150 px is a time of 11250: 56,250 steps of 0.2; one of 15 px in a picture ten times as high too.
+        // A sigma of 150 px is a time of 11250: 56,250 steps of 0.2; so is one of 15 px in a picture ten times as high.
         assert!(
             of(Scale::Sigma(150.0), Solver::Explicit)
                 .validate()

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// How sight lines go on at specular surfaces.
+/// Continuation of sight lines at specular surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bend {
@@ -13,31 +13,31 @@ pub enum Bend {
         /// Index of refraction.
         ior: f32,
     },
-    /// Straight on, as through a thin sheet.
+    /// Undeflected, as through a thin sheet.
     Straight,
 }
 
-/// How specular pixels are traced.
+/// Tracing of specular pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SpecularParams {
-    /// How sight lines go on.
+    /// Continuation of sight lines.
     pub bend: Bend,
-    /// How what they meet is searched for.
+    /// Search for their hit points.
     pub search: SearchParams,
 }
 
 params! {
-    /// How what a bent ray meets is searched for, from a coarse look along it to the point itself ([LA] section 5.2).
+    /// Search for the hit point of a bent ray: coarse steps along it, then refinement ([LA] section 5.2).
     #[derive(Eq)]
     pub struct SearchParams in Specular {
-        /// Steps of the search along mirrored and refracted sight lines: fewer miss thin things.
+        /// Steps of the search along mirrored and refracted sight lines: fewer miss thin objects.
         ///
-        /// They are even, and more take longer.
+        /// They are evenly spaced; more take longer.
         steps: u32 = 128, flag: "--search-steps", form: "N", valid: 1.0..=MAX_SEARCH_STEPS as f32;
-        /// Steps of the secant rule once the surface lies between two steps: each takes many times closer.
+        /// Steps of the secant rule once the surface is bracketed between two steps.
         refinements: u32 = 12, valid: 1.0..=64.0;
     }
 }
 
-/// Most steps of a search.
+/// Maximum number of search steps.
 pub(crate) const MAX_SEARCH_STEPS: u32 = 4096;

@@ -1,68 +1,68 @@
-//! The table of parameters. A row is written once, where its struct is defined by [`params!`]: from it come the field,
-//! its default, the check of its range, the flag with its help, the recipe's key and schema, and the viewer's control.
+//! The parameter table. Each row is written once, where [`params!`] defines its struct, and yields the field, its
+//! default, its range check, the flag with its help, the recipe key and schema, and the viewer's control.
 
 use crate::error::{Error, Result, short};
 use std::ops::RangeInclusive;
 
-/// One parameter, described for any interface that offers it: a command line, a window, a plugin.
+/// One parameter, described for any user interface: a command line, a window, a plugin.
 #[derive(Debug, Clone)]
 pub struct Param {
-    /// The flag of the command line, `--stroke-width`; of parameters that only the library has, the field.
+    /// The command-line flag, `--stroke-width`; the field name for library-only parameters.
     pub flag: &'static str,
-    /// A name that says more, where the flag is like that of something else: without dashes.
+    /// A more descriptive name, without dashes, where the flag resembles another.
     pub alias: Option<&'static str>,
-    /// The group it belongs to.
+    /// The group in help and in the viewer.
     pub group: Group,
-    /// How it is chosen.
+    /// The kind of value.
     pub kind: Kind,
-    /// Whether several values can be given.
+    /// Whether it takes several values.
     pub many: Many,
-    /// The unit of its numbers.
+    /// The unit of its values.
     pub unit: Unit,
     /// The form of a value in help: `PX`, `LO,HI`, `K|auto`.
     pub form: &'static str,
-    /// Numbers outside are refused.
+    /// Values outside are refused.
     pub valid: RangeInclusive<f32>,
-    /// Why the range ends where it does, where a refusal says so.
+    /// The reason for the limit, quoted in error messages.
     pub why: Option<&'static str>,
-    /// How far a slider reaches; values beyond can be typed.
+    /// Range of a slider; values beyond can be typed.
     pub useful: Option<Useful>,
-    /// The parameter that cannot be given beside it.
+    /// A parameter that cannot be combined with it.
     pub rival: Option<&'static str>,
     /// Lines of documentation: a paragraph for users, then paragraphs for engineers.
     pub doc: &'static [&'static str],
-    /// The default as it would be typed; `None` where leaving it out says something that no value does.
+    /// The default as typed; `None` where omission means something that no value expresses.
     pub default: fn() -> Option<String>,
-    /// Refuses a text that is no value.
+    /// Validates a text as a value.
     pub parse: fn(&str) -> std::result::Result<(), String>,
 }
 
-/// How a parameter is chosen.
+/// The kind of value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// On or off.
     Switch,
-    /// One of these.
+    /// One of these words.
     Choice(&'static [Choice]),
-    /// One of these, or a folder.
+    /// One of these words, or a folder.
     ChoiceOrFolder(&'static [Choice]),
-    /// A number, or the word that may stand in its place.
+    /// A number, or a word accepted in its place.
     Number {
-        /// Whether only whole numbers will do.
+        /// Whether it must be a whole number.
         whole: bool,
-        /// `auto`, where that is a value.
+        /// The accepted word, such as `auto`.
         word: Option<&'static str>,
     },
-    /// Two numbers with a comma between.
+    /// Two numbers separated by a comma.
     Pair,
-    /// Anything else, in the form of its row.
+    /// Any other text, in the form given by its row.
     Text,
 }
 
-/// One of several words that a parameter can be.
+/// One of the words a parameter accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
-    /// As it is typed.
+    /// The word as typed.
     pub name: &'static str,
     /// Lines of documentation.
     pub doc: &'static [&'static str],
@@ -71,18 +71,18 @@ pub struct Choice {
 /// Whether a parameter takes several values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Many {
-    /// It takes one.
+    /// One value.
     One,
-    /// Several, with commas between.
+    /// Several, separated by commas.
     Listed,
-    /// It can be given again.
+    /// The flag may be given several times.
     Repeated,
 }
 
-/// The unit of a parameter's numbers.
+/// The unit of a parameter's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
-    /// Nothing: factors, shares, exponents, counts.
+    /// Dimensionless: factors, shares, exponents, counts.
     One,
     /// Pixels.
     Pixels,
@@ -104,35 +104,35 @@ impl Unit {
     }
 }
 
-/// The reach of a slider.
+/// The range of a slider.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Useful {
     /// Its lower end.
     pub from: f64,
     /// Its upper end.
     pub to: f64,
-    /// Whether equal ways on it are equal factors.
+    /// Whether equal distances on the slider are equal factors.
     pub logarithmic: bool,
 }
 
-/// Parameters that stand together.
+/// Groups of parameters, as headings in help.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
-    /// How shape is found.
+    /// Shape analysis.
     Shape,
-    /// Layers of light that are scaled one by one.
+    /// Layers of light that are scaled separately.
     LightLayers,
-    /// Light.
+    /// Lights.
     Light,
-    /// How light is bent.
+    /// Light warping.
     Warping,
-    /// How shading is scaled.
+    /// Radiance scaling.
     Scaling,
-    /// Which luminance is white, where a picture is scaled.
+    /// White levels of radiance scaling.
     WhiteLevels,
-    /// How pictures are brought to a display.
+    /// Mapping to a display.
     Display,
-    /// How large a picture is on paper.
+    /// Size on paper.
     Print,
     /// Material.
     Material,
@@ -140,16 +140,16 @@ pub enum Group {
     Specular,
     /// Tone.
     Tone,
-    /// Where strokes go.
+    /// Stroke directions.
     Directions,
-    /// How strokes are drawn.
+    /// Stroke style and size.
     Strokes,
-    /// How lines along edges are drawn.
+    /// Contours and interior lines.
     Contours,
 }
 
 impl Group {
-    /// Its heading.
+    /// Its heading in help.
     pub fn name(self) -> &'static str {
         match self {
             Self::Shape => "Shape",
@@ -169,7 +169,7 @@ impl Group {
     }
 }
 
-/// A slider on which equal ways are equal differences.
+/// A slider with a linear scale.
 pub(super) const fn even(from: f64, to: f64) -> Option<Useful> {
     Some(Useful {
         from,
@@ -178,7 +178,7 @@ pub(super) const fn even(from: f64, to: f64) -> Option<Useful> {
     })
 }
 
-/// A slider on which equal ways are equal factors.
+/// A slider with a logarithmic scale.
 pub(super) const fn by_factors(from: f64, to: f64) -> Option<Useful> {
     Some(Useful {
         from,
@@ -188,7 +188,7 @@ pub(super) const fn by_factors(from: f64, to: f64) -> Option<Useful> {
 }
 
 impl Param {
-    /// A row of which all but these is usual.
+    /// A row with these columns and defaults for all others.
     pub(super) const fn new(
         field: &'static str,
         group: Group,
@@ -215,17 +215,17 @@ impl Param {
         }
     }
 
-    /// The key in recipes: the flag without its dashes.
+    /// The recipe key: the flag without its dashes.
     pub fn name(&self) -> &'static str {
         self.flag.trim_start_matches("--")
     }
 
-    /// Whether command lines and recipes have it.
+    /// Whether it is available on the command line and in recipes.
     pub fn has_flag(&self) -> bool {
         self.flag.starts_with("--")
     }
 
-    /// Its effect, in a line without a full stop.
+    /// One line of help without a full stop.
     pub fn help(&self) -> String {
         let lines = self.doc.iter().map(|line| line.trim());
         let first: Vec<_> = lines.take_while(|line| !line.is_empty()).collect();
@@ -233,7 +233,7 @@ impl Param {
         text.strip_suffix('.').unwrap_or(&text).into()
     }
 
-    /// The word that may stand in place of a number.
+    /// The word accepted in place of a number.
     pub fn word(&self) -> Option<&'static str> {
         match self.kind {
             Kind::Number { word, .. } => word,
@@ -241,12 +241,12 @@ impl Param {
         }
     }
 
-    /// Whether its numbers are whole.
+    /// Whether its values are whole numbers.
     pub fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Number { whole: true, .. })
     }
 
-    /// Refuses a value of which a number lies `outside` the range.
+    /// Refuses a value with a number `outside` the range.
     pub(super) fn check(&self, outside: Option<String>) -> Result<()> {
         outside.map_or(Ok(()), |number| Err(self.out_of_range(&number)))
     }
@@ -273,31 +273,31 @@ impl Param {
     }
 }
 
-/// A struct of parameters, or what parameters make up together.
+/// A struct of parameters, or a value composed of several parameters.
 pub trait Parameters: Sized {
-    /// Where nothing is given.
+    /// The default values.
     fn usual() -> Self;
 
-    /// Appends its rows, in their order.
+    /// Appends its rows in order.
     fn rows(table: &mut Vec<&'static Param>);
 
-    /// Gives the parameter called `name` the value that `text` is, several with commas between. `false` where there is
-    /// no such parameter.
+    /// Sets the parameter `name` from `text`, several values separated by commas. `false` if there is no such
+    /// parameter.
     ///
     /// # Errors
-    /// The values expected, where `text` is not one.
+    /// The accepted values, if `text` is not one.
     fn set(&mut self, name: &str, text: &str) -> std::result::Result<bool, String>;
 
-    /// Refuses values outside their ranges, and values that contradict each other.
+    /// Refuses values outside their ranges, and contradictions between values.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the first one.
     fn check(&self) -> Result<()>;
 }
 
-/// Defines a struct of parameters. A field with a default is a row, its further columns those of [`Param`] that are not
-/// usual; the first paragraph of its documentation is its help. A field without is a struct of further rows. `relations`
-/// checks what a range does not say.
+/// Defines a struct of parameters. A field with a default is a row; the columns after it override the defaults of
+/// [`Param`], and the first paragraph of its doc comment is its help. A field without a default is a nested struct of
+/// rows. `relations` checks constraints between parameters.
 macro_rules! params {
     (
         $(#[$meta:meta])*
@@ -322,7 +322,7 @@ macro_rules! params {
         }
 
         impl $name {
-            /// Refuses values outside their ranges, and values that contradict each other.
+            /// Refuses values outside their ranges, and contradictions between values.
             ///
             /// # Errors
             /// [`crate::Error::BadParameter`] naming the first one.
@@ -399,7 +399,7 @@ macro_rules! params {
     (@check $this:ident $field:ident) => { Parameters::check(&$this.$field)? };
 }
 
-/// Defines an enum that a parameter can be, each value with its word. One that derives [`Default`] marks it `[default]`.
+/// Defines an enum of parameter values, each with its word. An enum that derives [`Default`] marks one as `[default]`.
 macro_rules! choices {
     (
         $(#[$meta:meta])*
@@ -414,17 +414,17 @@ macro_rules! choices {
         }
 
         impl $name {
-            /// All of them, as they are offered.
+            /// All values, as offered to users.
             pub(crate) const CHOICES: &[$crate::params::Choice] = &[
                 $($crate::params::Choice { name: $word, doc: &[$($doc),*] },)*
             ];
 
-            /// The word for it.
+            /// Its word.
             $vis fn name(self) -> &'static str {
                 match self { $(Self::$variant => $word,)* }
             }
 
-            /// The value that a word stands for.
+            /// The value of a word.
             pub(crate) fn named(word: &str) -> Option<Self> {
                 match word { $($word => Some(Self::$variant),)* _ => None }
             }

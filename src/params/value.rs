@@ -1,23 +1,23 @@
-//! Types of parameters: how each is printed, parsed and checked against its range.
+//! Value types: printing, parsing and range checks.
 
 use super::table::{Kind, Param, Unit};
 use crate::error::short;
 
-/// A type of parameters.
+/// A type of parameter values.
 pub(crate) trait Value: Sized {
-    /// How it is chosen.
+    /// The kind of value in the table.
     const KIND: Kind;
 
-    /// The value that `text` is, for the parameter of `row`.
+    /// Parses `text` as a value of the parameter `row`.
     ///
     /// # Errors
-    /// The values expected.
+    /// The accepted values.
     fn parse(text: &str, row: &Param) -> Result<Self, String>;
 
-    /// The value as it would be typed; `None` of one that cannot be.
+    /// The value as typed; `None` if it cannot be typed.
     fn text(&self, row: &Param) -> Option<String>;
 
-    /// The first of its numbers that lies outside a range.
+    /// The first of its numbers outside a range.
     fn outside(&self, _: &Param) -> Option<String> {
         None
     }
@@ -43,7 +43,7 @@ impl Value for f32 {
     }
 }
 
-/// A whole number without a word for none.
+/// A whole number without a word in its place.
 const COUNT: Kind = Kind::Number {
     whole: true,
     word: None,
@@ -90,7 +90,7 @@ impl Value for bool {
     }
 }
 
-/// A number that need not be given, or has a word for none.
+/// An optional number, or one with a word for none.
 impl<T: Value> Value for Option<T> {
     const KIND: Kind = T::KIND;
 
@@ -142,7 +142,7 @@ impl Value for [f32; 2] {
     }
 }
 
-/// A finite number; spaces around it do not count.
+/// A finite number; surrounding spaces are ignored.
 pub(super) fn finite(text: &str) -> Option<f32> {
     let number: f32 = text.trim().parse().ok()?;
     number.is_finite().then_some(number)
@@ -150,7 +150,7 @@ pub(super) fn finite(text: &str) -> Option<f32> {
 
 const NO_COUNT: &str = "expected a whole number";
 
-/// The message for a text that is not a number.
+/// Error message for a text that is not a number.
 fn no_number(text: &str) -> String {
     let percentage = text
         .strip_suffix('%')
@@ -161,7 +161,7 @@ fn no_number(text: &str) -> String {
     }
 }
 
-/// Defines an enum of a number and the word that may stand in its place.
+/// Defines an enum of a number and a word accepted in its place.
 macro_rules! number_or_word {
     (
         $(#[$meta:meta])*

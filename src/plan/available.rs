@@ -15,19 +15,19 @@ pub struct Available {
     pub albedo: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
-    /// A map of importance, by which scale varies from pixel to pixel.
+    /// A map of importance, which varies the scale from pixel to pixel.
     pub importance: bool,
-    /// Objects on which strokes have a direction of their own where curvature does not lead.
+    /// Objects with a stroke direction of their own where curvature gives none.
     pub object_angles: bool,
-    /// Height in pixels of the whole picture, its display window: neither a crop nor overscan changes it.
+    /// Height in pixels of the whole picture, its display window: independent of crops and overscan.
     pub image_height: usize,
-    /// Its width in pixels, likewise.
+    /// Width of the display window in pixels.
     pub image_width: usize,
     /// Depth and a camera, which together give positions.
     pub positions: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,
-    /// How specular pixels are traced, if the scene they show is known; [`in_frame`](Available::in_frame) leaves it out.
+    /// How specular pixels are traced, if the scene they show is known; not set by [`in_frame`](Available::in_frame).
     pub specular: Option<SpecularParams>,
     /// Light layers to scale.
     pub light: LightAvailable,

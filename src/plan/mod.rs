@@ -1,5 +1,5 @@
-//! Plans: what to compute, in what order, and why. From the products wanted and the inputs present follow the stages
-//! needed and no others. A plan touches no pixel.
+//! Plans: which stages run, in what order, and why. They follow from the products wanted and the inputs present. A plan
+//! touches no pixel.
 
 pub(crate) mod available;
 pub(crate) mod planned;

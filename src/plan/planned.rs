@@ -9,57 +9,57 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How the positions of the surface at neighbouring pixels are found.
+/// Source of surface positions at neighbouring pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Points {
-    /// Depth along sight lines that the camera gives.
+    /// Depth along the camera's sight lines.
     Depth,
-    /// The normals: the surface is followed from pixel to pixel.
+    /// The normals, integrated from pixel to pixel.
     Normals,
 }
 
-/// The stages of a run in order, the reason for each step kept or left out, and the parameters they run with.
+/// The stages of a run in order, the reason for each step kept or dropped, and the parameters of the run.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// How shape is found.
+    /// Shape analysis.
     pub(crate) shape: ShapeParams,
-    /// How light is scaled.
+    /// Radiance scaling.
     pub(crate) scaling: ScalingParams,
-    /// The part of the picture that radiance scaling changes.
+    /// The part of the picture changed by radiance scaling.
     pub(crate) enhancement: Option<Enhancement>,
-    /// How the frame is lit anew, if it is.
+    /// Relighting, if any.
     pub(crate) relighting: Option<Relighting>,
-    /// Whether the curvature display is the picture.
+    /// Whether the picture is the curvature display.
     pub(crate) display: bool,
-    /// How the picture that was made is drawn, if it is.
+    /// Drawing of the picture, if any.
     pub(crate) drawing: Option<LineParams>,
-    /// How many times as wide as at scale 1 its lines along edges are.
+    /// Width factor of the drawing's lines along edges; 1 at scale 1.
     pub(crate) line_scale: f32,
-    /// Whether its tone is spread so that it shows the shape.
+    /// Whether the drawing's tone is stretched to show the shape.
     pub(crate) shows_shape: bool,
-    /// How specular pixels are traced, if they are.
+    /// Tracing of specular pixels, if any.
     pub(crate) specular: Option<SpecularParams>,
-    /// How the gradient is diffused.
+    /// Diffusion schedule of the gradient.
     pub(crate) sweeps: DiffusionSchedule,
     /// Sigmas of further scales, in pixels of the reference.
     pub(crate) more_px: Vec<f32>,
-    /// Pixels of the frame per pixel of the reference, in which curvature is measured; 1 without a
-    /// [reference height](ShapeParams::reference_height).
+    /// Pixels of the frame per pixel of the reference, the unit of curvature; 1 without a [reference
+    /// height](ShapeParams::reference_height).
     pub resolution_factor: f64,
-    /// How positions are found for directions of the surface's own curvature.
+    /// Source of positions for directions of the surface's own curvature.
     pub points: Points,
-    /// How many pixels away they are, at the least and at the most.
+    /// Smallest and largest distance in pixels between those positions.
     pub(crate) direction_steps_px: [usize; 2],
-    /// The inputs that the plan was made for.
+    /// The inputs the plan was made for.
     pub(crate) available: Available,
-    /// Why nothing is asked of shape, where that is so.
+    /// Why no shape is needed, if so.
     pub(crate) no_shape: Option<&'static str>,
     pub(super) wanted: BTreeSet<Product>,
     pub(super) decisions: Vec<Decision>,
-    /// The stages that run, in their order.
+    /// The stages that run, in order.
     pub(super) stages: Vec<&'static str>,
-    /// What the result of each of these depends on, all before it included.
+    /// By stage: a key of all that its result depends on, earlier stages included.
     pub(super) keys: BTreeMap<&'static str, String>,
     pub(super) reach: usize,
 }
@@ -72,7 +72,7 @@ pub struct Decision {
     pub step: &'static str,
     /// Whether it runs.
     pub kept: bool,
-    /// Why, in a few words.
+    /// The reason in a few words.
     pub reason: String,
 }
 
@@ -84,12 +84,12 @@ impl std::fmt::Display for Decision {
 }
 
 impl Plan {
-    /// Every step, kept or left out, and why, in the order of execution.
+    /// All steps in the order of execution, kept or dropped, with reasons.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
     }
 
-    /// Whether a step, by the name it has in [`Plan::decisions`], is part of the plan.
+    /// Whether the step named as in [`Plan::decisions`] runs.
     ///
     /// # Panics
     /// If there is no step of this name.
@@ -105,18 +105,18 @@ impl Plan {
         self.wanted.contains(&product)
     }
 
-    /// Contours of the drawing, where it has any, at the size that lines have in the picture.
+    /// Contours of the drawing, if any, with the size of lines in the picture.
     pub(crate) fn contours(&self) -> Option<ContourParams> {
         let contours = self.drawing.as_ref()?.contours?;
         Some(contours.scaled(self.line_scale))
     }
 
-    /// Whether curvature is made at all.
+    /// Whether curvature is computed.
     pub(crate) fn wants_curvature(&self) -> bool {
         self.wants(Product::Trace) || self.wants(Product::Hessian)
     }
 
-    /// The part of the picture that radiance scaling changes, if any.
+    /// The part of the picture changed by radiance scaling, if any.
     pub(crate) fn scaled(&self) -> Option<Subject> {
         let scaled = self
             .enhancement
@@ -124,7 +124,7 @@ impl Plan {
         scaled.map(|enhancement| enhancement.subject)
     }
 
-    /// Whether a picture is made, not only taken as it is.
+    /// Whether the picture is computed rather than copied from the input.
     #[cfg(feature = "gpu")]
     pub(crate) fn makes_picture(&self) -> bool {
         self.enhancement
@@ -133,20 +133,20 @@ impl Plan {
             || self.display
     }
 
-    /// The stages that run, in their order, under the names that [`crate::engine::outcome::Outcome::timings`] has.
+    /// The stages that run, in order, named as in [`crate::engine::outcome::Outcome::timings`].
     pub fn stages(&self) -> &[&'static str] {
         &self.stages
     }
 
-    /// What the result of a stage that runs depends on, all before it included: a result of one key is that of another
-    /// plan with the same.
+    /// Key of all that a stage's result depends on, earlier stages included: results with equal keys are
+    /// interchangeable between plans.
     pub(crate) fn key(&self, stage: &str) -> &str {
         self.keys.get(stage).map_or("", String::as_str)
     }
 
-    /// How far, in pixels, an input sample reaches: a crop gives the results of the whole picture from
-    /// this distance to its border on, unless a gain or white level is chosen from the frame. A drawing
-    /// depends on all of it.
+    /// How far, in pixels, an input sample reaches: beyond this distance from its border a crop gives the results of
+    /// the whole picture, unless a gain or white level is chosen from the frame. A drawing depends on the whole
+    /// picture.
     pub fn reach(&self) -> usize {
         self.reach
     }

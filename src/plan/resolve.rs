@@ -1,5 +1,5 @@
-//! How a plan is made: every stage decides for itself, from the last to the first, so that what later stages need is known
-//! when an earlier one decides.
+//! Resolution of a plan: stages decide from the last to the first, so that the needs of later stages are known when an
+//! earlier one decides.
 
 use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
@@ -16,7 +16,7 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The result wanted of a run.
+/// The result a run is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Goal {
@@ -28,26 +28,26 @@ pub enum Goal {
     Enhance,
     /// New light.
     Relight,
-    /// The picture as it is, for a drawing.
+    /// The picture unchanged, for a drawing.
     Picture,
 }
 
-/// Where the tone of a drawing comes from.
+/// Source of a drawing's tone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ToneFrom {
-    /// The picture as it is.
+    /// The picture unchanged.
     Picture,
-    /// The picture by radiance scaling.
+    /// The picture after radiance scaling.
     Enhanced,
     /// New light.
     Relit(RelightParams, LightKinds),
-    /// Tone that shows the shape: a key light, combined with new light, or else with the picture by radiance scaling, if
+    /// Shape-showing tone: a key light combined with new light, or else with the picture after radiance scaling, if
     /// there is a picture; stretched over all tones from ink to paper.
     Shape(Option<(RelightParams, LightKinds)>),
 }
 
 impl Goal {
-    /// The products that it is made of; a picture comes by its own rules.
+    /// Products the goal consists of; pictures are handled separately.
     fn products(self) -> impl Iterator<Item = Product> {
         Product::all().filter(move |product| self == Self::Layers && product.row().layer.is_some())
     }
@@ -67,11 +67,11 @@ impl Plan {
         Self::at_scales(goal, available, shape, scaling, &[])
     }
 
-    /// The plan for lighting a frame with the given inputs anew, by lights of these `kinds`.
+    /// The plan for relighting a frame with the given inputs, by lights of these `kinds`.
     ///
     /// # Errors
-    /// [`crate::Error::BadParameter`] for a parameter outside its range, and for lights and materials that
-    /// lack what they need.
+    /// [`crate::Error::BadParameter`] for a parameter outside its range, and for lights and materials that lack
+    /// required inputs.
     pub fn relight(
         available: Available,
         shape: ShapeParams,
@@ -87,10 +87,10 @@ impl Plan {
         })
     }
 
-    /// The plan for drawing a frame with the given inputs, in the tone of a picture.
+    /// The plan for drawing a frame with the given inputs, in the given tone.
     ///
     /// # Errors
-    /// Those of [`Plan::new`] and [`Plan::relight`]; also for tone from a picture where there is none.
+    /// Those of [`Plan::new`] and [`Plan::relight`]; also for tone from a picture if there is none.
     pub fn hatch(
         available: Available,
         shape: ShapeParams,
@@ -138,11 +138,11 @@ impl Plan {
         })
     }
 
-    /// As [`Plan::new`], with the gradient also diffused to further scales, sigmas in pixels, by the same sweeps.
+    /// As [`Plan::new`], with the gradient also diffused to further scales, sigmas in pixels, sharing the sweeps.
     ///
     /// # Errors
-    /// Those of [`Plan::new`]; also for further scales of explicit steps, which share no sweeps, or where importance gives
-    /// pixels scales of their own.
+    /// Those of [`Plan::new`]; also for further scales with explicit steps, which share no sweeps, or with an
+    /// importance map, which varies the scale per pixel.
     pub fn at_scales(
         goal: Goal,
         available: Available,
@@ -243,7 +243,7 @@ impl Plan {
         self.follow()
     }
 
-    /// The same without the stages that give `product`.
+    /// The same plan without the stages that produce `product`.
     pub(crate) fn without(mut self, product: Product) -> Self {
         let gives = |stage: &&Stage| stage.gives().any(|given| given == product);
         for left_out in stages().filter(gives) {
@@ -253,8 +253,7 @@ impl Plan {
         self.follow()
     }
 
-    /// Follows what depends on what, from the first stage to the last: how far samples reach, and by what results are
-    /// known again.
+    /// Follows dependencies from the first stage to the last: the reach of samples, and the keys of results.
     fn follow(mut self) -> Self {
         let mut made: BTreeMap<Product, (usize, String)> = BTreeMap::new();
         self.reach = 0;
@@ -282,7 +281,7 @@ impl Plan {
     }
 }
 
-/// The stages that a plan runs, in their order.
+/// The stages that run, in order.
 pub(crate) fn running(plan: &Plan) -> impl Iterator<Item = &'static Stage> + use<> {
     let names = plan.stages().to_vec();
     let all = stages();
@@ -447,8 +446,7 @@ mod tests {
         }
     }
 
-    /// Samples reach as far as those of the stages before, and one's own reach further: edges 1, each of the sweeps 1,
-    /// the Hessian 1.
+    /// Reach adds up along the stages: 1 for edges, 1 for each sweep, 1 for the Hessian.
     #[test]
     fn reaches_add_up() {
         let enhanced = plan(Goal::Enhance, DEPTH, 50);

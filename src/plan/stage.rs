@@ -1,4 +1,4 @@
-//! The specification of a stage: all that plans, executors and caches know of it.
+//! The description of a stage, shared by plans, executors and caches.
 
 use crate::engine::cpu::run::Run;
 #[cfg(feature = "gpu")]
@@ -8,35 +8,35 @@ use crate::error::Result;
 use crate::plan::Plan;
 use crate::product::Product;
 
-/// A stage: a pass over the frame, or several that belong together.
+/// A stage: one pass over the frame, or several that belong together.
 pub(crate) struct Stage {
     /// Its name in timings.
     pub(crate) name: &'static str,
-    /// Its steps, each decided separately, in the order of execution.
+    /// Its steps in the order of execution, each decided separately.
     pub(crate) steps: &'static [Step],
-    /// Whether it runs even if none of its steps does.
+    /// Whether it runs even if none of its steps do.
     pub(crate) also_runs: fn(&Plan) -> bool,
-    /// Products of other stages that it takes when it runs.
+    /// Products of other stages that it reads when it runs.
     pub(crate) takes: fn(&Plan) -> Vec<Product>,
-    /// How far, in pixels, a sample of these reaches.
+    /// How far, in pixels, samples of those products reach.
     pub(crate) reach_px: fn(&Plan) -> usize,
-    /// A key of the parameters that its result depends on: equal keys, equal results.
+    /// A key of the parameters its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
     pub(crate) cpu: fn(&mut Run),
-    /// Records it for a device.
+    /// Records it on a device.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: fn(&mut DeviceRun),
-    /// What the CPU does of it while the device works on what all stages have recorded.
+    /// The part done on the CPU while the device executes the recorded work.
     #[cfg(feature = "gpu")]
     pub(crate) beside_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
-    /// What a device cannot do, in a few words.
+    /// What the device implementation does not support, in a few words.
     #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
 }
 
 impl Stage {
-    /// A stage that takes no plane of the descriptor and has no reach.
+    /// A stage that reads no plane of the descriptor and has reach 0.
     pub(crate) const DEFAULT: Self = Self {
         name: "",
         steps: &[],
@@ -59,7 +59,7 @@ impl Stage {
     }
 }
 
-/// A part of a stage that is kept or left out for a reason of its own.
+/// A part of a stage, kept or dropped for its own reason.
 pub(crate) struct Step {
     /// Its name, as `--explain` prints it.
     pub(crate) name: &'static str,
@@ -69,7 +69,7 @@ pub(crate) struct Step {
     pub(crate) decide: fn(&Plan) -> Verdict,
 }
 
-/// Whether a step runs, and why in a few words.
+/// Whether a step runs, and the reason in a few words.
 pub(crate) enum Verdict {
     Runs(String),
     LeftOut(String),
@@ -86,8 +86,7 @@ impl Verdict {
 }
 
 impl Plan {
-    /// The verdict on a step of shape, or one that takes it, that is left out: where nothing is asked of shape, why that
-    /// is so.
+    /// Verdict on a dropped step that finds or uses shape: the reason why no shape is needed, if so, else `why`.
     pub(crate) fn left_out(&self, why: impl Into<String>) -> Verdict {
         Verdict::LeftOut(self.no_shape.map_or_else(|| why.into(), String::from))
     }

@@ -23,7 +23,7 @@ use crate::shape::curvature_display::stage::CURVATURE_DISPLAY;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::edges::stage::EDGES;
 
-/// Those that find the shape.
+/// Stages that find the shape.
 pub(crate) static SHAPE: [&Stage; 9] = [
     &EDGES,
     &DIFFUSION,
@@ -36,7 +36,7 @@ pub(crate) static SHAPE: [&Stage; 9] = [
     &MAPPED_CURVATURE,
 ];
 
-/// Those that make a picture.
+/// Stages that make a picture.
 pub(crate) static PICTURE: [&Stage; 7] = [
     &AUTO_WHITE,
     &RADIANCE_SCALING,
@@ -47,7 +47,7 @@ pub(crate) static PICTURE: [&Stage; 7] = [
     &RELIGHT,
 ];
 
-/// Those that draw it.
+/// Stages that draw it.
 pub(crate) static DRAWING: [&Stage; 11] = [
     &SPECULAR_TRACE,
     &SHAPE_TONE,
@@ -62,7 +62,7 @@ pub(crate) static DRAWING: [&Stage; 11] = [
     &LINES_ONLY,
 ];
 
-/// All there are.
+/// All stages.
 pub(crate) fn stages() -> impl DoubleEndedIterator<Item = &'static Stage> {
     SHAPE.iter().chain(&PICTURE).chain(&DRAWING).copied()
 }

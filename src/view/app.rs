@@ -16,17 +16,17 @@ use eframe::egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollA
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Around the picture: grey, so that no tone of it looks other than it is.
+/// Surround of the picture: neutral grey, so that its tones are seen without bias.
 const SURROUND: Color32 = Color32::from_gray(38);
 
-/// A line for the user.
+/// A one-line message for the user.
 #[derive(Debug, Clone)]
 pub(super) struct Notice {
     pub(super) text: String,
     pub(super) is_error: bool,
 }
 
-/// What a picture has to show.
+/// The result that the canvas should show.
 #[derive(Debug, Clone, PartialEq)]
 struct Wanted {
     look: Look,
@@ -35,7 +35,7 @@ struct Wanted {
     before: bool,
 }
 
-/// An order that was given.
+/// A request sent to the worker.
 struct Ordered {
     wanted: Wanted,
     number: u64,
@@ -65,12 +65,12 @@ pub struct View {
     ordered: Option<Ordered>,
     saving: usize,
     changed: Option<String>,
-    /// The last pixel that was looked at, and its values when they have come.
+    /// The pixel probed last, and its values once they arrive.
     probed: Option<([usize; 2], Option<Vec<Value>>)>,
 }
 
 impl View {
-    /// A viewer that begins with what `opening` names.
+    /// A viewer that starts with the input and look in `opening`.
     pub(crate) fn of(opening: Opening, context: &Context) -> Self {
         context.set_theme(Theme::Dark);
         context.all_styles_mut(|style| {
@@ -134,7 +134,7 @@ impl View {
         self.probed = None;
     }
 
-    /// Shows the window's content, and asks for what it lacks.
+    /// Shows the window's content, and requests what is missing.
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         self.on_message(&context);
@@ -203,7 +203,7 @@ impl View {
         }
     }
 
-    /// Asks for the picture that is wanted, unless it was asked for.
+    /// Requests the wanted picture, unless it is already on its way.
     fn ask(&mut self, is_changing: bool) {
         let Some(reading) = self.reading() else {
             return;
@@ -244,7 +244,7 @@ impl View {
         });
     }
 
-    /// Hears what the thread has made.
+    /// Takes in the worker's replies.
     fn on_message(&mut self, context: &Context) {
         let replies: Vec<Reply> = self.worker.replies().collect();
         for reply in replies {
@@ -261,7 +261,7 @@ impl View {
                         self.said = None;
                     }
                     self.shown = Some(shown);
-                    // Values may be others now.
+                    // Values at the probed pixel may have changed.
                     if let Some((pixel, _)) = &self.probed {
                         self.worker.probe(*pixel);
                     }
@@ -292,7 +292,7 @@ impl View {
         }
     }
 
-    /// Takes files that were dropped, or chosen in a dialog.
+    /// Takes in files that were dropped or chosen in a dialog.
     fn take_files(&mut self, context: &Context) {
         let dropped = context.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
@@ -358,7 +358,7 @@ impl View {
         self.input.as_deref()
     }
 
-    /// What is in hand, in a line.
+    /// One line describing the open input.
     pub(super) fn about(&self) -> String {
         let input = self.input.as_ref();
         input.map_or(String::new(), |path| path.display().to_string())
@@ -372,7 +372,7 @@ impl View {
         })
     }
 
-    /// Whether a picture or a file is being made, or values are looked up.
+    /// Whether a picture or file is being made, or values are looked up.
     pub fn is_busy(&self) -> bool {
         let ordered = self.ordered.as_ref();
         let probes = matches!(self.probed, Some((_, None)));
@@ -397,13 +397,13 @@ impl View {
         }
     }
 
-    /// The command line that makes the same.
+    /// The command line that reproduces the picture.
     pub fn command_line(&self) -> Option<String> {
         let frames = self.frames.as_deref();
         Some(self.look.command_line(self.input.as_ref()?, frames))
     }
 
-    /// The value of a setting that is not at its default; of one that has several the first.
+    /// The value of a setting that is not at its default; the first, if it has several.
     pub fn value(&self, name: &str) -> Option<&str> {
         self.look.value(name)
     }
@@ -413,13 +413,13 @@ impl View {
         self.look.command()
     }
 
-    /// Width, height and pixels of what is shown: red, green, blue and alpha, as a PNG of it would hold.
+    /// Width, height and pixels of the shown picture: red, green, blue and alpha, as in a PNG.
     pub fn pixels(&self) -> Option<(usize, usize, &[[u8; 4]])> {
         let pixels = &self.shown.as_ref()?.pixels;
         Some((pixels.width, pixels.height, &pixels.rgba))
     }
 
-    /// How often each pass has run on the frame in hand, under the names of
+    /// How often each pass has run on the open frame, named as in
     /// [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
     pub fn counts(&self) -> BTreeMap<&'static str, u32> {
         self.shown
@@ -427,12 +427,12 @@ impl View {
             .map_or(BTreeMap::new(), |shown| shown.counts.clone())
     }
 
-    /// Where the divider between before and after is, as a share of the width.
+    /// Position of the divider between before and after, as a share of the width.
     pub fn split(&self) -> f32 {
         self.canvas.split
     }
 
-    /// Lines of the values under the pointer.
+    /// The values under the pointer, as lines of text.
     pub fn probed(&self) -> Vec<String> {
         match &self.probed {
             Some((pixel, Some(values))) => overlay::lines_of(*pixel, values),
@@ -440,7 +440,7 @@ impl View {
         }
     }
 
-    /// What was last said to the user.
+    /// The last message to the user.
     pub fn said(&self) -> Option<&str> {
         self.said.as_ref().map(|said| said.text.as_str())
     }

@@ -2,18 +2,18 @@
 
 use crate::engine::outcome::Outcome;
 
-/// Pixels between strokes, at a step of 1.
+/// Spacing of strokes in pixels, at step 1.
 const GRID: usize = 14;
 
-/// A stroke about `middle`, in pixels of what is shown, y down.
+/// A stroke centred on `middle`, in pixels of the shown picture, y down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Arrow {
     pub(super) middle: [f32; 2],
-    /// Half of it.
+    /// Half of the stroke, as a vector.
     pub(super) half: [f32; 2],
 }
 
-/// Strokes along the directions of curvature larger in size, of every `step`th pixel.
+/// Strokes along the larger principal curvature, from a result with every `step`th pixel.
 pub(super) fn arrows(outcome: &Outcome, step: usize) -> Vec<Arrow> {
     let Some(direction) = &outcome.shape.direction else {
         return Vec::new();

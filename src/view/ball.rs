@@ -6,17 +6,17 @@ use eframe::egui::{
     vec2,
 };
 
-/// Its diameter in points.
+/// Diameter of the ball in points.
 const SIZE: f32 = 148.0;
 
-/// Rings and sectors that it is drawn in.
+/// Rings and sectors of its mesh.
 const RINGS: usize = 14;
 const SECTORS: usize = 48;
 
-/// Even light on it, so that its dark side is seen.
+/// Ambient light, so that the dark side stays visible.
 const EVEN: f32 = 0.12;
 
-/// The ball, lit by `lights`; the one that is dragged is moved. Whether any was.
+/// The ball, lit by `lights`; dragging moves the nearest one. The response is marked as changed if a light moved.
 pub(super) fn ball(ui: &mut Ui, lights: &mut [Light]) -> Response {
     let (rect, mut response) = ui.allocate_exact_size(Vec2::splat(SIZE), Sense::click_and_drag());
     let radius = 0.5 * SIZE - 6.0;
@@ -76,7 +76,7 @@ fn paint(ui: &Ui, middle: Pos2, radius: f32, lights: &[Light]) {
     let mut add = |place: Vec2| mesh.colored_vertex(middle + radius * place, shade(place));
     add(Vec2::ZERO);
     for ring in 1..=RINGS {
-        // Rings are closer where the ball turns away.
+        // Rings are denser toward the rim, where the ball turns away.
         let r = (ring as f32 / RINGS as f32 * std::f32::consts::FRAC_PI_2).sin();
         for sector in 0..SECTORS {
             let angle = sector as f32 / SECTORS as f32 * std::f32::consts::TAU;

@@ -7,21 +7,21 @@ use eframe::egui::{
     vec2,
 };
 
-/// How many points a pixel of the picture may fill at the most, and at the least.
+/// Limits of the zoom, in points per pixel of the picture.
 const LARGEST: f32 = 64.0;
 const SMALLEST: f32 = 0.02;
 
-/// How near to the divider it is taken hold of, in points.
+/// Distance in points within which the divider is grabbed.
 const GRIP: f32 = 7.0;
 
-/// Where the picture lies.
+/// Zoom, pan and divider of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Canvas {
-    /// Points for each pixel; `None` fits the whole picture in.
+    /// Points per pixel; `None` fits the whole picture.
     zoom: Option<f32>,
-    /// The place of the picture that lies in the middle, in shares of its size.
+    /// The point of the picture at the centre of the canvas, in shares of its size.
     middle: Vec2,
-    /// Where the divider is, as a share of the width.
+    /// Position of the divider, as a share of the width.
     pub(super) split: f32,
     holds_divider: bool,
 }
@@ -37,33 +37,33 @@ impl Default for Canvas {
     }
 }
 
-/// What is painted.
+/// The content of the canvas.
 pub(super) struct Painted<'a> {
     pub(super) picture: &'a Texture,
-    /// What is left of the divider.
+    /// The picture shown left of the divider.
     pub(super) before: Option<&'a Texture>,
     pub(super) arrows: &'a [Arrow],
-    /// Size of the whole picture, of which `picture` may hold fewer pixels.
+    /// Size of the whole picture; `picture` may hold fewer pixels.
     pub(super) size: [usize; 2],
     pub(super) pixel_aspect: f32,
 }
 
-/// What was seen of the picture.
+/// Pointer and zoom after a frame of the window.
 pub(super) struct Seen {
     /// The pixel under the pointer.
     pub(super) pixel: Option<[usize; 2]>,
-    /// Points for each pixel.
+    /// Points per pixel.
     pub(super) zoom: f32,
 }
 
 impl Canvas {
-    /// Fits the whole picture in.
+    /// Fits the whole picture.
     pub(super) fn fit(&mut self) {
         self.zoom = None;
         self.middle = Vec2::splat(0.5);
     }
 
-    /// Shows a pixel as so many points.
+    /// Zooms to `zoom` points per pixel.
     pub(super) fn zoom_to(&mut self, zoom: f32) {
         self.zoom = Some(zoom);
     }
@@ -118,13 +118,13 @@ impl Canvas {
         }
     }
 
-    /// Where the picture lies in `area`.
+    /// The rectangle of the picture in `area`.
     fn rect(&self, area: Rect, size: Vec2, fitting: f32) -> Rect {
         let shown = size * self.zoom.unwrap_or(fitting);
         Rect::from_min_size(area.center() - self.middle * shown, shown)
     }
 
-    /// Zooms about the pointer: what is under it stays there.
+    /// Zooms about the pointer: the point under it stays in place.
     fn wheel(
         &mut self,
         ui: &Ui,

@@ -10,25 +10,25 @@ use eframe::egui::{
 };
 use std::collections::BTreeMap;
 
-/// The setting that has a ball of its own.
+/// The setting edited on the ball.
 const LIGHT: &str = "light";
 
-/// Families that are of no use at first: they stand at the end.
+/// Families listed last.
 const LAST: [&str; 3] = ["Mirrors and lenses", "Inputs", "Output"];
 
-/// Families that are open at first.
+/// Families that start unfolded.
 const OPEN: [&str; 4] = ["Light", "Light warping", "Radiance scaling", "Shape"];
 
 /// The controls of one command.
 pub(super) struct Controls {
     command: String,
     families: Vec<(String, Vec<Setting>)>,
-    /// Texts that are being typed.
+    /// Text fields being edited.
     typed: BTreeMap<String, String>,
     sought: String,
 }
 
-/// What became of the look.
+/// Changes made in one frame of the window.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
     /// The setting that was changed.
@@ -45,7 +45,7 @@ impl Controls {
         }
     }
 
-    /// Shows the controls of `look`. `chosen` are numbers that were chosen automatically.
+    /// Shows the controls of `look`. `chosen` are the automatic choices, by setting.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
@@ -97,7 +97,7 @@ impl Controls {
         changes
     }
 
-    /// One control; whether it was changed.
+    /// One control; returns whether it was changed.
     fn control(
         &mut self,
         ui: &mut Ui,
@@ -168,7 +168,7 @@ impl Controls {
         look.values(&setting.name) != before
     }
 
-    /// A text that is taken when it has been typed.
+    /// A text field, applied when editing ends.
     fn text(
         &mut self,
         ui: &mut Ui,
@@ -212,7 +212,7 @@ impl Controls {
     }
 }
 
-/// The settings of a command by their families, those that are wanted first at the beginning.
+/// The settings of a command by family, those most used first.
 fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
     for setting in crate::command::look::settings_of(command) {
@@ -236,7 +236,7 @@ fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     families.retain(|(name, _)| !name.is_empty() && name != "Run" && name != "Sequence");
     families.sort_by_key(|(name, _)| rank(name));
     for (_, settings) in &mut families {
-        // What is typed stands behind what is chosen.
+        // Text fields come after sliders and choices.
         settings.sort_by_key(|setting| matches!(setting.kind, Kind::Text { .. }));
     }
     families
@@ -279,7 +279,7 @@ fn choice(
     combo.response
 }
 
-/// A slider; before it a check box where a word, or nothing, may stand in place of a number.
+/// A slider; a check box in front of it switches to a word or to no value.
 fn number(
     ui: &mut Ui,
     look: &mut Look,
@@ -297,7 +297,7 @@ fn number(
     let may_be_absent = word.is_some() || setting.default.is_none();
     let text_of = |value: f64| match is_whole {
         true => (value.round() as i64).to_string(),
-        // As many digits as the slider shows, and none that only a double has.
+        // Digits of single precision only, as the slider shows them.
         false => (value as f32).to_string(),
     };
     let set = |look: &mut Look, text: String| {
@@ -329,7 +329,7 @@ fn number(
     }
     let mut value = given.unwrap_or(middle);
     let shown = value;
-    // Beside it stand its value and the button that resets it.
+    // Leaves room for the value and the reset button.
     ui.spacing_mut().slider_width = (ui.available_width() - 112.0).clamp(40.0, 240.0);
     let slider = Slider::new(&mut value, range.from..=range.to)
         .logarithmic(range.logarithmic)
@@ -347,7 +347,7 @@ fn number(
     slider
 }
 
-/// The ball, and each light in numbers; whether any was changed.
+/// The ball, and numeric fields for each light; returns whether any was changed.
 fn lights(ui: &mut Ui, look: &mut Look) -> bool {
     let before = look.values(LIGHT).to_vec();
     let mut lights: Vec<Light> = before
@@ -415,7 +415,7 @@ fn degrees(value: &mut f32) -> egui::DragValue<'_> {
     egui::DragValue::new(value).suffix("\u{b0}").max_decimals(1)
 }
 
-/// Gives a button the name it is read out by.
+/// Gives a button its name for screen readers.
 fn named_button(response: &Response, name: &str) {
     let info = || egui::WidgetInfo::labeled(egui::Role::Button, true, name);
     response.widget_info(info);

@@ -1,10 +1,10 @@
-//! The system's own dialogs. They are asked through the desktop portal on Linux, which needs no library to build with;
-//! where there is no desktop to ask, a file is named on the command line or dropped on the window.
+//! System file dialogs. On Linux they go through the desktop portal, which needs no library to build; without a
+//! desktop, files are named on the command line or dropped on the window.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// What a chosen file is for.
+/// The use of a chosen file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
     Open,
@@ -12,7 +12,7 @@ pub(super) enum Purpose {
     SavePicture,
 }
 
-/// Dialogs that are open, and files that were chosen.
+/// Open dialogs, and files chosen in them.
 pub(super) struct Files {
     sender: Sender<(Purpose, PathBuf)>,
     chosen: Receiver<(Purpose, PathBuf)>,
@@ -24,7 +24,7 @@ impl Files {
         Self { sender, chosen }
     }
 
-    /// Opens a dialog; `wake` is called when a file has been chosen. `beside` is the picture in hand.
+    /// Opens a dialog, next to the open picture `beside`; `wake` is called once a file is chosen.
     pub(super) fn ask(
         &self,
         purpose: Purpose,
@@ -40,7 +40,7 @@ impl Files {
         let stem = beside.and_then(Path::file_stem);
         let stem = stem.map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
         let sender = self.sender.clone();
-        // A dialog is begun where the window is, and waited for elsewhere.
+        // Dialogs are created on the window's thread and awaited on another.
         let asked: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> =
             match purpose {
                 Purpose::Open => Box::pin(dialog.set_title("Open").pick_file()),
@@ -67,7 +67,7 @@ impl Files {
         });
     }
 
-    /// Files that have been chosen since.
+    /// Files chosen since the last call.
     pub(super) fn chosen(&self) -> Vec<(Purpose, PathBuf)> {
         self.chosen.try_iter().collect()
     }

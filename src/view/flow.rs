@@ -1,15 +1,15 @@
-//! Line integral convolution: noise smeared along directions shows where they lead.
+//! Line integral convolution: noise smeared along directions makes them visible.
 
 use crate::frame::{Mask, Plane, Vector2Planes};
 
 /// Pixels to either side along which noise is averaged.
 const REACH: usize = 12;
 
-/// How much of the grey between black and white the averages are spread over: what is left of even noise, averaged over
-/// so many pixels, deviates by about 1 / sqrt(12 (2 REACH + 1)).
+/// Contrast of the averages, as a factor: uniform noise averaged over 2 REACH + 1 pixels deviates by only about 1 /
+/// sqrt(12 (2 REACH + 1)).
 const SPREAD: f32 = 3.5;
 
-/// Grey 0..1 that runs along `directions`, x right and y up, each equal to its opposite; white where nothing is covered.
+/// Grey 0..1 smeared along `directions`, x right and y up, opposite directions being equal; white outside the mask.
 pub(super) fn along(directions: &Vector2Planes, mask: &Mask) -> Plane {
     let (width, height) = (mask.width(), mask.height());
     let mut smeared = Plane::filled(width, height, 1.0);
@@ -30,7 +30,7 @@ pub(super) fn along(directions: &Vector2Planes, mask: &Mask) -> Plane {
     smeared
 }
 
-/// Visits the pixels along a direction, as far as there is one.
+/// Visits pixels along the directions until they end.
 fn walk(
     directions: &Vector2Planes,
     mask: &Mask,
@@ -56,12 +56,12 @@ fn walk(
         if along == 0.0 {
             return;
         }
-        // A direction is equal to its opposite: go on, not back.
+        // Opposite directions are equal: pick the one that continues forward.
         heading = next.map(|d| d * along.signum());
     }
 }
 
-/// Even noise, 0..1, the same for the same pixel.
+/// Uniform noise, 0..1, a fixed value for each pixel.
 fn noise(x: usize, y: usize) -> f32 {
     let mut bits = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77);
     bits ^= bits >> 15;
@@ -88,7 +88,8 @@ mod tests {
                 .map(|(x, y)| (grey.at(x, y) - grey.at(x + dx, y + dy)).abs())
                 .sum()
         };
-        // Neighbours along share all but two of 25 samples: the change is about sqrt(1/25) of that across.
+        // Neighbours along the direction share all but two of 25 samples: their change is about sqrt(1/25) of that
+        // across.
         assert!(change(1, 0) < 0.35 * change(0, 1));
     }
 }

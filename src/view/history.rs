@@ -1,11 +1,11 @@
-//! Undo and redo: every look that was left unchanged for a moment.
+//! Undo and redo over every look left unchanged for a moment.
 
 use crate::command::look::Look;
 
-/// Looks that are remembered; a thousand changes are a long session.
+/// Number of looks remembered.
 const MOST: usize = 1000;
 
-/// The looks before this one, and those that were undone.
+/// Looks before the current one, and undone ones.
 #[derive(Debug)]
 pub(super) struct History {
     before: Vec<Look>,
@@ -22,7 +22,7 @@ impl History {
         }
     }
 
-    /// Remembers `look`, if it is another one.
+    /// Records `look` if it differs from the current one.
     pub(super) fn rest_at(&mut self, look: &Look) {
         if *look == self.current {
             return;

@@ -7,26 +7,26 @@ use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Display, Picture, ViewTransform};
 use crate::product::{Product, Shown};
 
-/// A layer to be looked at.
+/// A layer shown in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Layer {
-    /// What the command makes.
+    /// The command's result.
     #[default]
     Picture,
     /// The coloured curvature display.
     Curvature,
-    /// A product that is shown in grey.
+    /// A product shown in grey.
     Grey(Product),
-    /// Directions of curvature, as a texture smeared along them.
+    /// Directions of curvature, as noise smeared along them.
     Flow,
-    /// The same as strokes, over the curvature.
+    /// Directions of curvature, as strokes over the curvature.
     Arrows,
-    /// Luminance of what the command makes, or draws.
+    /// Luminance of the command's result.
     Tone,
 }
 
 impl Layer {
-    /// All there are, in the order of the list.
+    /// All layers, in the order of the list.
     pub(super) fn all() -> impl Iterator<Item = Self> {
         let grey = Product::all().filter(|product| product.row().shown.is_some());
         [Self::Picture, Self::Curvature]
@@ -60,7 +60,7 @@ impl Layer {
         Shown { name, help }
     }
 
-    /// What has to be made for it.
+    /// The result that has to be computed for it.
     pub(super) fn made_of(self) -> What {
         match self {
             Self::Picture | Self::Tone => What::Picture,
@@ -73,7 +73,7 @@ impl Layer {
 /// A layer other than a picture, as grey pixels.
 ///
 /// # Errors
-/// What is missing.
+/// The missing product.
 pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
     let shape = &outcome.shape;
     let made = match layer {

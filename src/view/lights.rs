@@ -1,9 +1,9 @@
-//! The lights of a look: `AZ,EL[,R,G,B]`, as the flag has them.
+//! The lights of a look, in the flag's form: `AZ,EL[,R,G,B]`.
 
 use crate::light::lights::direction_of;
 use eframe::egui::{Vec2, vec2};
 
-/// A light far away.
+/// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Light {
     /// Degrees counterclockwise from the right of the picture.
@@ -14,7 +14,7 @@ pub(super) struct Light {
 }
 
 impl Light {
-    /// The light that a value of the flag describes.
+    /// Parses a value of the flag.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let numbers = text.split(',').map(|n| n.trim().parse().ok());
         let numbers: Vec<f32> = numbers.collect::<Option<_>>()?;
@@ -31,18 +31,18 @@ impl Light {
         })
     }
 
-    /// Where it meets a ball seen from the front, in radii from the middle, y down.
+    /// Its place on a ball seen from the front, in radii from the centre, y down.
     pub(super) fn on_ball(&self) -> Vec2 {
         let to_light = direction_of(self.azimuth, self.elevation);
         vec2(to_light.x, -to_light.y)
     }
 
-    /// The same light from where a ball is touched, in whole degrees.
+    /// The light moved to a place on the ball, in whole degrees.
     pub(super) fn moved_to(&self, place: Vec2) -> Self {
         let across = place.length().min(1.0);
         let azimuth = (-place.y).atan2(place.x).to_degrees().round();
         Self {
-            // Straight above there is no azimuth: it stays.
+            // The azimuth is undefined straight above: keep it.
             azimuth: if across < 1e-3 { self.azimuth } else { azimuth },
             elevation: across.acos().to_degrees().round(),
             ..*self
@@ -68,12 +68,12 @@ mod tests {
     fn a_light_is_where_it_was_dragged() {
         let light = Light::parse("135,40,1,0.5,0.25").unwrap();
         assert_eq!(light.to_string(), "135,40,1,0.5,0.25");
-        // Up and to the left of the picture; cos(40 degrees) of the radius from the middle.
+        // Up and to the left of the centre, at cos(40 degrees) of the radius.
         let place = light.on_ball();
         assert!(place.x < 0.0 && place.y < 0.0);
         assert!((place.length() - 40.0_f32.to_radians().cos()).abs() < 1e-6);
         let moved = light.moved_to(vec2(0.0, 0.5));
-        // Below the middle; acos(0.5) is 60 degrees.
+        // Below the centre; acos(0.5) is 60 degrees.
         assert_eq!((moved.azimuth, moved.elevation), (-90.0, 60.0));
         assert_eq!(moved.color, light.color);
         assert_eq!(light.moved_to(vec2(9.0, 0.0)).elevation, 0.0);

@@ -1,8 +1,8 @@
 //! The window of `relievo view`: a look is tuned on a picture and saved as a recipe.
 //!
-//! What is shown is made by the functions of the command line from the arguments that it would parse; controls come
-//! from the tables of its flags. All work is done by a thread of its own, which keeps what the next picture can use
-//! ([`Session`](crate::engine::Session)); the window only asks and shows.
+//! Pictures are made by the same functions as on the command line, from the same arguments; controls come from the
+//! tables of flags. A worker thread does all computation and caches what the next picture can reuse
+//! ([`Session`](crate::engine::Session)); the window only sends requests and shows results.
 
 mod app;
 mod arrows;
@@ -30,7 +30,7 @@ use crate::error::{Error, Result};
 /// Opens a window, and returns when it is closed.
 ///
 /// # Errors
-/// [`Error::Window`] where none can be opened.
+/// [`Error::Window`] if no window can be opened.
 pub(crate) fn open(opening: Opening) -> Result<()> {
     let viewport = eframe::egui::ViewportBuilder::default()
         .with_title("relievo")

@@ -18,7 +18,7 @@ pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[Value]) {
     painter.galley(corner + margin, text, color);
 }
 
-/// The same as lines of text.
+/// The values as lines of text.
 pub(super) fn lines_of([x, y]: [usize; 2], values: &[Value]) -> Vec<String> {
     let position = format!("{:<20} {x}, {y}", "pixel");
     let lines = values.iter().map(|Value { name, numbers }| {
@@ -28,7 +28,7 @@ pub(super) fn lines_of([x, y]: [usize; 2], values: &[Value]) -> Vec<String> {
     std::iter::once(position).chain(lines).collect()
 }
 
-/// What to do first.
+/// A hint for getting started.
 pub(super) fn welcome(ui: &mut Ui) {
     ui.centered_and_justified(|ui| {
         ui.label(
@@ -39,7 +39,7 @@ pub(super) fn welcome(ui: &mut Ui) {
     });
 }
 
-/// A sign that something is being made.
+/// A busy indicator.
 pub(super) fn busy(ui: &Ui, area: Rect) {
     let painter = ui.painter_at(area);
     let at = area.right_top() + vec2(-12.0, 10.0);

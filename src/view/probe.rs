@@ -5,14 +5,14 @@ use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::product::Product;
 use crate::shape::curvature::{mapped_curvature, principal_curvatures};
 
-/// A quantity by its name in the layers that `shape` writes, and its components.
+/// A quantity named as in the layers of `shape`, and its components.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Value {
     pub(super) name: String,
     pub(super) numbers: Vec<f32>,
 }
 
-/// All that is known at a pixel of `frame`; nothing outside it.
+/// All values known at a pixel of `frame`; none outside it.
 pub(super) fn values(frame: &Frame, outcome: &Outcome, [x, y]: [usize; 2]) -> Vec<Value> {
     if x >= frame.mask.width() || y >= frame.mask.height() {
         return Vec::new();

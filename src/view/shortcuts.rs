@@ -2,7 +2,7 @@
 
 use eframe::egui::{Context, Grid, Key, KeyboardShortcut, Modifiers, Ui, Window};
 
-/// What a key does.
+/// Actions of the keyboard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Action {
     Open,
@@ -36,7 +36,7 @@ const fn shortcut(action: Action, modifiers: Modifiers, key: Key, does: &'static
     }
 }
 
-/// All of them. Those with more modifiers stand before those with fewer.
+/// All shortcuts. Those with more modifiers come first, since fewer modifiers match too.
 const SHORTCUTS: [Shortcut; 17] = [
     shortcut(
         Action::Open,
@@ -122,7 +122,7 @@ const SHORTCUTS: [Shortcut; 17] = [
     ),
 ];
 
-/// What the keys pressed ask for, unless a text is being typed.
+/// Actions of the keys pressed; while a text is being typed, only those of Ctrl and F1.
 pub(super) fn asked(context: &Context) -> Vec<Action> {
     let is_typing = context.egui_wants_keyboard_input();
     let asked = SHORTCUTS.iter().filter(|shortcut| {
@@ -133,7 +133,7 @@ pub(super) fn asked(context: &Context) -> Vec<Action> {
     asked.map(|shortcut| shortcut.action).collect()
 }
 
-/// How the keys of `action` are written; empty for one without.
+/// The keys of `action` as text; empty if it has none.
 pub(super) fn keys_of(context: &Context, action: Action) -> String {
     let shortcut = SHORTCUTS.iter().find(|shortcut| shortcut.action == action);
     shortcut.map_or(String::new(), |s| text_of(context, &s.keys))
@@ -143,12 +143,12 @@ fn text_of(context: &Context, keys: &KeyboardShortcut) -> String {
     plainly(&context.format_shortcut(keys))
 }
 
-/// A question mark as it stands on the key.
+/// Spells the question mark as on the key.
 fn plainly(keys: &str) -> String {
     keys.replace("Questionmark", "?")
 }
 
-/// The list, in a window of its own.
+/// The list of shortcuts, in its own window.
 pub(super) fn help(context: &Context, is_open: &mut bool) {
     Window::new("Keys and mouse")
         .open(is_open)

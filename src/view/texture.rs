@@ -1,4 +1,4 @@
-//! A picture on the graphics device, in tiles no larger than it takes.
+//! A picture as textures, in tiles within the device's size limit.
 
 use crate::command::look::Pixels;
 use eframe::egui::{
@@ -6,30 +6,30 @@ use eframe::egui::{
     TextureOptions, pos2, vec2,
 };
 
-/// Larger tiles gain nothing.
+/// Larger tiles bring no gain.
 const MOST: usize = 4096;
 
-/// Nearest when enlarged, so that pixels are seen as they are.
+/// Nearest-neighbour magnification, so that single pixels are visible.
 const OPTIONS: TextureOptions = TextureOptions {
     magnification: TextureFilter::Nearest,
     ..TextureOptions::LINEAR
 };
 
 struct Tile {
-    /// Its first column and row.
+    /// First column and row of the tile.
     at: [usize; 2],
     size: [usize; 2],
     handle: TextureHandle,
 }
 
-/// A picture that can be painted.
+/// A picture ready for painting.
 pub(super) struct Texture {
     pub(super) size: [usize; 2],
     tiles: Vec<Tile>,
 }
 
 impl Texture {
-    /// Uploads `pixels`, into the memory of `last` where that fits.
+    /// Uploads `pixels`, reusing the textures of `last` where sizes match.
     pub(super) fn of(context: &Context, pixels: &Pixels, last: Option<Self>) -> Self {
         let size = [pixels.width, pixels.height];
         let limit = context.input(|input| input.max_texture_side.clamp(1, MOST));
@@ -80,7 +80,7 @@ impl Texture {
     }
 }
 
-/// A part of the picture.
+/// A tile of the picture.
 fn image(pixels: &Pixels, at: [usize; 2], size: [usize; 2]) -> ColorImage {
     let rows = (at[1]..at[1] + size[1]).flat_map(|y| {
         let first = y * pixels.width + at[0];

@@ -7,7 +7,7 @@ use crate::command::look::Look;
 use eframe::egui::{self, Align, Button, ComboBox, Layout, Response, RichText, Slider, Ui};
 
 impl View {
-    /// Files, what is made, what is shown.
+    /// Files, command and layer.
     pub(super) fn toolbar(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             let has_picture = self.input().is_some();
@@ -96,7 +96,7 @@ impl View {
         picker.response.on_hover_text("Layer");
     }
 
-    /// What went wrong, or what is shown; and the frames of a sequence.
+    /// The status line: a message, or a description of the picture; and the frames of a sequence.
     pub(super) fn status(&mut self, ui: &mut Ui) {
         if let Some(frames) = self.frames.clone().filter(|frames| frames.len() > 1) {
             ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! The worker thread: reads, computes and writes for the window.
+//! The worker thread, which reads, computes and writes for the window.
 
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
@@ -13,69 +13,68 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long a change may take to be seen, in seconds; a quick look is taken at pixels so far apart that it does not.
+/// Target latency of a preview in seconds; its pixel step is chosen to meet it.
 const SOON: f64 = 0.04;
 
-/// The steps between pixels of quick looks.
+/// Pixel steps of previews.
 const STEPS: [usize; 3] = [1, 2, 4];
 
-/// A picture that is wanted.
+/// A picture to make.
 #[derive(Debug, Clone)]
 pub(super) struct Order {
     pub(super) number: u64,
     pub(super) look: Look,
     pub(super) reading: Reading,
     pub(super) layer: Layer,
-    /// Whether what it is compared with is wanted too: the same new light with no shape brought out, or the picture as it
-    /// came.
+    /// Whether the comparison is wanted too: the same relighting without shape enhancement, or the input picture.
     pub(super) before: bool,
-    /// The setting that is being changed, by which it is known how long it will take.
+    /// The setting being changed; run times are recorded by it.
     pub(super) changed: Option<String>,
-    /// Whether it is still being changed: a quick look will do.
+    /// Whether it is still being changed: a preview will do.
     pub(super) is_quick: bool,
 }
 
-/// A file that is wanted.
+/// A file to save.
 #[derive(Debug, Clone)]
 pub(super) enum Save {
     Recipe,
     Picture,
 }
 
-/// What was made of an order.
+/// A finished picture.
 #[derive(Debug)]
 pub(super) struct Shown {
     pub(super) number: u64,
-    /// Pixels between those that were looked at; 1 for all of them.
+    /// Pixel step of the result; 1 for all pixels.
     pub(super) step: usize,
-    /// Width and height of the whole picture, and how wide a pixel is for its height.
+    /// Width and height of the whole picture, and the pixel aspect ratio (width / height).
     pub(super) size: [usize; 2],
     pub(super) pixel_aspect: f32,
     pub(super) pixels: Arc<Pixels>,
     pub(super) before: Option<Arc<Pixels>>,
     pub(super) arrows: Vec<Arrow>,
-    /// What was chosen automatically, by the names of the settings.
+    /// Automatic choices, by setting.
     pub(super) chosen: Vec<(String, String)>,
     pub(super) warnings: Vec<String>,
     pub(super) took: Duration,
     pub(super) counts: BTreeMap<&'static str, u32>,
 }
 
-/// What the thread has to say.
+/// A message from the worker.
 #[derive(Debug)]
 pub(super) enum Reply {
     Shown(Box<Shown>),
-    /// The order could not be met.
+    /// The order failed.
     Failed(u64, Said),
     /// The values at a pixel.
     Probed([usize; 2], Vec<Value>),
-    /// What became of a file.
+    /// The outcome of saving a file.
     Saved(Result<PathBuf, Said>),
 }
 
 #[derive(Default)]
 struct Inbox {
-    /// Only the last picture that was asked for is made, and only the last pixel looked at.
+    /// Only the latest order is made, and only the latest pixel probed.
     order: Option<Order>,
     probe: Option<[usize; 2]>,
     saves: VecDeque<(Save, Look, Reading, PathBuf)>,
@@ -94,14 +93,14 @@ impl Shared {
     }
 }
 
-/// The thread, from the side of the window.
+/// The window's handle to the worker.
 pub(super) struct Worker {
     shared: Arc<Shared>,
     replies: Receiver<Reply>,
 }
 
 impl Worker {
-    /// Starts the thread, which works by `engine` and saves pictures by `save`; it calls `wake` after each reply.
+    /// Starts the worker on `engine`, saving pictures with `save`; it calls `wake` after each reply.
     pub(super) fn start(
         engine: Arc<Engine>,
         save: SavePicture,
@@ -151,12 +150,12 @@ impl Drop for Worker {
     }
 }
 
-/// The thread, from its own side.
+/// State of the worker thread.
 struct ViewWorker {
     session: ViewSession,
     engine: Arc<Engine>,
     save: SavePicture,
-    /// How long whole pictures took, in seconds, by the setting that was changed.
+    /// Run times of whole pictures in seconds, by the setting changed.
     times: BTreeMap<Option<String>, f64>,
     replies: Sender<Reply>,
 }
@@ -172,7 +171,7 @@ impl ViewWorker {
         while let Some(task) = next(shared) {
             let tried = catch_unwind(AssertUnwindSafe(|| self.reply(&task)));
             let reply = tried.unwrap_or_else(|_| {
-                // Whatever it had in hand may be half made.
+                // The session may hold half-made results after a panic.
                 self.session = ViewSession::new(self.engine.clone());
                 let said =
                     "this is a mistake of relievo's own, reported on stderr; please report it";
@@ -264,7 +263,7 @@ impl ViewWorker {
         })
     }
 
-    /// The step between pixels at which a picture is soon there.
+    /// The pixel step at which a picture meets [`SOON`].
     fn step(&self, order: &Order) -> usize {
         if !order.is_quick {
             return 1;
@@ -277,7 +276,7 @@ impl ViewWorker {
         STEPS.into_iter().find(soon).unwrap_or(last)
     }
 
-    /// Writes the recipe that the command line writes with the same settings.
+    /// Writes the same recipe as the command line with these settings.
     fn save_recipe(&mut self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
         self.session.make(look, reading, What::Picture, 1)?;
         let text = self.session.recipe(look, reading)?;
@@ -285,7 +284,7 @@ impl ViewWorker {
         written.map_err(|error| error.to_string())
     }
 
-    /// Writes the picture as the command line does, and by it.
+    /// Writes the picture through the command line's own code.
     fn save_picture(&self, look: &Look, reading: &Reading, path: &Path) -> Result<(), Said> {
         let numbered = reading
             .frame
@@ -294,7 +293,7 @@ impl ViewWorker {
     }
 }
 
-/// Waits for something to do: files first, then the last picture asked for, then the last pixel.
+/// Waits for the next task: files first, then the latest order, then the latest pixel.
 fn next(shared: &Shared) -> Option<Task> {
     let mut inbox = shared.inbox();
     loop {

@@ -4,42 +4,43 @@ use crate::params::range::ANGLES_DEG;
 use crate::params::table::{Unit, even};
 
 params! {
-    /// How the field of stroke directions is made ([LA] section 6.1).
+    /// Smoothing of the field of stroke directions ([LA] section 6.1).
     pub struct FieldParams in Directions {
-        /// Where strokes go that curvature does not lead, on planes and balls: degrees in the picture, or
-        /// surface for an upright direction on it.
+        /// Stroke direction where curvature gives none, on planes and balls: degrees in the picture, or surface for an
+        /// upright direction on it.
         ///
         /// By default from the lower left to the upper right, as a right hand draws.
         fallback: Fallback = Fallback::Angle(45.0),
             flag: "--fallback", form: "DEG|surface", unit: Unit::Degrees, valid: ANGLES_DEG;
-        /// How often directions are averaged with those around them: more make calmer strokes.
+        /// Number of smoothing passes over the directions: more make calmer strokes.
         ///
-        /// More give longer strokes and lose small forms; 0 shows every facet.
+        /// More passes give longer strokes and lose small forms; 0 shows every facet.
         passes: u32 = 3,
             flag: "--passes", alias: Some("field-passes"), form: "N",
             valid: 0.0..=MAX_FIELD_PASSES as f32, useful: even(0.0, MAX_FIELD_PASSES as f64);
-        /// How far around, in pixels of a quarter of the picture's size.
+        /// Radius of the smoothing, in pixels of a quarter of the picture's size.
         ///
-        /// The pixels that one pass averages over lie no farther away; their weight falls linearly to 0 there. In
-        /// perspective it holds at the median depth, and goes with the inverse of depth, so that what is far keeps its
-        /// small forms. With a [reference height](crate::params::ShapeParams::reference_height) it counts pixels of the
-        /// reference.
+        /// Each pass averages over pixels within this radius, with weights falling linearly to 0 at its rim. In
+        /// perspective the radius holds at the median depth and scales with the inverse of depth, so that distant
+        /// objects keep their small forms. With a [reference height](crate::params::ShapeParams::reference_height) it
+        /// is in pixels of the reference.
         radius_px: f32 = 6.0,
             flag: "--smoothing", alias: Some("field-radius"), form: "PX", unit: Unit::Pixels, valid: 1.0..=64.0, useful: even(1.0, 16.0);
-        /// Pixels of the picture along the side of one pixel of the field.
+        /// Size of a cell of the direction field, in pixels of the picture.
         ///
-        /// 4 makes it of a quarter of the picture's size. Less takes longer; the radius stays what it is in the picture.
+        /// 4 gives a field of a quarter of the picture's size. Smaller cells take longer; the radius in the picture
+        /// stays the same.
         cell_px: u32 = 4, unit: Unit::Pixels, valid: 1.0..=8.0;
     }
 }
 
 number_or_word! {
-    /// The direction of strokes where curvature gives none: on planes, and on balls.
+    /// The stroke direction where curvature gives none: on planes and balls.
     pub enum Fallback {
-        /// The first of the axes x, y, z of the view that is not along the normal, crossed with it ([LA]
-        /// section 4.2): upright where sight lines are parallel.
+        /// The cross product of the normal with the first of the view axes x, y, z that is not along it ([LA] section
+        /// 4.2): upright where sight lines are parallel.
         Surface = "surface",
-        /// This one in the picture, in degrees, counterclockwise from the right.
+        /// A fixed direction in the picture, in degrees counterclockwise from the right.
         Angle(f32),
     }
     whole: false,
@@ -48,22 +49,22 @@ number_or_word! {
 }
 
 choices! {
-    /// Which of the two directions of curvature strokes follow.
+    /// The principal direction that strokes follow.
     pub enum StrokeDirections {
-        /// That of the curvature larger in size: around a cylinder.
+        /// The direction of the larger curvature by magnitude: around a cylinder.
         Max = "max",
-        /// That of the lesser one: along it.
+        /// The direction of the smaller curvature: along a cylinder.
         Min = "min",
-        /// One after the other: hatching across hatching.
+        /// Both, one hatching over the other.
         Both = "both",
     }
 }
 
-/// The most passes over a field of directions.
+/// Maximum number of passes over a field of directions.
 pub(crate) const MAX_FIELD_PASSES: u32 = 6;
 
 impl StrokeDirections {
-    /// Whether strokes follow the larger curvature, and the lesser one.
+    /// Whether strokes follow the larger curvature, and the smaller.
     pub fn wanted(self) -> [bool; 2] {
         match self {
             Self::Max => [true, false],

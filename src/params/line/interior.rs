@@ -4,31 +4,31 @@ use crate::params::line::levels::LineLevels;
 use crate::params::table::{Unit, by_factors, even};
 use std::ops::RangeInclusive;
 
-/// Parts of a width.
+/// Shares of a width.
 const SHARES: RangeInclusive<f32> = 0.0..=1.0;
 
 params! {
-    /// How lines inside surfaces are drawn, where the normal turns fastest and where a surface all but turns away.
+    /// Lines inside surfaces, where the normal turns fastest and where a surface almost turns away.
     ///
-    /// Lengths are shares of the size of the picture, the root of its area.
+    /// Lengths are relative to the size of the picture, the root of its area.
     pub struct InteriorParams in Contours {
-        /// How many lines are drawn inside surfaces: a factor of what they show at least, and of their length in all.
+        /// Amount of lines inside surfaces: scales their minimum visibility and their total length.
         ///
-        /// Below 1 only the plainest are left; high values draw every ripple.
+        /// Below 1 only the strongest remain; high values draw every ripple.
         detail: f32 = 1.0, flag: "--line-detail", form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);
-        /// Size of the folds that lines inside surfaces run along, as a factor of a 300th of the picture's size.
+        /// Size of the folds traced by lines inside surfaces, as a factor of a 300th of the picture's size.
         ///
-        /// Below 1 they follow finer forms, as letters in stone; above 1 only broad ones.
+        /// Below 1 they follow finer forms, such as letters in stone; above 1 only broad ones.
         scale: f32 = 1.0, flag: "--line-scale", form: "S", valid: 0.1..=10.0, useful: by_factors(0.2, 5.0);
-        /// Width of the heaviest line inside a surface, in pixels of a picture of 640 by 480; it grows with the picture,
-        /// and not with --stroke-scale.
+        /// Width of the heaviest line inside a surface, in pixels of a 640 by 480 picture; it scales with the picture,
+        /// not with --stroke-scale.
         width_px: f32 = 2.3,
             flag: "--line-width", form: "PX", unit: Unit::Pixels, valid: 1e-3..=1e3, useful: even(0.2, 10.0);
-        /// Width of lines along ridges as a share of that of lines along valleys; 0 draws none.
+        /// Width of ridge lines as a share of the width of valley lines; 0 draws none.
         ridge_share: f32 = 0.7, flag: "--ridge-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
-        /// Width of lines along the edges of cast shadows as a share of that of lines along valleys; 0 draws none.
+        /// Width of lines along cast shadow edges as a share of the width of valley lines; 0 draws none.
         ///
-        /// They run where the picture changes by more than the turn of the surface accounts for. Where the frame has an
+        /// They run where the picture changes by more than the turning of the surface explains. Where the frame has an
         /// albedo, paint does not count as shadow.
         shadow_share: f32 = 0.0, flag: "--shadow-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that the faintest line inside a surface loses.
@@ -37,17 +37,18 @@ params! {
         depth_emphasis: f32 = 0.2, flag: "--line-depth", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
         /// Share of its width that a line inside a surface loses where a lamp from the upper left lights it fully.
         ///
-        /// Lines in shadow keep theirs. At 1 lines in full light vanish.
+        /// Lines in shadow keep their width. At 1 lines in full light vanish.
         light_emphasis: f32 = 0.2, flag: "--line-light", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
-        /// What widths of lines inside surfaces are fit to, as a run prints it to a recipe; auto fits the picture.
+        /// Levels that widths of lines inside surfaces are fitted to, as a run writes them to a recipe; auto fits the
+        /// picture.
         ///
-        /// In a sequence it is chosen once, so that lines keep their weight.
+        /// Chosen once per sequence, so that lines keep their weight.
         levels: LineLevels = LineLevels::Auto, flag: "--line-levels", form: "STRONGEST,NEAR,FAR|auto";
     }
 }
 
 on_or_off! {
-    /// Interior lines are drawn or not. Where they are not, their settings are checked and dropped.
+    /// Switches interior lines. When off, their settings are validated and dropped.
     InteriorParams as interior in Contours, flag: "--interior",
     doc: ["Lines inside surfaces: along valleys and ridges, and where a surface all but turns away."]
 }

@@ -1,4 +1,4 @@
-//! Numbers that a drawing is fit to: of the picture itself, or chosen once for several that go together.
+//! Levels that a drawing is fitted to: from the picture itself, or chosen once for a whole sequence.
 
 use crate::params::Param;
 use crate::params::table::Kind;
@@ -6,30 +6,30 @@ use crate::params::value::{Value, finite};
 use crate::quantile::quantile;
 use serde::Serialize;
 
-/// The levels that a drawing is fit to: `N` numbers.
+/// The levels that a drawing is fitted to: `COUNT` numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase", bound = "[f32; COUNT]: Serialize")]
 pub enum Levels<const COUNT: usize> {
-    /// The picture.
+    /// Levels of the picture itself.
     Auto,
-    /// These.
+    /// Given levels.
     Given([f32; COUNT]),
 }
 
-/// What a tone that shows the shape is fit to: the median luminance; middle and spread of the picture's brightness in stops
-/// about it, and of that in the key light; and the brightness, in spreads, that 0, 2, 5, 10, 20, 30 and so on to 80, 95 and
-/// 100 % of what shows form are below.
+/// Levels of shape-showing tones: median luminance; centre and spread of the picture's brightness in stops about it,
+/// and the same for the key light; then brightness, in spreads, at the percentiles 0, 2, 5, 10, 20, 30 to 80, 95 and
+/// 100 of pixels that show form.
 pub type ToneLevels = Levels<18>;
 
-/// What widths of lines inside surfaces are fit to: the strength, in radians that the normal turns over the picture, from
-/// which on lines are as heavy as they become, and the natural logarithms of the depth of the nearest and of the farthest.
+/// Levels for widths of interior lines: the strength, in radians of normal turn over the picture, from which lines have
+/// full weight, and the natural logarithms of the nearest and farthest depth.
 pub type LineLevels = Levels<3>;
 
 impl<const COUNT: usize> Levels<COUNT> {
-    /// How many there are.
+    /// Number of levels.
     pub const COUNT: usize = COUNT;
 
-    /// Of each level the median of those of several pictures.
+    /// The median of each level over several pictures.
     pub(crate) fn median(each: impl Iterator<Item = [f32; COUNT]>) -> Option<[f32; COUNT]> {
         let each: Vec<_> = each.collect();
         let middle = |i: usize| {
@@ -61,5 +61,5 @@ impl<const COUNT: usize> Value for Levels<COUNT> {
     }
 }
 
-/// The word for levels that fit the picture.
+/// Word for levels fitted to the picture.
 const AUTO: &str = "auto";

@@ -25,22 +25,22 @@ pub(crate) use strokes::{MAX_LEVELS, MM_PER_INCH};
 pub use tone::{Background, ToneParams, ToneSource};
 
 params! {
-    /// How a frame is drawn ([LA] section 6).
+    /// Drawing of a frame ([LA] section 6).
     pub struct LineParams in Directions {
-        /// What becomes light and dark.
+        /// Tone: light and dark in the drawing.
         tone: ToneParams;
-        /// Directions of curvature that strokes follow: of the larger, around a cylinder; of the lesser, along
-        /// it; both, the dark crossed by a second hatching.
+        /// Principal directions that strokes follow: max (larger curvature, around a cylinder), min (smaller, along
+        /// it), or both, crossing a second hatching in dark areas.
         directions: StrokeDirections = StrokeDirections::Both, flag: "--directions", form: "WHICH";
-        /// How those directions are made calm.
+        /// Smoothing of stroke directions.
         field: FieldParams;
-        /// The strokes of the hatching.
+        /// Strokes of the hatching.
         strokes: StrokeParams;
         /// Lines along silhouettes and creases; `None` draws none.
         contours: Option<ContourParams>;
         /// Lines inside surfaces; `None` draws none.
         interior: Option<InteriorParams>;
-        /// A drawing of contours and interior lines alone, without strokes.
+        /// Draw contours and interior lines only, without strokes.
         lines_only: bool = false, flag: "--lines-only", group: Group::Contours;
     }
 }

@@ -1,22 +1,22 @@
-//! Directions of strokes on single objects.
+//! Stroke directions of single objects.
 
 use super::Fallback;
 use crate::params::range::ANGLES_DEG;
 use std::str::FromStr;
 
-/// Where strokes go on one object, or on several of like names, that curvature does not lead.
+/// Stroke direction where curvature gives none, for the objects that match a name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectAngle {
     /// The object's name in Cryptomatte, with `*` and `?` for any letters, or its number in an index pass.
     pub name: String,
-    /// Where they go.
+    /// The direction of strokes.
     pub fallback: Fallback,
 }
 
 impl FromStr for ObjectAngle {
     type Err = String;
 
-    /// Reads `NAME=DEG` or `NAME=surface`. The last `=` parts them: names may hold others.
+    /// Reads `NAME=DEG` or `NAME=surface`, split at the last `=`: names may contain others.
     fn from_str(text: &str) -> Result<Self, String> {
         const EXPECTED: &str = "expected NAME=DEG or NAME=surface, as in Floor=20";
         let parts = text.rsplit_once('=');

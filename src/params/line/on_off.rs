@@ -1,17 +1,17 @@
-//! What is drawn with settings of its own, or not at all.
+//! Switches for optional features with settings of their own.
 
 choices! {
-    /// Whether something is done.
+    /// The two positions of a switch.
     pub(super) enum OnOff {
-        /// It is.
+        /// The feature is drawn.
         On = "on",
-        /// It is not.
+        /// The feature is left out.
         Off = "off",
     }
 }
 
-/// The row that switches a struct of parameters, and the parameters of an `Option` of it: where it is off, its settings
-/// are checked and dropped.
+/// The row that switches a parameter struct, and the rows of an `Option` of it: when off, its settings are validated
+/// and dropped.
 macro_rules! on_or_off {
     (
         $(#[doc = $why:literal])*

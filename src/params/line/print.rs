@@ -1,4 +1,4 @@
-//! Drawings for print: the paper that they are to fit.
+//! Paper sizes for print.
 
 use super::strokes::{MAX_TIMES, MM_PER_INCH};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
 use serde::Serialize;
 
-/// The paper that a drawing is to fit.
+/// The paper that a drawing is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PaperSize {
     /// Width in millimetres.
@@ -16,10 +16,10 @@ pub struct PaperSize {
     pub height_mm: f32,
 }
 
-/// The least and the largest side of a paper, in millimetres.
+/// Smallest and largest side of a paper, in millimetres.
 const SIDES_MM: [f32; 2] = [1.0, 10_000.0];
 
-/// Units that a size can be given in, and their millimetres.
+/// Units accepted for a size, in millimetres.
 const UNITS: [(&str, f32); 3] = [("mm", 1.0), ("cm", 10.0), ("in", MM_PER_INCH)];
 
 impl Value for PaperSize {
@@ -48,11 +48,13 @@ impl Value for PaperSize {
 }
 
 impl PaperSize {
-    /// How many times larger than its picture a drawing is that just fits the paper, 1 to 16; the picture has `size_px`
-    /// columns and rows of pixels `pixel_aspect` times as wide as high, the print `dpi` pixels per inch of its height.
+    /// Enlargement of a picture, 1 to 16, that makes its drawing just fit the paper. The picture has `size_px` columns
+    /// and rows of pixels with aspect ratio `pixel_aspect` (width / height); the print has `dpi` pixels per inch
+    /// vertically.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] where the paper takes fewer pixels than the picture has, or too many, with the dpi that would do.
+    /// [`Error::BadParameter`] where the paper takes fewer pixels than the picture has, or too many, with a suitable
+    /// dpi.
     pub fn factor(self, size_px: [usize; 2], pixel_aspect: f32, dpi: f32) -> Result<f64> {
         let [width_px, height_px] = size_px.map(|side| side.max(1) as f64);
         let per_mm = f64::from(dpi) / f64::from(MM_PER_INCH);
@@ -83,7 +85,7 @@ impl PaperSize {
     }
 }
 
-/// A number that is whole but for the rounding of millimetres as the whole one.
+/// Rounds numbers that are whole up to the rounding of millimetres.
 fn whole(number: f64) -> f64 {
     let whole = number.round();
     if (number - whole).abs() < 1e-6 * whole {
@@ -123,10 +125,10 @@ mod tests {
     #[test]
     fn a_drawing_just_fits_its_paper() {
         let size = |text| parsed(text).unwrap().unwrap();
-        // 4 inches at 300 are 1200 pixels, 3.75 times 320; 4 inches down would be 5 times 240.
+        // 4 inches at 300 dpi are 1200 pixels, 3.75 times 320; 4 inches down would be 5 times 240.
         let factor = size("4x4in").factor([320, 240], 1.0, 300.0).unwrap();
         assert!((factor - 3.75).abs() < 1e-6, "{factor}");
-        // Pixels twice as wide as high take twice the width.
+        // With a pixel aspect of 2 the paper fits half the factor: 1.875.
         let factor = size("4x4in").factor([320, 240], 2.0, 300.0).unwrap();
         assert!((factor - 1.875).abs() < 1e-6, "{factor}");
         assert_eq!(size("1x1in").factor([300, 200], 1.0, 300.0).unwrap(), 1.0);

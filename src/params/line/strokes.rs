@@ -1,4 +1,4 @@
-//! Strokes: how each is drawn, and how directions are cut into partitions.
+//! Strokes: style, size, and quantisation of directions.
 
 use crate::error::{Error, Result};
 use crate::params::range::in_range;
@@ -7,26 +7,27 @@ use crate::params::value::{Value, finite};
 use crate::params::{Group, Param};
 use serde::Serialize;
 
-/// What strokes are drawn with.
+/// Drawing tool and technique.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {
-    /// Ink: black, sharp, swelling with pressure.
+    /// Ink: black and sharp, wider under pressure.
     Pen,
-    /// Graphite: soft, grey, caught by the grain of the paper.
+    /// Graphite: soft and grey, with paper grain.
     Pencil,
-    /// Pictures of one's own at several tones; sizes are factors of theirs.
+    /// Custom stroke pictures at several tones; sizes are factors of theirs.
     Pictures,
-    /// Ink, every stroke a line of its own that runs as long as it can: for plotters, and to be edited.
+    /// Ink, each stroke a separate line as long as possible: for plotters, and for editing.
     Lines,
-    /// Ink, lines evenly apart that swell with tone and run to points, the dark crossed: as engraved in copper.
+    /// Ink, evenly spaced lines that swell with tone and end in points, cross-hatched in the dark, as in copper
+    /// engraving.
     Engraving,
-    /// Ink, in dots of about one size, many in the dark and few in the light.
+    /// Ink, dots of about one size, dense in the dark and sparse in the light.
     Stipple,
 }
 
 impl Style {
-    /// Those that have a name.
+    /// The styles with a name.
     const NAMED: [(Self, Choice); 5] = [
         (
             Self::Pen,
@@ -78,7 +79,7 @@ impl Value for Style {
         [pen, pencil, lines, engraving, stipple]
     });
 
-    /// What is no name is a folder of pictures.
+    /// A text that is not a style name is a folder of pictures.
     fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
         let named = Self::NAMED.iter().find(|(_, choice)| choice.name == text);
         Ok(named.map_or(Self::Pictures, |(style, _)| *style))
@@ -91,19 +92,19 @@ impl Value for Style {
 }
 
 choices! {
-    /// When an SVG is made ready for a pen plotter.
+    /// When an SVG is optimised for a pen plotter.
     pub enum Plotter {
-        /// Where strokes are engraved, or dots.
+        /// For engraving and stipple.
         Auto = "auto",
         /// Always.
         On = "on",
-        /// Never: lines in the order they were laid in.
+        /// Never: lines stay in the order they were placed.
         Off = "off",
     }
 }
 
 impl Plotter {
-    /// Whether an SVG of strokes of this style is made ready for one.
+    /// Whether an SVG of this style is optimised for a plotter.
     pub fn is_on(self, style: Style) -> bool {
         match self {
             Self::Auto => matches!(style, Style::Engraving | Style::Stipple),
@@ -114,24 +115,24 @@ impl Plotter {
 }
 
 choices! {
-    /// Where lines that are laid one by one end at edges.
+    /// Where separately placed lines end at edges.
     pub enum AtEdges {
         /// On the edge, under the line along it.
         Meet = "meet",
-        /// Before it, which leaves a rim of paper.
+        /// Before the edge, leaving a rim of paper.
         Stop = "stop",
     }
 }
 
-/// How large strokes are.
+/// Size of strokes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StrokeScale {
-    /// As large as carries the forms of a picture of its size: spacing is a 220th of the root of its area.
+    /// Fitted to the picture: spacing is a 220th of the root of its area.
     Auto,
     /// The style's own sizes times this factor, in output pixels.
     Factor(f32),
-    /// As large as makes strokes this wide, in millimetres, on paper.
+    /// The size that makes strokes this wide on paper, in millimetres.
     Millimetres(f32),
 }
 
@@ -158,7 +159,7 @@ impl Value for StrokeScale {
         })
     }
 
-    /// A range is one of factors.
+    /// The range applies to factors only.
     fn outside(&self, row: &Param) -> Option<String> {
         match self {
             Self::Factor(factor) => factor.outside(row),
@@ -167,23 +168,23 @@ impl Value for StrokeScale {
     }
 }
 
-/// The word for a scale that fits the picture.
+/// Word for a scale fitted to the picture.
 const AUTO: &str = "auto";
 
-/// The picture's size, the root of its area, in which strokes of scale 1 carry its forms, and the scales that are fit to any.
+/// Picture size, the root of its area, at which strokes of scale 1 carry its forms, and the range of fitted scales.
 const SIZE_AT_SCALE_1_PX: f32 = 1320.0;
 const FIT_SCALES: [f32; 2] = [0.35, 4.0];
 
-/// The picture's size in which lines along edges have their own width.
+/// Picture size at which lines along edges have their nominal width.
 const SIZE_OF_LINES_PX: f32 = 554.0;
 
 number_or_word! {
-    /// How many times larger than its picture a drawing is.
+    /// Enlargement of the picture before drawing.
     #[derive(Eq)]
     pub enum Enlargement {
-        /// So large that strokes carry its forms: a small picture has too few pixels for them.
+        /// Enough for strokes to carry the forms of a small picture, which has too few pixels for them.
         Auto = "auto",
-        /// So many times.
+        /// A given factor.
         Times(u32),
     }
     whole: true,
@@ -191,11 +192,11 @@ number_or_word! {
     expected: format!("expected auto or a whole number, 1 to {MAX_TIMES}"),
 }
 
-/// The most that a drawing is enlarged.
+/// Maximum enlargement of a drawing.
 pub(super) const MAX_TIMES: u32 = 16;
 
 impl Enlargement {
-    /// How many times larger a drawing of a picture of this size, the root of its area in pixels, is.
+    /// Enlargement for a picture of this size, the root of its area in pixels.
     pub fn times(self, size_px: f32) -> usize {
         match self {
             Self::Auto => ((SIZE_AT_SCALE_1_PX / size_px.max(1.0)).ceil() as usize)
@@ -206,11 +207,11 @@ impl Enlargement {
 }
 
 choices! {
-    /// What a pixel of a picture of a drawing can be.
+    /// Pixel values of a drawing.
     pub enum Ink {
-        /// Any grey: the rims of strokes are smooth.
+        /// Grey levels: strokes have smooth edges.
         Antialiased = "antialiased",
-        /// Black or white alone, with the tone kept: what a press or a laser printer puts on paper.
+        /// Black or white only, with the tone preserved: for a press or a laser printer.
         Bilevel = "bilevel",
     }
 }
@@ -218,70 +219,70 @@ choices! {
 params! {
     /// The strokes of a hatching.
     pub struct StrokeParams in Strokes {
-        /// What strokes are drawn with; lines are strokes as long as they can be, one by one, as an SVG has them, and an
-        /// engraving's swell with tone; stipple is dots; a folder holds pictures of strokes along the horizontal, one per tone.
+        /// Drawing tool: lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
+        /// uses dots; a folder holds pictures of horizontal strokes, one per tone.
         style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|engraving|stipple|DIR";
-        /// What pixels of a PNG or TIFF are: any grey, or with bilevel black and white alone, for print.
+        /// Pixels of a PNG or TIFF: grey levels, or bilevel for black and white only, for print.
         ///
-        /// Layers of an EXR hold how much of a pixel is covered either way.
+        /// Layers of an EXR always hold coverage.
         ink: Ink = Ink::Antialiased, flag: "--ink", form: "KIND";
-        /// Size of strokes: auto fits the picture; a factor of the style's own pixels; or the width of a stroke on paper as
-        /// in 0.3mm.
+        /// Size of strokes: auto fits the picture; a number is a factor of the style's own size in pixels; a length
+        /// such as 0.3mm is the stroke width on paper.
         ///
-        /// Small strokes melt into grey; large ones no longer follow the form.
+        /// Small strokes blend into grey; large ones no longer follow the form.
         scale: StrokeScale = StrokeScale::Auto, flag: "--stroke-scale", form: "S|MMmm|auto", valid: 0.05..=1000.0;
-        /// Pixels per inch of the print, which PNG, JPEG and TIFF say too: 300 for drawings where not given, and what the
-        /// photo says for other pictures.
+        /// Pixels per inch of the print, also stored in PNG, JPEG and TIFF; by default 300 for drawings, and the value
+        /// stored in the photo for other pictures.
         dpi: Option<f32> = None,
             flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0, group: Group::Print;
-        /// Width of a stroke pressed hard, in pixels at scale 1; the style's own where not given.
+        /// Width of a stroke at full pressure, in pixels at scale 1; by default that of the style.
         width_px: Option<f32> = None,
             flag: "--stroke-width", form: "PX", unit: Unit::Pixels, valid: 0.05..=100.0, useful: even(0.2, 10.0);
-        /// Length of a stroke, likewise.
+        /// Length of a stroke, in pixels at scale 1; by default that of the style.
         ///
-        /// Long strokes are calm; short ones follow tight curves.
+        /// Long strokes look calm; short ones follow tight curves.
         length_px: Option<f32> = None,
             flag: "--stroke-length", form: "PX", unit: Unit::Pixels, valid: 1.0..=10_000.0;
-        /// Distance between strokes in light tones, likewise.
+        /// Distance between strokes in light tones, in pixels at scale 1; by default that of the style.
         ///
-        /// Wide spacing makes darker strokes stand alone; narrow spacing thins them.
+        /// Wide spacing isolates darker strokes; narrow spacing thins them.
         spacing_px: Option<f32> = None,
             flag: "--stroke-spacing", form: "PX", unit: Unit::Pixels, valid: 0.5..=1000.0, useful: even(1.0, 40.0);
-        /// How far strokes stray from straight, 0 to 1; the style's own where not given.
+        /// Deviation of strokes from straight, 0 to 1; by default that of the style.
         ///
-        /// 0 is ruled, 1 is a trembling hand.
+        /// 0 is ruled, 1 a trembling hand.
         wobble: Option<f32> = None, flag: "--wobble", form: "W", valid: 0.0..=1.0, useful: even(0.0, 1.0);
-        /// How much strokes swell with tone, 0 to 1, likewise.
+        /// How much strokes widen with tone, 0 to 1; by default that of the style.
         ///
-        /// At 0 the number of strokes alone makes the tone.
+        /// At 0 tone comes from the number of strokes alone.
         pressure: Option<f32> = None, flag: "--pressure", form: "P", valid: 0.0..=1.0, useful: even(0.0, 1.0);
-        /// Where lines that are laid one by one end at silhouettes and creases.
+        /// Where separately placed lines end at silhouettes and creases.
         at_edges: AtEdges = AtEdges::Meet, flag: "--at-edges", form: "HOW";
-        /// Chooses one drawing of many.
+        /// Random seed: each gives another drawing.
         seed: u64 = 1, flag: "--seed", form: "N";
-        /// Whether an SVG is made ready for a pen plotter: what is near is drawn next, from the nearer end, bends under a
-        /// tenth of a pixel are left out, and every width of every kind of line is a layer; it says how far the pen goes
-        /// in the air.
+        /// When to optimise an SVG for a pen plotter: each line is followed by the nearest one, from its nearer end,
+        /// bends under a tenth of a pixel are left out, and each width of each kind of line gets a layer; the run
+        /// reports the distance travelled with the pen up.
         plotter: Plotter = Plotter::Auto, flag: "--plotter", form: "WHEN";
-        /// Levels that directions are quantised to: more follow the form with shorter strokes.
+        /// Quantisation levels of stroke directions: more levels follow the form better, with shorter strokes.
         ///
-        /// They divide half a turn; [LA] takes 12 to 24. Few make long strokes that turn in jumps.
+        /// They divide half a turn; [LA] uses 12 to 24. Few levels give long strokes that turn in jumps.
         levels: u32 = 16, flag: "--levels", form: "N", valid: 1.0..=MAX_LEVELS as f32, useful: even(2.0, 64.0);
-        /// Sets of levels laid over one another: more hide the borders between levels.
+        /// Overlaid sets of levels: more hide the borders between levels.
         ///
-        /// Each is offset by its share of a level. They take as much longer.
+        /// Each is offset by an equal fraction of a level. Run time grows with their number.
         sets: u32 = 1, flag: "--sets", form: "N", valid: 1.0..=8.0;
     }
     relations StrokeParams::relations;
 }
 
-/// Past this a level turns by less than strokes tremble.
+/// Beyond this a level turns by less than strokes wobble.
 pub(crate) const MAX_LEVELS: u32 = 360;
 
-/// Sizes and habits of a stroke, in output pixels.
+/// Sizes and character of a stroke, in output pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stroke {
-    /// Width pressed hard.
+    /// Width at full pressure.
     pub width_px: f32,
     /// Length.
     pub length_px: f32,
@@ -294,12 +295,12 @@ pub struct Stroke {
 }
 
 impl Style {
-    /// Whether its strokes are laid one by one, in place of being cut from a texture.
+    /// Whether strokes are placed one by one rather than cut from a texture.
     pub fn is_laid(self) -> bool {
         matches!(self, Self::Lines | Self::Engraving | Self::Stipple)
     }
 
-    /// How the style draws where nothing else is said, at scale 1.
+    /// The style's default stroke at scale 1.
     pub fn stroke(self) -> Stroke {
         match self {
             Self::Pen | Self::Pictures => Stroke {
@@ -323,7 +324,7 @@ impl Style {
                 wobble: 0.0,
                 pressure: 0.93,
             },
-            // Dots are as wide, and as many as tone asks for.
+            // Dots are as wide as strokes; their number follows tone.
             Self::Stipple => Stroke {
                 width_px: 2.2,
                 length_px: 2.2,
@@ -343,9 +344,9 @@ impl Style {
 }
 
 impl StrokeParams {
-    /// Puts the factor that fits a picture of this size, the root of its area, in the place of [`StrokeScale::Auto`], with
-    /// `resolution_factor` as in [`StrokeParams::factor`]. Returns the factor of lines along edges: that of strokes, but
-    /// for one that fits. Strokes shrink for the sake of small forms, lines have to be seen.
+    /// Replaces [`StrokeScale::Auto`] by the factor fitted to a picture of this size, the root of its area, with
+    /// `resolution_factor` as in [`StrokeParams::factor`]. Returns the factor for lines along edges. It equals that of
+    /// strokes unless fitted: strokes shrink to show small forms, but lines must stay visible.
     pub(crate) fn fit(&mut self, size_px: f32, resolution_factor: f32) -> f32 {
         if self.scale != StrokeScale::Auto {
             return self.factor(resolution_factor);
@@ -359,13 +360,13 @@ impl StrokeParams {
         size_px / SIZE_OF_LINES_PX
     }
 
-    /// Pixels per inch of the drawing on paper.
+    /// Resolution of the drawing on paper, in pixels per inch.
     pub fn print_dpi(&self) -> f32 {
         self.dpi.unwrap_or(DPI)
     }
 
-    /// Output pixels for one at scale 1, in a picture of which `resolution_factor` pixels stand for one of
-    /// the reference.
+    /// Output pixels per pixel at scale 1, in a picture where `resolution_factor` pixels correspond to one of the
+    /// reference.
     pub fn factor(&self, resolution_factor: f32) -> f32 {
         let width = self.width_px.unwrap_or(self.style.stroke().width_px);
         match self.scale {
@@ -375,7 +376,7 @@ impl StrokeParams {
         }
     }
 
-    /// The strokes in such a picture.
+    /// Stroke sizes in output pixels, with `resolution_factor` as in [`StrokeParams::factor`].
     pub fn stroke(&self, resolution_factor: f32) -> Stroke {
         let own = self.style.stroke();
         let scale = self.factor(resolution_factor);
@@ -405,5 +406,5 @@ impl StrokeParams {
 
 pub(crate) const MM_PER_INCH: f32 = 25.4;
 
-/// Pixels per inch of drawings for which none are given.
+/// Default resolution of drawings, in pixels per inch.
 const DPI: f32 = 300.0;

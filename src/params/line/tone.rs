@@ -6,47 +6,47 @@ use crate::params::line::levels::ToneLevels;
 use crate::params::table::{by_factors, even};
 
 params! {
-    /// From the luminance of a picture to the tone of paper: 0 black, 1 the paper itself.
+    /// Mapping from the luminance of a picture to the tone of paper: 0 black, 1 the paper itself.
     pub struct ToneParams in Tone {
-        /// Share of a key light in a tone that shows the shape; the rest is the picture's own light.
+        /// Share of a key light in shape-showing tones; the rest is the picture's own light.
         ///
-        /// It is for --tone auto. More show forms in flat light; 0 leaves the picture its light and its colours' tones.
+        /// Used by --tone auto. More shows forms in flat light; 0 keeps the light and local tones of the picture.
         key_share: f32 = 0.65, flag: "--key-share", form: "SHARE", valid: 0.0..=1.0, useful: even(0.0, 1.0);
-        /// How surfaces without form that reach the border of the picture are drawn: floors, walls.
+        /// Drawing of surfaces without form that reach the border of the picture, such as floors and walls.
         ///
-        /// It is for --tone auto too.
+        /// Used by --tone auto.
         background: Background = Background::Plain, flag: "--background", form: "HOW";
-        /// Paper left bare behind the rim of what stands before something else, as a factor of a 350th of the picture's
+        /// Width of the gap of bare paper behind the rim of a nearer object, as a factor of a 350th of the picture's
         /// size.
         ///
-        /// It is for --tone auto too, and takes depth. 0 leaves none; wide ones read as light.
+        /// Used by --tone auto; needs depth. 0 leaves no gap; wide gaps read as light.
         halo: f32 = 1.0, flag: "--halo", form: "FACTOR", valid: 0.0..=20.0, useful: even(0.0, 4.0);
-        /// What a tone that shows the shape is fit to, as a run prints it to a recipe; auto fits the picture.
+        /// Levels that shape-showing tones are fitted to, as a run writes them to a recipe; auto fits the picture.
         ///
-        /// It is for --tone auto. In a sequence it is chosen once, so that tones do not flicker.
+        /// Used by --tone auto. Chosen once per sequence, so that tones do not flicker.
         levels: ToneLevels = ToneLevels::Auto, flag: "--tone-levels", form: "L,...|auto";
-        /// Luminance from which on paper stays white, or auto to fit the picture.
+        /// Luminance above which paper stays white, or auto to fit the picture.
         ///
-        /// It is scene-linear. Auto takes a high percentile of the surface's own.
+        /// In scene-linear units. Auto takes a high percentile over the surface.
         white_point: Adaptive = Adaptive::Auto,
             flag: "--white-point", form: "L|auto", valid: LEVELS, useful: by_factors(0.01, 10.0);
-        /// Share of the white point up to which all is black.
+        /// Share of the white point below which the drawing is black.
         black_point: f32 = 0.0, flag: "--black-point", form: "B", valid: 0.0..=0.99, useful: even(0.0, 0.9);
-        /// Tone curve: at 1 the drawing is as bright as the picture from afar; more lightens it.
+        /// Tone curve: at 1 the drawing matches the picture's brightness from afar; more lightens it.
         ///
-        /// Tone is the share of white to the power of 1 / gamma. Higher values approach what eyes call as bright.
+        /// Tone is (luminance / white point)^(1 / gamma). Higher values approach perceived brightness.
         gamma: f32 = 2.2, flag: "--tone-gamma", form: "G", valid: 0.1..=10.0, useful: even(0.2, 3.0);
     }
 }
 
 choices! {
-    /// How surfaces without form that reach the border of the picture are drawn.
+    /// Drawing of surfaces without form that reach the border of the picture.
     pub enum Background {
-        /// As all others.
+        /// Like all other surfaces.
         Strokes = "strokes",
-        /// With few strokes: the subject stands out.
+        /// With few strokes, so that the subject stands out.
         Plain = "plain",
-        /// Not at all.
+        /// Left blank.
         None = "none",
     }
 }
@@ -54,11 +54,12 @@ choices! {
 choices! {
     /// Where the tone of a drawing comes from.
     pub enum ToneSource {
-        /// What shows the shape: a key light with the picture, or with new light where any is given, from ink to paper.
+        /// Shape: a key light combined with the picture, or with new light where any is given, stretched from ink to
+        /// paper.
         Auto = "auto",
-        /// The picture by radiance scaling.
+        /// The picture after radiance scaling.
         Enhance = "enhance",
-        /// The picture as it is.
+        /// The picture unchanged.
         Picture = "picture",
         /// New light.
         Relight = "relight",
