@@ -16,9 +16,8 @@ use crate::params::{LineParams, RunOptions};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 
-/// Runs requests and plans on the backends of this machine, one at a time. Outcomes given back with
-/// [`recycle`](Engine::recycle) lend their memory to the next ones; what was prepared for the last environment and the
-/// last texture of strokes is cached.
+/// Runs requests and plans on the backends of this machine, one at a time. Memory of outcomes returned by
+/// [`recycle`](Engine::recycle) is reused; the last prepared environment and the last stroke texture are cached.
 #[derive(Debug, Default)]
 pub struct Engine {
     cpu: cpu::Runner,
@@ -26,30 +25,30 @@ pub struct Engine {
     device: OnDevice,
 }
 
-/// The name of all work on a device, in [`Progress`](crate::engine::Progress).
+/// Name of device work in [`Progress`](crate::engine::Progress).
 #[cfg(feature = "gpu")]
 const DEVICE: &str = "device";
 
-/// How far a device is used.
+/// Use of a device.
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 enum OnDevice {
-    /// Not at all; the reason, where one was looked for.
+    /// None; with the reason, if one was looked for.
     No(Option<Error>),
-    /// For plans it has kernels for; the CPU runs the others.
+    /// Plans it has kernels for; the CPU runs the others.
     Maybe(gpu::Runner),
-    /// For everything.
+    /// All plans.
     Only(gpu::Runner),
 }
 
 impl Engine {
-    /// The CPU alone.
+    /// CPU only.
     pub fn cpu() -> Self {
         Self::default()
     }
 
-    /// A hardware GPU for plans it has kernels for, where there is one and the crate was built with the feature `gpu`; the
-    /// CPU for the others, and for all if the device fails.
+    /// A hardware GPU for plans it has kernels for, if there is one and the crate was built with the feature `gpu`; the
+    /// CPU for the others, and for all plans if the device fails.
     pub fn auto() -> Self {
         Self {
             cpu: cpu::Runner::default(),
@@ -61,16 +60,16 @@ impl Engine {
         }
     }
 
-    /// A device for everything, be it software.
+    /// Any device, software included, for all plans.
     ///
     /// # Errors
-    /// [`Error::NoGpu`] where there is none, and in a build without the feature `gpu`.
+    /// [`Error::NoGpu`] if there is none, and in a build without the feature `gpu`.
     #[cfg(feature = "gpu")]
     pub fn gpu() -> Result<Self> {
         Device::open(Choice::Any).map(Self::on)
     }
 
-    /// The given device for everything.
+    /// The given device for all plans.
     #[cfg(feature = "gpu")]
     pub fn on(device: Device) -> Self {
         Self {
@@ -79,10 +78,10 @@ impl Engine {
         }
     }
 
-    /// A device for everything, be it software.
+    /// Any device, software included, for all plans.
     ///
     /// # Errors
-    /// [`Error::NoGpu`] where there is none, and in a build without the feature `gpu`.
+    /// [`Error::NoGpu`] if there is none, and in a build without the feature `gpu`.
     #[cfg(not(feature = "gpu"))]
     pub fn gpu() -> Result<Self> {
         Err(Error::NoGpu {
@@ -91,7 +90,7 @@ impl Engine {
         })
     }
 
-    /// The same engine with the CPU as fallback for plans that the device has no kernels for.
+    /// Adds the CPU as fallback for plans that the device has no kernels for.
     #[must_use]
     pub fn or_cpu(self) -> Self {
         #[cfg(feature = "gpu")]
@@ -104,7 +103,7 @@ impl Engine {
         self
     }
 
-    /// The same engine with these options for the CPU: they change run time, never a bit of the result.
+    /// Sets options of the CPU: they change run time, never a bit of the result.
     #[must_use]
     pub fn with_options(mut self, options: RunOptions) -> Self {
         self.cpu.options = options;
@@ -152,7 +151,7 @@ impl Engine {
         Ok(outcome)
     }
 
-    /// Runs the whole frame, on the caller's threads.
+    /// Runs the whole frame on the caller's threads.
     fn execute_here(
         &self,
         plan: &Plan,
@@ -168,8 +167,8 @@ impl Engine {
         }
     }
 
-    /// As [`Engine::execute`], bit for bit, in half the memory for a large frame that the CPU draws in its own light: the
-    /// picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
+    /// As [`Engine::execute`], bit for bit, with half the memory for a large frame that the CPU draws in its own light:
+    /// the picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Engine::execute`].
@@ -192,10 +191,10 @@ impl Engine {
         Ok(outcome)
     }
 
-    /// The result of the device; `None` where the CPU is to run the plan. A lost device is reported once.
+    /// The result of the device; `None` if the CPU must run the plan. A lost device is reported once.
     ///
     /// # Errors
-    /// If the device fails or lacks kernels, and there is no fallback.
+    /// If the device fails or lacks kernels and there is no fallback.
     #[cfg(feature = "gpu")]
     pub(crate) fn on_device(
         &self,
@@ -228,7 +227,7 @@ impl Engine {
         }
         run.watch().begins(DEVICE, 0.0);
         match gpu.execute_watched(plan, frame, inputs, run.watch()) {
-            // The CPU would refuse it too.
+            // The CPU would fail with the same error.
             Err(error @ (Error::Unfit { .. } | Error::Cancelled)) => Err(error),
             Err(error) => {
                 let how_long = match gpu.device().is_lost() {
@@ -242,7 +241,7 @@ impl Engine {
         }
     }
 
-    /// A build without the feature `gpu` runs nothing on a device.
+    /// Without the feature `gpu` nothing runs on a device.
     #[cfg(not(feature = "gpu"))]
     pub(crate) fn on_device(
         &self,
@@ -254,9 +253,10 @@ impl Engine {
         Ok(None)
     }
 
-    /// The directions that strokes follow with `params`, computed on the CPU, a field for each of
-    /// [`StrokeDirections`](crate::params::StrokeDirections): unit, in the picture, x right, y up, each equal to its
-    /// opposite; 0 outside the mask. Where `plan` traces mirrors and lenses, those of what they show.
+    /// Directions that strokes follow with `params`, computed on the CPU, one field for each of
+    /// [`StrokeDirections`](crate::params::StrokeDirections): unit vectors in the picture, x right, y up, opposite
+    /// directions being equal; 0 outside the mask. Where `plan` traces mirrors and lenses, the directions of the
+    /// reflected or refracted surface.
     ///
     /// # Errors
     /// [`Error::Unfit`] if the plan finds no edges, at which strokes stop, or traces mirrors without a scene.
@@ -282,12 +282,12 @@ impl Engine {
         Ok(self.cpu.stroke_fields(plan, frame, inputs, params))
     }
 
-    /// Forgets what was made of the last environment, so that making it is measured again.
+    /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub fn forget_environment(&self) {
         self.cpu.forget_environment();
     }
 
-    /// Takes an outcome that is no longer needed.
+    /// Reclaims the memory of an outcome.
     pub fn recycle(&self, outcome: Outcome) {
         self.cpu.recycle(outcome);
     }
@@ -319,7 +319,7 @@ mod tests {
     use crate::report::scenes::Scene;
     use std::sync::Mutex;
 
-    /// A device that has been lost, for tests; `None` on machines without one.
+    /// A lost device, for tests; `None` on machines without a device.
     fn lost() -> Option<gpu::Runner> {
         let device = gpu::to_test_on(Device::open(Choice::Any))?;
         device.lose();
@@ -376,11 +376,11 @@ mod tests {
         };
         let (available, scaling) = (Available::in_frame(&frame), ScalingParams::default());
         let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
-        // 16 rows of 60 pixels of at most 4 samples of 4 bytes.
+        // 16 rows of 60 pixels with at most 4 samples of 4 bytes.
         let engine = Engine::on(device.limited_to(16_000));
         let whole = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
         let token = CancelToken::new();
-        // The device begins, and is stopped before its first strip.
+        // The device starts, and is cancelled before its first strip.
         let tell = |progress: Progress| {
             if progress.stage == DEVICE {
                 token.cancel();
@@ -396,8 +396,8 @@ mod tests {
         }
     }
 
-    /// Each stage of a device's run is told of before it is recorded; a run that is cancelled at one ends there, and the
-    /// next makes the samples of one that was not.
+    /// On a device each stage is reported before it is recorded; a run cancelled there ends there, and the next run
+    /// matches an uncancelled one.
     #[test]
     fn a_run_on_a_device_ends_at_the_stage_at_which_it_is_cancelled() {
         let Some(device) = gpu::to_test_on(Device::open(Choice::Any)) else {

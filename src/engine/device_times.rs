@@ -1,12 +1,12 @@
-//! What the times of a run on a device are called that are of no stage.
+//! Names of device timings that belong to no stage.
 
 /// Copies to the device.
 pub(crate) const UPLOAD: &str = "upload";
 
-/// Telling the device what to run.
+/// Recording of commands for the device.
 pub(crate) const RECORD: &str = "record";
 
-/// All kernels together, on a device without a clock for each stage.
+/// All kernels together, on a device without a clock per stage.
 pub(crate) const KERNELS: &str = "kernels";
 
 /// Copies from the device.

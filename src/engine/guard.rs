@@ -1,7 +1,7 @@
-//! The last guard: no result holds a number that is not finite where all that went into it is.
+//! The last guard: results are finite wherever all inputs are.
 //!
-//! Ranges of parameters, cameras and attributes keep every stage within single precision. What slips through them, as
-//! pictures of 1e38 that are brightened, is found here, before anything is written.
+//! Ranges of parameters, cameras and attributes keep every stage within single precision. Exceptions, such as
+//! brightened pictures of 1e38, are found here before anything is written.
 
 use crate::engine::cpu;
 use crate::engine::outcome::Outcome;
@@ -14,17 +14,17 @@ use crate::product::Product;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Results that are not finite although everything they were made of is.
+/// Non-finite results from finite inputs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct NotFinite {
-    /// The stage that first gave such a sample; several where they cannot be separated.
+    /// The first stage that produced one; several if they cannot be separated.
     pub stage: String,
-    /// How many samples there are, and where.
+    /// Number of samples, and where.
     pub found: String,
 }
 
-/// Looks for samples of `results` that are not finite where all planes of `frame` are. `results` have the size of the
-/// frame, and are of what `plan` made of it, `outcome`.
+/// Finds non-finite samples of `results` where all planes of `frame` are finite. `results` have the size of the frame,
+/// and derive from `outcome` of `plan`.
 pub(crate) fn not_finite(
     plan: &Plan,
     frame: &Frame,
@@ -49,7 +49,7 @@ pub(crate) fn not_finite(
     })
 }
 
-/// Looks for lines of a drawing that are not finite.
+/// Finds non-finite lines of a drawing.
 pub(crate) fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<NotFinite> {
     let drawing = outcome.drawing.as_ref()?;
     let strokes = drawing.lines.iter().map(|l| (&l.points[..], &l.widths[..]));
@@ -68,13 +68,13 @@ pub(crate) fn lines_not_finite(plan: &Plan, frame: &Frame, outcome: &Outcome) ->
     })
 }
 
-/// Samples that one task looks at.
+/// Samples checked by one task.
 const SAMPLES_PER_TASK: usize = 1 << 16;
 
-/// Exponent bits of a single: all are set in infinities and NaN alone.
+/// Exponent bits of a single: all set in infinities and NaN only.
 const EXPONENT: u32 = 0x7f80_0000;
 
-/// Whether all samples are finite. A count of bit patterns, so that the loop vectorises.
+/// Whether all samples are finite. Counts bit patterns, so that the loop vectorises.
 fn is_finite(plane: &Plane) -> bool {
     let finite = |samples: &[f32]| {
         let bad = samples
@@ -85,7 +85,7 @@ fn is_finite(plane: &Plane) -> bool {
     plane.samples().par_chunks(SAMPLES_PER_TASK).all(finite)
 }
 
-/// Column and row of each sample that is not finite.
+/// Column and row of each non-finite sample.
 fn non_finite_pixels(plane: &Plane) -> impl Iterator<Item = (usize, usize)> {
     let samples = plane.samples().iter().enumerate();
     let bad = samples.filter(|(_, sample)| !sample.is_finite());
@@ -120,8 +120,8 @@ fn planes_of(color: &ColorPlanes) -> [&Plane; 3] {
     [&color.r, &color.g, &color.b]
 }
 
-/// The first step of `plan` that gives samples that are not finite. Everything about shape is made again: this is
-/// rare, and a device or a picture alone does not have it.
+/// The first step of `plan` that gives non-finite samples. Shape is recomputed: this is rare, and a device or a picture
+/// output does not hold it.
 fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     let by_shape = || {
         plan.wants_curvature()
@@ -140,19 +140,19 @@ fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     let gives = |step: &&Step| spoiled.iter().any(|product| step.gives.contains(product));
     let names: Vec<_> = steps(plan).filter(gives).map(|step| step.name).collect();
     match names.is_empty() {
-        // All is finite until colours are turned to those of a display.
+        // Everything is finite until colours are converted for a display.
         true => "view-transform".into(),
         false => names.join(" or "),
     }
 }
 
-/// The steps that a plan runs, in their order.
+/// The steps that a plan runs, in order.
 fn steps(plan: &Plan) -> impl Iterator<Item = &'static Step> {
     let all = stages().flat_map(|stage| stage.steps);
     all.filter(|step| plan.runs(step.name))
 }
 
-/// The step of shape that first fails: on the CPU, undiffused and diffused, else where it was run.
+/// The first failing step of shape: on the CPU, undiffused and diffused, else where it was run.
 fn shape_step(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<&'static Step> {
     let again = |scale| {
         let shape = ShapeParams {
@@ -173,8 +173,8 @@ fn shape_step(plan: &Plan, frame: &Frame, outcome: &Outcome) -> Option<&'static 
         .filter(|step| !step.gives.contains(&Product::ViewDirection) || plan.runs(step.name))
 }
 
-/// The first step of shape whose planes are not finite. Of a product that is made in several, the last one is blamed:
-/// where the gradient is diffused, what it was before is not there to be looked at.
+/// The first step of shape with non-finite planes. If a product takes several steps the last one is blamed: after
+/// diffusion the earlier gradient is no longer available.
 fn first_of_shape(plan: &Plan, outcome: &Outcome) -> Option<&'static Step> {
     let mut bad = Product::all()
         .filter(|product| product.is_of_shape() && !outcome.at_all_scales(*product).all(is_finite));
@@ -214,7 +214,7 @@ mod tests {
         let mut outcome = cpu::run(&plan, &frame).unwrap();
         assert_eq!(checked(&plan, &frame, &outcome), None);
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            // The last sample of all, and two of one pixel.
+            // The last sample of the plane, and two of one pixel.
             let color = outcome.color.as_mut().unwrap();
             color.b.samples_mut()[40 * 30 - 1] = bad;
             color.r.samples_mut()[40 * 7 + 3] = bad;
@@ -222,7 +222,7 @@ mod tests {
             assert_eq!(found.stage, "radiance-scaling");
             assert!(found.found.starts_with("2 samples") && found.found.ends_with("(3, 7)"));
         }
-        // Fireflies of the picture itself.
+        // Fireflies in the input picture.
         let color = frame.color.as_mut().unwrap();
         color.g.samples_mut()[40 * 7 + 3] = f32::NAN;
         let found = checked(&plan, &frame, &outcome).unwrap();
@@ -237,12 +237,12 @@ mod tests {
         let (plan, frame) = waves(ShapeParams::default());
         let mut outcome = cpu::run(&plan, &frame).unwrap();
         let name = |outcome: &Outcome| stage(&plan, &frame, outcome);
-        // What was made is finite, and made again too: colours were turned after it.
+        // The result is finite, and so is the recomputed shape: the colour conversion came after it.
         assert_eq!(name(&outcome), "view-transform");
         let spoil = |plane: &mut Plane| plane.samples_mut()[77] = f32::NAN;
         spoil(&mut outcome.color.as_mut().unwrap().g);
         assert_eq!(name(&outcome), "radiance-scaling");
-        // A device alone gave these: from the last stage to the first.
+        // Values that only a device gave, from the last stage to the first.
         spoil(outcome.shape.trace.as_mut().unwrap());
         assert_eq!(name(&outcome), "trace");
         spoil(&mut outcome.shape.gradient.as_mut().unwrap().y);
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn slopes_that_the_gradient_itself_makes_infinite_are_its_own() {
-        // Normals of a length of 1e30, which no file gives: where n_z is 0 slopes are 0.001^-4 times as large, 1e42.
+        // Normals of length 1e30, which no file gives: where n_z is 0 slopes are 0.001^-4 times as large, 1e42.
         let (plan, mut frame) = waves(ShapeParams {
             foreshortening: 4.0,
             min_nz: 1e-3,

@@ -11,18 +11,18 @@ use crate::plan::{Available, EnvironmentUse, LightKinds, Plan, Relighting};
 /// Inputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Inputs<'a> {
-    /// The light, for new light.
+    /// The lights, for relighting.
     pub illumination: Option<&'a Illumination>,
     /// The texture of strokes, for [`crate::params::Style::Pictures`].
     pub art_map: Option<&'a TonalArtMap>,
-    /// The scene that mirrors and lenses show, where the plan traces it.
+    /// The scene seen in mirrors and lenses, if the plan traces it.
     pub specular: Option<&'a SpecularScene>,
     /// The state of a sequence whose strokes move with the surface; a still picture needs none.
     pub sequence: Option<SequenceInputs<'a>>,
 }
 
 impl<'a> Inputs<'a> {
-    /// New light.
+    /// Inputs for relighting.
     pub fn lit_by(illumination: &'a Illumination) -> Self {
         Self {
             illumination: Some(illumination),
@@ -30,10 +30,10 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// Checks that `plan` finds all the inputs it was made for.
+    /// Checks that all inputs the plan was made for are present.
     ///
     /// # Errors
-    /// [`Error::Unfit`] naming the first input that is missing, or has another size than the frame.
+    /// [`Error::Unfit`] naming the first input that is missing, or differs in size from the frame.
     pub(crate) fn check(&self, plan: &Plan, frame: &Frame) -> Result<()> {
         check_frame(&plan.available, frame)?;
         if let Some(relighting) = &plan.relighting {
@@ -115,7 +115,7 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// Checks that `frame` has what a plan found when it was made.
+/// Checks that `frame` has the inputs the plan was made for.
 fn check_frame(planned: &Available, frame: &Frame) -> Result<()> {
     let there = Available::in_frame(frame);
     let layers = [

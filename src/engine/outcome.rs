@@ -11,7 +11,7 @@ use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
 
-/// The products of the descriptor: the field that holds each, and what is kept of it for the next run of a frame.
+/// The products of the descriptor: the field for each, and its slot in the frame cache.
 macro_rules! shape_products {
     ($($(#[doc = $doc:literal])+ $product:ident: $field:ident of $planes:ty;)*) => {
         /// The planes of the shape descriptor that a plan wants, and those computed on the way.
@@ -49,14 +49,14 @@ macro_rules! shape_products {
             }
         }
 
-        /// Products of the descriptor that the next run of the same frame may use.
+        /// Products of the descriptor reusable by the next run of the same frame.
         #[derive(Debug, Default)]
         pub(crate) struct ShapeSlots {
             $(pub(crate) $field: Slot<$planes>,)*
         }
 
         impl ShapeSlots {
-            /// Takes back what stages have asked for here; the rest is memory.
+            /// Returns products that stages have requested to their slots; the others stay, as memory to recycle.
             pub(crate) fn recycle(&mut self, shape: &mut Shape) {
                 $(self.$field.put_from(&mut shape.$field);)*
             }
@@ -81,11 +81,12 @@ shape_products! {
     Curvature: curvatures of CurvaturePlanes;
     /// Mapped curvature, -1..1; **convex is positive**.
     MappedCurvature: kappa of Plane;
-    /// Direction, in the picture, of the surface's own principal curvature of larger magnitude: unit, x right, y up, equal
-    /// to its opposite; 0 outside the mask. Where the surface has none it fades within 96 pixels from its neighbours'
-    /// direction to a fixed one.
+    /// Direction, in the picture, of the surface's own principal curvature of larger magnitude: unit vectors, x right,
+    /// y up, opposite directions being equal; 0 outside the mask. Where the surface has none it fades within 96 pixels
+    /// from its neighbours' direction to a fixed one.
     Direction: direction of Vector2Planes;
-    /// Direction of the view-centred curvature (of the Hessian) of larger magnitude, likewise; 0 where there is none.
+    /// Direction of the view-centred curvature (of the Hessian) of larger magnitude, in the same form; 0 where there is
+    /// none.
     ViewDirection: direction_view of Vector2Planes;
 }
 
@@ -96,32 +97,32 @@ pub struct ScaleShape {
     pub sigma_px: f32,
     /// Principal and mean curvatures.
     pub curvatures: CurvaturePlanes,
-    /// Mapped curvature, by the gain of the first scale.
+    /// Mapped curvature, with the gain of the first scale.
     pub kappa: Plane,
 }
 
-/// A drawing in layers: how much of the paper each covers, 0..1; 0 outside the mask.
+/// A drawing in layers of coverage, 0..1; 0 outside the mask.
 #[derive(Debug, Clone)]
 pub struct Drawing {
     /// Strokes along the curvature.
     pub hatching: Plane,
-    /// The strokes as vector lines, where [they are laid one by one](crate::params::Style::is_laid).
+    /// The strokes as vector lines, if [they are placed one by one](crate::params::Style::is_laid).
     pub lines: Vec<Streamline>,
-    /// The strokes as dots, for styles of dots.
+    /// The strokes as dots, for stipple styles.
     pub dots: Vec<Dot>,
-    /// Lines along silhouettes and creases, where they were asked for; also outside the mask.
+    /// Lines along silhouettes and creases, if requested; also outside the mask.
     pub contours: Option<Plane>,
-    /// These as vector lines, silhouettes first.
+    /// The contours as vector lines, silhouettes first.
     pub contour_lines: Vec<Contour>,
-    /// Lines inside surfaces, where they were asked for.
+    /// Lines inside surfaces, if requested.
     pub interior: Option<Plane>,
-    /// These as vector lines.
+    /// The interior lines as vector lines.
     pub interior_lines: Vec<Contour>,
-    /// Target coverage of the strokes, 0..1, where tone shows the shape.
+    /// Target coverage of the strokes, 0..1, if tone shows the shape.
     pub asked: Option<Plane>,
-    /// Luminance of paper white that was used.
+    /// Luminance used as paper white.
     pub white_point: f32,
-    /// Where the texture of strokes lies, for the next frame of a sequence.
+    /// Position of the stroke texture, for the next frame of a sequence.
     pub coordinates: Option<TextureCoordinates>,
 }
 
@@ -138,24 +139,23 @@ impl Drawing {
 pub struct Outcome {
     /// The descriptor.
     pub shape: Shape,
-    /// The picture with its shape brought out, in new light, or the curvature display; where it is drawn,
-    /// the tone of the drawing.
+    /// The picture: enhanced, relit, or the curvature display; for a drawing, the picture that gives its tone.
     pub color: Option<ColorPlanes>,
     /// The drawing.
     pub drawing: Option<Drawing>,
-    /// The gain of the curvature mapping that was used.
+    /// The gain used for the curvature mapping.
     pub gain: Option<f32>,
-    /// The white level that was used.
+    /// The white level used.
     pub white_level: Option<f32>,
-    /// The levels that tones showing the shape were fit to, in the order of [`ToneLevels`].
+    /// The levels that shape-showing tones were fitted to, in the order of [`ToneLevels`].
     pub tone_levels: Option<[f32; ToneLevels::COUNT]>,
-    /// The levels that widths of interior lines were fit to, in the order of [`LineLevels`].
+    /// The levels that widths of interior lines were fitted to, in the order of [`LineLevels`].
     pub line_levels: Option<[f32; LineLevels::COUNT]>,
-    /// The factor of the environment's radiance that was used.
+    /// The gain used for the environment's radiance.
     pub environment_gain: Option<f32>,
-    /// The white levels that were used where each term of the light has its own, with the terms' names.
+    /// The white levels used where each term of the light has its own, by term.
     pub term_white_levels: Vec<(&'static str, f32)>,
-    /// How long each pass took, in order.
+    /// The time of each pass, in order.
     pub timings: Vec<(&'static str, Duration)>,
 }
 
@@ -180,7 +180,7 @@ trait Planes {
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self;
 }
 
-/// Planes as the fields of a struct, in the order of the product's components.
+/// Planes as fields of a struct, in the order of the product's components.
 macro_rules! planes {
     ($($type:ty { $($field:tt),+ })*) => {$(
         impl Planes for $type {
@@ -237,7 +237,7 @@ impl<P: Planes> Planes for Option<P> {
     }
 }
 
-/// The planes of a product, where it is at home: read, or to be changed.
+/// The planes of a product in their field: shared or mutable.
 macro_rules! held {
     ($outcome:ident, $product:ident, $planes:ident, $as_ref:ident) => {{
         let drawing = $outcome.drawing.$as_ref();
@@ -256,12 +256,12 @@ macro_rules! held {
 }
 
 impl Outcome {
-    /// The planes of a product, one a component; none where it was not made.
+    /// The planes of a product, one per component; none if it was not computed.
     pub fn planes(&self, product: Product) -> Vec<&Plane> {
         held!(self, product, planes, as_ref)
     }
 
-    /// The same with those of further scales.
+    /// The planes at all scales.
     pub(crate) fn at_all_scales(&self, product: Product) -> impl Iterator<Item = &Plane> {
         let scales = self.shape.more_scales.iter();
         let more = scales.flat_map(move |scale| scale.planes(product));
@@ -272,18 +272,18 @@ impl Outcome {
         held!(self, product, planes_mut, as_mut)
     }
 
-    /// Takes a product of the descriptor, or a picture, from planes that begin with its own.
+    /// Moves a product of the descriptor, or a picture, out of the front of `planes`.
     #[cfg(feature = "gpu")]
     pub(crate) fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
         match product {
             Product::Picture => self.color = Planes::of_planes(planes),
-            // Drawings are put together with their lines.
+            // Drawings are assembled together with their lines.
             Product::Strokes | Product::Contours | Product::Interior => {}
             of_shape => self.shape.put(of_shape, planes),
         }
     }
 
-    /// Takes curvature at a further scale from planes that begin with it.
+    /// Moves the curvature at a further scale out of the front of `planes`.
     #[cfg(feature = "gpu")]
     pub(crate) fn put_scale(&mut self, sigma_px: f32, planes: &mut dyn Iterator<Item = Plane>) {
         self.shape.more_scales.push(ScaleShape {
@@ -293,7 +293,7 @@ impl Outcome {
         });
     }
 
-    /// All products that were made, those of further scales after that of the first.
+    /// All products that were computed, further scales after the first.
     pub fn products(&self) -> impl Iterator<Item = (Product, Vec<&Plane>)> {
         let made = Product::all().flat_map(|product| {
             let scales = self.shape.more_scales.iter();
@@ -314,7 +314,7 @@ impl Outcome {
         }
     }
 
-    /// Changes every plane by that of an outcome of the same plan.
+    /// Changes every plane, with the matching one of an outcome of the same plan.
     pub(crate) fn for_each_pair(&mut self, of: &Self, mut change: impl FnMut(&mut Plane, &Plane)) {
         let mut pairs = |planes: Vec<&mut Plane>, of: Vec<&Plane>| {
             let pairs = planes.into_iter().zip(of);
@@ -329,7 +329,7 @@ impl Outcome {
         }
     }
 
-    /// Leaves the part `to` of what was made of the window `from`.
+    /// Crops results of the window `from` to the window `to`.
     pub(crate) fn crop(&mut self, from: Window, to: Window) {
         self.for_each_plane(|plane| *plane = plane.crop(from, to));
         let Some(drawing) = &mut self.drawing else {
@@ -345,12 +345,12 @@ impl Outcome {
         points.for_each(|point| *point -= corner);
     }
 
-    /// The picture, if one was made: `None` where there was nothing to change in that of the frame.
+    /// The picture, if one was computed: `None` if the frame's own is unchanged.
     pub fn picture(&self) -> Option<&ColorPlanes> {
         self.color.as_ref()
     }
 
-    /// All of its planes.
+    /// All planes of the outcome.
     pub(crate) fn into_planes(mut self) -> Vec<Plane> {
         let mut planes = Vec::new();
         self.for_each_plane(|plane| planes.push(std::mem::take(plane)));

@@ -1,4 +1,4 @@
-//! The part of a frame, and of what comes beside it, that a region depends on.
+//! The part of a frame, and of the inputs beside it, that a region depends on.
 
 use crate::engine::inputs::Inputs;
 use crate::error::{Error, Result};
@@ -6,10 +6,10 @@ use crate::frame::{Frame, SpecularScene, Vector2Planes, Vector3Planes, Window};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::plan::Plan;
 
-/// A region with as much around it as a plan reaches.
+/// A region with a margin of the plan's reach.
 pub(crate) struct Part {
     pub(crate) frame: Frame,
-    /// With the mask and the points of this part; what lies behind and around is whole.
+    /// Mask and points cropped to this part; the scene behind and around is whole.
     specular: Option<SpecularScene>,
     motion: Option<Vector2Planes>,
 }
@@ -52,7 +52,7 @@ impl Part {
         })
     }
 
-    /// The inputs of the whole frame for this part of it.
+    /// The inputs of the whole frame, restricted to this part.
     pub(crate) fn inputs<'p>(&'p self, of_whole: Inputs<'p>) -> Inputs<'p> {
         Inputs {
             specular: self.specular.as_ref(),
@@ -65,7 +65,7 @@ impl Part {
     }
 }
 
-/// A scene whose planes that lie pixel by pixel over the frame are those of a part of it.
+/// A scene whose per-pixel planes are cropped to a part of the frame.
 fn specular_in(scene: &SpecularScene, whole: Window, part: Window) -> SpecularScene {
     let points = scene.hit_position.as_ref();
     SpecularScene {

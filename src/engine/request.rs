@@ -20,7 +20,7 @@ pub struct Request<'a> {
     inputs: Inputs<'a>,
 }
 
-/// Which kind of plan the request becomes.
+/// The kind of plan that the request becomes.
 #[derive(Debug, Clone)]
 enum Kind {
     OfFrame(Goal),
@@ -28,16 +28,16 @@ enum Kind {
     Hatch(ToneFrom, Box<LineParams>),
 }
 
-/// Where the tone of a drawing comes from.
+/// Source of a drawing's tone.
 #[derive(Debug, Clone, Copy)]
 pub enum Tone<'a> {
-    /// The picture as it is.
+    /// The picture unchanged.
     Picture,
-    /// The picture by radiance scaling.
+    /// The picture after radiance scaling.
     Enhanced,
     /// New light.
     Relit(RelightParams, &'a Illumination),
-    /// Tone that shows the shape: a key light, combined with the picture by radiance scaling, or with this new light if
+    /// Shape-showing tone: a key light, combined with the picture after radiance scaling, or with this new light if
     /// given; stretched over all tones from ink to paper.
     Shape(Option<(RelightParams, &'a Illumination)>),
 }
@@ -64,7 +64,7 @@ impl<'a> Request<'a> {
         Self::new(Kind::OfFrame(Goal::Display), shape, scaling)
     }
 
-    /// Radiance scaling of the frame's picture. If nothing changes it, the outcome has no picture.
+    /// Radiance scaling of the frame's picture. If it changes nothing, the outcome has no picture.
     pub fn enhance(shape: ShapeParams, scaling: ScalingParams) -> Self {
         Self::new(Kind::OfFrame(Goal::Enhance), shape, scaling)
     }
@@ -114,7 +114,7 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// Adds the scene that mirrors and lenses show, for new light and drawings.
+    /// Adds the scene seen in mirrors and lenses, for relighting and drawings.
     #[must_use]
     pub fn specular(mut self, scene: &'a SpecularScene, params: SpecularParams) -> Self {
         self.specular = Some(params);
@@ -122,7 +122,7 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// Sets the texture of strokes, for a drawing of [`crate::params::Style::Pictures`].
+    /// Sets the stroke texture, for a drawing of [`crate::params::Style::Pictures`].
     #[must_use]
     pub fn strokes(mut self, art_map: &'a TonalArtMap) -> Self {
         self.inputs.art_map = Some(art_map);

@@ -1,4 +1,4 @@
-//! How a request is run: nothing here changes a sample of what is asked for.
+//! Options of a run: none of them changes a sample of the result.
 
 use crate::engine::outcome::Outcome;
 use crate::engine::target::Target;
@@ -10,7 +10,7 @@ use rayon::ThreadPool;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// How a request is run.
+/// Options of a run.
 #[derive(Default)]
 pub struct Run<'a> {
     progress: Option<&'a Tell<'a>>,
@@ -35,24 +35,24 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Lets a token end the run with [`Error::Cancelled`].
+    /// Lets a token cancel the run with [`Error::Cancelled`].
     #[must_use]
     pub fn cancel(mut self, token: &'a CancelToken) -> Self {
         self.cancel = Some(token);
         self
     }
 
-    /// Calls back with one line on why the CPU runs what was meant for a device. It may be called at every run.
+    /// Calls back with one line on why the CPU runs a plan meant for a device. It may be called at every run.
     #[must_use]
     pub fn warn(mut self, tell: &'a (dyn Fn(&str) + Sync)) -> Self {
         self.warn = Some(tell);
         self
     }
 
-    /// Restricts the run to these pixels of the frame, for a preview or a tile; as many pixels around them are read as the
-    /// plan reaches. The outcome has the region's size. Automatic gains and white levels are chosen from the region; set them
-    /// to get the samples of the whole frame. Mirrors and lenses in new light show there what they show in the whole. A
-    /// drawing is drawn anew for the region, alone or in a sequence: its strokes depend on all of a frame.
+    /// Restricts the run to these pixels of the frame, for a preview or a tile; a margin of the plan's reach is read
+    /// around them. The outcome has the region's size. Automatic gains and white levels are chosen from the region; set
+    /// them to get the samples of the whole frame. In new light, mirrors and lenses show the same as in the whole
+    /// frame. A drawing is drawn anew for the region, alone or in a sequence: its strokes depend on the whole frame.
     #[must_use]
     pub fn region(mut self, region: Window) -> Self {
         self.region = Some(region);
@@ -66,8 +66,8 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Also writes a product to the caller's memory, whose size is checked before the run. A picture that nothing changes
-    /// is the frame's.
+    /// Also writes a product to the caller's memory, whose size is checked before the run. If the picture is unchanged,
+    /// the frame's own is written.
     #[must_use]
     pub fn output(mut self, product: Product, target: impl Into<Target<'a>>) -> Self {
         let targets = self.targets.get_mut();

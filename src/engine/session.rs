@@ -1,4 +1,4 @@
-//! Sessions: one frame, run again with other parameters; only what they affect is recomputed.
+//! Sessions: repeated runs of one frame with changing parameters; only affected stages are recomputed.
 
 use crate::engine::backends::Engine;
 use crate::engine::cpu::frame_cache::FrameCache;
@@ -13,11 +13,11 @@ use crate::plan::{Available, Plan};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Runs plans on one frame and caches what later ones on the CPU can use: edges, the diffused gradient, curvature and its
-/// gain, directions, white levels, an estimated albedo, lines along edges. Outcomes equal those of [`Engine::execute`]
-/// bit for bit.
+/// Runs plans on one frame and caches results that later runs on the CPU can reuse: edges, the diffused gradient,
+/// curvature and its gain, directions, white levels, an estimated albedo, lines along edges. Outcomes equal those of
+/// [`Engine::execute`] bit for bit.
 ///
-/// `F` holds the frame: a reference, or the frame itself, alone or with what was loaded beside it.
+/// `F` holds the frame: a reference, or the frame itself, alone or with other data loaded beside it.
 #[derive(Debug)]
 pub struct Session<F> {
     engine: Arc<Engine>,
@@ -26,7 +26,7 @@ pub struct Session<F> {
     kept: FrameCache,
     /// The last outcome of the CPU.
     outcome: Outcome,
-    /// A later outcome of a device.
+    /// A later outcome from a device.
     on_device: Option<Outcome>,
     counts: BTreeMap<&'static str, u32>,
 }

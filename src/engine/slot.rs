@@ -1,6 +1,6 @@
 //! Memory for one result between runs of the same frame.
 
-/// One result, and what it depends on: a key that its stage has in a plan.
+/// One result, and the key of all that it depends on, from its stage in a plan.
 #[derive(Debug)]
 pub(crate) struct Slot<T> {
     key: String,
@@ -17,13 +17,14 @@ impl<T> Default for Slot<T> {
 }
 
 impl<T> Slot<T> {
-    /// The result of this key, if it is there; one of another is dropped, since the next that comes will be of this.
+    /// The result of this key, if present; a result of another key is dropped, since the next one stored will have this
+    /// key.
     pub(crate) fn take(&mut self, key: &str) -> Option<T> {
         self.invalidate_unless(key);
         self.value.take()
     }
 
-    /// Drops a result of another key.
+    /// Drops a result with another key.
     pub(crate) fn invalidate_unless(&mut self, key: &str) {
         if self.key != key {
             self.value = None;
@@ -35,12 +36,12 @@ impl<T> Slot<T> {
         self.value.as_ref()
     }
 
-    /// Keeps a result of the key that was asked for last.
+    /// Stores a result for the key requested last.
     pub(crate) fn put(&mut self, value: T) {
         self.value = Some(value);
     }
 
-    /// Keeps a result of the key that was asked for last, moved out of `value`; what no stage has asked for stays there.
+    /// Stores a result for the key requested last, moved out of `value`; without a requested key it stays there.
     pub(crate) fn put_from(&mut self, value: &mut Option<T>) {
         if !self.key.is_empty() && value.is_some() {
             self.value = value.take();
@@ -49,7 +50,7 @@ impl<T> Slot<T> {
 }
 
 impl<T: Clone> Slot<T> {
-    /// A copy of the result of this key, if it is there.
+    /// A copy of the result of this key, if present.
     pub(crate) fn copied(&mut self, key: &str) -> Option<T> {
         self.invalidate_unless(key);
         self.value.clone()

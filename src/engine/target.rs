@@ -1,12 +1,12 @@
-//! The caller's memory, as a target for results.
+//! The caller's memory as a target for results.
 
 use crate::error::{Error, Result};
 use crate::frame::Plane;
 use crate::product::Product;
 use ndarray::{ArrayViewMut2, ArrayViewMut3, Axis};
 
-/// The caller's memory, as a target for a product: a slice without gaps, rows from the top down, components interleaved;
-/// or an `ndarray` view, `[row, column]` or `[row, column, component]`, of any strides.
+/// The caller's memory as a target for a product: a contiguous slice, rows from the top down, components interleaved;
+/// or an `ndarray` view, `[row, column]` or `[row, column, component]`, with any strides.
 #[derive(Debug)]
 pub struct Target<'a>(Layout<'a>);
 
@@ -105,7 +105,7 @@ mod tests {
         let mut target = Target::from(&mut packed);
         target.write(Product::Picture, &planes).unwrap();
         assert_eq!(packed[3..6], [101.0, 201.0, 301.0]);
-        // Component by component, as a planar buffer has them.
+        // Component by component, as in a planar buffer.
         let mut planar = Array3::zeros([3, 2, 3]);
         let view = planar.view_mut().permuted_axes([1, 2, 0]);
         Target::from(view).write(Product::Picture, &planes).unwrap();

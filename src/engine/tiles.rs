@@ -1,4 +1,4 @@
-//! Pictures in strips, where memory or a device takes no more than so many rows at a time.
+//! Pictures in strips, where memory or a device limits the number of rows at a time.
 
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::watch::Watch;
@@ -6,18 +6,18 @@ use crate::error::Result;
 use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;
 
-/// How a picture is cut into strips.
+/// Division of a picture into strips.
 #[derive(Clone, Copy)]
 pub(crate) struct Strips<'a> {
     watch: Watch<'a>,
     height: usize,
-    /// Rows that a strip gives, and those it takes above and below.
+    /// Output rows of a strip, and its margin above and below.
     rows: usize,
     reach: usize,
 }
 
 impl<'a> Strips<'a> {
-    /// Strips of which each gives so many rows and takes `reach` more above and below.
+    /// Strips of `rows` output rows with a margin of `reach` rows above and below.
     pub(crate) fn of_rows(rows: usize, height: usize, reach: usize) -> Self {
         Self {
             watch: Watch::default(),
@@ -27,8 +27,8 @@ impl<'a> Strips<'a> {
         }
     }
 
-    /// Strips of which none has more than so many rows, `reach` above and below included; `None` where not even one
-    /// row would be left to give. All of them are one strip where that is no more.
+    /// Strips of at most `most_rows` rows, margins of `reach` included; `None` if that leaves no output row. One strip
+    /// if the whole picture fits.
     pub(crate) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
         if most_rows >= height {
             return Some(Self::of_rows(height, height, 0));
@@ -37,20 +37,21 @@ impl<'a> Strips<'a> {
         Some(Self::of_rows(rows, height, reach))
     }
 
-    /// The same strips, before each of which `watch` may end the run.
+    /// The same strips, with `watch` checked before each.
     #[cfg(feature = "gpu")]
     pub(crate) fn watched(&self, watch: Watch<'a>) -> Self {
         Self { watch, ..*self }
     }
 
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled) where the run is to end here.
+    /// [`Error::Cancelled`](crate::Error::Cancelled) if the run is cancelled.
     #[cfg(feature = "gpu")]
     pub(crate) fn check(&self) -> Result<()> {
         self.watch.check()
     }
 
-    /// Calls `run` for every strip of a frame, with its rows, and assembles the results. Planes of strips go to `recycle`.
+    /// Calls `run` for every strip of a frame, with its rows, and assembles the results. Planes of strips are passed to
+    /// `recycle`.
     ///
     /// # Errors
     /// Those of `run`; [`Error::Cancelled`](crate::Error::Cancelled).
@@ -88,12 +89,12 @@ impl<'a> Strips<'a> {
         Ok(whole.unwrap_or_default())
     }
 
-    /// How many there are.
+    /// Number of strips.
     pub(crate) fn count(&self) -> usize {
         self.height.div_ceil(self.rows)
     }
 
-    /// The rows that each strip takes of the picture, and those of these that it gives.
+    /// For each strip its rows in the picture, and the output rows among them.
     pub(crate) fn each(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         (0..self.height).step_by(self.rows).map(|start| {
             let end = (start + self.rows).min(self.height);
@@ -104,12 +105,12 @@ impl<'a> Strips<'a> {
     }
 }
 
-/// The rows of a frame, as one of their own.
+/// The given rows of a frame, as a frame.
 pub(crate) fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
     frame.crop(rows_of(frame.data_window, rows))
 }
 
-/// The rows of a window.
+/// The given rows of a window.
 pub(crate) fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
     Window {
         y0: whole.y0 + rows.start as i32,
@@ -118,7 +119,7 @@ pub(crate) fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
     }
 }
 
-/// Copies the rows `from` of a strip to those of `whole` from `start` on.
+/// Copies the rows `from` of a strip to `whole`, starting at row `start`.
 fn paste(strip: &Plane, from: &Range<usize>, whole: &mut Plane, start: usize) {
     for (i, y) in from.clone().enumerate() {
         whole.row_mut(start + i).copy_from_slice(strip.row(y));

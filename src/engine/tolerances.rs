@@ -1,4 +1,4 @@
-//! How far backends may be apart, for the tests and the report: the reasons for the numbers in the table of products.
+//! Tolerances between backends, for tests and the report: the reasons for the numbers in the table of products.
 
 use crate::frame::Plane;
 use crate::light::lights::Illumination;
@@ -9,8 +9,8 @@ use glam::DVec2;
 use std::f64::consts::PI;
 
 impl Product {
-    /// The difference of its planes from the CPU's: the largest one relative to the largest value, or the mean one of ink and
-    /// directions; infinite where the numbers of planes differ.
+    /// The difference of its planes from the CPU's: the largest one relative to the largest value, or the mean for ink
+    /// and directions; infinite if the numbers of planes differ.
     pub fn difference(self, found: &[&Plane], expected: &[&Plane]) -> f64 {
         if found.len() != expected.len() {
             return f64::INFINITY;
@@ -26,41 +26,40 @@ impl Product {
         }
     }
 
-    /// The most that a layer may be [apart](Self::difference) from the CPU's.
+    /// The largest [difference](Self::difference) allowed between a layer and the CPU's.
     ///
-    /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A
-    /// Chebyshev expansion adds up as many roundings as it has terms, and derivatives divide what is left of a
-    /// difference.
+    /// Kernels use the polynomials of the CPU, and devices round sums of products once or twice: 1e-5. A Chebyshev
+    /// expansion accumulates as many roundings as it has terms, and derivatives amplify the remainder of a difference.
     ///
-    /// Places in the texture of strokes are exact to 2^-12 texels four thousand pixels from the origin, and
-    /// once or twice rounded; ink changes by a quarter per texel on average: 6e-5. A density whose rounding reaches
-    /// the next entry of the response, 1.5e-3 away, is one in a thousand: 1.5e-6. Contours are as much again as their
-    /// edges are apart, over the few pixels that are theirs.
+    /// Positions in the stroke texture are exact to 2^-12 texels at four thousand pixels from the origin, with one or
+    /// two roundings; ink changes by a quarter per texel on average: 6e-5. One density in a thousand lies so close to
+    /// the next entry of the response, 1.5e-3 away, that rounding reaches it: 1.5e-6. Contours differ by as much again
+    /// as their edges, over the few pixels they cover.
     ///
-    /// Differences of normals and of points are within three roundings of themselves, 2e-7. Of the direction of a
-    /// curvature that is as much over twice the share by which both curvatures differ, which is a hundredth at the
-    /// least: 1e-5. A comparison that decides whether there is a direction goes the other way where its sides are as near
-    /// as 2e-7; there are three of them, and as many as 16 pixels take the direction of one: 1e-5 again.
+    /// Differences of normals and of points are within three roundings of themselves, 2e-7. For the direction of a
+    /// curvature that error is divided by twice the relative difference of both curvatures, at least a hundredth: 1e-5.
+    /// A comparison that decides whether a direction exists can flip if its sides are within 2e-7; there are three of
+    /// them, and up to 16 pixels take the direction of one: 1e-5 again.
     pub fn tolerance(self) -> f64 {
         self.row().tolerance
     }
 }
 
-/// Error of a scalar product of unit vectors: two roundings of each half of it, on either side.
+/// Error of a dot product of unit vectors: two roundings of each half, on either side.
 const COSINE_ERROR: f64 = 1.0 / (1 << 22) as f64;
 
-/// Error of an angle, in radians: that of the arc tangent, and of the direction it is the angle of.
+/// Error of an angle, in radians: that of the arc tangent plus that of its direction.
 const ANGLE_ERROR: f64 = 4e-7 + COSINE_ERROR;
 
 impl Plan {
-    /// The largest difference between backends of a picture in new light, relative to its largest value; `None` where
-    /// the plan relights nothing.
+    /// The largest difference between backends of a relit picture, relative to its largest value; `None` if the plan
+    /// relights nothing.
     ///
-    /// It is that of [`Product::Picture`], except for light that amplifies a rounding. A lobe with the exponent p is, at
-    /// its brightest, p times as far off as the cosine that it is a power of; one with an exponent below 1 is, beside the
-    /// terminator, as far off as that power of the rounding itself. A picture that is looked up is read a fraction of a
-    /// pixel beside, which counts where neighbours differ. The step between two tones is 1.5 over its softness times as
-    /// steep as what it quantises; hard ones may move a pixel to the next tone.
+    /// That of [`Product::Picture`], except for light that amplifies rounding. A lobe with exponent p multiplies the
+    /// error of its cosine by p at its peak; one with an exponent below 1 raises, next to the terminator, the rounding
+    /// error itself to that power. A picture is sampled a fraction of a pixel off, which counts where neighbours
+    /// differ. The step between two tones is 1.5 over its softness times as steep as its input; a hard step may move a
+    /// pixel to the next tone.
     pub fn relit_tolerance(&self, light: &Illumination) -> Option<f64> {
         let relighting = self.relighting.as_ref()?;
         let params = &relighting.params;
@@ -88,8 +87,8 @@ impl Plan {
     }
 }
 
-/// The largest difference between two planes, relative to the largest value of the second one, or to 1 where it has
-/// none. NaN agrees with NaN, and infinite values with themselves, alone.
+/// The largest difference between two planes, relative to the largest value of the second one, or to 1 if that is 0.
+/// NaN equals only NaN, and infinities only themselves.
 pub(crate) fn difference(found: &Plane, expected: &Plane) -> f64 {
     let sizes = expected.samples().iter().map(|value| value.abs());
     let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f32::max);
@@ -109,11 +108,11 @@ pub(crate) fn difference(found: &Plane, expected: &Plane) -> f64 {
     apart.fold(0.0, f64::max)
 }
 
-/// The mean difference between two planes of ink, 0..1, where a pixel that is further apart than a sixteenth counts as
-/// all wrong.
+/// The mean difference between two planes of ink, 0..1, where a pixel that differs by more than a sixteenth counts as
+/// completely wrong.
 ///
-/// A texture of strokes is compared with thresholds, and a rounding that reaches the next one changes the ink of a pixel
-/// by a leap: the largest difference says little. A stroke in a wrong place is wrong by more than a sixteenth.
+/// A stroke texture is compared with thresholds, and rounding past one of them makes the ink of a pixel jump, so the
+/// largest difference says little. A misplaced stroke is wrong by more than a sixteenth.
 pub(crate) fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
     let pairs = found.samples().iter().zip(expected.samples());
     let apart = pairs.map(|(&found, &expected)| {
@@ -124,14 +123,14 @@ pub(crate) fn ink_difference(found: &Plane, expected: &Plane) -> f64 {
     apart.sum::<f64>() / found.samples().len().max(1) as f64
 }
 
-/// Ink by which no rounding changes a pixel: see [`ink_difference`].
+/// A change of ink larger than rounding alone causes: see [`ink_difference`].
 const LEAP: f64 = 1.0 / 16.0;
 
-/// The mean difference between directions, over the pixels where either is one: the sine of the angle between both, which
-/// is the same for opposites, or by how much one is longer.
+/// The mean difference between directions, over the pixels where either exists: the sine of the angle between them,
+/// which is the same for opposites, or the difference of their lengths.
 ///
-/// Whether a pixel has a direction at all depends on comparisons with its uncertainty. A rounding that decides one
-/// makes of a pixel one that takes its neighbours' direction: the largest difference says little.
+/// Whether a pixel has a direction at all depends on comparisons with its uncertainty. Rounding can flip one, and the
+/// pixel then takes its neighbours' direction: the largest difference says little.
 pub(crate) fn direction_difference(found: [&Plane; 2], expected: [&Plane; 2]) -> f64 {
     fn vectors<'a>([x, y]: [&'a Plane; 2]) -> impl Iterator<Item = DVec2> + 'a {
         let pairs = x.samples().iter().zip(y.samples());
@@ -167,12 +166,12 @@ mod tests {
             Product::Direction.difference(&directions(&found).each_ref(), &expected.each_ref())
         };
         assert!(apart([1.0, 0.0], [0.0, -1.0]) < 1e-7);
-        // One of the four that are directions: by the sine of an angle, at right angles, none, no number, too long.
+        // One of four directions is wrong: by the sine of an angle, at right angles, missing, NaN, too long.
         assert!((apart([0.8, 0.6], [0.0, 1.0]) - 0.15).abs() < 1e-7);
         for wrong in [[1.0, 0.0], [0.0, 0.0], [f32::NAN, 1.0], [0.0, 9.0]] {
             assert!((apart([1.0, 0.0], wrong) - 0.25).abs() < 1e-7, "{wrong:?}");
         }
-        // A direction where there is none.
+        // A direction where none is expected.
         assert!(
             direction_difference(expected.each_ref(), directions(&[[0.0; 2]; 5]).each_ref()) > 0.99
         );

@@ -1,4 +1,4 @@
-//! Observers of a run: progress, and the token that ends it.
+//! Observers of a run: progress, and the token that cancels it.
 
 use crate::error::{Error, Result};
 use std::sync::Arc;
@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 /// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// The pass that begins, named as in [`Outcome::timings`](crate::engine::Outcome::timings); `device` where a device takes over, and then each of its
-    /// stages; `done` at the end.
+    /// The pass that begins, named as in [`Outcome::timings`](crate::engine::Outcome::timings); `device` when a device
+    /// takes over, followed by each of its stages; `done` at the end.
     pub stage: &'static str,
-    /// Approximate share of the work that is done, 0..1.
+    /// Approximate share of the work completed, 0..1.
     pub done: f32,
 }
 
@@ -24,7 +24,7 @@ impl CancelToken {
         Self::default()
     }
 
-    /// Ends every run that has this token: long passes stop within a few rows, short ones end first.
+    /// Cancels every run with this token: long passes stop within a few rows, short ones complete first.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -35,10 +35,11 @@ impl CancelToken {
     }
 }
 
-/// Watches a run: reports progress and may end it.
+/// Observes a run: reports progress and may cancel it.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Watch<'a> {
-    /// The caller's function, and the largest share reported so far, as bits: shares from 0 on have their order.
+    /// The caller's function, and the largest share reported so far, as bits: non-negative floats order like their
+    /// bits.
     pub(super) progress: Option<(&'a Tell<'a>, &'a AtomicU32)>,
     pub(super) cancel: Option<&'a CancelToken>,
 }
@@ -47,8 +48,8 @@ pub(crate) struct Watch<'a> {
 pub(super) type Tell<'a> = dyn Fn(Progress) + Sync + 'a;
 
 impl Watch<'_> {
-    /// Reports that a pass begins when about this share of the work is done. A run in strips that then goes on reports
-    /// shares of a part: none is less than the one before.
+    /// Reports that a pass begins, with the approximate share of work completed. In strips the stages report shares of
+    /// a part, so the share never decreases.
     pub(crate) fn begins(&self, stage: &'static str, done: f32) {
         if let Some((tell, furthest)) = self.progress {
             let done = done.clamp(0.0, 1.0).to_bits();
@@ -60,19 +61,19 @@ impl Watch<'_> {
         }
     }
 
-    /// Whether anybody watches progress, or may end the run.
+    /// Whether the run is observed: progress or cancellation.
     #[cfg(feature = "gpu")]
     pub(crate) fn looks_on(&self) -> bool {
         self.progress.is_some() || self.cancel.is_some()
     }
 
-    /// What may end the run.
+    /// The token that can cancel the run.
     pub(crate) fn token(&self) -> Option<&CancelToken> {
         self.cancel
     }
 
     /// # Errors
-    /// [`Error::Cancelled`] where the run is to end here.
+    /// [`Error::Cancelled`] if the run is cancelled.
     pub(crate) fn check(&self) -> Result<()> {
         match self.cancel.is_some_and(CancelToken::is_cancelled) {
             true => Err(Error::Cancelled),

@@ -1,4 +1,4 @@
-//! The cache of a session: results that the next run of the same frame can use.
+//! The cache of a session: results reusable by the next run of the same frame.
 
 use crate::engine::outcome::{Outcome, ShapeSlots};
 use crate::engine::slot::Slot;
@@ -7,8 +7,8 @@ use crate::line::contours::Contour;
 use crate::line::interior::InteriorLayer;
 use crate::shape::edges::cpu::Weights;
 
-/// Results for the next run of the same frame. A run moves what it can use into its outcome; when that is given back it is
-/// kept again.
+/// Results reusable by the next run of the same frame. A run moves them into its outcome; recycling the outcome returns
+/// them.
 #[derive(Debug, Default)]
 pub(crate) struct FrameCache {
     /// Products of the descriptor.
@@ -22,12 +22,12 @@ pub(crate) struct FrameCache {
     pub(crate) interior: Slot<InteriorLayer>,
     /// White level of the picture.
     pub(crate) white: Slot<f32>,
-    /// Albedo, estimated from the picture.
+    /// Albedo estimated from the picture.
     pub(crate) albedo: Slot<ColorPlanes>,
 }
 
 impl FrameCache {
-    /// The edges of this key, if they are kept; weights that are not `wanted` stay here.
+    /// The edges cached under this key, if any; weights that are not `wanted` stay in the cache.
     pub(crate) fn take_edges(&mut self, key: &str, wanted: bool) -> Option<Weights> {
         let shape = &mut self.shape;
         shape.silhouette.invalidate_unless(key);
@@ -46,7 +46,7 @@ impl FrameCache {
         })
     }
 
-    /// Keeps of weights that were made what is not `wanted`.
+    /// Caches new weights that are not `wanted`.
     pub(crate) fn keep_unwanted(&mut self, weights: &mut Weights, wanted: bool) {
         if !wanted {
             self.shape.silhouette.put_from(&mut weights.silhouette);
@@ -54,7 +54,7 @@ impl FrameCache {
         }
     }
 
-    /// Takes back what the last run made, or took, from its outcome.
+    /// Returns the results of the last run from its outcome to the cache.
     pub(crate) fn recycle(&mut self, outcome: &mut Outcome) {
         self.shape.recycle(&mut outcome.shape);
     }

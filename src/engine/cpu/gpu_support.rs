@@ -1,5 +1,5 @@
-//! Work that other backends leave to the CPU: choices from the whole of a frame that a device processes in strips, and their
-//! searches.
+//! Work that other backends leave to the CPU: automatic choices over a whole frame that a device processes in strips,
+//! and the searches for them.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{ColorPlanes, Frame};
@@ -7,13 +7,13 @@ use crate::light::layers::cpu as light_layers;
 use crate::light::layers::terms::light_terms;
 use crate::params::ScalingParams;
 
-/// The albedo of a frame, estimated from its picture.
+/// The albedo estimated from a frame's picture.
 pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
     let weights = frame.luminance_weights();
     crate::light::relight::albedo::estimated(frame, weights, &Memory::default())
 }
 
-/// The white levels of the terms that the light of a frame is scaled by.
+/// The white levels of the terms of a frame's light.
 pub(crate) fn term_white_levels(frame: &Frame, params: &ScalingParams) -> Vec<(&'static str, f32)> {
     let terms = light_terms(&frame.light.lobes, params);
     light_layers::white_levels(&terms, frame, params, &Memory::default())

@@ -1,16 +1,14 @@
-//! Recycled planes of finished runs: fresh memory comes page by page from the system, which costs more than many a pass
-//! over it.
+//! Recycled planes of finished runs: fresh memory is mapped page by page, which costs more than many passes.
 
 use crate::engine::watch::CancelToken;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Planes to be used again, and whether the run that works in them has been cancelled.
+/// Planes for reuse, and the cancellation state of the run that uses them.
 ///
-/// Long loops ask that once a row, a tile or a line: where it is so they leave the rest undone, and the pass returns at
-/// once with samples of no meaning. Nobody sees these: the run looks at its token after each stage, and keeps nothing of
-/// a stage that was cancelled.
+/// Long loops check it once per row, tile or line, and when cancelled return at once, leaving undefined samples. Nobody
+/// sees these: the run checks its token after each stage, and discards a stage that was cancelled.
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     spare: Arc<Mutex<Vec<Vec<f32>>>>,
@@ -18,7 +16,7 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// The same planes for a run that this token ends.
+    /// The same planes for a run that `cancel` can end.
     pub(crate) fn for_run(&self, cancel: Option<&CancelToken>) -> Self {
         Self {
             spare: self.spare.clone(),
@@ -26,7 +24,7 @@ impl Memory {
         }
     }
 
-    /// No planes yet, for a part of the run that works at another size.
+    /// An empty pool, for a part of the run at another size.
     pub(crate) fn at_other_size(&self) -> Self {
         Self {
             spare: Arc::default(),
@@ -34,18 +32,17 @@ impl Memory {
         }
     }
 
-    /// What may end the run.
+    /// The token that can end the run.
     pub(crate) fn cancel(&self) -> Option<&CancelToken> {
         self.cancel.as_ref()
     }
 
-    /// Whether the run has been cancelled. Once it has, it stays so.
+    /// Whether the run has been cancelled. It never returns to false.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(CancelToken::is_cancelled)
     }
 
-    /// A plane of the size of `mask`, 0 where uncovered. Where covered its samples are of no meaning, and
-    /// have to be written.
+    /// A plane of the size of `mask`, 0 outside it. Samples inside are undefined until written.
     pub(crate) fn plane(&self, mask: &Mask) -> Plane {
         let (width, height) = (mask.width(), mask.height());
         let Some(mut samples) = self.spare_of(width * height) else {
@@ -59,7 +56,7 @@ impl Memory {
         Plane::from_samples(width, height, samples)
     }
 
-    /// A plane of the size of `mask` whose samples are of no meaning, and all have to be written.
+    /// A plane of the size of `mask`. All samples are undefined until written.
     pub(crate) fn unwritten(&self, mask: &Mask) -> Plane {
         let (width, height) = (mask.width(), mask.height());
         match self.spare_of(width * height) {
@@ -68,7 +65,7 @@ impl Memory {
         }
     }
 
-    /// Two planes as [`Memory::plane`] gives them.
+    /// Two planes as from [`Memory::plane`].
     pub(crate) fn vectors(&self, mask: &Mask) -> Vector2Planes {
         Vector2Planes {
             x: self.plane(mask),
@@ -78,12 +75,12 @@ impl Memory {
 
     fn spare_of(&self, samples: usize) -> Option<Vec<f32>> {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        // Planes of another size will not be asked for again soon.
+        // Planes of another size are unlikely to be needed soon.
         spare.retain(|plane| plane.len() == samples);
         spare.pop()
     }
 
-    /// Takes planes whose samples are no longer needed.
+    /// Reclaims planes whose samples are no longer needed.
     pub(crate) fn recycle(&self, planes: impl IntoIterator<Item = Plane>) {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         spare.extend(planes.into_iter().map(Plane::into_samples));

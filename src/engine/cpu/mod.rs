@@ -1,4 +1,4 @@
-//! The plan on the CPU: rows in parallel by rayon, the same bits for any number of threads.
+//! The CPU backend: rows in parallel by rayon, the same bits for any number of threads.
 
 pub(crate) mod frame_cache;
 #[cfg(feature = "gpu")]
@@ -21,7 +21,7 @@ use crate::fast_math::Function;
 use crate::frame::Frame;
 use crate::plan::Plan;
 
-/// Runs a plan that takes nothing beside `frame`, in the rayon pool of the caller.
+/// Runs a plan without inputs beside `frame`, in the caller's rayon pool.
 ///
 /// # Errors
 /// As [`Runner::execute`].
@@ -29,12 +29,12 @@ pub(crate) fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
     Runner::default().execute(plan, frame, Inputs::default())
 }
 
-/// Runs an elementary function over a row in the widest vectors that this machine has, as the stages do.
+/// Evaluates an elementary function over a row with the widest vectors of this machine, as the stages do.
 pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     simd::Simd::widest().map_row(function, out, x);
 }
 
-/// Bits of the widest vectors that this machine has.
+/// Bits of this machine's widest vectors.
 pub(crate) fn vector_bits() -> u32 {
     simd::Simd::widest().bits()
 }

@@ -1,18 +1,17 @@
 //! Percentiles of many values, without sorting or copying them.
 //!
-//! Floats are ordered as their bits are, once those of negative ones are turned about. So a histogram of
-//! the upper half of the bits tells in which bin the value lies, and one of the lower half, over that
-//! bin, which value it is: exactly the one that sorting would find. Counts are whole numbers, the same
-//! for any number of threads.
+//! Floats have the order of their bits, once negative ones are flipped. So a histogram over the upper half of the bits
+//! finds the bin that holds the value, and one over the lower half within that bin finds the value: exactly the one
+//! that sorting would give. Counts are integers, independent of the number of threads.
 
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bins of a histogram over half of the bits.
+/// Bins of a histogram over half the bits.
 const BINS: usize = 1 << 16;
 
-/// The value below which `percent` of the finite ones lie; `None` if there are none. `row(y)`
-/// are the values of row `y`, asked for twice.
+/// The value below which `percent` of the finite values lie; `None` if there are none. `row(y)` gives the values of row
+/// `y` and is called twice.
 pub(crate) fn percentile<Values: Iterator<Item = f32>>(
     height: usize,
     percent: u32,

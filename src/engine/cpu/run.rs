@@ -15,9 +15,8 @@ use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
 use std::time::Instant;
 
-/// Runs plans one after another. A runner that is given outcomes back makes the next ones in their memory,
-/// and it keeps what it made of the last environment and the last texture of strokes; all are faster. None of
-/// its options changes a bit of the outcome.
+/// Runs plans one after another. Recycled outcomes provide memory for the next ones, and the last prepared environment
+/// and stroke texture are cached, for speed. No option changes a bit of the outcome.
 #[derive(Debug, Default)]
 pub(crate) struct Runner {
     pub(crate) options: RunOptions,
@@ -27,7 +26,7 @@ pub(crate) struct Runner {
     pub(crate) map_directions: DirectionCache,
 }
 
-/// The context of a stage: inputs, results of earlier stages, and the place for its own.
+/// The context of a stage: inputs, results of earlier stages, and storage for its own.
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
@@ -43,7 +42,7 @@ pub(crate) struct Run<'a> {
     pub(crate) undiffused: Option<Vector2Planes>,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<Vector2Planes>,
-    /// The sum of curvatures that are products themselves.
+    /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
 }
@@ -94,7 +93,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The result that a slot holds under this key, moved out of it, or else the result of `pass`.
+    /// The result cached in a slot under this key, moved out of it, or else the result of `pass`.
     pub(crate) fn kept_or<T>(
         &mut self,
         key: &str,
@@ -105,7 +104,7 @@ impl<'a> Run<'a> {
         self.taken_or(|kept| slot(kept).take(key), name, pass)
     }
 
-    /// A copy of what a slot keeps under this key; else what `pass` makes, which is then kept.
+    /// A copy of the result cached in a slot under this key, or else the result of `pass`, which is then cached.
     pub(crate) fn copied_or<T: Clone>(
         &mut self,
         key: &str,
@@ -120,7 +119,7 @@ impl<'a> Run<'a> {
         made
     }
 
-    /// Where results are kept for the next run, as long as they are whole.
+    /// The cache for the next run, unless this run was cancelled and its results are incomplete.
     pub(crate) fn kept_if_whole(&mut self) -> Option<&mut FrameCache> {
         let is_whole = !self.memory.is_cancelled();
         self.kept.as_deref_mut().filter(|_| is_whole)

@@ -17,7 +17,7 @@ use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
 impl Runner {
-    /// Runs `plan` on `frame`, in the rayon pool of the caller.
+    /// Runs `plan` on `frame`, in the caller's rayon pool.
     ///
     /// # Errors
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
@@ -25,7 +25,7 @@ impl Runner {
         self.execute_watched(plan, frame, inputs, Watch::default(), None)
     }
 
-    /// [`Runner::execute`] that is looked on, with what was kept of the frame.
+    /// [`Runner::execute`] with observers and the cache of the frame.
     ///
     /// # Errors
     /// As [`Runner::execute`]; [`Error::Cancelled`](crate::Error::Cancelled).
@@ -49,7 +49,8 @@ impl Runner {
         Ok(run.outcome)
     }
 
-    /// The directions that strokes by `params` follow: see [`Engine::stroke_fields`](crate::engine::Engine::stroke_fields).
+    /// Directions that strokes with `params` follow: see
+    /// [`Engine::stroke_fields`](crate::engine::Engine::stroke_fields).
     ///
     /// # Panics
     /// If the plan leaves out conductance.
@@ -80,7 +81,7 @@ impl Runner {
         )
     }
 
-    /// The shape alone, whatever light `plan` is for.
+    /// The shape only, whatever light `plan` is for.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled).
@@ -95,23 +96,23 @@ impl Runner {
         Ok(run.outcome)
     }
 
-    /// Forgets what was made of the last environment, so that making it is measured again.
+    /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub(crate) fn forget_environment(&self) {
         self.environment.forget();
     }
 
-    /// Takes an outcome that is no longer needed.
+    /// Reclaims the memory of an outcome.
     pub(crate) fn recycle(&self, outcome: Outcome) {
         self.memory.recycle(outcome.into_planes());
     }
 }
 
 impl Run<'_> {
-    /// Those of the stages that the plan runs.
+    /// Runs those of the stages that are in the plan.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before and after each of them: what a stage leaves that
-    /// was cancelled is of no meaning.
+    /// [`Error::Cancelled`](crate::Error::Cancelled), checked before and after each of them: the output of a cancelled
+    /// stage is undefined.
     pub(crate) fn go_through(
         &mut self,
         stages: impl IntoIterator<Item = &'static Stage>,
@@ -138,7 +139,7 @@ mod tests {
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// One thread makes 40 of 90 rows before it is cancelled in row 39: the rows after it are not made.
+    /// One thread writes 40 of 90 rows before row 39 cancels the run: the remaining rows are not written.
     #[test]
     fn rows_end_where_a_run_is_cancelled() {
         let token = CancelToken::new();
@@ -158,7 +159,7 @@ mod tests {
         assert_eq!(plane.samples().iter().sum::<f32>(), 40.0 * 30.0);
     }
 
-    /// A field of ones, no edges: diffusion leaves it as it is, and a cancelled one gives nothing.
+    /// Diffusion leaves a field of ones without edges unchanged; a cancelled one returns nothing.
     #[test]
     fn a_diffusion_ends_where_its_run_is_cancelled() {
         let (ones, mask) = (

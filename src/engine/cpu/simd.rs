@@ -1,9 +1,9 @@
-//! Row kernels compiled for wider vectors than the baseline has, chosen at run time.
+//! Row kernels compiled for vectors wider than the baseline's, chosen at run time.
 //!
-//! The compiler makes wider code of the same loops; it neither reorders nor contracts floating-point operations, so every
-//! level gives the same bits.
+//! The compiler widens the same loops; it neither reorders nor contracts floating-point operations, so every level
+//! gives the same bits.
 
-/// Vectors that this machine has. Only [`Simd::available`] makes one, of features it has found.
+/// Vector extensions of this machine. Only [`Simd::available`] constructs one, for features it has detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Simd(Level);
 
@@ -21,7 +21,7 @@ pub(crate) enum Level {
 }
 
 impl Simd {
-    /// All that this machine has, the widest last.
+    /// All levels of this machine, the widest last.
     pub(crate) fn available() -> Vec<Self> {
         #[cfg(not(target_arch = "x86_64"))]
         let levels = vec![Self(Level::Baseline)];
@@ -43,7 +43,7 @@ impl Simd {
         levels
     }
 
-    /// The widest that this machine has.
+    /// The widest level of this machine.
     pub(crate) fn widest() -> Self {
         *Self::available()
             .last()
@@ -55,7 +55,7 @@ impl Simd {
         self.0
     }
 
-    /// Bits of its vectors.
+    /// Vector width in bits.
     pub(crate) fn bits(self) -> u32 {
         match self.0 {
             Level::Baseline => 128,
@@ -67,7 +67,7 @@ impl Simd {
     }
 }
 
-/// Methods of [`Simd`] that call a row kernel as compiled for its level. A kernel asks for one in its own file.
+/// Methods of [`Simd`] that call a row kernel compiled for its level. Kernels request one in their own file.
 macro_rules! widened {
     ($(fn $name:ident($($arg:ident: $type:ty),* $(,)?);)*) => {
         #[allow(
@@ -90,7 +90,7 @@ macro_rules! widened {
                 }
                 match self.level() {
                     Level::Baseline => $name($($arg),*),
-                    // SAFETY: only `available` makes this level, where it found the features.
+                    // SAFETY: only `available` constructs this level, after detecting the features.
                     #[cfg(target_arch = "x86_64")]
                     Level::Avx2 => unsafe { avx2($($arg),*) },
                     // SAFETY: as above.
@@ -115,7 +115,7 @@ mod tests {
 
     const WIDTH: usize = 83;
 
-    /// A row of numbers between 0 and 1, the same for the same seed.
+    /// A row of numbers between 0 and 1, determined by the seed.
     fn row(seed: u32) -> Vec<f32> {
         let hash = |x: u32| (x.wrapping_mul(0x9e37_79b9) ^ seed.wrapping_mul(0x85eb_ca6b)) >> 8;
         let value = |x| (hash(hash(x)) % 1000) as f32 / 1000.0;
@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Results of the kernels for some rows.
+    /// Results of the kernels on sample rows.
     fn made(simd: Simd) -> Vec<Vec<f32>> {
         let (gx, gy) = (rows(1), rows(4));
         let open = rows(7).map(|row| row.into_iter().map(|c| c.max(0.4) / 0.4).collect());
@@ -205,7 +205,7 @@ mod tests {
         results
     }
 
-    /// Results of the kernels of light layers for some rows.
+    /// Results of the light-layer kernels on sample rows.
     fn made_of_light(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
         let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
         let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();

@@ -18,15 +18,15 @@ use crate::plan::stages::DRAWING;
 use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
-/// Pixels beyond which a drawing is made sparingly.
+/// Number of pixels above which drawings use this path.
 const LARGE: usize = 1 << 24;
 
-/// Rows that a band gives: many to what it takes above and below.
+/// Output rows of a band: many compared with the margin above and below.
 const BAND_ROWS: usize = 512;
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. Of a large frame that is drawn in its own light it takes half the memory:
-    /// its picture is used up, and the outcome holds the drawing and the numbers that were chosen, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. A large frame drawn in its own light takes half the memory: its
+    /// picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -88,7 +88,7 @@ impl Runner {
         watch: Watch<'a>,
         rows: usize,
     ) -> Result<Run<'a>> {
-        // The gain is chosen from the whole.
+        // The gain is chosen from the whole frame.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
         let strips = Strips::of_rows(rows, frame.mask.height(), plan.reach());
@@ -118,7 +118,7 @@ impl Runner {
     }
 }
 
-/// Whether a drawing takes nothing of the shape but edges, and of the light nothing but the picture's radiance.
+/// Whether a drawing needs nothing of the shape but edges, and nothing of the light but the picture's radiance.
 fn goes_in_bands(plan: &Plan) -> bool {
     let scales_picture = plan.enhancement.is_some_and(|enhancement| {
         enhancement.subject == Subject::Picture
@@ -128,7 +128,7 @@ fn goes_in_bands(plan: &Plan) -> bool {
     scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
 }
 
-/// The luminance of the scaled picture of a frame, which is used up.
+/// The luminance of the frame's scaled picture; consumes the picture.
 fn luminance_in_bands(
     scaler: &light::Scaler,
     frame: &mut Frame,
@@ -168,7 +168,7 @@ mod tests {
     use crate::params::{LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, ToneFrom};
 
-    /// Bumps of 20 pixels with a hole, under a light that varies.
+    /// Bumps of 20 pixels with a hole, under varying light.
     fn bumps(width: usize, height: usize) -> Frame {
         let wave = |x: usize| x as f64 * std::f64::consts::TAU / 20.0;
         let normal = Vector3Planes::from_fn(width, height, |x, y| {

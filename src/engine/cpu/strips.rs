@@ -20,19 +20,19 @@ use crate::shape::auto_levels::cpu::{GainSearch, luminances, white_of};
 use crate::shape::curvature::stage::trace_of_gradient;
 use std::ops::Range;
 
-/// A search for the gain, the white levels and the estimate of the albedo that a picture would be given as a whole. All
-/// strips come, from top to bottom, as often as [`StripSearch::looks`] says, with [`StripSearch::next_look`] in between.
+/// A search for the gain, the white levels and the albedo estimate that the whole picture would get. All strips are
+/// passed from top to bottom, [`StripSearch::looks`] times, with [`StripSearch::next_look`] in between.
 #[derive(Debug, Clone)]
 pub(crate) struct StripSearch {
     gain: Option<GainSearch>,
     white: Option<PercentileSearch>,
     terms: Vec<(&'static str, PercentileSearch)>,
     albedo: Option<AlbedoSearch>,
-    /// Looks that have ended.
+    /// Number of completed rounds.
     ended: usize,
 }
 
-/// Looks that a percentile takes.
+/// Rounds that a percentile needs.
 const PERCENTILE_LOOKS: usize = 2;
 
 /// Results of the searches; `None` for levels that were given.
@@ -42,14 +42,14 @@ pub(crate) struct StripChoice {
     pub gain: Option<f32>,
     /// White level of the picture.
     pub white_level: Option<f32>,
-    /// White levels of the kinds of light that are scaled by themselves, with their names.
+    /// White levels of the kinds of light scaled separately, by name.
     pub term_white_levels: Vec<(&'static str, f32)>,
-    /// The fit that albedo is estimated by.
+    /// The fit for estimating albedo.
     pub albedo: Option<AlbedoEstimate>,
 }
 
 impl StripSearch {
-    /// A search in a picture of this window for what `plan` leaves open; `None` where that is nothing.
+    /// A search for the settings that `plan` leaves open in a picture of this window; `None` if there are none.
     pub(crate) fn new(plan: &Plan, whole: Window) -> Option<Self> {
         let size = [whole.width(), whole.height()];
         let factor = plan.resolution_factor as f32;
@@ -69,19 +69,19 @@ impl StripSearch {
         open.then_some(search)
     }
 
-    /// How often all strips are to come.
+    /// How many times all strips are passed.
     pub(crate) fn looks(&self) -> usize {
-        // The shading is fitted before the white level over it is searched for.
+        // The shading is fitted before the white level over it can be searched.
         PERCENTILE_LOOKS + usize::from(self.albedo.is_some())
     }
 
-    /// Looks at the rows `rows` of a strip, counted within it; the others are there for their sake.
+    /// Takes in the rows `rows` of a strip, counted within it; the other rows are margin.
     ///
     /// # Errors
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs than the strip holds.
     ///
     /// # Panics
-    /// If it is for a drawing.
+    /// If the plan is for a drawing.
     pub(crate) fn look(
         &mut self,
         runner: &Runner,
@@ -132,7 +132,7 @@ impl StripSearch {
         Ok(())
     }
 
-    /// Ends a look, and begins the next.
+    /// Ends a round and begins the next.
     pub(crate) fn next_look(&mut self) {
         if let Some(search) = &mut self.albedo {
             search.next_look();
@@ -148,7 +148,7 @@ impl StripSearch {
             .for_each(PercentileSearch::narrow);
     }
 
-    /// The results, after the last round of all strips.
+    /// The results, after the last round.
     pub(crate) fn found(&self) -> StripChoice {
         let terms = self.terms.iter();
         StripChoice {
@@ -163,7 +163,7 @@ impl StripSearch {
 }
 
 impl StripChoice {
-    /// `scaling` with what was found in the place of what was left open; what was given for a kind of light stays.
+    /// `scaling` with open settings replaced by the results; levels given for kinds of light stay.
     pub(crate) fn given(&self, mut scaling: ScalingParams) -> ScalingParams {
         if let Some(gain) = self.gain {
             scaling.curvature_gain = Adaptive::Fixed(gain);

@@ -1,4 +1,4 @@
-//! The list of all kernels, for what goes over them: no pass needs it.
+//! The list of all kernels, for code that iterates over them; passes do not use it.
 
 use crate::engine::gpu::kernels::Kernel;
 use crate::light::layers::gpu::{
@@ -21,7 +21,7 @@ use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
 use crate::shape::diffusion::gpu::{DIFFUSION, FACES, SWEEP};
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
-/// All there are.
+/// All kernels.
 pub(crate) static ALL: [&Kernel; 36] = [
     &LOG_DEPTH,
     &EDGES,
@@ -61,7 +61,7 @@ pub(crate) static ALL: [&Kernel; 36] = [
     &RELIGHT,
 ];
 
-/// The name and the WGSL of every kernel, whole as a device is given it.
+/// The name and the complete WGSL of every kernel.
 pub fn kernel_sources() -> impl Iterator<Item = (String, String)> {
     let all = ALL.into_iter();
     all.map(|kernel| (kernel.name.into(), kernel.source()))

@@ -1,4 +1,4 @@
-// The pixels around one. Beyond the border of the picture its border goes on.
+// The pixels around one. The border of the picture extends beyond it.
 
 fn columns_around(x: u32) -> vec3<u32> {
     return vec3<u32>(max(x, 1u) - 1u, x, min(x + 1u, width() - 1u));

@@ -1,15 +1,15 @@
-//! The buffers of a kernel, by the names that its WGSL gives them.
+//! The buffers of a kernel, by their names in WGSL.
 
 /// Buffers with the names of the variables they are bound to.
 pub(crate) trait Bindings {
     /// The names, in the order of the struct.
     const NAMES: &'static [&'static str];
 
-    /// Each name with what is bound to it.
+    /// Each name with its buffer.
     fn named(&self) -> Vec<(&'static str, &wgpu::Buffer)>;
 }
 
-/// Defines a struct for each kernel.
+/// Defines a struct of buffers for each kernel.
 macro_rules! bindings {
     ($($kernel:ident { $($buffer:ident),* })*) => {
         $(

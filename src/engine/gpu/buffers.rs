@@ -1,51 +1,51 @@
-//! Memory on the device: buffers of finished runs, used again.
+//! Device memory: buffers of finished runs, reused.
 
 use crate::engine::gpu::device::Device;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Buffers to be used again.
+/// Buffers for reuse.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    /// Written by kernels. It may go from one kernel to a later one of the same run.
+    /// Written by kernels. A buffer may pass from one kernel to a later one of the same run.
     work: Pool,
-    /// Uploaded to the device. Copies come before all kernels of a run, so none of it may have been a kernel's
-    /// before in the same run.
+    /// Uploaded to the device. Copies precede all kernels of a run, so a buffer must not have been used by a kernel
+    /// earlier in the same run.
     copied: Pool,
     /// Read back after a run.
     readable: Pool,
 }
 
-/// Usages of a buffer of kernels.
+/// Usages of a kernel buffer.
 const OF_KERNELS: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
     .union(wgpu::BufferUsages::COPY_SRC)
     .union(wgpu::BufferUsages::COPY_DST);
 
-/// Usages of a buffer that is read back.
+/// Usages of a read-back buffer.
 const TO_READ: wgpu::BufferUsages =
     wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
 impl Buffers {
-    /// A buffer of this many bytes for kernels to write, whose contents mean nothing.
+    /// A buffer of this many bytes for kernels to write, with undefined contents.
     pub(crate) fn take(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
         self.work.take(device, bytes, OF_KERNELS)
     }
 
-    /// A buffer of this many bytes to be copied to.
+    /// A buffer of this many bytes for upload.
     pub(crate) fn take_to_copy(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
         self.copied.take(device, bytes, OF_KERNELS)
     }
 
-    /// A buffer of this many bytes to be copied to on the device, and read.
+    /// A buffer of this many bytes for copying on the device and reading back.
     pub(crate) fn take_to_read(&self, device: &Device, bytes: u64) -> wgpu::Buffer {
         self.readable.take(device, bytes, TO_READ)
     }
 
-    /// Takes buffers that [`Buffers::take`] gave and that no kernel recorded later needs.
+    /// Reclaims buffers from [`Buffers::take`] that no kernel recorded later needs.
     pub(crate) fn recycle(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         self.work.recycle(buffers);
     }
 
-    /// Takes buffers that were copied to from the host, or not.
+    /// Reclaims buffers from [`Buffers::take_to_copy`] if `is_copied`, else from [`Buffers::take`].
     pub(crate) fn recycle_either(
         &self,
         buffers: impl IntoIterator<Item = wgpu::Buffer>,
@@ -57,41 +57,41 @@ impl Buffers {
         }
     }
 
-    /// Takes buffers that [`Buffers::take_to_copy`] gave, after the run.
+    /// Reclaims buffers from [`Buffers::take_to_copy`], after the run.
     pub(crate) fn recycle_copied(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         self.copied.recycle(buffers);
     }
 
-    /// Takes buffers that [`Buffers::take_to_read`] gave, read and unmapped.
+    /// Reclaims buffers from [`Buffers::take_to_read`], read and unmapped.
     pub(crate) fn take_back_read(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         self.readable.recycle(buffers);
     }
 
-    /// Forgets all: what a run that failed gave back may be no buffers.
+    /// Drops all buffers: those returned by a failed run may be invalid.
     pub(crate) fn forget(&self) {
         let pools = [&self.work, &self.copied, &self.readable];
         pools.into_iter().for_each(Pool::forget);
     }
 
-    /// Whether no buffer is left to reuse.
+    /// Whether no buffer is left for reuse.
     #[cfg(test)]
     pub(crate) fn is_empty(&self) -> bool {
         let pools = [&self.work, &self.copied, &self.readable];
         pools.into_iter().all(|pool| pool.spare().is_empty())
     }
 
-    /// Forgets what the last run had no use for: pictures, and lists along their lines, differ in size.
+    /// Drops buffers that the last run did not use: pictures, and lists along their lines, differ in size.
     pub(crate) fn begin_run(&self) {
         let pools = [&self.work, &self.copied, &self.readable];
         pools.into_iter().for_each(Pool::begin_run);
     }
 }
 
-/// A buffer that is not in use.
+/// An unused buffer.
 #[derive(Debug)]
 struct Spare {
     buffer: wgpu::Buffer,
-    /// Whether it was given back since the last run began.
+    /// Whether it was returned since the last run began.
     is_fresh: bool,
 }
 
@@ -114,7 +114,7 @@ impl Pool {
         })
     }
 
-    /// One that several hands held is kept only once.
+    /// A buffer returned by several owners is kept only once.
     fn recycle(&self, buffers: impl IntoIterator<Item = wgpu::Buffer>) {
         let mut spare = self.spare();
         for buffer in buffers {

@@ -1,4 +1,4 @@
-//! Sizes of workgroups and places of numbers, and what every kernel has of Rust.
+//! Workgroup sizes, indices of chosen numbers, and the constants that every kernel takes from Rust.
 
 use crate::engine::gpu::wgsl::Number;
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
@@ -6,44 +6,44 @@ use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
 use std::f32::consts;
 use std::fmt::Write;
 
-/// Columns and rows of a workgroup that makes a pixel per invocation.
+/// Columns and rows of a workgroup with one pixel per invocation.
 pub(crate) const GROUP: [u32; 2] = [64, 4];
 
-/// Columns and rows that a workgroup of `diffusion.wgsl` holds, its rim included.
+/// Columns and rows held by a workgroup of `diffusion.wgsl`, rim included.
 pub(crate) const REGION: [u32; 2] = [64, 32];
 
-/// Rows of that region which one invocation makes.
+/// Rows of that region per invocation.
 pub(crate) const ROWS_PER_INVOCATION: u32 = 8;
 
-/// Rows of invocations of such a workgroup.
+/// Rows of invocations in such a workgroup.
 pub(crate) const REGION_GROUP_ROWS: u32 = REGION[1] / ROWS_PER_INVOCATION;
 
-/// Sweeps between which the tiles of a device do not look at their neighbours: an even number, as terms are added
-/// up in pairs. More read the frame less often, and waste more work on the rims of tiles.
+/// Sweeps between exchanges of neighbouring tiles on the device: an even number, since terms are added in pairs. More
+/// read the frame less often, and waste more work on the rims of tiles.
 pub(crate) const SWEEPS_PER_PASS: usize = 6;
 
-/// Rows that one invocation makes of kernels that look at neighbours: each row serves the next one.
+/// Rows per invocation in kernels that read neighbours: each row reuses the previous one.
 pub(crate) const STRIP_ROWS: u32 = 16;
 
-/// Invocations of a workgroup that searches for a percentile.
+/// Invocations of a workgroup in a percentile search.
 pub(crate) const SEARCH_INVOCATIONS: u32 = 256;
 
-/// Workgroups that count in that search, at the most; each takes every so-manieth row. Each also sets all bins to 0
-/// and adds them up.
+/// Maximum number of workgroups that count in that search; each takes every n-th row for n workgroups. Each also clears
+/// all bins and merges its own into them.
 pub(crate) const MOST_COUNTING_GROUPS: u32 = 1024;
 
-/// Bits that a pass of that search finds out, and how many passes find all 32.
+/// Bits resolved by one pass of that search, and the number of passes for all 32.
 pub(crate) const SEARCH_BITS: u32 = 11;
 pub(crate) const SEARCH_PASSES: u32 = u32::BITS.div_ceil(SEARCH_BITS);
 
-/// Bins that it counts.
+/// Bins of one pass.
 pub(crate) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
 
-/// Where the numbers stand that are chosen from the whole picture.
+/// Indices of the numbers chosen from the whole picture.
 pub(crate) const GAIN: u32 = 0;
 pub(crate) const WHITE: u32 = 1;
 
-/// The constants of every kernel, and the polynomials of elementary functions, as WGSL.
+/// WGSL text of the constants and of the polynomials of elementary functions, for every kernel.
 pub(crate) fn constants() -> String {
     let mut text = String::new();
     let whole = [
@@ -53,7 +53,7 @@ pub(crate) fn constants() -> String {
         ("GAIN", GAIN),
         ("WHITE", WHITE),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
-        // No key of a finite number.
+        // Not the key of any finite number.
         ("NOTHING", u32::MAX),
     ];
     let real = [
@@ -82,7 +82,7 @@ pub(crate) fn constants() -> String {
     text
 }
 
-/// A polynomial with these coefficients, the constant first, as a function.
+/// A polynomial with these coefficients, the constant first, as a WGSL function.
 fn add_polynomial(text: &mut String, name: &str, coefficients: &[f32]) {
     line(text, format_args!("fn polynomial_{name}(x: f32) -> f32 {{"));
     line(text, format_args!("    var sum = 0.0;"));

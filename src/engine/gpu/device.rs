@@ -1,49 +1,49 @@
-//! The device: found among the adapters of this machine, asked for what it can do.
+//! The device: adapter selection and capabilities.
 
 use crate::engine::gpu::limits;
 use crate::engine::gpu::wait::look_after;
 use crate::error::{Error, Result};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Which adapters will do.
+/// Which adapters are acceptable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
-    /// Any, one in software where there is no other.
+    /// Any; software if there is no hardware.
     Any,
-    /// Hardware alone: software is no faster than the CPU backend.
+    /// Hardware only: software is no faster than the CPU backend.
     Hardware,
 }
 
-/// An adapter that has been opened.
+/// An opened adapter.
 #[derive(Debug)]
 pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
-    /// The most bytes that a plane may have.
+    /// Maximum number of bytes of a plane.
     pub(crate) plane_bytes: u64,
-    /// The most columns and rows of a picture.
+    /// Maximum columns and rows of a picture.
     pub(crate) most_pixels: [u64; 2],
-    /// Whether it is waited for after every copy, so that each has a time of its own.
+    /// Whether every copy is waited for, so that it can be timed on its own.
     pub(crate) is_timed_apart: bool,
-    /// Nanoseconds of a tick of its clock, where it has one.
+    /// Nanoseconds per tick of the device clock, if it has one.
     pub(crate) tick_ns: Option<f32>,
-    /// Why it was lost, once it was.
+    /// Why the device was lost, if it was.
     lost: Arc<Mutex<Option<String>>>,
 }
 
 impl Device {
-    /// Opens the best adapter there is: a card before what is built in, and that before software.
+    /// Opens the best adapter: discrete before integrated, and software last.
     ///
     /// # Errors
-    /// [`Error::NoGpu`] where there is none of that choice, or it lacks what the kernels take.
+    /// [`Error::NoGpu`] if none matches the choice, or it lacks features that the kernels need.
     pub fn open(choice: Choice) -> Result<Self> {
         pollster::block_on(Self::opened(choice, |_| ()))
     }
 
-    /// Opens the same, as if its limits were changed.
+    /// Opens the same adapter with changed limits.
     pub(crate) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
-        // Vulkan, Metal and DirectX 12; OpenGL has no use here.
+        // Vulkan, Metal and DirectX 12; OpenGL is not used.
         let backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends,
@@ -62,7 +62,7 @@ impl Device {
         Self::of(adapter, limits).await
     }
 
-    /// Opens an adapter, as if it had no more than these limits.
+    /// Opens an adapter as if it had only these limits.
     async fn of(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self> {
         let info = adapter.get_info();
         if let Some(lacking) = limits::lacking(&limits) {
@@ -107,7 +107,7 @@ impl Device {
         })
     }
 
-    /// Its name and what speaks to it: `NVIDIA H200 (Vulkan)`.
+    /// Name and API: `NVIDIA H200 (Vulkan)`.
     pub fn name(&self) -> String {
         format!("{} ({:?})", self.info.name, self.info.backend)
     }
@@ -117,7 +117,7 @@ impl Device {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// The same, as if it took planes of no more than this many bytes: larger pictures go in strips.
+    /// Limits planes to this many bytes: larger pictures are processed in strips.
     pub fn limited_to(self, plane_bytes: u64) -> Self {
         Self {
             plane_bytes: plane_bytes.min(self.plane_bytes),
@@ -125,8 +125,8 @@ impl Device {
         }
     }
 
-    /// The same, waiting after copies to it and from it, so that the times of a run separate them from the kernels. That
-    /// takes a little longer.
+    /// Waits after copies to and from the device, so that timings separate them from the kernels. Runs take slightly
+    /// longer.
     pub fn timed_apart(self) -> Self {
         Self {
             is_timed_apart: true,
@@ -134,7 +134,7 @@ impl Device {
         }
     }
 
-    /// Whether it has a clock that times each stage.
+    /// Whether it has a clock for timing each stage.
     pub fn has_clock(&self) -> bool {
         self.tick_ns.is_some()
     }
@@ -149,7 +149,7 @@ impl Device {
         lost.clone()
     }
 
-    /// The same, taken for one in software, or for one in hardware.
+    /// The device presented as software, or as hardware.
     #[cfg(test)]
     pub(crate) fn taken_for(self, is_software: bool) -> Self {
         let mut info = self.info;
@@ -160,13 +160,13 @@ impl Device {
         Self { info, ..self }
     }
 
-    /// Loses the device, as a driver does that is reset.
+    /// Loses the device, as after a driver reset.
     #[cfg(test)]
     pub(crate) fn lose(&self) {
         self.device.destroy();
     }
 
-    /// The failure as an error: that the device was lost, if it was.
+    /// The failure as an error: device lost, if it was.
     pub(crate) fn error(&self, found: impl std::fmt::Display) -> Error {
         look_after(&self.device);
         let found = match self.lost() {
@@ -180,7 +180,7 @@ impl Device {
     }
 }
 
-/// What tests run on; `None` where there is no device, which is said, and is an error on a machine that has to have one.
+/// The device for tests; `None` where there is none, with a note, and a panic on machines that must have one.
 #[cfg(test)]
 pub(crate) fn to_test_on<T>(opened: Result<T>) -> Option<T> {
     if let Err(error) = &opened {
@@ -211,7 +211,7 @@ fn none(choice: Choice) -> Error {
     }
 }
 
-/// A message of several lines in one.
+/// A multi-line message as one line.
 pub(crate) fn one_line(text: &impl std::fmt::Display) -> String {
     let text = text.to_string();
     text.split_whitespace().collect::<Vec<_>>().join(" ")

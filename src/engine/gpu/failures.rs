@@ -17,7 +17,7 @@ use crate::report::scenes::Scene;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The device of this machine, if any, as if it had no more than some limits.
+/// The device of this machine, if any, with changed limits.
 fn device(change: fn(&mut wgpu::Limits)) -> Option<Device> {
     to_test_on(pollster::block_on(Device::opened(Choice::Any, change)))
 }
@@ -44,7 +44,7 @@ fn assert_is_of_the_cpu(found: &Outcome, plan: &Plan, frame: &Frame) {
     assert!(apart <= Product::Picture.tolerance(), "off by {apart:e}");
 }
 
-/// Asserts that an error is a line that says what happened to which device, and what to do.
+/// Asserts that an error is one line naming the failure, the device and the remedy.
 #[track_caller]
 fn assert_tells(error: &Error, runner: &Runner, what: &str) {
     let line = error.to_string();
@@ -119,7 +119,7 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
     let Some(mut device) = device(small) else {
         return;
     };
-    // As if it had not said so.
+    // Pretends that the device reported no limit.
     device.plane_bytes = u64::MAX;
     let runner = Runner::new(device);
     let (large_plan, large) = waves(200, 100);
@@ -129,7 +129,7 @@ fn after_a_buffer_that_was_refused_smaller_runs_work() {
             .execute(&large_plan, &large, Inputs::default())
             .unwrap_err();
         assert_tells(&error, &runner, "65536");
-        // Among what was given back while it was recorded are buffers that were never made.
+        // Buffers returned while recording include some that were never created.
         assert!(runner.buffers.is_empty());
         assert_is_of_the_cpu(
             &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
@@ -159,7 +159,7 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
     match asked {
         Err(Fault::Memory(error)) => assert_tells(&error, &runner, "has too little memory"),
         Err(other) => panic!("{other:?}"),
-        // There is as much.
+        // There is enough memory.
         Ok(()) => {}
     }
     assert!(!runner.device().is_lost());
@@ -257,7 +257,7 @@ fn planes_of_a_few_bytes_are_an_error() {
 #[test]
 fn a_device_that_lacks_what_kernels_take_is_not_opened() {
     let weak = |limits: &mut wgpu::Limits| limits.max_compute_workgroup_storage_size = 1024;
-    // Where there is none it is not opened either.
+    // A rejected device is not opened either.
     let opened = Device::opened(Choice::Any, weak);
     let error = pollster::block_on(opened).unwrap_err();
     let line = error.to_string();

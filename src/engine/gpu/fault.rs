@@ -1,14 +1,14 @@
-//! Faults of a device, and what is done when it is out of memory.
+//! Device faults, and the reaction to running out of memory.
 
 use crate::engine::gpu::device::Device;
 use crate::error::Error;
 
-/// Why a run came to nothing.
+/// Why a run failed.
 #[derive(Debug)]
 pub(crate) enum Fault {
-    /// There was too little memory.
+    /// Out of memory.
     Memory(Error),
-    /// Not even a strip of one row has planes as small as was asked for.
+    /// Even a strip of one row exceeds the requested plane size.
     Strips(Error),
     /// Anything else.
     Other(Error),
@@ -28,7 +28,7 @@ impl From<Error> for Fault {
     }
 }
 
-/// Does `work`; an error that the device reports meanwhile is its fault.
+/// Does `work` and turns errors that the device reports meanwhile into its fault.
 ///
 /// # Errors
 /// The error that the device reported, or else the result of `work`.
@@ -55,15 +55,15 @@ pub(crate) fn watched<T>(
     }
 }
 
-/// Of the errors of a run the one that the others follow from: where memory is wanting all else is invalid too.
+/// The root error of a run: after an out-of-memory error, others follow from it.
 fn first(errors: [Option<wgpu::Error>; 3]) -> Option<wgpu::Error> {
     errors.into_iter().flatten().next()
 }
 
-/// Attempts work with planes of at most so many bytes, and as long as memory is wanting with half as many.
+/// Attempts work with planes of at most `plane_bytes`, halving that while the device is out of memory.
 ///
 /// # Errors
-/// Those of the attempts; the want of memory where strips cannot be made smaller.
+/// Those of the attempts; out of memory if strips cannot be made smaller.
 pub(crate) fn in_memory<T>(
     mut plane_bytes: u64,
     mut attempt: impl FnMut(u64) -> Result<T, Fault>,

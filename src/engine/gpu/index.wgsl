@@ -1,4 +1,4 @@
-// The pixels of a frame, whose size is at the head of every uniform block: rows running down, one after the other.
+// The pixels of a frame, whose size starts every uniform block: row-major, rows running down.
 
 fn width() -> u32 {
     return params.width;

@@ -1,34 +1,34 @@
-//! Kernels: their WGSL, put together of shared parts.
+//! Kernels: WGSL composed of shared parts.
 
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::constants::constants;
 use crate::engine::gpu::uniforms::Uniforms;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 
-/// The pixels of a frame, as WGSL.
+/// Pixel indexing of a frame.
 pub(crate) const INDEX: Wgsl = wgsl!("index.wgsl");
 
-/// The pixels around one.
+/// Neighbouring pixels.
 pub(crate) const AROUND: Wgsl = wgsl!("around.wgsl");
 
-/// Where a surface was seen.
+/// The mask.
 pub(crate) const COVERAGE: Wgsl = wgsl!("coverage.wgsl");
 
 /// A kernel, declared beside the pass that runs it.
 #[derive(Debug)]
 pub(crate) struct Kernel {
-    /// No other one has it.
+    /// Its unique name.
     pub(crate) name: &'static str,
     /// The definition of its uniform block.
     uniforms: &'static str,
-    /// The names of its buffers.
+    /// Names of its buffers.
     pub(super) buffers: &'static [&'static str],
-    /// Its WGSL, after what all kernels have.
+    /// Its WGSL, after the part common to all kernels.
     parts: &'static [Wgsl],
 }
 
 impl Kernel {
-    /// A kernel that is given these uniforms and these buffers.
+    /// A kernel with these uniforms and these buffers.
     pub(crate) const fn new<U: Uniforms, B: Bindings>(
         name: &'static str,
         parts: &'static [Wgsl],
@@ -41,7 +41,7 @@ impl Kernel {
         }
     }
 
-    /// Whether it is given these uniforms and these buffers.
+    /// Whether it has these uniforms and these buffers.
     pub(crate) fn takes<U: Uniforms, B: Bindings>(&self) -> bool {
         self.uniforms == U::WGSL && self.buffers == B::NAMES
     }
@@ -60,7 +60,7 @@ impl Kernel {
         source
     }
 
-    /// The names of what is bound, in the order of their numbers.
+    /// The names of its bindings, in order of their numbers.
     pub(crate) fn bindings(&self) -> Vec<String> {
         let source = self.source();
         let mut bound: Vec<(u32, String)> = source.lines().filter_map(binding).collect();
@@ -69,7 +69,7 @@ impl Kernel {
     }
 }
 
-/// The number and the name of the variable that a line of WGSL binds: `@group(0) @binding(1) var<storage> covered: array<u32>;`.
+/// Number and variable name of a binding in a line of WGSL: `@group(0) @binding(1) var<storage> covered: array<u32>;`.
 fn binding(line: &str) -> Option<(u32, String)> {
     let (number, variable) = line.strip_prefix("@group(0) @binding(")?.split_once(')')?;
     let (_, named) = variable.split_once("> ")?;

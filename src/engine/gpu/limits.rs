@@ -1,31 +1,31 @@
-//! What the kernels take of a device, and how large a picture may be.
+//! Device limits that the kernels need, and the largest picture they allow.
 
 use crate::engine::gpu::constants::{
     GROUP, MOST_COUNTING_GROUPS, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
     SWEEPS_PER_PASS,
 };
 
-/// Storage buffers that a kernel takes at the most.
+/// Maximum number of storage buffers of a kernel.
 const STORAGE_BUFFERS: u32 = 16;
 
 /// Largest size of a uniform block, in bytes.
 const TOLD_BYTES: u32 = 256;
 
-/// Bytes of the region that a workgroup of the diffusion holds: vectors of two.
+/// Bytes of the region held by a diffusion workgroup: vectors of two.
 const REGION_BYTES: u32 = 8 * REGION[0] * REGION[1];
 
-/// Kernels count pixels and samples in 32 bits.
+/// Kernels index pixels and samples in 32 bits.
 const MOST_PLANE_BYTES: u64 = u32::MAX as u64;
 
-/// The features asked for, of those that an adapter has: a clock. Kernels compute in `f32` and `u32` alone.
+/// Features to request, if the adapter has them: a clock. Kernels compute in `f32` and `u32` only.
 pub(crate) fn wanted_features(available: wgpu::Features) -> wgpu::Features {
     available & wgpu::Features::TIMESTAMP_QUERY
 }
 
-/// Something that the kernels take so much of.
+/// A device limit and the value that the kernels need.
 struct Need {
     what: &'static str,
-    /// How much a device has.
+    /// The device's value.
     has: fn(&wgpu::Limits) -> u64,
     needed: u64,
 }
@@ -77,7 +77,7 @@ fn needs() -> [Need; 11] {
     ]
 }
 
-/// The first requirement of the kernels that a device of these limits does not meet.
+/// The first requirement of the kernels that a device with these limits does not meet.
 pub(crate) fn lacking(limits: &wgpu::Limits) -> Option<String> {
     needs().into_iter().find_map(|Need { what, has, needed }| {
         let has = has(limits);
@@ -85,7 +85,7 @@ pub(crate) fn lacking(limits: &wgpu::Limits) -> Option<String> {
     })
 }
 
-/// The most bytes that a plane may have.
+/// Maximum number of bytes of a plane.
 pub(crate) fn plane_bytes(limits: &wgpu::Limits) -> u64 {
     limits
         .max_storage_buffer_binding_size
@@ -93,9 +93,9 @@ pub(crate) fn plane_bytes(limits: &wgpu::Limits) -> u64 {
         .min(MOST_PLANE_BYTES)
 }
 
-/// The most columns and rows of a picture that so many workgroups to each side are enough for.
+/// Largest picture, in columns and rows, for this many workgroups per side.
 pub(crate) fn most_pixels(groups: u32) -> [u64; 2] {
-    // Of the kernels that make pixels, the diffusion has workgroups that make the fewest columns.
+    // Among kernels that write pixels, diffusion workgroups cover the fewest columns.
     let columns = GROUP[0].min(REGION[0] - 2 * SWEEPS_PER_PASS as u32);
     let rows = GROUP[1].min(REGION[1] - 2 * SWEEPS_PER_PASS as u32);
     [columns, rows].map(|pixels| u64::from(pixels) * u64::from(groups))
@@ -110,7 +110,7 @@ mod tests {
     use wgpu::naga::proc::Layouter;
     use wgpu::naga::{AddressSpace, Module};
 
-    /// Just enough for the kernels.
+    /// Exactly the limits that the kernels need.
     fn enough() -> Limits {
         Limits {
             max_storage_buffers_per_shader_stage: STORAGE_BUFFERS,
@@ -188,11 +188,11 @@ mod tests {
 
     #[test]
     fn pictures_end_where_workgroups_do() {
-        // 64 - 2 * 6 columns and 4 rows each.
+        // 64 - 2 * 6 columns and 4 rows per workgroup.
         assert_eq!(most_pixels(65_535), [52 * 65_535, 4 * 65_535]);
     }
 
-    /// What is asked for is what the kernels take as they stand.
+    /// The requirements equal the actual maxima over all kernels.
     #[test]
     fn no_kernel_takes_more_than_is_asked_for() {
         for (name, source) in kernel_sources() {
@@ -221,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Bytes of all globals of a module in this space.
+    /// Bytes of all globals of a module in this address space.
     fn bytes(module: &Module, space: AddressSpace) -> u64 {
         let mut layouter = Layouter::default();
         layouter.update(module.to_ctx()).unwrap();

@@ -1,9 +1,9 @@
-//! What stages have made on the device, for those after them and to be read.
+//! Results of stages on the device, for later stages and for read-back.
 
 use crate::engine::gpu::surface::Picture;
 use crate::product::Product;
 
-/// The descriptor on the device, as far as a plan asks for it.
+/// The descriptor on the device, as far as the plan needs it.
 pub(crate) struct Shape {
     pub(crate) conductance: wgpu::Buffer,
     /// Silhouette and crease weight of each pixel.
@@ -11,7 +11,7 @@ pub(crate) struct Shape {
     pub(crate) gradient: wgpu::Buffer,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<wgpu::Buffer>,
-    /// The Hessian at the first scale, unless it is used only once, where it is made.
+    /// The Hessian at the first scale, unless it is consumed in the kernel that computes it.
     pub(crate) hessian: Option<Hessian>,
 }
 
@@ -40,7 +40,7 @@ impl Shape {
 /// The Hessian on the device.
 pub(crate) struct Hessian {
     pub(crate) trace: wgpu::Buffer,
-    /// Its entries xx, xy and yy, where they are wanted.
+    /// Its entries xx, xy and yy, if needed.
     pub(crate) entries: Option<[wgpu::Buffer; 3]>,
 }
 
@@ -48,35 +48,35 @@ pub(crate) struct Hessian {
 pub(crate) struct Curvatures {
     /// u, v, mean and kappa of each pixel.
     pub(crate) curvature: wgpu::Buffer,
-    /// The direction of the view-centred curvature larger in size.
+    /// The direction of the larger view-centred curvature by magnitude.
     pub(crate) direction: wgpu::Buffer,
 }
 
-/// The white level of each term, in a buffer like that of what is chosen.
+/// The white level of each term, each in a buffer laid out like the chosen numbers.
 pub(crate) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
 
-/// All that a run has made so far.
+/// All results of a run so far.
 #[derive(Default)]
 pub(crate) struct Made {
     pub(crate) shape: Option<Shape>,
-    /// Of the first scale, and of those after it.
+    /// By scale, the first scale first.
     pub(crate) curvatures: Vec<Curvatures>,
     /// Directions of the surface's own curvature, x and y.
     pub(crate) directions: Option<[wgpu::Buffer; 2]>,
-    /// The picture, or what it is made of.
+    /// The picture, or the input of the stages that make it.
     pub(crate) picture: Option<Picture>,
     /// White levels of the terms of light.
     pub(crate) term_whites: TermWhites,
 }
 
-/// Buffers that hold products, one after the other. Where there are fewer than planes each pixel has several samples.
+/// Buffers that hold products, in order. With fewer buffers than planes, each pixel has several samples.
 pub(crate) struct Layer {
     pub(crate) products: &'static [Product],
     pub(crate) buffers: Vec<wgpu::Buffer>,
 }
 
 impl Made {
-    /// All layers of the descriptor, those of further scales last.
+    /// All layers of the descriptor, further scales last.
     pub(crate) fn layers(&self) -> Vec<Layer> {
         let Some(shape) = &self.shape else {
             return Vec::new();
@@ -111,7 +111,7 @@ impl Made {
         layers
     }
 
-    /// All buffers but those of the picture.
+    /// All buffers except those of the picture.
     pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
         let curvatures = self.curvatures.into_iter();
         let curvatures = curvatures.flat_map(|scale| [scale.curvature, scale.direction]);

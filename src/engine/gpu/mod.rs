@@ -1,10 +1,10 @@
-//! The plan on a device of Vulkan, Metal or DirectX 12, as compute passes over storage buffers.
+//! The GPU backend: compute passes over storage buffers, on Vulkan, Metal or DirectX 12.
 //!
-//! Here stands what knows no stage, and the runner that puts stages together. The kernels of a stage, and the passes that
-//! run them, stand in its room: `gpu.rs` beside `cpu.rs`, and WGSL beside the Rust file that it repeats, by the same
-//! statements in the same order; numbers and structs come from Rust. Where the CPU uses
-//! double precision, devices work on differences. Between the stages nothing is read back but lists of what lies along the edges of a drawing,
-//! and its tone where strokes are lines: lines are found on the CPU.
+//! This module holds the parts that know no stage, and the runner that combines stages. Kernels and passes of a stage
+//! are in its own module: `gpu.rs` beside `cpu.rs`, and WGSL beside the Rust file it mirrors statement by statement;
+//! constants and structs come from Rust. Where the CPU uses double precision, devices work on differences. Between
+//! stages nothing is read back except lists of edge points of a drawing, and its tone if strokes are lines: lines are
+//! found on the CPU.
 
 mod all_kernels;
 pub(crate) mod bindings;

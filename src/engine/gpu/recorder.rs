@@ -1,4 +1,4 @@
-//! Kernels in the order in which they run, and what they take.
+//! Records kernels and their inputs in order of execution.
 
 use crate::engine::device_times::{KERNELS, READ_BACK, RECORD};
 use crate::engine::gpu::bindings::Bindings;
@@ -15,10 +15,10 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-/// A kernel, by its name, with its switches, as it was compiled for the device.
+/// Compiled kernels, by name and switches.
 type Compiled = HashMap<(&'static str, Vec<(&'static str, bool)>), Arc<Program>>;
 
-/// A pipeline, and the names of what it is given in the order of its bindings.
+/// A pipeline, and the names of its bindings in order.
 #[derive(Debug)]
 struct Program {
     pipeline: wgpu::ComputePipeline,
@@ -30,7 +30,7 @@ struct Program {
 pub(crate) struct Programs(Mutex<Compiled>);
 
 impl Programs {
-    /// Forgets all: what was compiled in a run that failed may be nothing.
+    /// Drops all kernels: those compiled in a failed run may be invalid.
     pub(crate) fn forget(&self) {
         let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         compiled.clear();
@@ -63,7 +63,7 @@ impl Programs {
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants: &constants,
-                // Kernels write what they read.
+                // Kernels write workgroup memory before reading it.
                 zero_initialize_workgroup_memory: false,
             },
             cache: None,
@@ -78,7 +78,7 @@ impl Programs {
 }
 
 impl Program {
-    /// The number of the binding of this name.
+    /// The number of the binding with this name.
     fn binding(&self, name: &str) -> u32 {
         let mut bindings = (0..).zip(&self.bindings);
         let found = bindings.find(|(_, bound)| *bound == name);
@@ -87,23 +87,23 @@ impl Program {
     }
 }
 
-/// How long each stage took, in order.
+/// The time of each stage, in order.
 pub(crate) type Timings = Vec<(&'static str, Duration)>;
 
-/// Kernels that a run can time, at the most: half as many as a set of queries may have.
+/// Maximum number of kernels timed in a run: each takes two of a set's queries.
 const MAX_TIMED: u32 = wgpu::QUERY_SET_MAX_QUERIES / 2;
 
-/// Records kernels, and runs them.
+/// Records kernels and runs them.
 pub(crate) struct Recorder<'d> {
     device: &'d Device,
     programs: &'d Programs,
     buffers: &'d Buffers,
     encoder: wgpu::CommandEncoder,
-    /// The clock, and the stage of each pair of its readings.
+    /// The clock, and the stage of each pair of timestamps.
     clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
-    /// When it began.
+    /// When recording began.
     start: Instant,
-    /// Why nothing that is recorded will run.
+    /// Why the recorded work cannot run.
     failed: Option<Error>,
 }
 
@@ -128,7 +128,7 @@ impl<'d> Recorder<'d> {
         }
     }
 
-    /// Runs a kernel over as many workgroups.
+    /// Runs a kernel over this many workgroups.
     pub(crate) fn dispatch<U: Uniforms, B: Bindings>(
         &mut self,
         stage: &'static str,
@@ -149,7 +149,7 @@ impl<'d> Recorder<'d> {
         });
         match uniform.slice(..).get_mapped_range_mut() {
             Ok(mut range) => range.copy_from_slice(&bytes),
-            // It was mapped when it was made: it was not made.
+            // Buffers are mapped at creation, so this one was never created.
             Err(error) => {
                 self.failed.get_or_insert_with(|| self.device.error(error));
                 return;
@@ -193,7 +193,7 @@ impl<'d> Recorder<'d> {
         pass.dispatch_workgroups(groups[0], groups[1], 1);
     }
 
-    /// Runs a kernel that makes a pixel per invocation of a picture of this size.
+    /// Runs a kernel with one invocation per pixel of a picture of this size.
     pub(crate) fn over_pixels<U: Uniforms>(
         &mut self,
         stage: &'static str,
@@ -206,7 +206,7 @@ impl<'d> Recorder<'d> {
         self.dispatch(stage, kernel, uniforms, buffers, groups);
     }
 
-    /// Runs a kernel that makes some rows per invocation of a picture of this size.
+    /// Runs a kernel with one invocation per group of rows of a picture of this size.
     pub(crate) fn over_rows<U: Uniforms>(
         &mut self,
         stage: &'static str,
@@ -230,11 +230,11 @@ impl<'d> Recorder<'d> {
         self.encoder.clear_buffer(buffer, 0, None);
     }
 
-    /// Runs what was recorded, waits for it, and hands out what `wanted` then hold, with the time of recording, of each
-    /// stage where the device has a clock, else of all kernels, and of reading back.
+    /// Runs the recorded work, waits for it and returns the contents of `wanted`, with the times of recording, of each
+    /// stage if the device has a clock, else of all kernels, and of read-back.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub(crate) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
         let recorded = self.start.elapsed();
         let mut start = Instant::now();
@@ -256,7 +256,7 @@ impl<'d> Recorder<'d> {
         let (stages, read_back) = match (stages, kernels) {
             (Some(stages), Some(_)) => (stages, waited),
             (None, Some(kernels)) => (vec![(KERNELS, kernels)], waited),
-            // Copies and waiting are what the kernels leave of the time.
+            // Time not spent in kernels is copying and waiting.
             (Some(stages), None) => {
                 let computed = stages.iter().map(|(_, time)| *time).sum();
                 (stages, waited.saturating_sub(computed))
@@ -268,13 +268,13 @@ impl<'d> Recorder<'d> {
         Ok((read, timings))
     }
 
-    /// Has the device begin with what was recorded, and records on from there; what `wanted` then hold can be read.
+    /// Submits the recorded work and continues recording; the contents of `wanted` can then be read.
     pub(crate) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let whole = wanted.iter().map(|&buffer| (buffer, buffer.size()));
         self.submit_for_parts(whole)
     }
 
-    /// The same for as many bytes from the start of each.
+    /// The same for the first bytes of each buffer.
     pub(crate) fn submit_for_parts<'a>(
         &mut self,
         wanted: impl IntoIterator<Item = (&'a wgpu::Buffer, u64)>,
@@ -325,20 +325,20 @@ pub(crate) struct Submitted<'d> {
     device: &'d Device,
     buffers: &'d Buffers,
     submission: wgpu::SubmissionIndex,
-    /// Copies of what is wanted, and the readings of the clock last.
+    /// Copies of the wanted buffers, then of the timestamps.
     to_read: Vec<wgpu::Buffer>,
-    /// The stages that were timed, where the device has a clock.
+    /// The stages timed, if the device has a clock.
     timed: Option<Vec<&'static str>>,
-    /// Why it came to nothing.
+    /// Why the submission failed.
     failed: Option<Error>,
 }
 
 impl Submitted<'_> {
-    /// Waits until the device is done with it, but not with what it was given since; hands out what was wanted, and the
-    /// time of each stage where the device has a clock.
+    /// Waits for this submission, not for later ones; returns the wanted contents, and the time of each stage if the
+    /// device has a clock.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub(crate) fn read(mut self) -> Result<(Vec<Vec<f32>>, Option<Timings>)> {
         if let Some(error) = self.failed {
             return Err(error);
@@ -361,7 +361,7 @@ impl Submitted<'_> {
     }
 }
 
-/// Waits until buffers can be read that a submission fills.
+/// Waits until the buffers filled by a submission are mapped.
 fn wait(
     device: &Device,
     buffers: &[wgpu::Buffer],
@@ -373,7 +373,7 @@ fn wait(
         buffer
             .slice(..)
             .map_async(wgpu::MapMode::Read, move |mapped| {
-                // The receiver is gone: nobody waits for the result.
+                // A dropped receiver means that nobody waits for the result.
                 let _ = sender.send(mapped);
             });
     }
@@ -397,7 +397,7 @@ fn contents<T: bytemuck::AnyBitPattern>(device: &Device, buffer: &wgpu::Buffer) 
     Ok(numbers)
 }
 
-/// The time of each stage, its passes taken together, in the order of their first.
+/// The time of each stage, summed over its passes, in order of their first pass.
 fn times(stages: &[&'static str], readings: &[u64], tick_ns: f32) -> Timings {
     let mut times = Timings::new();
     for (&stage, pair) in stages.iter().zip(readings.chunks_exact(2)) {

@@ -16,33 +16,33 @@ use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
 use std::time::Instant;
 
-/// Bytes of a buffer that nothing is written to.
+/// Bytes of a placeholder buffer that is never written.
 pub(crate) const NOWHERE: u64 = 16;
 
 /// A run while it is being recorded.
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
-    /// New light, where the frame gets any.
+    /// New light, if the frame gets any.
     pub(crate) light: Option<&'a Light<'a>>,
     pub(crate) device: &'a Device,
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
     pub(crate) surface: SurfaceBuffers,
-    /// The numbers that are chosen from the whole picture: gain and white level.
+    /// Numbers chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
-    /// A drawing, as far as it is on the device.
+    /// The drawing, as far as it is made on the device.
     pub(crate) canvas: DeviceCanvas<'a>,
-    /// The run of the CPU, for the stages, or parts of them, that no device has kernels for.
+    /// The CPU run, for stages or parts of them without kernels.
     pub(crate) host: HostRun<'a>,
-    /// The texture of strokes of earlier runs.
+    /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
-    /// What the device is at, where someone looks on.
+    /// The submission in progress, if the run is observed.
     at_work: Option<Submitted<'a>>,
-    /// The time of what was waited for so far.
+    /// Timings of submissions waited for so far.
     pub(crate) waited: Timings,
-    /// What was copied to the device while kernels were recorded.
+    /// Buffers uploaded during recording.
     held: Vec<wgpu::Buffer>,
 }
 
@@ -76,7 +76,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Has the device begin with what was recorded, once it is done with what it had.
+    /// Submits the recorded work once the previous submission has finished.
     pub(super) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
         let start = Instant::now();
@@ -88,7 +88,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// The shape alone, as far as the gain takes it.
+    /// The shape, as far as the gain depends on it.
     pub(crate) fn find_shape(&mut self) -> Shape {
         let (plan, frame) = (self.plan, self.frame);
         let edges = self.edges(plan, frame);
@@ -96,13 +96,13 @@ impl<'a> Run<'a> {
         self.with_hessian(diffused)
     }
 
-    /// Goes on with the shape.
+    /// Replaces the shape.
     pub(crate) fn change_shape(&mut self, change: impl FnOnce(&mut Self, Shape) -> Shape) {
         let shape = self.made.shape.take().expect("edges come first");
         self.made.shape = Some(change(self, shape));
     }
 
-    /// Changes the picture in place, by the shape.
+    /// Changes the picture in place, using the shape.
     pub(crate) fn change_picture(&mut self, change: impl FnOnce(&mut Self, &Shape, &Picture)) {
         let shape = self.made.shape.take().expect("scaling takes the shape");
         let picture = self.made.picture.take().expect("enhancing takes a picture");
@@ -110,7 +110,7 @@ impl<'a> Run<'a> {
         (self.made.shape, self.made.picture) = (Some(shape), Some(picture));
     }
 
-    /// A buffer of this many bytes, whose contents mean nothing.
+    /// A buffer of this many bytes with undefined contents.
     pub(crate) fn take(&self, bytes: u64) -> wgpu::Buffer {
         self.buffers.take(self.device, bytes)
     }
@@ -126,7 +126,7 @@ impl<'a> Run<'a> {
         self.uploaded_bytes(bytemuck::cast_slice(numbers))
     }
 
-    /// Copies whatever it is to the device.
+    /// Copies bytes to the device.
     pub(crate) fn uploaded_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
         let buffer = self.upload().bytes(bytes);
         self.held.push(buffer.clone());
@@ -140,7 +140,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Copies a field of vectors to the device, x and y.
+    /// Copies a vector field to the device, x and y.
     pub(crate) fn hold_field(
         &mut self,
         Vector2Planes { x, y }: &Vector2Planes,
@@ -148,15 +148,15 @@ impl<'a> Run<'a> {
         [x, y].map(|plane| self.uploaded(plane.samples()))
     }
 
-    /// Runs what was recorded, and hands out what `wanted` then hold, with the time of each stage, and the run of the CPU.
+    /// Runs the recorded work and returns the contents of `wanted`, with the time of each stage, and the CPU run.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] where the device fails.
+    /// [`crate::Error::Gpu`] if the device fails.
     pub(crate) fn finish(mut self, wanted: &[&wgpu::Buffer]) -> Result<Finished<'a>> {
         let (read, mut times) = self.recorder.run(wanted)?;
         if let Some(last) = self.at_work.take() {
             add_timings(&mut self.waited, &last.read()?.1.unwrap_or_default());
-            // Since then the CPU has done more than record.
+            // The CPU has done more than record since then.
             times.retain(|(name, _)| *name != RECORD);
         }
         add_timings(&mut self.waited, &times);
@@ -170,11 +170,11 @@ impl<'a> Run<'a> {
     }
 }
 
-/// What a run comes to.
+/// The end of a run.
 pub(crate) struct Finished<'a> {
-    /// What was wanted, in its order.
+    /// Contents of the wanted buffers, in their order.
     pub(crate) read: Vec<Vec<f32>>,
     pub(crate) timings: Timings,
-    /// The run of the CPU.
+    /// The CPU run.
     pub(crate) host: HostRun<'a>,
 }

@@ -1,4 +1,4 @@
-//! Plans on the strips of a picture, with what is chosen from all of it.
+//! Plans on the strips of a picture, with automatic choices from the whole.
 
 use crate::engine::cpu::gpu_support::term_white_levels;
 use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
@@ -16,7 +16,7 @@ use crate::shape::auto_levels::gpu::{Search, Searching};
 use std::ops::Range;
 
 impl Runner {
-    /// Runs `plan` on the strips of a frame, with what is chosen from all of it.
+    /// Runs `plan` on the strips of a frame, with automatic choices from the whole frame.
     pub(crate) fn run_strips(
         &self,
         plan: &Plan,
@@ -42,7 +42,7 @@ impl Runner {
         strips.run(frame, run, drop)
     }
 
-    /// Gain and white level of the whole picture, as far as they are left open.
+    /// Gain and white level of the whole picture, where they are left open.
     fn choose(
         &self,
         plan: &Plan,
@@ -62,7 +62,7 @@ impl Runner {
         self.search((plan, frame), beside, &searches, strips)
     }
 
-    /// Results of the searches in the shape of a frame and in its picture; 1 where nothing is searched for.
+    /// Results of the searches over the shape and the picture of a frame; 1 where there is no search.
     fn search(
         &self,
         (plan, frame): (&Plan, &Frame),

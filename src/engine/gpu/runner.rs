@@ -1,4 +1,4 @@
-//! The GPU as a caller sees it: plans run one after another, in memory that is kept on the device.
+//! The GPU from the caller's side: plans run one after another, in memory kept on the device.
 
 use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
@@ -36,19 +36,19 @@ use crate::product::Product;
 use std::ops::Range;
 use std::time::Instant;
 
-/// What a run takes beside its plan and its frame.
+/// Inputs of a run other than plan and frame.
 #[derive(Clone, Copy)]
 pub(crate) struct Beside<'a> {
     inputs: Inputs<'a>,
     light: Option<&'a Light<'a>>,
-    /// For what the CPU does.
+    /// Memory for the parts run on the CPU.
     memory: &'a Memory,
     watch: Watch<'a>,
 }
 
 #[cfg(test)]
 impl<'a> Beside<'a> {
-    /// No inputs, no light, nobody who looks on.
+    /// No inputs, no light and no observer.
     pub(crate) fn nothing(memory: &'a Memory) -> Self {
         Self {
             inputs: Inputs::default(),
@@ -59,11 +59,11 @@ impl<'a> Beside<'a> {
     }
 }
 
-/// Which stages of a plan a device does.
+/// Stages of a plan that run on the device.
 #[derive(Clone, Copy, PartialEq)]
 enum Share {
     All,
-    /// Those that find the shape and make the picture: the CPU draws.
+    /// Stages of the shape and the picture; the CPU draws.
     ButDrawing,
 }
 
@@ -75,7 +75,7 @@ pub struct Runner {
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
     pub(crate) texture: TextureCache,
-    /// What makes the parts of drawings that have no kernels.
+    /// Runs the parts of drawings without kernels.
     host: cpu::Runner,
     light: LightCache,
 }
@@ -108,22 +108,23 @@ impl Runner {
         running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
-    /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and its tone where that was made.
+    /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// Where the whole frame is too much for the device's memory it goes in strips. Of drawings the CPU finds the lines along
-    /// edges and inside surfaces, and where strokes of a sequence have moved to; and it draws by itself, in the tone and along
-    /// the edges of the device, where that takes the frame whole and the device does not: lines are laid one beside another,
-    /// and directions spread over surfaces, across all strips. What was run before, and failed, changes nothing; on a device that was lost all fails.
+    /// A frame too large for the device's memory is processed in strips. For drawings the CPU finds the lines along
+    /// edges and inside surfaces, and where the strokes of a sequence have moved; it draws everything, with tone and
+    /// edges from the device, where drawing needs the whole frame at once and the device cannot hold it: lines are
+    /// placed relative to others, and directions spread over surfaces, across all strips. Failed runs do not affect
+    /// later ones; on a lost device all runs fail.
     ///
     /// # Errors
-    /// [`Error::Gpu`] where the device is lost, has too little memory, or takes no picture as large as the environment;
+    /// [`Error::Gpu`] if the device is lost, is out of memory, or cannot hold a picture as large as the environment;
     /// [`Error::Unfit`] if the plan was made for other inputs, or [`Runner::can_run`] is false.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
         self.execute_watched(plan, frame, inputs, Watch::default())
     }
 
-    /// [`Runner::execute`] that may be ended before each strip.
+    /// [`Runner::execute`] that can be cancelled before each strip.
     ///
     /// # Errors
     /// As [`Runner::execute`]; [`Error::Cancelled`].
@@ -147,7 +148,7 @@ impl Runner {
         })
     }
 
-    /// A run with planes of no more than so many bytes.
+    /// A run with planes of at most `plane_bytes`.
     pub(crate) fn attempt(
         &self,
         plan: &Plan,
@@ -183,7 +184,7 @@ impl Runner {
         })
     }
 
-    /// Does `work` on a device that is there; where it fails nothing of it is kept.
+    /// Does `work` on a device that is not lost; after a failure all cached device objects are dropped.
     fn guarded<T>(
         &self,
         work: impl FnOnce() -> std::result::Result<T, Fault>,
@@ -198,16 +199,16 @@ impl Runner {
             self.programs.forget();
             self.light.forget_maps();
             self.texture.forget();
-            // Memory is free once nothing uses it; that a lost device does not answer has been reported.
+            // Memory is released once unused; a lost device has been reported already.
             let _ = wait_for(&self.device.device, None);
         }
         done
     }
 
-    /// How many rows of a frame go on the device at a time, with planes of no more than so many bytes.
+    /// Maximum number of rows of a frame on the device at a time, with planes of at most `plane_bytes`.
     ///
     /// # Errors
-    /// Where they are too long for it.
+    /// If the rows are too long for the device.
     fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
         let width = frame.mask.width();
         let [most_columns, most_rows] = self.device.most_pixels;
@@ -238,7 +239,7 @@ impl Runner {
             }
         }
         let reach = match drawing {
-            // The directions of a drawing are found on the whole.
+            // A drawing's directions are found on the whole frame.
             Some(_) => plan.clone().without(Product::Direction).reach(),
             None => plan.reach(),
         };
@@ -255,7 +256,7 @@ impl Runner {
         })
     }
 
-    /// The CPU's run on a frame.
+    /// The CPU run for a frame.
     fn host_run<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, beside: Beside<'a>) -> HostRun<'a> {
         HostRun {
             memory: beside.memory,
@@ -264,7 +265,7 @@ impl Runner {
         }
     }
 
-    /// Draws on the CPU, in the tone and along the edges that a device has made.
+    /// Draws on the CPU, with tone and edges from the device.
     fn drawn_by_host(
         &self,
         plan: &Plan,
@@ -287,7 +288,7 @@ impl Runner {
         }
     }
 
-    /// Copies what `plan` takes of `frame` to the device, and begins to record.
+    /// Uploads the inputs of `plan` from `frame`, and starts recording.
     pub(crate) fn start<'a>(
         &'a self,
         plan: &'a Plan,
@@ -303,7 +304,7 @@ impl Runner {
         let surface = self.upload().surface(plan, frame);
         if self.device.is_timed_apart {
             self.device.queue.submit([]);
-            // Where it fails, so does the run.
+            // If waiting fails, so does the run.
             let _ = wait_for(&self.device.device, None);
         }
         let host = self.host_run(plan, frame, beside);
@@ -320,8 +321,8 @@ impl Runner {
         )
     }
 
-    /// Runs the stages of `plan` that find the shape and make the picture, on a strip whose rows are these of the frame
-    /// that the light was made for. Of the shape what the plan asks for is read, and what drawing takes.
+    /// Runs the stages of `plan` for shape and picture on a strip, given by its rows in the frame that the light was
+    /// prepared for. Reads back the shape that the plan asks for and that drawing needs.
     pub(crate) fn run_strip(
         &self,
         plan: &Plan,
@@ -333,8 +334,8 @@ impl Runner {
         Ok(made.expect("only a drawing is too much"))
     }
 
-    /// Runs stages on a frame whose planes the device takes: on these rows of the one that the light was made for. `None`
-    /// where a drawing's surfaces fall apart into more patches than there is room for.
+    /// Runs stages on a frame that fits the device, given by its rows in the frame that the light was prepared for.
+    /// `None` if a drawing's surfaces split into more patches than there is room for.
     fn run_stages(
         &self,
         (plan, share): (&Plan, Share),
@@ -410,8 +411,7 @@ impl Runner {
     }
 }
 
-/// The layers that are read of what a device has made: those that are asked for, and those that the stages take which
-/// are left to the CPU.
+/// The layers to read back from the device: those requested, and those needed by the stages `left` to the CPU.
 fn layers_read(made: &Made, plan: &Plan, left: &[&'static Stage]) -> Vec<Layer> {
     let taken: Vec<Product> = left.iter().flat_map(|stage| (stage.takes)(plan)).collect();
     let mut layers = made.layers();
@@ -425,7 +425,7 @@ fn plane(frame: &Frame, samples: Vec<f32>) -> Plane {
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
 }
 
-/// Puts what was read of the layers into the outcome: each product once, then those of further scales.
+/// Stores the layers read back in the outcome: each product at the first scale, then those of further scales.
 fn put_layers(
     outcome: &mut Outcome,
     plan: &Plan,
@@ -455,7 +455,7 @@ fn put_layers(
     }
 }
 
-/// Bytes of a row of the widest plane that `plan` makes of `frame`: vectors of two, only of layers wider ones.
+/// Bytes per row of the widest plane that `plan` makes of `frame`: vectors of two; wider ones for layers only.
 fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
     let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
     let widest = match plan.wants(Product::Curvature) || has_layers {
@@ -466,14 +466,14 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
 }
 
 impl Run<'_> {
-    /// Records stages one after another; then the CPU does what it has of them while the device works.
+    /// Records stages one after another; then the CPU does its part of them while the device works.
     ///
-    /// Where someone looks on, each stage is handed to the device as it is recorded, and the one before it is waited for:
-    /// so progress is that of the device, and a cancelled run leaves it two stages to end at the most.
+    /// If the run is observed, each stage is submitted as soon as it is recorded, and the previous one is waited for:
+    /// progress then follows the device, and a cancelled run leaves at most two stages to finish.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled), looked for before each of them; [`crate::Error::Gpu`] where the
-    /// device fails.
+    /// [`Error::Cancelled`](crate::Error::Cancelled), checked before each of them; [`crate::Error::Gpu`] if the device
+    /// fails.
     pub(crate) fn go_through(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
         let (mut done, mut next) = (0.0, Vec::new());

@@ -1,24 +1,24 @@
-//! Sight lines as uniforms, and in WGSL.
+//! Sight lines as uniforms and in WGSL.
 
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::{Frame, MIN_SEEN, Projection, SightLines};
 use glam::{DVec2, DVec3};
 
-/// Sight lines, and how tangents are seen along them.
+/// Sight lines, and the projection of tangents along them.
 pub(crate) const SIGHT_LINES: Wgsl = wgsl!(
     "../../frame/sight_lines.wgsl",
     [("MIN_SEEN", F32(MIN_SEEN as f32))]
 );
 
-/// A vector that is linear in column and row: at the first of both, and what each further one adds.
+/// A vector linear in column and row: its value at the origin of both, and its increment along each.
 pub(crate) struct Linear {
     pub(crate) first: [f32; 2],
     pub(crate) step: [f32; 2],
 }
 
 impl Linear {
-    /// The one that is `vector` at every place of the picture.
+    /// The linear function that equals `vector` everywhere in the picture.
     fn of(frame: &Frame, vector: impl Fn(f64, f64) -> DVec2) -> Self {
         let window = frame.data_window;
         let at = |column: i32, row: i32| {
@@ -42,7 +42,7 @@ pub(crate) fn to_eye(frame: &Frame) -> Linear {
     })
 }
 
-/// Where sight lines begin, x and y of view space.
+/// Origins of sight lines, x and y of view space.
 pub(crate) fn starts(frame: &Frame) -> Linear {
     Linear::of(frame, |x, y| {
         let lines = frame
@@ -57,7 +57,7 @@ pub(crate) fn lines(frame: &Frame, sight: &SightLines) -> Linear {
     Linear::of(frame, |x, y| sight.line(x, y).1.truncate())
 }
 
-/// The step between points at a depth of 1 from one column, and from one row, to the next.
+/// The step between points at depth 1, from one column, and from one row, to the next.
 pub(crate) fn step_at_unit_depth(frame: &Frame, sight: &SightLines) -> [f32; 2] {
     let point = |x, y| {
         let (start, line): (DVec3, DVec3) = sight.line(x, y);
@@ -66,7 +66,7 @@ pub(crate) fn step_at_unit_depth(frame: &Frame, sight: &SightLines) -> [f32; 2] 
     Linear::of(frame, point).step
 }
 
-/// Whether the eye is far away, along z at every pixel.
+/// Whether the eye is at infinity along z, for every pixel.
 pub(crate) fn is_eye_far(frame: &Frame) -> bool {
     let projection = frame.camera.map(|camera| camera.projection);
     !matches!(projection, Some(Projection::Perspective { .. }))

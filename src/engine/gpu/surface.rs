@@ -11,7 +11,7 @@ use crate::shape::edges::SilhouetteSource;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Samples of a pixel in the widest buffers: those of layers, of the descriptor and of light.
+/// Samples per pixel in the widest buffers: those of layers of the descriptor and of light.
 pub(crate) const WIDEST: u64 = 4;
 
 /// A picture on the device: red, green and blue.
@@ -21,23 +21,23 @@ pub(crate) type Picture = [wgpu::Buffer; 3];
 pub(crate) struct SurfaceBuffers {
     /// Columns and rows.
     pub(crate) size: [u32; 2],
-    /// Where it is covered, in words of 32 pixels.
+    /// The mask, in words of 32 pixels.
     pub(crate) covered: wgpu::Buffer,
     pub(crate) normal: [wgpu::Buffer; 3],
     pub(crate) normal_length: Option<wgpu::Buffer>,
     /// Depth, or an occlusion map.
     pub(crate) map: Option<wgpu::Buffer>,
-    /// The levels of importance, where the sweeps are read out by them.
+    /// Levels of importance, if the sweeps are weighted by them.
     pub(crate) importance: Option<Importance>,
 }
 
-/// Importance, in levels.
+/// Importance, quantised to levels.
 pub(crate) struct Importance {
     /// The level of each pixel.
     pub(crate) levels: wgpu::Buffer,
-    /// How many there are.
+    /// Number of levels.
     pub(crate) count: u32,
-    /// For every term the weight of every level.
+    /// For every term, the weight of every level.
     pub(crate) weights: Vec<f32>,
 }
 
@@ -59,13 +59,13 @@ impl Upload<'_> {
         buffer
     }
 
-    /// The picture of a frame, where it has one.
+    /// The picture of a frame, if it has one.
     pub(crate) fn picture(self, frame: &Frame) -> Option<Picture> {
         let color = frame.color.as_ref()?;
         Some([&color.r, &color.g, &color.b].map(|plane| self.plane(plane)))
     }
 
-    /// These rows of a picture.
+    /// The given rows of a picture.
     pub(crate) fn rows(self, picture: &ColorPlanes, rows: &Range<usize>) -> Picture {
         [&picture.r, &picture.g, &picture.b].map(|plane| {
             let width = plane.width();
@@ -100,7 +100,7 @@ impl Upload<'_> {
         })
     }
 
-    /// Uploads the planes of `frame` that `plan` takes.
+    /// Uploads the planes of `frame` that `plan` needs.
     pub(crate) fn surface(self, plan: &Plan, frame: &Frame) -> SurfaceBuffers {
         let map = match SilhouetteSource::of(plan) {
             _ if !plan.wants(Product::Conductance) => None,
@@ -137,7 +137,7 @@ impl SurfaceBuffers {
     }
 }
 
-/// The components of vectors that stand one after the other.
+/// Separates the components of interleaved vectors.
 pub(crate) fn deinterleave<const N: usize>(samples: &[f32]) -> [Vec<f32>; N] {
     let (vectors, _) = samples.as_chunks::<N>();
     std::array::from_fn(|i| vectors.par_iter().map(|vector| vector[i]).collect())

@@ -1,15 +1,15 @@
 //! Uniform blocks shared by Rust and WGSL.
 
-/// A struct of numbers of 32 bits, in the order in which WGSL lays them out.
+/// A struct of 32-bit numbers, in WGSL layout order.
 pub(crate) trait Uniforms {
     /// The definition in WGSL.
     const WGSL: &'static str;
 
-    /// The numbers, one after the other.
+    /// The numbers as bytes, in order.
     fn bytes(&self) -> Vec<u8>;
 }
 
-/// Defines structs for both languages. Their fields are `f32`, `u32` or `i32`.
+/// Defines structs in both languages. Fields are `f32`, `u32` or `i32`.
 macro_rules! uniforms {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $kind:ident,)* })*) => {
         $(
@@ -39,7 +39,7 @@ macro_rules! uniforms {
 pub(crate) use uniforms;
 
 uniforms! {
-    /// Of kernels that need only the size of the picture.
+    /// For kernels that need only the size of the picture.
     SizeParams {
         width: u32,
         height: u32,

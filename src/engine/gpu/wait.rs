@@ -5,14 +5,14 @@ use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
 thread_local! {
-    /// Whether this thread waits for a device.
+    /// Whether this thread is waiting for a device.
     static WAITS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Waits until the device has done what was submitted with that index, or else all of it.
+/// Waits until the device has finished the submission with that index, or else all submissions.
 ///
 /// # Errors
-/// Why it will not, where it was lost.
+/// Why the device was lost.
 pub(crate) fn wait_for(
     device: &wgpu::Device,
     submission_index: Option<wgpu::SubmissionIndex>,
@@ -35,7 +35,7 @@ pub(crate) fn look_after(device: &wgpu::Device) {
     let _ = without_panic(|| device.poll(wgpu::PollType::Poll));
 }
 
-/// Does what panics where a device is lost: polling has no error for it.
+/// Runs a poll that panics if the device is lost: wgpu has no error for that.
 ///
 /// # Errors
 /// The message of the panic, which is not printed.
@@ -68,7 +68,7 @@ mod tests {
         let failed = without_panic(|| -> () { panic!("{lost}") });
         assert_eq!(failed, Err(lost.to_string()));
         assert_eq!(without_panic(|| 3), Ok(3));
-        // Other panics are what they were.
+        // Other panics pass through.
         assert!(!WAITS.get());
     }
 }

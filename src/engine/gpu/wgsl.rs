@@ -1,12 +1,12 @@
-//! WGSL, with the numbers of Rust that it names.
+//! WGSL source with constants from Rust.
 
 use std::fmt::{self, Display, Formatter};
 
-/// The text of a file of WGSL.
+/// The text of a WGSL file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wgsl {
     pub(crate) text: &'static str,
-    /// What it takes of Rust, by the names that it has for them. No other part of a kernel declares them.
+    /// The Rust constants it uses, by their WGSL names. No other part of a kernel declares them.
     pub(crate) numbers: &'static [(&'static str, Number)],
 }
 
@@ -43,7 +43,7 @@ impl Display for Number {
     }
 }
 
-/// The WGSL of a file beside the one that names it, and the numbers that it takes of Rust.
+/// The WGSL of a neighbouring file, and the Rust constants it uses.
 macro_rules! wgsl {
     ($file:literal) => {
         $crate::engine::gpu::wgsl::wgsl!($file, [])

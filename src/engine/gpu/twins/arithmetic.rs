@@ -1,8 +1,8 @@
-//! The operations of WGSL on words of 32 bits.
+//! The operators of WGSL on words of 32 bits.
 
 use wgpu::naga::{BinaryOperator, Literal, MathFunction, ScalarKind, UnaryOperator};
 
-/// The sum from the first component on.
+/// The dot product, summed from the first component on.
 pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let products = a.iter().zip(b).map(|(a, b)| a * b);
     products.reduce(|sum, product| sum + product).unwrap_or(0.0)
@@ -53,7 +53,7 @@ fn of_floats(op: BinaryOperator, a: f32, b: f32) -> u32 {
     number.to_bits()
 }
 
-/// Integers of either sign, in which no operation overflows; the result wraps.
+/// Integers of either sign, in a type where no operation overflows; the result wraps.
 fn of_integers(op: BinaryOperator, a: i64, b: i64) -> u32 {
     use BinaryOperator as Op;
     let number = match op {
@@ -123,7 +123,7 @@ pub(super) fn math(fun: MathFunction, kind: ScalarKind, a: u32, b: u32, c: u32) 
     }
 }
 
-/// A number of one kind as the nearest of another; what lies outside is the nearest end.
+/// Converts a number to the nearest of another kind; values out of range saturate.
 pub(super) fn cast(from: ScalarKind, to: ScalarKind, a: u32) -> u32 {
     let as_float = f32::from_bits(a);
     match (from, to) {

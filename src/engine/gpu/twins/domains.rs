@@ -1,4 +1,4 @@
-//! Where functions are asked: what brings hostile inputs there.
+//! Domains of functions: each maps arbitrary inputs into one.
 
 /// Applies a function to words that are floats.
 pub(super) fn each(words: &mut [u32], f: impl Fn(f32) -> f32) {
@@ -7,13 +7,13 @@ pub(super) fn each(words: &mut [u32], f: impl Fn(f32) -> f32) {
     }
 }
 
-/// Anything but NaN, infinities included: reading leaves no NaN in a plane, and parameters that are NaN are refused.
+/// Anything but NaN, infinities included: loading leaves no NaN in a plane, and NaN parameters are refused.
 pub(super) fn no_nan(words: &mut [u32]) {
     each(words, |v| if v.is_nan() { 0.5 } else { v });
 }
 
-/// Finite numbers up to 1e9 in size, whose products and sums stay finite: what is left of an overflow depends on the order of
-/// operations, which the shading language leaves open.
+/// Finite numbers up to 1e9 in magnitude, whose products and sums stay finite: the result of an overflow depends on the
+/// order of operations, which the shading language leaves open.
 pub(super) fn bounded(words: &mut [u32]) {
     within_range(words, -1e9, 1e9);
 }
@@ -29,8 +29,8 @@ pub(super) fn within_range(words: &mut [u32], from: f32, to: f32) {
     });
 }
 
-/// Multiples of 1/16 up to `most` in size: sums and products of a few are exact, so that both precisions see the same side of
-/// every threshold.
+/// Multiples of 1/16 up to `most` in magnitude: sums and products of a few are exact, so that both precisions fall on
+/// the same side of every threshold.
 pub(super) fn coarse(words: &mut [u32], most: f32) {
     within_range(words, -most, most);
     each(words, |v| (16.0 * v).round() / 16.0);
@@ -47,7 +47,7 @@ pub(super) fn set(words: &mut [u32], values: &[f32]) {
     }
 }
 
-/// A unit vector, as every normal is past reading: one of a few thousand, the axes among them.
+/// A unit vector, like every normal after loading: one of a few thousand, the axes included.
 pub(super) fn unit_vector(words: &mut [u32]) {
     let size = vector(words).map(f32::abs).into_iter().fold(0.0, f32::max);
     if size <= 1.0 || size.is_nan() {
@@ -62,7 +62,7 @@ pub(super) fn unit_vector(words: &mut [u32]) {
     );
 }
 
-/// The direction of a sight line, scaled to z = -1: no more than 65 degrees from the axis.
+/// The direction of a sight line, scaled to z = -1, at most 65 degrees from the axis.
 pub(super) fn sight_line(words: &mut [u32]) {
     coarse(&mut words[..2], 1.5);
     words[2] = (-1.0_f32).to_bits();

@@ -1,8 +1,9 @@
-//! Runs functions of a WGSL module on the CPU: naga's IR, as far as functions of numbers take it.
+//! Runs functions of a WGSL module on the CPU: naga's IR, as far as numeric functions need it.
 //!
-//! Everything is words of 32 bits in one memory: global variables first, then a frame for each call with its result,
-//! arguments, local variables and the value of every expression. A pointer is the index of a word. Arithmetic is IEEE
-//! with one rounding per operation, subnormal numbers are kept, and `min` and `max` return the number beside a NaN.
+//! One memory of 32-bit words holds everything: global variables first, then a frame for each call with its result,
+//! arguments, local variables and the values of all expressions. A pointer is the index of a word. Arithmetic is IEEE
+//! with one rounding per operation, subnormal numbers are kept, and `min` and `max` of a number and a NaN return the
+//! number.
 
 use super::arithmetic::{binary, bits_of, cast, dot, math, unary};
 use std::collections::HashMap;
@@ -16,18 +17,18 @@ use wgpu::naga::{
     TypeInner,
 };
 
-/// A module and where its functions keep what they work on.
+/// A module and the memory layout of its functions.
 pub(super) struct Program {
     source: String,
     module: Module,
     info: ModuleInfo,
     layouts: HashMap<Handle<Function>, Layout>,
     globals: HashMap<Handle<GlobalVariable>, usize>,
-    /// Words that the global variables take.
+    /// Words taken by global variables.
     globals_end: usize,
 }
 
-/// The frame of a function: offsets of words from its start, where the result stands.
+/// The frame of a function: word offsets from its start, where the result is stored.
 struct Layout {
     arguments: Vec<usize>,
     locals: Vec<usize>,
@@ -35,7 +36,7 @@ struct Layout {
     words: usize,
 }
 
-/// Where the value of an expression stands, of how many words, of which kind.
+/// Location, size in words and kind of an expression's value.
 #[derive(Clone, Copy)]
 struct Slot {
     at: usize,
@@ -43,7 +44,7 @@ struct Slot {
     kind: ScalarKind,
 }
 
-/// Words that a machine has.
+/// Memory of a machine in words.
 const MEMORY: usize = 1 << 16;
 
 impl Program {
@@ -81,7 +82,7 @@ impl Program {
         program
     }
 
-    /// Whether a function gives a result that depends on its arguments, the uniform block and switches alone.
+    /// Whether a function's result depends only on its arguments, the uniform block and switches.
     fn is_scalar(&self, handle: Handle<Function>) -> bool {
         let uses = &self.info[handle];
         let touches = |(variable, global): (_, &GlobalVariable)| {
@@ -127,7 +128,7 @@ impl Program {
         }
     }
 
-    /// The scalar functions that take or give floats.
+    /// The scalar functions that take or return floats.
     pub(super) fn scalar_functions(&self) -> impl Iterator<Item = Signature<'_>> {
         let all = self.module.functions.iter();
         all.filter(|(handle, _)| self.layouts.contains_key(handle))
@@ -153,7 +154,7 @@ impl Program {
         }
     }
 
-    /// All f32 that a function of the module compares or computes with, for inputs at and beside them.
+    /// All f32 that a function of the module compares or computes with, for testing inputs at and beside them.
     pub(super) fn numbers(&self, signature: &Signature) -> Vec<f32> {
         let mut numbers = Vec::new();
         for (_, expression) in self.module.functions[signature.handle].expressions.iter() {
@@ -175,7 +176,7 @@ impl Program {
         numbers
     }
 
-    /// The fields of the uniform block, which stands first: one word each.
+    /// The fields of the uniform block, which comes first: one word each.
     pub(super) fn fields(&self) -> Vec<(String, ScalarKind)> {
         let mut variables = self.module.global_variables.iter();
         let params = variables.find(|(_, variable)| variable.space == AddressSpace::Uniform);
@@ -202,12 +203,12 @@ impl Program {
     }
 }
 
-/// A function of numbers.
+/// A numeric function.
 pub(super) struct Signature<'a> {
     handle: Handle<Function>,
     pub(super) name: &'a str,
     pub(super) text: &'a str,
-    /// The kinds of the words it takes and gives.
+    /// Kinds of the words it takes and returns.
     pub(super) arguments: Vec<ScalarKind>,
     pub(super) result: Vec<ScalarKind>,
 }
@@ -253,14 +254,14 @@ fn add_kinds(module: &Module, ty: Handle<Type>, kinds: &mut Vec<ScalarKind>) {
     }
 }
 
-/// A program with values for its uniform block and its switches.
+/// A program with values for its uniform block and switches.
 pub(super) struct Machine<'a> {
     program: &'a Program,
     memory: Vec<u32>,
     switches: HashMap<Handle<Override>, bool>,
 }
 
-/// How a statement leaves.
+/// How control leaves a statement.
 #[derive(PartialEq)]
 enum Flow {
     On,
@@ -303,7 +304,7 @@ impl<'a> Machine<'a> {
         &self.memory[frame..][..signature.result.len()]
     }
 
-    /// Runs a function whose arguments stand in its frame.
+    /// Runs a function whose arguments are already in its frame.
     fn enter(&mut self, handle: Handle<Function>, frame: usize) {
         let program = self.program;
         let call = Call {
@@ -430,7 +431,7 @@ impl<'a> Machine<'a> {
         self.memory[call.slot(expression).at]
     }
 
-    /// Sets each word of an expression to a function of the words of others; a scalar goes with every component.
+    /// Sets each word of an expression to a function of words of other expressions; scalars are broadcast.
     fn each<const N: usize>(&mut self, out: Slot, of: [Slot; N], value: impl Fn([u32; N]) -> u32) {
         for i in 0..out.words {
             let word = |slot: Slot| self.memory[slot.at + if slot.words == 1 { 0 } else { i }];
@@ -488,13 +489,13 @@ impl<'a> Machine<'a> {
                 let index = self.word(call, *index);
                 self.access(call, out, *base, index);
             }
-            // Written where the call returns.
+            // Written when the call returns.
             Expression::CallResult(_) => {}
             _ => self.compute(call, expression, out),
         }
     }
 
-    /// Sets the value of an operation on other values.
+    /// Computes an operation on other values.
     fn compute(&mut self, call: &Call, expression: Handle<Expression>, out: Slot) {
         match &call.function.expressions[expression] {
             Expression::Unary { op, expr } => {
@@ -625,7 +626,7 @@ impl<'a> Machine<'a> {
     }
 }
 
-/// A call under way.
+/// A call in progress.
 struct Call<'a> {
     function: &'a Function,
     info: &'a FunctionInfo,

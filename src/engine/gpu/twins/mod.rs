@@ -1,14 +1,15 @@
-//! Every formula that stands in WGSL stands in Rust under the same name, and both give the same bits.
+//! Every formula in WGSL has a Rust twin of the same name, and both give the same bits.
 //!
-//! A *scalar function* gives a result that depends on its arguments, on the uniform block and on switches alone, and takes
-//! or gives a float. It has a twin in [`table`]: the Rust function of its name; a method `Type::name` is `type_name` in WGSL.
-//! Functions that read or write storage, memory of the workgroup or of the invocation are orchestration, and those of
-//! integers alone are addressing: they differ between backends, and `tests/backends` compares their pictures.
+//! A *scalar function* depends on its arguments, the uniform block and switches only, and takes or returns a float. It
+//! has a twin in [`table`]: the Rust function of the same name; a method `Type::name` is `type_name` in WGSL. Functions
+//! that access storage, workgroup or private memory are orchestration, and those of integers only are addressing: they
+//! differ between backends, and `tests/backends` compares their pictures.
 //!
-//! Both twins get the same values: random ones, hostile ones and those at and beside which the function branches. The
-//! results have to be equal, where all NaN and both zeros are one, unless an entry of the table states why not.
+//! Both twins get the same values: random ones, hostile ones, and those at and beside which the function branches. The
+//! results must be equal, with all NaNs identified and both zeros identified, unless an entry of the table states why
+//! not.
 //!
-//! This runs under the feature `gpu` alone: naga, which reads WGSL, comes with it, and so do the kernels.
+//! This runs only with the feature `gpu`, which brings the kernels and naga, the parser of WGSL.
 
 mod arithmetic;
 mod domains;
@@ -28,7 +29,7 @@ use values::Values;
 use wgpu::naga::ScalarKind;
 use words::UNSPECIFIED;
 
-/// Values that each pair is run on.
+/// Values tested per pair.
 const SAMPLES: u32 = 100_000;
 
 #[test]
@@ -50,7 +51,7 @@ fn a_missing_twin_and_a_wrong_one_are_found() {
     let mut wrong = all.swap_remove(place.expect("it has a twin"));
     assert_eq!(lacking(&all), BTreeSet::from(["scale_factor".to_owned()]));
     let right = std::mem::replace(&mut wrong.rust, Box::new(|_, _| {}));
-    // The sign of zero makes no difference; the next number is one apart.
+    // The sign of zero makes no difference; the next number is one ulp apart.
     wrong.rust = Box::new(move |words, out| {
         right(words, out);
         out[0] += u32::from(f32::from_bits(words[0]) == f32::MIN_POSITIVE);
@@ -58,7 +59,7 @@ fn a_missing_twin_and_a_wrong_one_are_found() {
     assert!(first_difference(&wrong).is_some());
 }
 
-/// The scalar functions of WGSL that none of these is the twin of.
+/// The scalar functions of WGSL without a twin in `twins`.
 fn lacking(twins: &[Twin]) -> BTreeSet<String> {
     let known: BTreeMap<&str, String> = twins
         .iter()
@@ -84,13 +85,13 @@ fn find<'a>(program: &'a Program, name: &str) -> Signature<'a> {
     found.unwrap_or_else(|| panic!("WGSL has no scalar function {name}"))
 }
 
-/// Whether it takes something, and floats are in what it takes or gives.
+/// Whether it takes arguments, and floats occur in its arguments or result.
 fn is_formula(function: &Signature) -> bool {
     let mut kinds = function.arguments.iter().chain(&function.result);
     !function.arguments.is_empty() && kinds.any(|&kind| kind == ScalarKind::Float)
 }
 
-/// The first values on which twins differ by more than they may.
+/// The first values on which twins differ by more than their tolerance.
 fn first_difference(twin: &Twin) -> Option<String> {
     let program = Program::new(twin.kernel.source());
     let function = find(&program, twin.name);
@@ -152,7 +153,7 @@ fn first_difference(twin: &Twin) -> Option<String> {
     None
 }
 
-/// Where an input comes from that is no argument.
+/// Source of an input that is not an argument.
 enum Source<'a> {
     Uniform(usize, ScalarKind),
     Switch(&'a str),
@@ -184,7 +185,7 @@ impl Tolerance {
     }
 }
 
-/// How many f32 two numbers lie apart; both zeros are one.
+/// Number of f32 steps between two numbers; both zeros are equal.
 fn ulps_between(x: f32, y: f32) -> u32 {
     if x.is_nan() || y.is_nan() {
         return u32::MAX;

@@ -1,4 +1,4 @@
-//! The pairs.
+//! The table of twins.
 
 use super::domains::*;
 use super::twin::{Tolerance, Twin};
@@ -60,7 +60,8 @@ use crate::shape::silhouette::jump_weight;
 use crate::shape::sobel;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// A pair: the name in WGSL, the path of the Rust function, which the compiler has to know, and a kernel that has the other.
+/// A pair: the name in WGSL, the path of the Rust function, checked by the compiler, and a kernel that contains the
+/// WGSL.
 macro_rules! twin {
     ($name:ident, $path:path, $kernel:ident, $rust:expr) => {{
         let _ = $path;

@@ -6,26 +6,26 @@ use super::words::Namesake;
 /// A function from words to words.
 type FromWords = Box<dyn Fn(&[u32], &mut Vec<u32>) + Send + Sync>;
 
-/// A scalar function of WGSL with its namesake.
+/// A scalar function of WGSL and its Rust namesake.
 pub(super) struct Twin {
     pub(super) name: &'static str,
-    /// A kernel that has it.
+    /// A kernel that contains it.
     pub(super) kernel: &'static Kernel,
     /// The namesake, from words to words.
     pub(super) rust: FromWords,
-    /// Fields of the uniform block and switches that follow after the arguments.
+    /// Fields of the uniform block and switches passed after the arguments.
     pub(super) with: &'static [&'static str],
-    /// Brings inputs to where the function is asked.
+    /// Maps inputs into the function's domain.
     pub(super) domain: fn(&mut [u32]),
     pub(super) tolerance: Tolerance,
 }
 
-/// How far twins may differ.
+/// Allowed difference between twins.
 #[derive(Clone, Copy)]
 pub(super) enum Tolerance {
-    /// Not at all: both do the same operations of f32 in the same order.
+    /// None: both do the same f32 operations in the same order.
     Exact,
-    /// As many f32 lie between them at the most.
+    /// At most this many f32 steps.
     Ulps(u32),
     Absolute(f32),
 }
@@ -48,7 +48,7 @@ impl Twin {
         }
     }
 
-    /// Adds fields of the uniform block and switches to what both are given.
+    /// Passes fields of the uniform block and switches to both functions.
     pub(super) fn with(mut self, names: &'static [&'static str]) -> Self {
         self.with = names;
         self
@@ -65,16 +65,16 @@ impl Twin {
     }
 }
 
-/// Functions of which WGSL has its own, which a device computes as it likes: the twin's name ends in `_of`.
+/// WGSL built-ins with implementation-defined precision: the twin's name ends in `_of`.
 const BUILT_IN: [&str; 5] = ["exp", "tanh", "atan", "atan2", "mix"];
 
-/// Whether a WGSL function has the name of the Rust function of a path.
+/// Whether a WGSL function has the name of the Rust function at a path.
 fn is_namesake(wgsl: &str, path: &str) -> bool {
     let path = path.replace(' ', "").replace("::<", "<");
     let mut parts = path.rsplit("::");
     let name = parts.next().unwrap_or_default();
     if let Some((name, _)) = name.split_once('<') {
-        // Generic over coefficients, which the name ends with.
+        // Generic over coefficients, whose name is the suffix.
         return wgsl
             .strip_prefix(name)
             .is_some_and(|rest| rest.starts_with('_'));

@@ -16,7 +16,7 @@ const HOSTILE: [f32; 20] = [
     f32::MIN,
     f32::MIN_POSITIVE,
     -f32::MIN_POSITIVE,
-    // The least and the largest subnormal.
+    // The smallest and the largest subnormal.
     1e-45,
     -1e-45,
     1.175_494_2e-38,
@@ -27,19 +27,19 @@ const HOSTILE: [f32; 20] = [
     16_777_216.0,
 ];
 
-/// A source of values, the same in every run.
+/// A reproducible source of values.
 pub(super) struct Values {
     state: u64,
-    /// Numbers that the function branches at.
+    /// Numbers at which the function branches.
     thresholds: Vec<f32>,
-    /// The value before: equal ones are a case of their own.
+    /// The previous value, since equal arguments are a case of their own.
     last: u32,
-    /// Whether only numbers of common size are given, as a formula sees them on most pixels.
+    /// Whether only numbers of ordinary magnitude are given, as on most pixels.
     is_tame: bool,
 }
 
 impl Values {
-    /// Values for a function that names these numbers.
+    /// Values for the function `name` with these thresholds.
     pub(super) fn new(name: &str, thresholds: Vec<f32>) -> Self {
         let seed = name.bytes().fold(1, |sum: u64, b| {
             sum.wrapping_mul(0x100_0000_01b3) ^ u64::from(b)
@@ -52,7 +52,7 @@ impl Values {
         }
     }
 
-    /// Words of these kinds; every other time of common size, all of them.
+    /// Words of these kinds; all of ordinary magnitude on every second call.
     pub(super) fn fill(&mut self, words: &mut Vec<u32>, kinds: &[ScalarKind]) {
         self.is_tame = !self.is_tame;
         words.clear();
@@ -95,7 +95,7 @@ impl Values {
         }
     }
 
-    /// -1..1, or up to a hundred in size.
+    /// -1..1, or up to a hundred in magnitude.
     fn common(&mut self) -> f32 {
         let signed = self.bits() as i32 as f32 / 2_147_483_648.0;
         match self.bits() % 4 {

@@ -1,11 +1,11 @@
-//! Values of Rust as the words that WGSL has for them.
+//! Rust values as the words of their WGSL counterparts.
 
-/// Where it does not matter what WGSL gives: a NaN that no arithmetic makes.
+/// Marks results that WGSL leaves open: a NaN that no arithmetic produces.
 pub(super) const UNSPECIFIED: f32 = f32::from_bits(0x7fc0_dead);
 
-/// A value made of words.
+/// A value composed of words.
 pub(super) trait Words {
-    /// How many.
+    /// Number of words.
     const COUNT: usize;
 
     fn read(words: &mut dyn Iterator<Item = u32>) -> Self;
@@ -47,7 +47,7 @@ impl<T: Words, const N: usize> Words for [T; N] {
     }
 }
 
-/// A struct whose last member says whether the others mean anything.
+/// A struct whose last member says whether the others are valid.
 impl<T: Words> Words for Option<T> {
     const COUNT: usize = T::COUNT + 1;
 
@@ -66,7 +66,7 @@ impl<T: Words> Words for Option<T> {
     }
 }
 
-/// A closure over values made of words.
+/// A closure over values composed of words.
 pub(super) trait Namesake<A> {
     fn run(&self, words: &mut dyn Iterator<Item = u32>, out: &mut Vec<u32>);
 }

@@ -1,4 +1,4 @@
-//! Light.
+//! Twins of light.
 
 use super::*;
 
@@ -65,7 +65,7 @@ fn terms_of_light() -> Vec<Twin> {
         )
         .with(&["magnitude", "invariant_point"])
         .on(no_nan),
-        // What terms change and hold is finite.
+        // The values changed by terms, and their bounds, are finite.
         twin!(
             changed,
             changed,
@@ -80,7 +80,7 @@ fn terms_of_light() -> Vec<Twin> {
             |rgb: [f32; 3], weights: [f32; 3]| { luminance(rgb, weights) }
         )
         .with(&["weight_r", "weight_g", "weight_b"]),
-        // The device is given the bits of a NaN, which its language cannot write.
+        // The device receives the bits of a NaN, which WGSL cannot express.
         twin!(
             premultiplied,
             premultiplied,
@@ -89,7 +89,7 @@ fn terms_of_light() -> Vec<Twin> {
         )
         .with(&["nan_bits"])
         .on(|words| words[2] = f32::NAN.to_bits()),
-        // As parameters allow: whole levels from 1 on, and a softness that is a share.
+        // Within parameter ranges: whole levels from 1 on, and softness as a share.
         twin!(
             tone_factor,
             tone_factor,
@@ -126,7 +126,7 @@ fn reflectance() -> Vec<Twin> {
             }
         )
         .with(&["reflectance"]),
-        // Cosines, past 1 by more than roundings; exponents and the rest as far as those of a coat go.
+        // Cosines slightly beyond 1, by more than rounding; exponents and other values within the ranges of a coat.
         twin!(
             ashikhmin_shirley_specular,
             AshikhminShirley::specular,
@@ -183,7 +183,7 @@ fn warping() -> Vec<Twin> {
         twin!(bounded_entry, bounded_entry, RELIGHT, |h: f32| {
             bounded_entry(h)
         }),
-        // The gain times the strength asked for.
+        // The gain times the requested strength.
         twin!(warp_of, Warp::of, RELIGHT, |h: [f32; 3], alpha: f32| {
             entries(Warp::of(h, alpha))
         })
@@ -216,7 +216,7 @@ fn warping() -> Vec<Twin> {
             contrast(warp(w), gamma)
         })
         .on(|words| {
-            // A warp's determinant is 1/3 to 3.
+            // The determinant of a warp is 1/3 to 3.
             for (i, (from, to)) in [(0.5, 2.0), (-0.4, 0.4), (0.5, 2.0)]
                 .into_iter()
                 .enumerate()
@@ -291,7 +291,8 @@ fn lights() -> Vec<Twin> {
             RELIGHT,
             |le: f32, ln: f32, ne: f32| { terms::half_way(le, ln, ne) }
         ),
-        // A cosine clamped to 0..1; integer powers up to the largest that is multiplied, real ones up to the largest exponent.
+        // A cosine clamped to 0..1; integer powers up to the largest computed by multiplication, real ones up to the
+        // largest exponent.
         twin!(
             exponent_raise,
             Exponent::raise,
@@ -317,7 +318,7 @@ fn lights() -> Vec<Twin> {
 
 fn look_ups() -> Vec<Twin> {
     vec![
-        // A map has a pixel at least, and no more than 16384 a side.
+        // A map has at least one pixel and at most 16384 per side.
         twin!(
             equirectangular_position,
             equirectangular_position,

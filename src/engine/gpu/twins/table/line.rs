@@ -1,4 +1,4 @@
-//! Lines and strokes.
+//! Twins of lines and strokes.
 
 use super::*;
 
@@ -55,7 +55,7 @@ fn contours() -> Vec<Twin> {
             CRACKS,
             |value: f32, least: f32, greatest: f32| crack::nearer_extreme(value, least, greatest)
         ),
-        // Pictures and strokes up to a million pixels; half a pixel of the output is between these sizes.
+        // Pictures and strokes up to a million pixels; half an output pixel lies within these sizes.
         twin!(
             round_stroke_coverage,
             RoundStroke::coverage,
@@ -74,7 +74,8 @@ fn contours() -> Vec<Twin> {
             grain,
             LINE_COVERAGE,
             |x: i32, y: i32, low: u32, high: u32| {
-                // The device is given the seed spread over all bits: multiplied by an odd number, of which this is the inverse.
+                // The device receives the seed multiplied by an odd number, which spreads it over all bits; this is its
+                // inverse.
                 let spread = u64::from(high) << 32 | u64::from(low);
                 grain(x, y, spread.wrapping_mul(0xf1de_83e1_9937_733d))
             }
@@ -106,7 +107,7 @@ fn dvec([x, y, z]: [f32; 3]) -> DVec3 {
     DVec3::new(x.into(), y.into(), z.into())
 }
 
-/// A sight line, a unit vector and the shape of a pixel.
+/// A sight line, a unit vector and a pixel aspect ratio.
 fn seen_vector(words: &mut [u32]) {
     sight_line(words);
     unit_vector(&mut words[3..6]);
@@ -120,7 +121,7 @@ fn form([x, y, mean, _]: [f32; 4]) -> CurvatureTensor {
 }
 
 fn directions() -> Vec<Twin> {
-    // The CPU takes f64 for what follows, the device f32.
+    // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(2e-6);
     vec![
         twin!(doubled, doubled, SPREAD_DIRECTIONS, |t: [f32; 2]| doubled(
@@ -153,7 +154,7 @@ fn directions() -> Vec<Twin> {
         )
         .on(|words| coarse(words, 4.0))
         .within(SINGLE),
-        // A doubt is a share; where it is next to none the precision of forms decides.
+        // A doubt is a share; where it almost vanishes, the precision of the shape decides.
         twin!(
             curvature_tensor_confidence,
             CurvatureTensor::confidence,
@@ -166,7 +167,7 @@ fn directions() -> Vec<Twin> {
             within_range(&mut words[4..], 1e-3, 1.0);
         })
         .within(SINGLE),
-        // The same; none at all is a case of its own.
+        // As above; zero is a separate case.
         twin!(
             curvature_tensor_flatness,
             CurvatureTensor::flatness,
@@ -185,7 +186,7 @@ fn directions() -> Vec<Twin> {
 
 fn fallbacks() -> Vec<Twin> {
     vec![
-        // Pixels are at most twice as wide as high, or as high as wide.
+        // Pixels have aspect ratios of 1/2 to 2.
         twin!(
             fallback,
             FieldSetting::fallback,
@@ -217,7 +218,7 @@ fn fallbacks() -> Vec<Twin> {
             words[7] &= 1;
         })
         .within(Tolerance::Absolute(5e-5)),
-        // Pixels as before.
+        // The same aspect ratios.
         twin!(
             fixed_direction,
             fixed_direction,
@@ -242,10 +243,10 @@ fn fallbacks() -> Vec<Twin> {
 }
 
 fn rays() -> Vec<Twin> {
-    // The CPU takes f64 for what follows, the device f32.
+    // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
-        // Places of a picture, and cameras of 100 to 10,000 pixels of focal length.
+        // Positions in a picture, and cameras with focal lengths of 100 to 10,000 pixels.
         twin!(
             line,
             SightLines::line,
@@ -286,10 +287,10 @@ fn rays() -> Vec<Twin> {
 }
 
 fn steps() -> Vec<Twin> {
-    // The CPU takes f64 for what follows, the device f32.
+    // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
-        // Pixels are at most twice as wide as high, or as high as wide.
+        // Pixels have aspect ratios of 1/2 to 2.
         twin!(
             picture_direction,
             SightLines::picture_direction,
@@ -306,7 +307,7 @@ fn steps() -> Vec<Twin> {
             within_range(&mut words[6..], 0.5, 2.0);
         })
         .within(Tolerance::Absolute(5e-5)),
-        // A surface seen from its edge goes on endlessly: how far is lost to single precision.
+        // A surface seen edge-on recedes without end: single precision loses its distance.
         twin!(
             sight_lines_step,
             SightLines::step,
@@ -334,7 +335,7 @@ fn steps() -> Vec<Twin> {
 }
 
 fn normal_rays() -> Vec<Twin> {
-    // The CPU takes f64 for what follows, the device f32.
+    // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
         // A normal with its tangents, and the neighbour it is compared with.
@@ -372,7 +373,7 @@ fn normal_rays() -> Vec<Twin> {
             set(&mut words[16..19], &b.to_array());
         })
         .within(SINGLE),
-        // A ray that is not there is all 0.
+        // A missing ray is all 0.
         twin!(
             slopes_of,
             Slopes::of,
@@ -412,7 +413,7 @@ fn normal_rays() -> Vec<Twin> {
 }
 
 fn tangents() -> Vec<Twin> {
-    // The CPU takes f64 for what follows, the device f32.
+    // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
         twin!(
@@ -425,7 +426,7 @@ fn tangents() -> Vec<Twin> {
             }
         )
         .on(bounded),
-        // Right behind the viewer the tangents turn with a rounding.
+        // Directly behind the viewer a rounding turns the tangents.
         twin!(
             upright_tangents,
             upright_tangents,
@@ -460,7 +461,7 @@ fn strokes() -> Vec<Twin> {
             }
         )
         .with(&["family", "families"]),
-        // A texture has a texel at least, and its places repeat.
+        // A texture has at least one texel, and its positions wrap.
         twin!(within, within, PICTURE_STROKES, |at: f32, size: u32| {
             let (first, next, share) = within(at, size as usize);
             (first as u32, next as u32, share)

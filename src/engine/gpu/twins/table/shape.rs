@@ -1,4 +1,4 @@
-//! Elementary functions and those of the shape.
+//! Twins of elementary functions and of shape.
 
 use super::*;
 
@@ -46,7 +46,7 @@ fn elementary() -> Vec<Twin> {
         twin!(split_exp, split_exp, RELIGHT, |x: f32| split_exp(x))
             .on(|words| within_range(words, -104.0, 89.0)),
         twin!(exp_of, fast_math::exp, RELIGHT, |x: f32| fast_math::exp(x)).on(no_nan),
-        // WGSL's is for positive, finite and normal numbers.
+        // WGSL's version is for positive, finite, normal numbers.
         twin!(ln, fast_math::ln, RELIGHT, |x: f32| fast_math::ln(x))
             .on(|words| within_range(words, f32::MIN_POSITIVE, f32::MAX)),
         twin!(tanh_of, fast_math::tanh, RELIGHT, |x: f32| fast_math::tanh(
@@ -65,11 +65,11 @@ fn elementary() -> Vec<Twin> {
             RELIGHT,
             |x: f32| { fast_math::tan_to_eighth_turn(x) }
         ),
-        // The library's is within an ulp; this one rounds a ratio, a square, a root and a product.
+        // The library's version is within one ulp; this one rounds a ratio, a square, a root and a product.
         twin!(hypot, f32::hypot, CURVATURES, |a: f32, b: f32| a.hypot(b))
             .on(bounded)
             .within(Tolerance::Ulps(3)),
-        // What is not finite is nothing to the device; the CPU gives it keys, and empties their bins.
+        // The device ignores non-finite values; the CPU gives them keys, and empties their bins.
         twin!(key_of, key_of, COUNT, |value: f32| key_of(value))
             .on(|words| within_range(words, f32::MIN, f32::MAX)),
         twin!(value_of, value_of, NARROW, |key: u32| value_of(key)),
@@ -92,14 +92,14 @@ fn edges() -> Vec<Twin> {
             |rows: [[f32; 3]; 3], lo: f32, hi: f32| { jump_weight(rows, SoftThreshold { lo, hi }) }
         )
         .with(&["silhouette_lo", "silhouette_hi"]),
-        // The CPU takes the library's atan2.
+        // The CPU uses the library's atan2.
         twin!(angle_within, angle_within, EDGES, |length: f32| {
             angle_within(length)
         })
         .on(no_nan)
         .within(Tolerance::Absolute(1e-6)),
-        // The CPU takes the angle from the cross product, this from the chord, which loses digits toward half a turn alone:
-        // far past every threshold.
+        // The CPU takes the angle from the cross product, the device from the chord, which loses digits only near half
+        // a turn, far past every threshold.
         twin!(
             crease_detector_weight,
             CreaseDetector::weight,
@@ -137,7 +137,7 @@ fn edges() -> Vec<Twin> {
 
 fn gradient() -> Vec<Twin> {
     vec![
-        // As parameters allow, and more.
+        // Slightly beyond parameter ranges.
         twin!(
             depth_gradient,
             depth_gradient,
@@ -193,7 +193,7 @@ fn gradient() -> Vec<Twin> {
     ]
 }
 
-/// A row of three pixels as WGSL has it: gradients left, here and right, and their conductances.
+/// A row of three pixels as in WGSL: gradients left, here and right, and their conductances.
 type Row = [f32; 9];
 
 /// Both components of the gradients of three rows, and their conductances.
@@ -225,7 +225,7 @@ fn curvature() -> Vec<Twin> {
             fitted(gx, gy, open)
         })
         .on(conductances),
-        // The CPU takes the library's hypot, and a rounding of it is one of the sum.
+        // The CPU uses the library's hypot, whose rounding carries over to the sum.
         twin!(
             principal_curvatures,
             principal_curvatures,
@@ -234,7 +234,7 @@ fn curvature() -> Vec<Twin> {
         )
         .on(|words| coarse(words, 100.0))
         .within(Tolerance::Absolute(5e-5)),
-        // The CPU takes the library's atan2, sine and cosine.
+        // The CPU uses the library's atan2, sine and cosine.
         twin!(
             principal_direction,
             principal_direction,
