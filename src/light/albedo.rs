@@ -1,13 +1,13 @@
-//! Albedo from a picture whose light is not known: the picture over the smooth shading that fits it best.
+//! Albedo from a picture under unknown light: the picture divided by the best-fitting smooth shading.
 //!
-//! A diffuse surface under any far light shows nearly `a + b . n` of its normal n (the first two orders of
-//! spherical harmonics hold 9/10 of a cosine lobe's energy; R. Ramamoorthi, P. Hanrahan: An Efficient
-//! Representation for Irradiance Environment Maps, 2001). Four numbers are fitted to the luminance of all
-//! pixels; what they cannot explain is colour of the surface.
+//! A diffuse surface under any distant light shows approximately `a + b . n` of its normal n (the first two orders of
+//! spherical harmonics hold 9/10 of a cosine lobe's energy; R. Ramamoorthi, P. Hanrahan: An Efficient Representation
+//! for Irradiance Environment Maps, 2001). Four numbers are fitted to the luminance of all pixels; the remainder is
+//! colour of the surface.
 
 use nalgebra::{Matrix4, Vector4};
 
-/// Sums over pixels of which the best shading is computed.
+/// Sums over pixels for the least-squares fit of the shading.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ShadingFit {
     normal_matrix: Matrix4<f64>,
@@ -18,27 +18,27 @@ pub(crate) struct ShadingFit {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FittedShading {
     coefficients: [f32; 4],
-    /// Shading is never taken for darker than this: shadows would burn out.
+    /// Lower bound of the shading: below it shadows would burn out.
     floor: f32,
 }
 
-/// The fit that an albedo is estimated by, the same for all strips of a picture.
+/// The fit for estimating albedo, the same for all strips of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AlbedoEstimate {
-    /// The shading that the picture is taken over; `None` where it is black, and its albedo white.
+    /// The divisor of the picture; `None` where the picture is black, and its albedo white.
     pub shading: Option<FittedShading>,
-    /// The factor of the picture over its shading.
+    /// Factor applied after dividing the picture by its shading.
     pub factor: f32,
 }
 
-/// Share of the mean shading below which none is believed.
+/// Share of the mean shading below which a fitted value is not trusted.
 const DARKEST: f64 = 0.2;
 
-/// Pull toward even light, as a share of the pixels: a flat picture tells nothing of directions.
+/// Regularisation toward even light, as a share of the pixels: a flat picture has no information about directions.
 const RIDGE: f64 = 1e-3;
 
 impl ShadingFit {
-    /// Counts one pixel in.
+    /// Adds one pixel.
     #[inline]
     pub(crate) fn add(&mut self, normal: [f32; 3], luminance: f32) {
         let row = Vector4::new(1.0, normal[0].into(), normal[1].into(), normal[2].into());
@@ -54,7 +54,7 @@ impl ShadingFit {
         }
     }
 
-    /// The shading that fits best, in the sense of least squares; `None` without pixels or light.
+    /// The least-squares shading; `None` without pixels or light.
     pub(crate) fn solved(&self) -> Option<FittedShading> {
         let count = self.normal_matrix[(0, 0)];
         let mean = self.right_side[0] / count;
@@ -93,7 +93,7 @@ impl FittedShading {
 mod tests {
     use super::*;
 
-    /// Normals all over the half sphere that is seen.
+    /// Normals over the visible half sphere.
     fn normals() -> Vec<[f32; 3]> {
         let grid = (0..900).map(|i| [(i % 30) as f32 / 16.0 - 0.9, (i / 30) as f32 / 16.0 - 0.9]);
         grid.filter(|[x, y]| x * x + y * y < 0.95)
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn linear_shading_is_found_whatever_the_colours_do() {
-        // Colours that have nothing to do with normals: a checkerboard of 0.3 and 0.7, mean 0.5.
+        // Colours independent of normals: a checkerboard of 0.3 and 0.7, mean 0.5.
         let shading = |n: [f32; 3]| 0.6 + 0.2 * n[0] - 0.1 * n[1] + 0.1 * n[2];
         let mut fit = ShadingFit::default();
         for n in normals() {
@@ -114,7 +114,7 @@ mod tests {
         let found = fit.solved().unwrap();
         for n in normals() {
             let ratio = found.at(n) / (0.5 * shading(n));
-            // The ridge, a thousandth of the pixels, bends it by less than a hundredth.
+            // The ridge, a thousandth of the pixels, changes the fit by less than a hundredth.
             assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
         }
     }

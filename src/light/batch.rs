@@ -1,10 +1,10 @@
-//! A batch of covered pixels and their samples that do not depend on light, component by component, so that the loops
-//! over a batch vectorise.
+//! A batch of covered pixels and their light-independent samples, component by component, so that loops over a batch
+//! vectorise.
 
 use super::light_warping::{MOST_BRIGHTENED, Warp};
 use super::radiance_scaling::ScalingCurve;
 
-/// Pixels of a batch. All its planes stay in the first-level cache.
+/// Pixels of a batch. All its planes fit the first-level cache.
 pub(crate) const BATCH: usize = 128;
 
 /// One number per pixel of a batch.
@@ -13,30 +13,30 @@ pub(crate) type Lanes = [f32; BATCH];
 /// One vector per pixel of a batch.
 pub(crate) type Vectors = [Lanes; 3];
 
-/// A vector per pixel, and its picture under the inverse of the warp: what its scalar product with an
-/// unwarped direction takes.
+/// A vector per pixel, and its image under the inverse of the warp: the two inputs of its dot product with an unwarped
+/// direction.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Axis {
     /// The vector.
     pub vector: Vectors,
-    /// Its x and y times the inverse of Lambda.
+    /// Its x and y multiplied by the inverse of Lambda.
     pub unwarped: [Lanes; 2],
 }
 
 /// The pixels of a batch.
 #[derive(Debug, Clone)]
 pub(crate) struct Pixels {
-    /// How many of the lanes are in use; the others hold finite numbers of no meaning.
+    /// Number of lanes in use; the others hold arbitrary finite numbers.
     pub count: usize,
     /// Unit normals.
     pub normal: Axis,
-    /// Which way they all face.
+    /// Cone of their normals.
     pub facing: Facing,
     /// Unit directions to the eye; along z unless set otherwise.
     pub to_eye: Axis,
-    /// The directions to the eye mirrored at the normal; for Phong's lobe.
+    /// The directions to the eye mirrored at the normal, for Phong's lobe.
     pub mirrored: Axis,
-    /// Unit tangents along the grain, square to the normal.
+    /// Unit tangents along the grain, perpendicular to the normal.
     pub along: Axis,
     /// Unit tangents across it.
     pub across: Axis,
@@ -48,9 +48,9 @@ pub(crate) struct Pixels {
     pub spread: Lanes,
     /// Hessian of the height: xx, xy, yy; convex is negative.
     pub hessian: Vectors,
-    /// Scaling curves; [`Pixels::curve`] tells which is whose.
+    /// Scaling curves, indexed by [`Pixels::curve_of`].
     pub curves: [CurveLanes; 3],
-    /// Which of the curves ambient, diffuse and specular light have: terms of one magnitude share one.
+    /// Index of the curve of ambient, diffuse and specular light: terms of equal magnitude share one.
     pub curve_of: [usize; 3],
 }
 
@@ -64,13 +64,13 @@ pub(crate) struct CurveLanes {
 }
 
 impl CurveLanes {
-    /// Those that change nothing.
+    /// Curves that change nothing.
     pub(crate) const FLAT: Self = Self {
         dark: [1.0; BATCH],
         bright: [1.0; BATCH],
     };
 
-    /// The one of lane `i`.
+    /// The curve of lane `i`.
     #[inline(always)]
     pub(crate) fn at(&self, i: usize) -> ScalingCurve {
         ScalingCurve {
@@ -79,7 +79,7 @@ impl CurveLanes {
         }
     }
 
-    /// Sets the one of lane `i`.
+    /// Sets the curve of lane `i`.
     #[inline(always)]
     pub(crate) fn set(&mut self, i: usize, curve: ScalingCurve) {
         self.dark[i] = curve.dark;
@@ -87,38 +87,38 @@ impl CurveLanes {
     }
 }
 
-/// A cone that holds all normals of a batch.
+/// A cone containing all normals of a batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Facing {
     axis: [f32; 3],
-    /// Sine and cosine of the half angle; a sine above 1 tells nothing.
+    /// Sine and cosine of the half angle; a sine above 1 means unknown.
     sine: f32,
     cosine: f32,
 }
 
-/// For which pixels of a batch a direction is above the surface.
+/// Pixels of a batch for which a direction is above the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Above {
-    /// For none.
+    /// None.
     Nowhere,
-    /// For some, perhaps.
+    /// Possibly some.
     Somewhere,
-    /// For all, and by far: no warp can brighten it too much.
+    /// All, by a wide margin: no warp can brighten it beyond the limit.
     Everywhere,
 }
 
 impl Facing {
-    /// Nothing is known.
+    /// The cone that contains every normal.
     pub(crate) const ANYWHERE: Self = Self {
         axis: [0.0, 0.0, 1.0],
         sine: 2.0,
         cosine: 0.0,
     };
 
-    /// Rounding that the cone leaves room for, as a sine.
+    /// Margin of the cone for rounding, as a sine.
     const MARGIN: f32 = 1e-4;
 
-    /// Cosines from here on are never held back by [`MOST_BRIGHTENED`], as no cosine exceeds 1.
+    /// Cosines above this are never limited by [`MOST_BRIGHTENED`], since no cosine exceeds 1.
     const HIGH: f32 = 1.0 / MOST_BRIGHTENED + Self::MARGIN;
 
     /// The cone about the mean of the first `count` normals.
@@ -146,13 +146,13 @@ impl Facing {
         }
     }
 
-    /// Where a unit direction is above the surface.
+    /// For which pixels a unit direction is above the surface.
     #[inline]
     pub(crate) fn above(&self, direction: [f32; 3]) -> Above {
         let [x, y, z] = self.axis;
         let cosine = x * direction[0] + y * direction[1] + z * direction[2];
         let aside = (1.0 - cosine * cosine).max(0.0).sqrt();
-        // The least cosine with any normal of the cone; a direction at 90 degrees and more from all of them.
+        // The smallest cosine with any normal of the cone; a direction at least 90 degrees from all of them.
         let least = cosine * self.cosine - aside * self.sine;
         if cosine <= -self.sine {
             Above::Nowhere
@@ -164,10 +164,10 @@ impl Facing {
     }
 }
 
-/// Numbers that are worked on side by side where their order does not matter.
+/// Independent partial results, where the order of operations does not matter.
 const SIDE_BY_SIDE: usize = 16;
 
-/// The sum, of several running ones.
+/// The sum, by several partial sums.
 #[inline(always)]
 fn sum(values: &[f32]) -> f32 {
     let mut sums = [0.0; SIDE_BY_SIDE];
@@ -180,7 +180,7 @@ fn sum(values: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
 }
 
-/// The least of a batch; NaN counts as the least.
+/// The minimum of a batch; NaN counts as smallest.
 #[inline(always)]
 fn least(values: &Lanes) -> f32 {
     let mut least = [f32::MAX; SIDE_BY_SIDE];
@@ -220,7 +220,7 @@ impl Axis {
         self.vector[2][i] = vector[2];
     }
 
-    /// Follows the vectors under the inverse warps.
+    /// Recomputes the images under the inverse warps.
     #[inline(always)]
     pub(crate) fn unwarp(&mut self, unwarp: &Vectors) {
         let [xx, xy, yy] = unwarp;

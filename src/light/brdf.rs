@@ -1,31 +1,31 @@
-//! Reflectance: the share of the light from one direction that leaves toward the eye.
+//! Reflectance: the share of the light from one direction that is reflected toward the eye.
 //!
-//! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle
-//! over pi: they are BRDF times pi times the cosine, so that a white Lambertian surface is the cosine.
+//! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
+//! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
 use crate::fast_math::{exp, ln};
 use crate::params::MaterialParams;
 
-/// The Ashikhmin-Shirley model ([RS] section 5.2; M. Ashikhmin, P. Shirley: An Anisotropic Phong BRDF
-/// Model, 2000): a diffuse base under a glossy coat, which takes from the base what it reflects.
+/// The Ashikhmin-Shirley model ([RS] section 5.2; M. Ashikhmin, P. Shirley: An Anisotropic Phong BRDF Model, 2000): a
+/// diffuse base under a glossy coat, which reduces the base by the share it reflects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AshikhminShirley {
     /// Exponents along and across the grain.
     pub(crate) coat: [f32; 2],
-    /// Reflectance of the coat along the normal.
+    /// Reflectance of the coat at normal incidence.
     pub(crate) reflectance: f32,
-    /// Factor of the highlight that keeps its energy.
+    /// Normalisation of the highlight that conserves its energy.
     pub(crate) normalisation: f32,
 }
 
-/// Cosines between unit vectors: `n` the normal, `l` to the light, `e` to the eye, `h` half-way.
+/// Cosines between unit vectors: `n` the normal, `l` to the light, `e` to the eye, `h` the half vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cosines {
     /// n . l, at least 0.
     pub nl: f32,
     /// n . e, at least 0.
     pub ne: f32,
-    /// h . e, which is h . l.
+    /// h . e, equal to h . l.
     pub he: f32,
     /// h along the grain.
     pub hu: f32,
@@ -33,10 +33,10 @@ pub struct Cosines {
     pub hv: f32,
 }
 
-/// Below this neither light nor eye is seen from the surface.
+/// Below this cosine neither light nor eye is visible from the surface.
 pub(crate) const GRAZING: f32 = 1e-6;
 
-/// Normalisation that makes the base reflect, of light from all sides, all that the coat lets pass.
+/// Normalisation of the base: light from all directions that passes the coat is reflected in full.
 pub(crate) const BASE_SCALE: f32 = 28.0 / 23.0;
 
 impl AshikhminShirley {
@@ -63,7 +63,7 @@ impl AshikhminShirley {
     pub fn specular(&self, c: Cosines) -> f32 {
         let [nu, nv] = self.coat;
         let (uu, vv) = (c.hu * c.hu, c.hv * c.hv);
-        // n.h to the power (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
+        // The exponent of n.h is (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
         let aside = (uu + vv).clamp(f32::MIN_POSITIVE, 1.0);
         let exponent = 0.5 * (nu * uu + nv * vv) / aside;
         let lobe = exp(exponent * ln(1.0 - aside).max(-f32::MAX));
@@ -73,7 +73,7 @@ impl AshikhminShirley {
     }
 }
 
-/// Share of the light at an angle of this cosine that the coat lets pass, but for its reflectance.
+/// Share of the light at an angle of this cosine that passes the coat, its reflectance aside.
 #[inline(always)]
 pub(crate) fn passed(cosine: f32) -> f32 {
     1.0 - fifth_power(1.0 - 0.5 * cosine)
@@ -85,8 +85,8 @@ pub(crate) fn fifth_power(x: f32) -> f32 {
     square * square * x
 }
 
-/// Share of unpolarised light that a clear surface mirrors, for the cosine of incidence, 0..1, and the
-/// ratio of the indices inside to outside; 1 where all of it is.
+/// Share of unpolarised light reflected by a clear surface, for the cosine of incidence, 0..1, and the ratio of the
+/// indices inside to outside; 1 for total reflection.
 pub fn fresnel(cosine: f32, ior: f32) -> f32 {
     let cosine = cosine.clamp(0.0, 1.0);
     let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
@@ -106,20 +106,19 @@ pub fn mirrored(n: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
     std::array::from_fn(|i| twice * n[i] - to_eye[i])
 }
 
-/// The direction in which a sight line goes on inside a surface of the relative index `ior`; `None` where
-/// all of it is mirrored.
+/// The direction of a sight line refracted into a surface of relative index `ior`; `None` for total reflection.
 pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
     let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
     let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
     (inside >= 0.0).then(|| {
-        // Snell: what lies across the normal shrinks by the index.
+        // Snell: the component along the surface shrinks by the index.
         let along = cosine / ior - inside.sqrt();
         std::array::from_fn(|i| along * n[i] - to_eye[i] / ior)
     })
 }
 
-/// The sheet of glass between two parallel surfaces that each mirror the share `r`: what all rays between
-/// them add up to.
+/// Reflectance of a glass sheet between two parallel surfaces that each reflect the share `r`, summed over all internal
+/// reflections.
 pub(crate) fn thin_sheet(r: f32) -> f32 {
     2.0 * r / (1.0 + r)
 }
@@ -185,7 +184,7 @@ mod tests {
             let brdf = model(coat, 0.1);
             for l in directions {
                 for e in directions {
-                    // A lobe is BRDF times pi times n.l.
+                    // A lobe is the BRDF times pi times n.l.
                     let there = brdf.specular(cosines(l, e)) / l[2];
                     let back = brdf.specular(cosines(e, l)) / e[2];
                     assert!(
@@ -217,7 +216,7 @@ mod tests {
                         sum += f64::from(brdf.specular(c) + brdf.diffuse(c.nl, c.ne));
                     }
                 }
-                // Equal solid angles of 2 pi / count; a lobe is pi times too large.
+                // Equal solid angles of 2 pi / count; a lobe includes a factor pi.
                 let albedo = 2.0 * sum / f64::from(rings * spokes);
                 assert!(albedo < 1.0 && albedo > 0.2, "{coat:?}: {albedo}");
             }
@@ -262,13 +261,13 @@ mod tests {
 
     #[test]
     fn glass_mirrors_as_fresnel_says() {
-        // Straight on ((n - 1)/(n + 1))^2 = 0.04; nothing in parallel at Brewster's angle; all at grazing.
+        // At normal incidence ((n - 1)/(n + 1))^2 = 0.04; no parallel component at Brewster's angle; total at grazing.
         assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-6);
         assert!((fresnel(0.0, 1.5) - 1.0).abs() < 1e-6);
         let brewster = 1.0 / (1.0 + 1.5_f32 * 1.5).sqrt();
         let across = ((1.5_f32 * 1.5 - 1.0) / (1.5 * 1.5 + 1.0)).powi(2);
         assert!((fresnel(brewster, 1.5) - 0.5 * across).abs() < 1e-6);
-        // From the denser side past the critical angle.
+        // From the denser side beyond the critical angle.
         assert_eq!(fresnel(0.5, 1.0 / 1.5), 1.0);
         assert!((thin_sheet(0.04) - 0.08 / 1.04).abs() < 1e-7);
     }
@@ -282,7 +281,7 @@ mod tests {
         assert!((dot(inside, inside) - 1.0).abs() < 1e-6);
         assert!((sine(inside) - sine(e) / 1.5).abs() < 1e-6);
         assert!(dot(inside, n) < 0.0);
-        // An index of 1 lets it go straight on.
+        // An index of 1 does not deflect.
         let straight = refracted(n, e, 1.0).unwrap();
         assert!(dot(straight, [0.0, 0.0, -1.0]) > 1.0 - 1e-6);
         assert_eq!(refracted(unit([1.0, 0.0, 0.3]), e, 1.0 / 1.5), None);

@@ -1,6 +1,7 @@
-// Reflectance: what share of the light from one direction leaves toward the eye.
+// Reflectance: the share of the light from one direction that is reflected toward the eye.
 
-// Cosines between unit vectors: n the normal, l to the light, e to the eye, h half-way; u along the grain, v across it.
+// Cosines between unit vectors: n the normal, l to the light, e to the eye, h the half vector; u along the grain, v
+// across it.
 struct Cosines {
     nl: f32,
     ne: f32,
@@ -27,7 +28,7 @@ fn ashikhmin_shirley_diffuse(nl: f32, ne: f32) -> f32 {
 fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     let uu = c.hu * c.hu;
     let vv = c.hv * c.hv;
-    // n.h to the power (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
+    // The exponent of n.h is (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
     let aside = clamp(uu + vv, MIN_POSITIVE, 1.0);
     let exponent = 0.5 * (params.coat_along * uu + params.coat_across * vv) / aside;
     let logarithm = select(-F32_MAX, ln(1.0 - aside), aside < 1.0);
@@ -37,7 +38,7 @@ fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     return params.coat_normalisation * lobe * reflected * seen;
 }
 
-// Share of unpolarised light that a clear surface mirrors.
+// Share of unpolarised light reflected by a clear surface.
 fn fresnel(incidence: f32, ior: f32) -> f32 {
     let cosine = clamp(incidence, 0.0, 1.0);
     let inside_squared = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
@@ -56,7 +57,7 @@ fn mirrored(n: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
     return twice * n - to_eye;
 }
 
-// The sheet of glass between two parallel surfaces that each mirror the share r.
+// Reflectance of a glass sheet between two parallel surfaces that each reflect the share r.
 fn thin_sheet(r: f32) -> f32 {
     return 2.0 * r / (1.0 + r);
 }

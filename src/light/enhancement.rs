@@ -1,14 +1,14 @@
-//! Which part of a picture is scaled, and by which magnitude, given the light layers present.
+//! The part of a picture that is scaled, and its magnitude, given the light layers present.
 
 use crate::frame::LightLayers;
 use crate::params::ScalingParams;
 
-/// The light layers there are to scale.
+/// The light layers available for scaling.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LightAvailable {
     /// Lobes of diffuse light.
     pub diffuse: bool,
-    /// Whether some diffuse light from other surfaces has a layer of its own.
+    /// Whether some diffuse light from other surfaces is a separate layer.
     pub diffuse_indirect: bool,
     /// Lobes of specular light.
     pub specular: bool,
@@ -21,7 +21,7 @@ pub struct LightAvailable {
 }
 
 impl LightAvailable {
-    /// No layers: the picture is all there is.
+    /// No layers, only the picture.
     pub const NONE: Self = Self {
         diffuse: false,
         diffuse_indirect: false,
@@ -50,19 +50,19 @@ impl LightAvailable {
 pub(crate) enum Subject {
     /// The picture as a whole.
     Picture,
-    /// Each lobe by itself.
+    /// Each lobe separately.
     Lobes,
     /// Light groups by the directions of their lights.
     Groups,
 }
 
-/// How a picture is enhanced.
+/// Enhancement of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Enhancement {
     pub(crate) subject: Subject,
-    /// The largest magnitude that any part of the subject is scaled by.
+    /// The largest scaling magnitude over the parts of the subject.
     pub(crate) magnitude: f32,
-    /// The magnitude that ambient occlusion scales the result by.
+    /// The magnitude for scaling the result by ambient occlusion.
     pub(crate) occlusion: f32,
 }
 
@@ -77,7 +77,7 @@ impl Enhancement {
             _ => Subject::Picture,
         };
         let of = |there: bool, magnitude: f32| if there { magnitude } else { 0.0 };
-        // Light from other surfaces is ambient light; where the file tells it, occlusion is in it.
+        // Light from other surfaces is ambient light; in a layer of its own, it already includes occlusion.
         let ambient_lobe = subject == Subject::Lobes
             && light.diffuse_indirect
             && scaling.scaling_ambient.is_some();
@@ -97,7 +97,7 @@ impl Enhancement {
         }
     }
 
-    /// Whether the picture stays as it is.
+    /// Whether the picture stays unchanged.
     pub(crate) fn is_idle(&self) -> bool {
         self.magnitude == 0.0 && self.occlusion == 0.0
     }

@@ -1,7 +1,7 @@
 //! Environments: radiance by direction.
 //!
-//! An environment hangs on the view: the middle of its map lies straight ahead of the viewer, behind
-//! the surface. There is no world here, and so no other way for the map to stand.
+//! An environment is attached to the view: the centre of its map lies straight ahead of the viewer, behind the surface.
+//! There is no world space here that could orient it otherwise.
 
 use super::texels::{Texels, cell, mixed, rgb};
 use crate::fast_math::atan2;
@@ -11,9 +11,9 @@ use std::f64::consts::PI;
 
 /// Radiance from every direction: a latitude-longitude map, seen from inside.
 ///
-/// The middle column is the direction -z, ahead of the viewer; the top edge is +y; +x, the viewer's
-/// right, lies a quarter of the width to the right of the middle. The left and right edges are +z,
-/// behind the viewer. Samples are finite and not negative.
+/// The middle column is the direction -z, ahead of the viewer; the top edge is +y; +x, the viewer's right, lies a
+/// quarter of the width right of the middle. The left and right edges are +z, behind the viewer. Samples are finite and
+/// non-negative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
     texels: Texels,
@@ -22,8 +22,8 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// The environment of a latitude-longitude map of any size, 2:1 as a rule. NaN and negative samples
-    /// become 0, infinite ones 65504.
+    /// The environment of a latitude-longitude map of any size, usually 2:1. NaN and negative samples become 0,
+    /// infinite ones 65504.
     ///
     /// # Panics
     /// If the planes differ in size or are empty.
@@ -47,8 +47,8 @@ impl Environment {
         Self { texels, turn: 0.0 }
     }
 
-    /// This environment turned about the vertical axis, in addition to any turn it has. Positive
-    /// degrees move what is ahead of the viewer to the viewer's right. What is not finite turns nothing.
+    /// The environment rotated about the vertical axis, in addition to any earlier rotation. Positive degrees move the
+    /// direction ahead of the viewer to the viewer's right. Non-finite degrees rotate nothing.
     pub fn rotated_deg(mut self, degrees: f32) -> Self {
         let turn = (f64::from(degrees) / 360.0).rem_euclid(1.0) as f32;
         if turn.is_finite() {
@@ -57,7 +57,7 @@ impl Environment {
         self
     }
 
-    /// This environment with the turn of `other`.
+    /// The environment with the rotation of `other`.
     pub(super) fn turned_like(mut self, other: &Environment) -> Self {
         self.turn = other.turn;
         self
@@ -73,7 +73,7 @@ impl Environment {
         self.texels.height()
     }
 
-    /// Its pixels row by row, red, green, blue and an unused number each, for other backends.
+    /// Its pixels row by row: red, green, blue and an unused number, for other backends.
     #[cfg(feature = "gpu")]
     pub(crate) fn texels(&self) -> &[[f32; 4]] {
         self.texels.all()
@@ -90,26 +90,25 @@ impl Environment {
         rgb(self.texels.at(x, y))
     }
 
-    /// The radiance that comes from `direction`: bilinear between pixel centres, across the seam and
-    /// across the poles.
+    /// The radiance from `direction`: bilinear between pixel centres, including across the seam and the poles.
     ///
-    /// `direction` points away from the surface; its length, from 1e-15 to 1e15, does not matter.
-    /// Whatever it holds, the result is finite.
+    /// `direction` points away from the surface, with any length from 1e-15 to 1e15. The result is finite for any
+    /// input.
     #[inline]
     pub fn radiance(&self, direction: [f32; 3]) -> [f32; 3] {
         let [column, row] = self.position(direction);
         self.at_position(column, row)
     }
 
-    /// Column and row of the map that `direction` falls on, whole numbers being pixel centres. Without a
-    /// branch, so that a loop over directions vectorises.
+    /// Column and row of the map for `direction`, integers being pixel centres. Branch-free, so that a loop over
+    /// directions vectorises.
     #[inline(always)]
     pub fn position(&self, direction: [f32; 3]) -> [f32; 2] {
         equirectangular_position([self.width(), self.height()], self.turn, direction)
     }
 
-    /// The radiance at a position of the map, from -1 to `width` and `height`, whole numbers being pixel
-    /// centres. NaN reads some pixel.
+    /// The radiance at a position of the map, from -1 to `width` and `height`, integers being pixel centres. NaN reads
+    /// some pixel.
     #[inline(always)]
     pub fn at_position(&self, column: f32, row: f32) -> [f32; 3] {
         let (top, down) = cell(row);
@@ -118,7 +117,7 @@ impl Environment {
         rgb(mixed(upper, lower, down))
     }
 
-    /// Linear along row `y`. The row beyond a pole is the row before it, half a turn away.
+    /// Linear along row `y`. Beyond a pole the same row continues, half a turn away.
     #[inline(always)]
     fn on_row(&self, column: f32, y: i32) -> [f32; 4] {
         let (width, last) = (self.width(), self.height() as i32 - 1);
@@ -127,21 +126,21 @@ impl Environment {
         let (left, across) = cell(column);
         let wrapped = |x: i32| {
             let x = if x < 0 { x + width as i32 } else { x } as usize;
-            // A single column is its own neighbour, twice over.
+            // A single column is its own neighbour on both sides.
             (if x >= width { x - width } else { x }).min(width - 1)
         };
         let row = self.texels.row(y.clamp(0, last) as usize);
         mixed(row[wrapped(left)], row[wrapped(left + 1)], across)
     }
 
-    /// The unit direction that the centre of the pixel at column `x` of row `y` shows.
+    /// The unit direction of the centre of the pixel at column `x` of row `y`.
     pub fn direction(&self, x: usize, y: usize) -> Vec3 {
         let ((sin_a, cos_a), (sin_e, cos_e)) =
             (self.azimuth(x).sin_cos(), self.elevation(y).sin_cos());
         DVec3::new(cos_e * sin_a, sin_e, -cos_e * cos_a).as_vec3()
     }
 
-    /// Azimuth of the centres of column `x`, in radians: 0 ahead, growing to the viewer's right.
+    /// Azimuth of the centres of column `x`, in radians: 0 ahead, increasing to the viewer's right.
     pub(super) fn azimuth(&self, x: usize) -> f64 {
         ((x as f64 + 0.5) / self.width() as f64 - 0.5 + f64::from(self.turn)) * 2.0 * PI
     }
@@ -176,8 +175,8 @@ impl Environment {
         self.texels.largest_luminance(weights, |_, _| true)
     }
 
-    /// This environment on a map of at most `max_width` columns (at least 1): each pixel is the mean of
-    /// what it covers, weighted by solid angle, so that power is kept.
+    /// The environment on a map of at most `max_width` columns (at least 1): each pixel is the mean over its area,
+    /// weighted by solid angle, so that power is preserved.
     pub fn resized(&self, max_width: usize) -> Environment {
         let (width, height) = (self.width(), self.height());
         let max_width = max_width.max(1);
@@ -210,14 +209,13 @@ impl Environment {
     }
 }
 
-/// Solid angle over 2 pi of the zone between two shares of the way from the zenith to the nadir.
+/// Solid angle over 2 pi of the zone between two polar angles, given as shares of the way from zenith to nadir.
 fn zone(from: f64, to: f64) -> f64 {
-    // The difference of cosines, without its cancellation.
+    // The difference of cosines without cancellation.
     2.0 * ((from + to) * PI / 2.0).sin() * ((to - from) * PI / 2.0).sin()
 }
 
-/// For each of `to` equal intervals, which of `from` equal intervals it overlaps, and with what share
-/// of its own measure.
+/// For each of `to` equal intervals, the overlapping ones of `from` equal intervals, and their shares of its measure.
 fn overlaps(from: usize, to: usize, measure: impl Fn(f64, f64) -> f64) -> Vec<Vec<(usize, f64)>> {
     let shares = |i: usize| {
         let (start, end) = (i as f64 / to as f64, (i + 1) as f64 / to as f64);
@@ -233,8 +231,7 @@ fn overlaps(from: usize, to: usize, measure: impl Fn(f64, f64) -> f64) -> Vec<Ve
     (0..to).map(shares).collect()
 }
 
-/// Column and row, whole numbers being pixel centres, of a map of columns and rows, rotated by `turn` turns, that a
-/// direction falls on.
+/// Column and row, integers being pixel centres, of a direction on a map of this size rotated by `turn` turns.
 #[inline(always)]
 pub(crate) fn equirectangular_position(
     [width, height]: [usize; 2],
@@ -252,12 +249,12 @@ pub(crate) fn equirectangular_position(
 mod tests {
     use super::*;
 
-    /// A map whose pixels all differ: column, row and 1.
+    /// A map of distinct pixels: column, row and 1.
     fn numbered(width: usize, height: usize) -> Environment {
         Environment::from_fn(width, height, |x, y| [x as f32, y as f32, 1.0])
     }
 
-    /// A smooth function of direction, the same whichever way it is approached.
+    /// A smooth function of direction, without seams.
     fn smooth(d: Vec3) -> [f32; 3] {
         [2.0 + d.x, 2.0 + d.y + 0.5 * d.x * d.z, 2.0 + d.z]
     }
@@ -274,8 +271,8 @@ mod tests {
             for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
                 let read = map.radiance(map.direction(x, y).to_array());
                 for (read, stored) in read.into_iter().zip([x as f32, y as f32, 1.0]) {
-                    // The angle errs by 4e-7: by 4e-6 of 64 columns, which beside the seam, where
-                    // column 63 meets column 0, counts 63-fold.
+                    // The angle's error of 4e-7 is 4e-6 of 64 columns, amplified 63-fold at the seam, where column 63
+                    // meets column 0.
                     assert!((read - stored).abs() < 3e-4, "{x}, {y}: {read}");
                 }
             }
@@ -284,7 +281,7 @@ mod tests {
 
     #[test]
     fn the_middle_is_ahead_and_right_is_right() {
-        // One bright pixel of 8x4: columns are 45 degrees wide, their edges at whole multiples of 45.
+        // One bright pixel of 8x4: columns are 45 degrees wide, with edges at multiples of 45.
         let bright = |x: usize, y: usize| {
             Environment::from_fn(
                 8,
@@ -301,7 +298,7 @@ mod tests {
         // Column 6 begins at +x.
         let right = [cos * cos, sin, sin * cos];
         assert!((seen(&bright(6, 1), right) - 1.0).abs() < 1e-5);
-        // A quarter turn to the right brings the one to the other.
+        // A quarter turn to the right moves the first to the second.
         let turned = bright(4, 1).rotated_deg(90.0);
         assert!((seen(&turned, right) - 1.0).abs() < 1e-5);
         let twice = bright(4, 1).rotated_deg(-300.0).rotated_deg(30.0);
@@ -320,8 +317,8 @@ mod tests {
             for i in 0..7200 {
                 let (a, b) = (map.radiance(at(i).into()), map.radiance(at(i + 1).into()));
                 for c in 0..3 {
-                    // The function's slope is below 1.5 per radian, a step 8.7e-4 radians; next to a
-                    // pole half a step of the map, 0.05 radians, is crossed in as much as its chord.
+                    // The function's slope is below 1.5 per radian, a step 8.7e-4 radians; next to a pole that step
+                    // crosses half a pixel of the map, 0.05 radians.
                     assert!((a[c] - b[c]).abs() < 2e-3, "tilt {tilt}, step {i}");
                     let error = (a[c] - smooth(at(i))[c]).abs();
                     assert!(error < 5e-3, "tilt {tilt}, step {i}: {error}");
@@ -371,7 +368,7 @@ mod tests {
             let power = map.power();
             assert!((power[0] - 4.0 * PI).abs() < 1e-12 && (power[1] - 8.0 * PI).abs() < 1e-12);
         }
-        // A zone has 2 pi times its height: the top row of 4 reaches down to cos 45 degrees.
+        // The area of a zone is 2 pi times its height: the top row of 4 reaches down to cos 45 degrees.
         let map = numbered(8, 4);
         let zone = 2.0 * PI * (1.0 - 0.5_f64.sqrt()) / 8.0;
         assert!((map.solid_angle(0) - zone).abs() < 1e-14);
@@ -391,8 +388,8 @@ mod tests {
         for (x, y) in [(0, 5), (20, 20), (63, 25)] {
             let direction = small.direction(x, y);
             let (a, b) = (small.pixel(x, y), map.radiance(direction.into()));
-            // The mean of a pixel differs from its middle by h^2/24 times the second derivatives, and
-            // its weight lies h^2/12 cot(25 degrees) to the equator's side: 2e-3, with h = 0.098.
+            // The mean of a pixel differs from its centre by h^2/24 times the second derivatives, and its weight is
+            // h^2/12 cot(25 degrees) closer to the equator: 2e-3, with h = 0.098.
             assert!(
                 (0..3).all(|i| (a[i] - b[i]).abs() < 3e-3),
                 "{a:?}, not {b:?}"

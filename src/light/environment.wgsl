@@ -1,6 +1,7 @@
-// Light from all around, and lit spheres: pictures to look colours up in, one after another in one buffer.
+// Environments and lit spheres: maps for colour look-ups, one after another in one buffer.
 
-// A picture: its first texel, its size, the luminance that counts as intensity 1; of an environment its rotation, in turns.
+// A map: its first texel, its size, the luminance that counts as intensity 1; for an environment its rotation, in
+// turns.
 struct Map {
     first: u32,
     width: u32,
@@ -32,7 +33,7 @@ fn mixed(a: vec3<f32>, b: vec3<f32>, t: f32) -> vec3<f32> {
     return a * (1.0 - t) + b * t;
 }
 
-// Column and row of an environment that a direction falls on, whole numbers being pixel centres.
+// Column and row of an environment for a direction, integers being pixel centres.
 fn equirectangular_position(map: Map, d: vec3<f32>) -> vec2<f32> {
     let turned = atan2_of(d.x, -d.z) / (2.0 * PI) + 0.5 - map.turn;
     let across = select(turned, turned + 1.0, turned < 0.0);
@@ -42,11 +43,11 @@ fn equirectangular_position(map: Map, d: vec3<f32>) -> vec2<f32> {
 
 fn wrapped(width: i32, x: i32) -> i32 {
     let from_left = select(x, x + width, x < 0);
-    // A single column is its own neighbour, twice over.
+    // A single column is its own neighbour on both sides.
     return clamp(select(from_left, from_left - width, from_left >= width), 0, width - 1);
 }
 
-// Linear along row y. The row beyond a pole is the row before it, half a turn away.
+// Linear along row y. Beyond a pole the same row continues, half a turn away.
 fn on_row(map: Map, column: f32, y: i32) -> vec3<f32> {
     let last = i32(map.height) - 1;
     let beyond_pole = y < 0 || y > last;
@@ -58,7 +59,7 @@ fn on_row(map: Map, column: f32, y: i32) -> vec3<f32> {
     return mixed(a, b, place - left);
 }
 
-// The radiance that comes from a direction.
+// The radiance from a direction.
 fn radiance(map: Map, direction: vec3<f32>) -> vec3<f32> {
     let position = equirectangular_position(map, direction);
     let top = floor(position.y);
@@ -67,7 +68,7 @@ fn radiance(map: Map, direction: vec3<f32>) -> vec3<f32> {
     return mixed(upper, lower, position.y - top);
 }
 
-// The colour of a lit sphere at a point of the disc that touches the picture's borders, x right and y up.
+// The colour of a lit sphere at a point of the disc inscribed in the picture, x right and y up.
 fn on_disc(map: Map, at: vec2<f32>) -> vec3<f32> {
     let width = f32(map.width);
     let height = f32(map.height);

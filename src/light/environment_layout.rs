@@ -4,39 +4,38 @@ use super::environment::Environment;
 use super::texels::Texels;
 use crate::frame::ColorPlanes;
 
-/// How a picture holds an environment.
+/// Layout of an environment in a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
-    /// Longitude across, latitude down, as [`Environment`] says.
+    /// Longitude across, latitude down, as in [`Environment`].
     LatLong,
-    /// A chrome ball that fills the picture, seen from far away: its middle reflects +z, what is behind
-    /// the viewer; its rim -z.
+    /// A chrome ball that fills the picture, seen from far away: its centre reflects +z, behind the viewer; its rim -z.
     MirrorBall,
-    /// A disc that fills the picture: its middle is -z, and the distance from it grows with the angle up
-    /// to +z at the rim. Also called a light probe.
+    /// A disc that fills the picture: its centre is -z, and the radius grows linearly with the angle up to +z at the
+    /// rim. Also called a light probe.
     AngularMap,
     /// Six faces of a cube as an upright cross, 3:4. The middle of the second row is -z, with +y above,
     /// -y below, -x and +x to its sides; +z stands upside down at the foot.
     VerticalCross,
-    /// Six faces of a cube as a lying cross, 4:3. From the left -x, -z, +x, +z; +y above -z, -y below.
+    /// Six faces of a cube as a horizontal cross, 4:3. From the left -x, -z, +x, +z; +y above -z, -y below.
     HorizontalCross,
 }
 
-/// Pixels kept away from the rim of a ball, where it is blended with what lies behind it.
+/// Pixels at the rim of a ball that are not read, since they are blended with the background.
 pub(crate) const RIM_PX: f32 = 1.5;
 
-/// How far colours beside the faces of a cross may lie apart, as a share of the brightest in them.
+/// Largest range of values beside the faces of a cross, as a share of the brightest on the faces.
 const BESIDE: f32 = 0.1;
 
-/// Shorter than this, a point of the disc is its middle.
+/// A shorter radius counts as the centre of the disc.
 pub(crate) const LEAST_RADIUS: f32 = 1e-9;
 
-/// Look-ups per pixel of the map, to each side: balls are finer than it in places.
+/// Look-ups per map pixel along each side: balls are locally finer than the map.
 const SAMPLES: usize = 2;
 
 impl Layout {
-    /// The layout that a picture of `width` by `height` most likely has; `None` for upright ones that
-    /// are no cross. A square is taken for a mirror ball: an angular map has to be named.
+    /// The most likely layout of a picture of `width` by `height`; `None` for upright pictures that are no cross. A
+    /// square is taken for a mirror ball: an angular map must be named.
     pub fn of_size(width: usize, height: usize) -> Option<Layout> {
         match () {
             () if width == height => Some(Layout::MirrorBall),
@@ -47,7 +46,7 @@ impl Layout {
         }
     }
 
-    /// Whether a picture can be of this layout: a cross has nothing but one colour beside its faces, unlike a photo.
+    /// Whether a picture can have this layout: unlike a photo, a cross has a single colour beside its faces.
     pub(crate) fn suits(self, picture: &ColorPlanes) -> bool {
         let (cells, faces): ([usize; 2], &[[usize; 2]]) = match self {
             Layout::VerticalCross => ([3, 4], &[[1, 0], [0, 1], [1, 1], [2, 1], [1, 2], [1, 3]]),
@@ -56,7 +55,7 @@ impl Layout {
         };
         [&picture.r, &picture.g, &picture.b].iter().all(|plane| {
             let side = plane.width() as f32 / cells[0] as f32;
-            // Away from the rims of faces, which compression smears.
+            // Away from the borders of faces, which compression smears.
             let within = |x: usize| (0.1..0.9).contains(&((x as f32 + 0.5) / side).fract());
             let is_face = |x: usize, y: usize| {
                 let cell = [x, y].map(|i| ((i as f32 + 0.5) / side) as usize);
@@ -76,7 +75,7 @@ impl Layout {
         })
     }
 
-    /// Rows of a map that is about as fine as a picture with sides of `width` and `height`.
+    /// Rows of a map about as fine as a picture of `width` by `height`.
     fn map_height(self, width: usize, height: usize) -> usize {
         match self {
             Layout::LatLong => height,
@@ -88,7 +87,7 @@ impl Layout {
 }
 
 impl Environment {
-    /// The environment that `picture` holds as `layout` says, on a latitude-longitude map about as fine.
+    /// The environment in `picture`, of this `layout`, on a latitude-longitude map of similar resolution.
     ///
     /// # Panics
     /// If the planes differ in size or are empty.
@@ -132,8 +131,8 @@ fn color_in(picture: &Texels, layout: Layout, direction: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// Where a ball shows `direction`, its radius being 1. A normal n reflects the viewer's direction e to
-/// 2 (n.e) n - e, so n lies half way between e and `direction`.
+/// The point of a ball of radius 1 that shows `direction`. A normal n reflects the viewer's direction e to 2 (n.e) n -
+/// e, so n lies half-way between e and `direction`.
 fn on_mirror_ball([x, y, z]: [f32; 3]) -> [f32; 2] {
     let length = (2.0 * (1.0 + z)).max(1e-12).sqrt();
     [x / length, y / length]
@@ -142,21 +141,21 @@ fn on_mirror_ball([x, y, z]: [f32; 3]) -> [f32; 2] {
 fn on_angular_map([x, y, z]: [f32; 3]) -> [f32; 2] {
     let across = x.hypot(y);
     let radius = across.atan2(-z) / std::f32::consts::PI;
-    // Straight ahead the ratio does not matter: the radius is 0. Straight behind, any side will do.
+    // Straight ahead the radius is 0, so the ratio does not matter; straight behind, any direction is valid.
     match across > 0.0 {
         true => [x / across * radius, y / across * radius],
         false => [radius, 0.0],
     }
 }
 
-/// The colour at a point of the disc that touches the picture's borders, x right and y up, kept inside
-/// the rim. NaN reads the middle.
+/// The colour at a point of the disc inscribed in the picture, x right and y up, kept inside the rim. NaN reads the
+/// centre.
 #[inline]
 pub(super) fn on_disc(picture: &Texels, [x, y]: [f32; 2]) -> [f32; 3] {
     let (width, height) = (picture.width() as f32, picture.height() as f32);
     let (x, y) = match x.is_nan() || y.is_nan() {
         true => (0.0, 0.0),
-        // Neither overflows when squared.
+        // Clamped so that squares do not overflow.
         false => (x.clamp(-1e9, 1e9), y.clamp(-1e9, 1e9)),
     };
     let largest = (1.0 - 2.0 * RIM_PX / width.min(height)).max(0.0);
@@ -166,7 +165,7 @@ pub(super) fn on_disc(picture: &Texels, [x, y]: [f32; 2]) -> [f32; 3] {
     picture.clamped(column, row)
 }
 
-/// The face of the cross, column and row, that shows a direction, and where on it: x right, y up, -1..1.
+/// The face of the cross, by column and row, that shows a direction, and the position on it: x right, y up, -1..1.
 fn on_cube([x, y, z]: [f32; 3], upright: bool) -> ([usize; 2], [f32; 2]) {
     let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
     if az >= ax && az >= ay {
@@ -176,7 +175,7 @@ fn on_cube([x, y, z]: [f32; 3], upright: bool) -> ([usize; 2], [f32; 2]) {
             (false, false) => ([3, 1], [-x / az, y / az]),
         }
     } else if ay >= ax {
-        // Both adjoin -z with the edge that is nearer to it.
+        // Top and bottom adjoin -z with their nearer edges.
         match y > 0.0 {
             true => ([1, 0], [x / ay, z / ay]),
             false => ([1, 2], [x / ay, -z / ay]),
@@ -189,7 +188,7 @@ fn on_cube([x, y, z]: [f32; 3], upright: bool) -> ([usize; 2], [f32; 2]) {
     }
 }
 
-/// The colour at a point of a face, never blended with what is no neighbour of it on the cube.
+/// The colour at a point of a face, blended only with neighbours on the cube.
 fn on_cross(
     picture: &Texels,
     faces: [usize; 2],
@@ -218,7 +217,7 @@ mod tests {
         [2.0 + d.x, 2.0 + d.y, 2.0 + d.z]
     }
 
-    /// A picture of `radiance`, where `seen` says which direction a pixel shows; poison elsewhere.
+    /// A picture of `radiance`, where `seen` gives the direction of a pixel; poison elsewhere.
     fn picture(
         width: usize,
         height: usize,
@@ -234,7 +233,7 @@ mod tests {
         ColorPlanes { r, g, b }
     }
 
-    /// Largest error over directions less than `reach` radians from `middle`.
+    /// Largest error over directions within `reach` radians of `middle`.
     fn error(map: &Environment, middle: Vec3, reach: f32) -> f32 {
         let mut worst = 0.0_f32;
         for i in 0..4000 {
@@ -257,7 +256,7 @@ mod tests {
         let photo = ColorPlanes::grey(Plane::from_fn(40, 30, sky));
         assert!(!Layout::HorizontalCross.suits(&photo));
         assert!(Layout::MirrorBall.suits(&photo));
-        // The rows and columns of the faces alone; what lies beside them is dark, but for what smears into it.
+        // Only the rows and columns of the faces; pixels beside them are dark, except for smear.
         let is_face = |x: usize, y: usize| (10..20).contains(&y) || (10..20).contains(&x);
         let smear = |x: usize, y: usize| if x == 9 { 0.3 } else { sky(x, y).min(0.01) };
         let cross = |x, y| {
@@ -309,8 +308,7 @@ mod tests {
         assert!(inside < 2e-3, "{inside}");
     }
 
-    /// Directions of a face from its axes, as a photographer would name them: where the camera looks,
-    /// what is to its right, and what is above.
+    /// Directions of a face from its axes, as for a camera: view direction, right and up.
     fn on_face(x: f32, y: f32, [ahead, right, up]: [Vec3; 3]) -> Vec3 {
         ahead + (2.0 * x - 1.0) * right + (1.0 - 2.0 * y) * up
     }
@@ -322,13 +320,13 @@ mod tests {
             ([0, 1], [V::NEG_X, V::NEG_Z, V::Y]),
             ([1, 1], [V::NEG_Z, V::X, V::Y]),
             ([2, 1], [V::X, V::Z, V::Y]),
-            // Tilting the camera up from -z keeps its right, and +z comes above; down, -z does.
+            // Tilting the camera up from -z keeps its right, and its up becomes +z; down, -z.
             ([1, 0], [V::Y, V::X, V::Z]),
             ([1, 2], [V::NEG_Y, V::X, V::NEG_Z]),
         ];
         let behind = [
             (Layout::HorizontalCross, [3, 1], [V::Z, V::NEG_X, V::Y]),
-            // Tilted on from straight down.
+            // Tilted further from straight down.
             (Layout::VerticalCross, [1, 3], [V::Z, V::X, V::NEG_Y]),
         ];
         for (layout, place, axes) in behind {
@@ -346,7 +344,7 @@ mod tests {
             assert_eq!(Layout::of_size(64 * columns, 64 * rows), Some(layout));
             let map = Environment::of_layout(cross, layout);
             let worst = error(&map, Vec3::Z, 4.0_f32.min(std::f32::consts::PI));
-            // Half a pixel of a face beside its edges: 1/64.
+            // Half a pixel of a face next to its edges: 1/64.
             assert!(worst < 0.016, "{layout:?}: {worst}");
         }
     }

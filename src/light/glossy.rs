@@ -1,24 +1,24 @@
-//! Environments filtered by the lobe of a glossy reflection: one look-up instead of a sum over lights.
+//! Environments filtered by a glossy lobe: one look-up replaces a sum over lights.
 //!
-//! The normalised Phong lobe, (eta + 1) / (2 pi) (r.l)^eta, over all directions l with r.l > 0. Its
-//! weights depend on two latitudes and a difference of longitudes alone, so they are computed once per
-//! pair of rows, and a row is a sum of shifted rows. Map and source have the resolution that the lobe
-//! needs: a wide lobe costs no more than a narrow one.
+//! The normalised Phong lobe, (eta + 1) / (2 pi) (r.l)^eta, over all directions l with r.l > 0. Its weights depend only
+//! on two latitudes and a difference of longitudes, so they are computed once per pair of rows, and each row is a sum
+//! of shifted rows. Map and source are sampled at the resolution the lobe needs: a wide lobe costs no more than a
+//! narrow one.
 
 use super::environment::Environment;
 use crate::frame::{ColorPlanes, Plane};
 
-/// Columns per turn for each root of eta: four pixels to the lobe's standard deviation, 1/sqrt(eta).
+/// Columns per turn per square root of eta: four pixels per standard deviation of the lobe, 1/sqrt(eta).
 const COLUMNS_PER_ROOT: f64 = 24.0;
 
-/// Fewest columns of a filtered map, where the request allows: bilinear look-ups in a cosine are then
-/// off by 3e-4 of its peak, and by 1.2e-2 at its edge.
+/// Minimum number of columns of a filtered map, if the request allows: bilinear look-ups in a cosine then err by 3e-4
+/// of its peak, and by 1.2e-2 at its edge.
 const MIN_COLUMNS: usize = 128;
 
-/// Share of a lobe's peak below which its weights are left out.
+/// Weights below this share of a lobe's peak are dropped.
 const CUT: f64 = 1e-5;
 
-/// Red, green, blue, and a weight that is 1 in a white map: what a filter divides by.
+/// Red, green, blue, and a weight that is 1 in a white map: the divisor of a filter.
 type Weighed = [f32; 4];
 
 /// The filtering of one environment by one lobe, row by row: rows may be filled in any order.
@@ -33,22 +33,22 @@ pub(crate) struct GlossyFilter {
 
 #[derive(Debug, Clone)]
 enum Source {
-    /// The lobe is narrower than pixels: the result is this map.
+    /// The lobe is narrower than a pixel: the result is this map.
     Unfiltered(Environment),
-    /// Power and solid angle of every pixel, each row twice in a row, so that no shift wraps.
+    /// Power and solid angle of every pixel, each row stored twice in succession, so that no shift wraps.
     Rows(Vec<Weighed>),
 }
 
 impl GlossyFilter {
-    /// Prepares the filtering of `environment` with the exponent `shininess` (eta, 0 and up) to a map of
-    /// at most `max_width` columns (at least 4), fewer where the lobe shows no more.
+    /// Prepares filtering `environment` with the exponent `shininess` (eta, 0 and up) to a map of at most `max_width`
+    /// columns (at least 4), fewer if the lobe resolves no more.
     pub(crate) fn new(environment: &Environment, shininess: f32, max_width: usize) -> Self {
         let shininess = f64::from(shininess.max(0.0)).min(1e12);
         let max_width = max_width.max(4) & !1;
         let deviation = 1.0 / shininess.sqrt();
         let needed = (COLUMNS_PER_ROOT / deviation).ceil() as usize;
         let width = needed.next_multiple_of(2).max(MIN_COLUMNS).min(max_width);
-        // What is narrower than half a pixel, of the result or of the environment, filters nothing.
+        // A lobe narrower than half a pixel, of the result or of the environment, filters nothing.
         let finest = width.min(environment.width().max(MIN_COLUMNS)) & !1;
         let pixel = std::f64::consts::TAU / finest as f64;
         if deviation < pixel / 2.0 {
@@ -101,7 +101,7 @@ impl GlossyFilter {
         }
     }
 
-    /// The filtered map, made of its rows.
+    /// The filtered map, assembled from its rows.
     pub(crate) fn finish(&self, rows: ColorPlanes) -> Environment {
         Environment::new(rows).turned_like(&self.turned_like)
     }
@@ -131,7 +131,7 @@ impl GlossyFilter {
             for (shift, &weight) in weights.iter().enumerate() {
                 let right = &source[shift..shift + width];
                 let left = &source[width - shift..stride - shift];
-                // Half a turn is one place, not two, and so is none.
+                // A shift of 0 or half a turn has only one position, not two.
                 match shift == 0 || 2 * shift == width {
                     true => add(&mut in_row, right, weight),
                     false => add_both(&mut in_row, right, left, weight),
@@ -144,8 +144,8 @@ impl GlossyFilter {
         sums
     }
 
-    /// Weights of the lobe at row `y` for the pixels of row `source_y`, by distance in columns; those
-    /// past the last are negligible.
+    /// Weights of the lobe at row `y` for the pixels of row `source_y`, by distance in columns; further ones are
+    /// negligible.
     fn weights(&self, y: usize, source_y: usize) -> Vec<f32> {
         use std::f64::consts::{PI, TAU};
         let elevation = |y: usize| (0.5 - (y as f64 + 0.5) / self.height as f64) * PI;
@@ -163,14 +163,14 @@ impl GlossyFilter {
     }
 }
 
-/// What the lobe with exponent `shininess` (eta, 0 and up) reflects, by the direction r of the mirror
-/// reflection: a map of at most `max_width` columns. A constant environment stays that constant.
+/// The reflection of `environment` by a lobe with exponent `shininess` (eta, 0 and up), indexed by the mirror direction
+/// r: a map of at most `max_width` columns. A constant environment stays constant.
 #[cfg(test)]
 pub(crate) fn glossy(environment: &Environment, shininess: f32, max_width: usize) -> Environment {
     GlossyFilter::new(environment, shininess, max_width).all_rows()
 }
 
-/// One pixel that remembers how `environment` is turned.
+/// A single pixel that keeps the rotation of `environment`.
 fn corner(environment: &Environment) -> Environment {
     Environment::from_fn(1, 1, |_, _| [0.0; 3]).turned_like(environment)
 }
@@ -199,8 +199,8 @@ fn source_rows(environment: &Environment, width: usize, height: usize) -> Vec<We
         .collect()
 }
 
-/// A coarser map: the power of each pixel is shared among the four nearest of the new ones, so that it
-/// keeps its centre. Averaging would move a small sun by up to half a pixel.
+/// A coarser map: the power of each pixel is distributed to the four nearest new ones, preserving its centroid.
+/// Averaging would move a small sun by up to half a pixel.
 fn gathered(environment: &Environment, width: usize, height: usize) -> Vec<[f64; 4]> {
     let (from_width, from_height) = (environment.width(), environment.height());
     let mut map = vec![[0.0_f64; 4]; width * height];
@@ -211,7 +211,7 @@ fn gathered(environment: &Environment, width: usize, height: usize) -> Vec<[f64;
             let [r, g, b] = environment.pixel(x, y).map(|v| f64::from(v) * solid_angle);
             let column = (x as f64 + 0.5) * width as f64 / from_width as f64 - 0.5;
             for (near_y, down) in neighbours(row) {
-                // Beyond a pole the same row goes on, half a turn away.
+                // Beyond a pole the same row continues, half a turn away.
                 let beyond = near_y < 0 || near_y >= height as isize;
                 let to_y = near_y.clamp(0, height as isize - 1) as usize;
                 for (near_x, across) in neighbours(column) {
@@ -228,14 +228,14 @@ fn gathered(environment: &Environment, width: usize, height: usize) -> Vec<[f64;
     map
 }
 
-/// The two whole places around a position, each with its share.
+/// The two integer positions around a position, each with its weight.
 fn neighbours(position: f64) -> [(isize, f64); 2] {
     let whole = position.floor();
     let share = position - whole;
     [(whole as isize, 1.0 - share), (whole as isize + 1, share)]
 }
 
-/// A map that is as coarse, or finer: look-ups at its pixel centres.
+/// A map of the same or higher resolution: look-ups at its pixel centres.
 fn interpolated(environment: &Environment, width: usize, height: usize) -> Vec<[f64; 4]> {
     let from = environment.resized(width);
     let grid = Environment::from_fn(1, height, |_, _| [0.0; 3]);

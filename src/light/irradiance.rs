@@ -1,24 +1,23 @@
-//! Irradiance: an environment as a Lambertian surface reflects it.
+//! Irradiance: an environment as reflected by a Lambertian surface.
 //!
-//! A cosine is the Phong lobe with the exponent 1, so the map of irradiance is that filter's.
-//! Nine spherical harmonics would be smaller, but they ring: a sun lights what is turned away from it with
-//! 1/16 of its irradiance, and what it grazes with 3/32. On four real environments they erred by 1.6 % to
-//! 9.5 % of the mean irradiance (root mean square) and by 19 % to 163 % of its value at worst; this map by
-//! 0.05 % to 0.15 %, and by 0.7 % to 3.1 %.
+//! A cosine is the Phong lobe with exponent 1, so the irradiance map uses that filter. Nine spherical harmonics would
+//! be smaller, but they ring: a sun lights surfaces facing away from it with 1/16 of its irradiance, and surfaces it
+//! grazes with 3/32. On four real environments they erred by 1.6 % to 9.5 % of the mean irradiance (root mean square)
+//! and by 19 % to 163 % of it at worst; this map by 0.05 % to 0.15 %, and by 0.7 % to 3.1 %.
 
 use super::environment::Environment;
 use super::glossy::GlossyFilter;
 
-/// Columns of a map of irradiance.
+/// Columns of an irradiance map.
 const WIDTH: usize = 128;
 
-/// The irradiance E(n) / pi under `environment`, by normal n, still to be computed row by row.
+/// The filter for the irradiance E(n) / pi under `environment`, by normal n, evaluated row by row.
 pub(crate) fn irradiance_filter(environment: &Environment) -> GlossyFilter {
     GlossyFilter::new(environment, 1.0, WIDTH)
 }
 
-/// The irradiance E(n) / pi under `environment`, by normal n: what a white Lambertian surface shows. A
-/// constant environment gives that constant.
+/// The irradiance E(n) / pi under `environment`, by normal n: the colour of a white Lambertian surface. A constant
+/// environment gives that constant.
 pub fn irradiance(environment: &Environment) -> Environment {
     irradiance_filter(environment).all_rows()
 }

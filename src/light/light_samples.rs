@@ -1,31 +1,31 @@
-//! Directions that sample a continuum of light: the whole sphere, or the disc of an area light.
+//! Directions that sample continuous light: the whole sphere, or the disc of an area light.
 
 use super::environment::Environment;
 use super::lights::DirectionalLight;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The angle that never repeats: a full turn over the square of the golden ratio.
+/// The golden angle: a full turn over the square of the golden ratio.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
-/// `n` unit directions spread evenly over the sphere, each standing for 4 pi / n steradians.
+/// `n` unit directions spread evenly over the sphere, each representing 4 pi / n steradians.
 ///
 /// The spherical Fibonacci lattice: heights in even steps, azimuths a golden angle apart.
 pub fn uniform_directions(n: usize) -> Vec<Vec3> {
     spiral(PI, n).map(DVec3::as_vec3).collect()
 }
 
-/// The environment as `n` lights, one from each of the [`uniform_directions`], black ones left out:
-/// dense sampling of the rendering equation.
+/// The environment as `n` lights, one for each of the [`uniform_directions`] except black ones: dense sampling of the
+/// rendering equation.
 ///
-/// Every pixel's power goes to the direction nearest to it, so that intensities add up to the power over
-/// pi, and a sun between directions counts in full.
+/// Every pixel's power goes to its nearest direction, so that intensities add up to the power over pi, and a sun
+/// between directions counts in full.
 pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLight> {
     let directions = uniform_directions(n);
     if n == 0 {
         return Vec::new();
     }
-    // Some 6 pixels to a direction.
+    // About 6 pixels per direction.
     let map = environment.resized((2.0 * (PI * n as f64).sqrt()).ceil() as usize);
     let mut power = vec![[0.0_f64; 3]; n];
     for y in 0..map.height() {
@@ -47,10 +47,10 @@ pub fn uniform_lights(environment: &Environment, n: usize) -> Vec<DirectionalLig
         .collect()
 }
 
-/// The index of the lattice's direction that is nearest to `d`.
+/// The index of the lattice direction nearest to `d`.
 fn nearest(directions: &[Vec3], d: Vec3) -> usize {
-    // Heights are in order, 2/n apart. A cell has the area of a disc of radius 2/sqrt(n), and no corner
-    // of it lies half as far out again: heights differ by less than 3/sqrt(n).
+    // Heights are sorted, 2/n apart. A cell has the area of a disc of radius 2/sqrt(n), and its corners lie within 1.5
+    // times that radius: heights differ by less than 3/sqrt(n).
     let n = directions.len();
     let level = (1.0 - d.z) / 2.0 * n as f32;
     let reach = 1.5 * (n as f32).sqrt() + 1.0;
@@ -66,17 +66,17 @@ fn nearest(directions: &[Vec3], d: Vec3) -> usize {
     best.0
 }
 
-/// `n` unit directions spread evenly over the disc within `angular_radius` radians (0..pi) of
-/// `to_light`, each standing for the same solid angle: one n-th of 2 pi (1 - cos `angular_radius`).
+/// `n` unit directions spread evenly over the disc within `angular_radius` radians (0..pi) of `to_light`, each
+/// representing the same solid angle: one n-th of 2 pi (1 - cos `angular_radius`).
 ///
-/// Vogel's spiral, turned so that the mean direction is `to_light` itself, as it is for the disc.
-/// A radius that is not a number is 0, and a `to_light` of no length is +z.
+/// Vogel's spiral, rotated so that its mean direction is exactly `to_light`, as for the disc. A NaN radius counts as 0,
+/// and a zero `to_light` as +z.
 pub fn light_disc(to_light: Vec3, angular_radius: f32, n: usize) -> Vec<Vec3> {
     let to_light = to_light.as_dvec3().try_normalize().unwrap_or(DVec3::Z);
     let radius = f64::from(angular_radius.max(0.0)).min(PI);
     let directions: Vec<DVec3> = spiral(radius, n).collect();
     let mean = directions.iter().sum::<DVec3>();
-    // A whole sphere has no mean direction, and needs no turning.
+    // A whole sphere has no mean direction, and needs no rotation.
     let mean = match mean.length() > 1e-3 * n as f64 {
         true => mean.normalize(),
         false => DVec3::Z,
@@ -87,8 +87,7 @@ pub fn light_disc(to_light: Vec3, angular_radius: f32, n: usize) -> Vec<Vec3> {
     turned.map(DVec3::as_vec3).collect()
 }
 
-/// Directions within `radius` of +z: heights in even steps, since zones of one height have one solid
-/// angle.
+/// Directions within `radius` of +z, with heights in even steps: zones of equal height have equal solid angle.
 fn spiral(radius: f64, n: usize) -> impl Iterator<Item = DVec3> {
     let depth = 1.0 - radius.cos();
     (0..n).map(move |i| {
@@ -167,8 +166,8 @@ mod tests {
                     (mean.normalize() - to_light).length() < 1e-6,
                     "{n}, {radius}"
                 );
-                // The mean of cosines over a cap is half way up it; the spiral has it exactly before
-                // it is turned by the length of its mean, no more than a tenth at 4 directions.
+                // The mean cosine over a cap is half its height; for the spiral that is exact before the rotation,
+                // which differs by the length of its mean, at most a tenth for 4 directions.
                 let middle = (1.0 + radius.cos()) / 2.0;
                 let exact = mean.length() - middle;
                 let allowed = if n == 1 {

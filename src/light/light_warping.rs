@@ -1,29 +1,28 @@
 //! Light warping: incoming light bent by curvature.
 //!
-//! Theory: [LW] section 5 scales the stereographic coordinates `p = l_xy / (1 + l_z)` of a light's
-//! direction l along the principal directions, by factors that follow the principal curvatures: a convexity
-//! gathers what lies around the viewer's direction z, a concavity what lies around the horizon. z stays
-//! where it is.
+//! Theory: [LW] section 5 scales the stereographic coordinates `p = l_xy / (1 + l_z)` of a light's direction l along
+//! the principal directions, by factors that follow the principal curvatures: a convexity gathers light from around the
+//! viewer's direction z, a concavity light from around the horizon. z itself stays fixed.
 //!
-//! Changes: p is also `h_xy / h_z` of the half vector h between l and z. So warping is a **linear map of
-//! half vectors**, `h -> (Lambda h_xy, h_z)`, with a symmetric 2x2 matrix Lambda; its inverse is
-//! linear too, and its Jacobian a determinant over the fourth power of a length. In this form the
-//! direction -z, where p is infinite, is one like any other: the printed form is NaN in f32 within 0.014
-//! degrees of it. And Lambda needs neither an eigen-solver nor principal directions.
+//! Changes: p is also `h_xy / h_z` of the half vector h between l and z. So warping is a **linear map of half
+//! vectors**, `h -> (Lambda h_xy, h_z)`, with a symmetric 2x2 matrix Lambda; its inverse is linear too, and its
+//! Jacobian is a determinant over the fourth power of a length. In this form the direction -z, where p is infinite, is
+//! not special: the printed form is NaN in f32 within 0.014 degrees of it. And Lambda needs neither an eigen-solver nor
+//! principal directions.
 //!
-//! Use: [`Warp::of`] the Hessian once per pixel. Where light is looked up by direction ([LW] equation 1),
-//! look it up at [`warped`]. Where lights are given beforehand (equation 2), take the
-//! [inverse](Warp::inverse): a light with half vector h then comes from [`Warp::direction`] of h, its
-//! intensity times [`Warp::jacobian`] at h. Half vectors of lights do not depend on the pixel.
+//! Use: compute [`Warp::of`] the Hessian once per pixel. To look light up by direction ([LW] equation 1), look it up at
+//! [`warped`]. For given lights (equation 2), use the [inverse](Warp::inverse): a light with half vector h then comes
+//! from [`Warp::direction`] of h, with its intensity times [`Warp::jacobian`] at h. Half vectors of lights do not
+//! depend on the pixel.
 
 use crate::fast_math::{atan, exp, ln, tan_to_eighth_turn};
 
 /// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
 /// scales stereographic coordinates along its direction, at warping strength `alpha`.
 ///
-/// `lambda = tan(atan(alpha k) / 6 + pi/4)`: 1 where nothing is warped, reciprocal for the opposite
-/// curvature. Source: [LW] section 5. The 6 lets the strongest warping move half of the solid angle of
-/// a hemisphere across its border. Where `alpha k` is NaN, as 0 times infinity, lambda is 1.
+/// `lambda = tan(atan(alpha k) / 6 + pi/4)`: 1 for no warping, reciprocal for the opposite curvature. Source: [LW]
+/// section 5. The 6 lets the strongest warping move half of the solid angle of a hemisphere across its border. If
+/// `alpha k` is NaN, as for 0 times infinity, lambda is 1.
 #[inline(always)]
 pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     let x = alpha * k;
@@ -33,18 +32,18 @@ pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     (1.0 + t) / (1.0 - t)
 }
 
-/// How many times the cosine that a light has as it stands it may have as unwarped, at the most.
+/// Upper bound of a light's unwarped cosine, as a multiple of its cosine as given.
 ///
-/// [LW] section 6.1 lets a light count only where both its directions are above the surface. A hard edge
-/// there tears the terminator of a raking light into shreds; with the smaller of the unwarped cosine and
-/// this many times the other one the light fades as it sets. Smaller values damp the warp itself.
+/// [LW] section 6.1 counts a light only if both its directions are above the surface. A hard edge there breaks up the
+/// terminator of a raking light; with the smaller of the unwarped cosine and this multiple of the other one, the light
+/// fades as it sets. Smaller values damp the warp itself.
 pub(crate) const MOST_BRIGHTENED: f32 = 4.0;
 
-/// The cosine with the normal that a warped light counts with, 0 where it does not: `unwarped` is that of the
-/// direction the surface takes it to come from, `warped` that of the direction it does come from.
+/// The effective cosine of a warped light with the normal, 0 if it does not count: `unwarped` belongs to the direction
+/// the surface assigns to the light, `warped` to the direction it actually comes from.
 ///
-/// Both equations of [LW] section 6.1 need the same one, or they are two integrals: in equation 1 `warped`
-/// belongs to the direction looked up, in equation 2 to the light as it stands.
+/// Both equations of [LW] section 6.1 need the same effective cosine, or they are different integrals: in equation 1
+/// `warped` belongs to the direction looked up, in equation 2 to the light as given.
 #[inline(always)]
 pub fn counted_cosine(unwarped: f32, warped: f32) -> f32 {
     unwarped.min(MOST_BRIGHTENED * warped).max(0.0)
@@ -62,7 +61,7 @@ pub struct Warp {
 }
 
 impl Warp {
-    /// The warping that leaves every direction alone.
+    /// The warp that leaves every direction unchanged.
     pub const IDENTITY: Self = Self {
         xx: 1.0,
         xy: 0.0,
@@ -72,14 +71,14 @@ impl Warp {
     /// The warping of strength `alpha` (pixels; 0 is the identity) where the `hessian` [xx, xy, yy] is
     /// given, convex negative.
     ///
-    /// Lambda has the Hessian's directions, and the [`scale_factor`] of each curvature: with the mean m of
-    /// the curvatures `m +- q`, it is `(lambda_u + lambda_v)/2 I + (lambda_u - lambda_v)/2 (H - m I)/q`.
-    /// Umbilics need no threshold: the last matrix is of size 1 however small q is, and its factor
-    /// goes to 0 with q. Infinite curvatures count as very large ones, NaN counts as 0.
+    /// Lambda has the Hessian's directions, and the [`scale_factor`] of each curvature: with the mean m of the
+    /// curvatures `m +- q`, it is `(lambda_u + lambda_v)/2 I + (lambda_u - lambda_v)/2 (H - m I)/q`. Umbilics need no
+    /// threshold: the last matrix has norm 1 however small q is, and its factor vanishes with q. Infinite curvatures
+    /// count as very large ones, NaN as 0.
     #[inline(always)]
     pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
         let [xx, xy, yy] = hessian.map(bounded_entry);
-        // In units of the largest entry, so that no square overflows or vanishes.
+        // In units of the largest entry, so that squares neither overflow nor vanish.
         let size = xx.abs().max(xy.abs()).max(yy.abs());
         let unit = 1.0 / size.max(f32::MIN_POSITIVE);
         let (mean, difference) = (0.5 * (xx + yy) * unit, 0.5 * (xx - yy) * unit);
@@ -99,8 +98,7 @@ impl Warp {
         }
     }
 
-    /// The warping that takes every direction back: reciprocal factors along the same directions, as
-    /// [`Warp::of`] gives for `-alpha`.
+    /// The inverse warp: reciprocal factors along the same directions, equal to [`Warp::of`] for `-alpha`.
     #[inline(always)]
     pub fn inverse(self) -> Self {
         let unit = 1.0 / self.determinant();
@@ -111,13 +109,13 @@ impl Warp {
         }
     }
 
-    /// Product of the two factors, 1/3 to 3.
+    /// Determinant: the product of both factors, 1/3 to 3.
     #[inline(always)]
     pub fn determinant(self) -> f32 {
         self.xx * self.yy - self.xy * self.xy
     }
 
-    /// Where the direction with half vector `half` goes: a unit vector. `half` may have any length.
+    /// The image of the direction with half vector `half`, as a unit vector. `half` may have any length.
     #[inline(always)]
     pub fn direction(self, half: [f32; 3]) -> [f32; 3] {
         let ([x, y], z) = (self.apply(half), half[2]);
@@ -127,10 +125,10 @@ impl Warp {
         [twice * x, twice * y, (along - across) * unit]
     }
 
-    /// Solid angle after this warping over solid angle before it, around the direction with the **unit**
-    /// half vector `half`: 1/3 to 3 where both factors are equal, else 1/9 to 9.
+    /// Ratio of solid angles after and before this warp, at the direction with the **unit** half vector `half`: 1/3 to
+    /// 3 if both factors are equal, else 1/9 to 9.
     ///
-    /// For [LW] equation 2 ask the [inverse](Warp::inverse) warping.
+    /// [LW] equation 2 needs that of the [inverse](Warp::inverse) warp.
     #[inline(always)]
     pub fn jacobian(self, half: [f32; 3]) -> f32 {
         let ([x, y], z) = (self.apply(half), half[2]);
@@ -138,17 +136,17 @@ impl Warp {
         self.determinant() / (squared * squared)
     }
 
-    /// x and y of a half vector warped; its z stays, and its length is not 1.
+    /// x and y of a warped half vector; its z stays the same, and its length is no longer 1.
     #[inline(always)]
     pub(crate) fn apply(self, [x, y, _]: [f32; 3]) -> [f32; 2] {
         [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
     }
 }
 
-/// Entries of a Hessian are clamped to this size: its reciprocal is still a normal number.
+/// Entries of a Hessian are clamped to this magnitude: its reciprocal is still a normal number.
 pub(crate) const LARGEST: f32 = 1e37;
 
-/// An entry of a Hessian at most that large; 0 for NaN.
+/// An entry of a Hessian clamped to that magnitude; 0 for NaN.
 #[inline(always)]
 pub(crate) fn bounded_entry(h: f32) -> f32 {
     if h.is_nan() {
@@ -158,8 +156,7 @@ pub(crate) fn bounded_entry(h: f32) -> f32 {
     }
 }
 
-/// Unit half vector between the unit `direction` and z; across z, along x, for -z itself. What is not
-/// finite counts as z.
+/// Unit half vector between the unit `direction` and z; for -z itself, x. Non-finite directions count as z.
 #[inline(always)]
 pub fn half_vector([x, y, z]: [f32; 3]) -> [f32; 3] {
     let squared = x * x + y * y;
@@ -185,17 +182,17 @@ pub fn half_vector([x, y, z]: [f32; 3]) -> [f32; 3] {
     }
 }
 
-/// Where a unit direction goes.
+/// The image of a unit direction.
 #[inline(always)]
 pub fn warped(direction: [f32; 3], warp: Warp) -> [f32; 3] {
     warp.direction(half_vector(direction))
 }
 
-/// The exponent of the contrast is clamped to this size: e^60 is far past any picture, and its square still finite.
+/// The exponent of the contrast is clamped to this magnitude: e^60 is far above any picture, and its square still
+/// finite.
 pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
-/// Factor of the light reflected where the warping is `warp`: `(lambda_u lambda_v)^gamma`, 3^-|gamma| to
-/// 3^|gamma|.
+/// Factor of the reflected light for the warp `warp`: `(lambda_u lambda_v)^gamma`, 3^-|gamma| to 3^|gamma|.
 ///
 /// Positive `gamma` brightens **concavities** and darkens convexities; 0 gives exactly 1. Source: [LW]
 /// equation 3, gamma from -1 to 1.
@@ -209,7 +206,7 @@ mod tests {
     use super::*;
     use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-    /// The scale factor as printed.
+    /// The scale factor in its printed form.
     fn exact_factor(x: f64) -> f64 {
         (x.atan() / 6.0 + FRAC_PI_4).tan()
     }
@@ -227,7 +224,7 @@ mod tests {
         ]
     }
 
-    /// Stereographic coordinates scaled, as printed.
+    /// Scaled stereographic coordinates in their printed form.
     fn exact_direction([xx, xy, yy]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [px, py] = [x / (1.0 + z), y / (1.0 + z)];
         let [qx, qy] = [xx * px + xy * py, xy * px + yy * py];
@@ -249,7 +246,7 @@ mod tests {
         [s * azimuth.cos(), s * azimuth.sin(), c].map(|v| v as f32)
     }
 
-    /// Hessians of every kind: umbilic, nearly so, a cylinder, a saddle, turned and not.
+    /// Hessians of every kind: umbilic, nearly umbilic, a cylinder, a saddle, rotated and not.
     const HESSIANS: [[f32; 3]; 9] = [
         [-0.01, 0.0, -0.01],
         [0.01, 0.0, 0.01],
@@ -311,7 +308,7 @@ mod tests {
 
     #[test]
     fn lambda_is_the_same_in_every_unit_of_length() {
-        // Powers of two change no digit of the curvatures, and alpha takes them back.
+        // Powers of two preserve the digits of the curvatures, and alpha compensates for them.
         for hessian in HESSIANS {
             let plain = Warp::of(hessian, 50.0);
             for power in [-60, 60] {
@@ -352,7 +349,7 @@ mod tests {
 
     #[test]
     fn warping_and_back_is_the_same_direction_everywhere() {
-        // As strong as can be: convex, concave, a ridge, a saddle.
+        // Saturated warps: convex, concave, a ridge, a saddle.
         let hessians = [
             [-1e3, 0.0, -1e3],
             [1e3, 0.0, 1e3],
@@ -367,7 +364,7 @@ mod tests {
                 let there = warped(l, warp);
                 let error = distance(widened(warped(there, back)), widened(l));
                 assert!(error < 1e-6, "{error:e} at {l:?} by {warp:?}");
-                // The printed form has lost its digits in f64 too at the last few directions.
+                // The printed form loses its digits even in f64 at the last few directions.
                 if l[2] > -1.0 + 1e-6 {
                     let error = distance(widened(there), exact_direction(exact, exactly_unit(l)));
                     assert!(error < 1e-6, "{error:e} from the printed form at {l:?}");
@@ -376,7 +373,7 @@ mod tests {
         }
     }
 
-    /// The direction in f64, of length 1 to its digits.
+    /// The direction in f64, normalised to its precision.
     fn exactly_unit(l: [f32; 3]) -> [f64; 3] {
         let l = widened(l);
         let length = distance(l, [0.0; 3]);
@@ -399,12 +396,12 @@ mod tests {
         let l = at(FRAC_PI_4, 0.3);
         let [ball, bowl] = [-0.05, 0.05].map(|k| warped(l, Warp::of([k, 0.0, k], 20.0)));
         assert!(ball[2] > l[2] + 0.1 && bowl[2] < l[2] - 0.1);
-        // The azimuth stays: the three lie in one plane with z.
+        // The azimuth is preserved: the three lie in one plane with z.
         for warped in [ball, bowl] {
             assert!((warped[0] * l[1] - warped[1] * l[0]).abs() < 1e-7);
         }
-        // Both by closed form: alpha k is -1 and 1, so lambda is tan(pi/4 -+ pi/24), and the angle is
-        // that of the half vector twice.
+        // Both in closed form: alpha k is -1 and 1, so lambda is tan(pi/4 -+ pi/24), and the angle is twice that of the
+        // half vector.
         for (direction, factor) in [(ball, 5.0 * PI / 24.0), (bowl, 7.0 * PI / 24.0)] {
             let angle = 2.0 * (factor.tan() * (PI / 8.0).tan()).atan();
             assert!((f64::from(direction[2]) - angle.cos()).abs() < 3e-7);
@@ -413,7 +410,7 @@ mod tests {
 
     #[test]
     fn the_strongest_warping_moves_half_of_the_hemisphere_across_its_border() {
-        // Solid angle is even in z. Of 2000 equal parts of the hemisphere the lower half goes below.
+        // Solid angle is uniform in z. Of 2000 equal parts of the hemisphere the lower half moves below the horizon.
         let warp = Warp::of([1.0, 0.0, 1.0], 1e9);
         let below = (0..2000)
             .map(|i| (f64::from(i) + 0.5) / 2000.0)
@@ -524,7 +521,7 @@ mod tests {
         }
     }
 
-    /// Eigenvalues, the smaller first; NaN where an entry is.
+    /// Eigenvalues, the smaller first; NaN if an entry is NaN.
     fn factors(Warp { xx, xy, yy }: Warp) -> [f32; 2] {
         let (middle, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
         [middle - half, middle + half]

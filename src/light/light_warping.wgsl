@@ -19,14 +19,14 @@ fn warp_of(hessian: vec3<f32>, alpha: f32) -> vec3<f32> {
     let xx = bounded_entry(hessian.x);
     let xy = bounded_entry(hessian.y);
     let yy = bounded_entry(hessian.z);
-    // In units of the largest entry, so that no square overflows or vanishes.
+    // In units of the largest entry, so that squares neither overflow nor vanish.
     let size = max(max(abs(xx), abs(xy)), abs(yy));
     let unit = 1.0 / max(size, MIN_POSITIVE);
     let mean = 0.5 * (xx + yy) * unit;
     let difference = 0.5 * (xx - yy) * unit;
     let cross_term = xy * unit;
     let spread = sqrt(difference * difference + cross_term * cross_term);
-    // What is too large stays a number, so that 0 times it is 0.
+    // Overflow is clamped to finite values, so that 0 times it is 0.
     let strength = clamp(clamp(alpha, -F32_MAX, F32_MAX) * size, -F32_MAX, F32_MAX);
     let u = scale_factor(mean + spread, strength);
     let v = scale_factor(mean - spread, strength);
@@ -44,12 +44,12 @@ fn warp_inverse(warp: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(warp.z * unit, -warp.y * unit, warp.x * unit);
 }
 
-// x and y of a half vector under a warp.
+// x and y of a warped half vector.
 fn warp_apply(warp: vec3<f32>, v: vec3<f32>) -> vec2<f32> {
     return vec2<f32>(warp.x * v.x + warp.y * v.y, warp.y * v.x + warp.z * v.y);
 }
 
-// Where the direction with half vector `half` goes: a unit vector.
+// The image of the direction with half vector `half`, as a unit vector.
 fn warp_direction(warp: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
     let xy = warp_apply(warp, half);
     let across = xy.x * xy.x + xy.y * xy.y;
@@ -59,7 +59,7 @@ fn warp_direction(warp: vec3<f32>, half: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(twice * xy.x, twice * xy.y, (along - across) * unit);
 }
 
-// Unit half vector between a unit direction and z; across z, along x, for -z itself.
+// Unit half vector between a unit direction and z; for -z itself, x.
 fn half_vector(direction: vec3<f32>) -> vec3<f32> {
     let squared = direction.x * direction.x + direction.y * direction.y;
     let across = sqrt(squared);
@@ -76,11 +76,11 @@ fn half_vector(direction: vec3<f32>) -> vec3<f32> {
         }
     }
     let length_squared = along * along + squared;
-    // What is not finite counts as z.
+    // Non-finite directions count as z.
     return select(vec3<f32>(0.0, 0.0, 1.0), half * (1.0 / sqrt(length_squared)), is_finite(length_squared));
 }
 
-// Factor of the light reflected where the warp is `warp`: its determinant to the power gamma.
+// Factor of the reflected light for the warp `warp`: its determinant to the power gamma.
 fn contrast(warp: vec3<f32>, gamma: f32) -> f32 {
     return exp_of(clamp(gamma * ln(warp_determinant(warp)), -MAX_CONTRAST_EXPONENT, MAX_CONTRAST_EXPONENT));
 }

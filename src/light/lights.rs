@@ -1,4 +1,4 @@
-//! Lights as samples, for sums over lights.
+//! Lights as samples for sums over lights.
 
 use super::environment::Environment;
 use super::lit_sphere::LitSphere;
@@ -13,13 +13,13 @@ use std::sync::Arc;
 pub struct DirectionalLight {
     /// Unit direction to the light, in view space.
     pub to_light: Vec3,
-    /// Red, green and blue: radiance times solid angle over pi, so that a white Lambertian surface
-    /// facing a light of 1 shows 1.
+    /// Red, green and blue: radiance times solid angle over pi, so that a white Lambertian surface facing a light of
+    /// intensity 1 shows 1.
     pub intensity: [f32; 3],
 }
 
 impl DirectionalLight {
-    /// White light of 1 from this azimuth and elevation, in degrees.
+    /// White light of intensity 1 from this azimuth and elevation, in degrees.
     pub fn white([azimuth, elevation]: [f32; 2]) -> Self {
         Self {
             to_light: direction_of(azimuth, elevation),
@@ -33,12 +33,12 @@ impl DirectionalLight {
 pub struct PointLight {
     /// View-space position, in the units of depth; the eye is at 0 and looks toward -z.
     pub position: Vec3,
-    /// Red, green and blue that a white Lambertian surface facing it shows at a distance of 1; it falls with
-    /// the square of the distance.
+    /// Red, green and blue shown by a white Lambertian surface facing it at a distance of 1; falls off with the square
+    /// of the distance.
     pub intensity: [f32; 3],
 }
 
-/// Azimuth and elevation, in degrees, of the lamp that lights what has no other light: from the upper left.
+/// Azimuth and elevation, in degrees, of the default lamp: from the upper left.
 pub(crate) const LAMP_DEG: [f32; 2] = [135.0, 40.0];
 
 /// The unit direction at `azimuth_deg` counterclockwise from the right of the picture and `elevation_deg`
@@ -56,19 +56,19 @@ pub fn direction_of(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
     )
 }
 
-/// Red, green and blue of a light. For a light near the surface, at a distance of 1: in scenes of
-/// micrometres it lights a metre away.
+/// Red, green and blue of a light; for a light near the surface, at a distance of 1: in scenes measured in micrometres
+/// it lights from a metre away.
 const INTENSITIES: RangeInclusive<f32> = 0.0..=1e12;
 
-/// Coordinates of lights near the surface: as far as depth goes.
+/// Coordinates of lights near the surface: the range of depth.
 const POSITIONS: RangeInclusive<f32> = -1e9..=1e9;
 
 impl Illumination {
-    /// Refuses lights that single precision does not hold: colours below 0 or over 1e12, places farther than 1e9 from
-    /// the eye along an axis.
+    /// Refuses lights beyond the range of single precision: colours below 0 or above 1e12, positions farther than 1e9
+    /// from the eye along an axis.
     ///
     /// # Errors
-    /// [`crate::Error::BadParameter`] naming the kind of the first one.
+    /// [`crate::Error::BadParameter`] naming the kind of the first invalid light.
     pub fn validate(&self) -> Result<()> {
         for light in &self.directional {
             check_all("--light", light.intensity, INTENSITIES)?;
@@ -89,13 +89,12 @@ fn check_all(name: &'static str, numbers: [f32; 3], range: RangeInclusive<f32>) 
 /// All the light of a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Illumination {
-    /// Lights from one direction; an area light is many.
+    /// Directional lights; an area light is many of them.
     pub directional: Vec<DirectionalLight>,
-    /// Lights at a point.
+    /// Point lights.
     pub points: Vec<PointLight>,
-    /// Light from all around, attached to the view. A runner that meets the same one again does not filter
-    /// it again.
+    /// Light from all around, attached to the view. A runner caches its filtered maps while the same one is used.
     pub environment: Option<Arc<Environment>>,
-    /// A lit sphere in place of all other light; or one for convexities, then one for concavities.
+    /// A lit sphere in place of all other light; or two, for convexities and for concavities.
     pub lit_spheres: Vec<LitSphere>,
 }

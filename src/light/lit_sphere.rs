@@ -4,7 +4,7 @@ use super::environment_layout::{RIM_PX, on_disc};
 use super::texels::Texels;
 use crate::frame::ColorPlanes;
 
-/// Colour by view-space normal: a picture of a sphere that touches the picture's borders.
+/// Colour by view-space normal: a picture of a sphere inscribed in the picture's borders.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LitSphere {
     texels: Texels,
@@ -25,8 +25,8 @@ impl LitSphere {
     /// The colour at a unit normal with the components `normal_xy`, x right and y up: bilinear between
     /// pixel centres.
     ///
-    /// Positions are kept 1.5 pixels inside the rim, where painted spheres are blended with their
-    /// background. NaN reads the middle.
+    /// Positions are kept 1.5 pixels inside the rim, where painted spheres are blended with their background. NaN reads
+    /// the centre.
     #[inline]
     pub fn color(&self, normal_xy: [f32; 2]) -> [f32; 3] {
         on_disc(&self.texels, normal_xy)
@@ -37,7 +37,7 @@ impl LitSphere {
         [self.texels.width(), self.texels.height()]
     }
 
-    /// Its pixels row by row, red, green, blue and an unused number each.
+    /// Its pixels row by row: red, green, blue and an unused number.
     #[cfg(feature = "gpu")]
     pub(crate) fn texels(&self) -> &[[f32; 4]] {
         self.texels.all()
@@ -85,15 +85,15 @@ mod tests {
         for (width, height) in [(256, 256), (300, 200)] {
             let sphere = lambert(width, height, l);
             for i in 0..2000 {
-                // Even over the disc, up to a radius of 0.98: within 1.5 pixels of 100 from the rim.
+                // Uniform over the disc, up to a radius of 0.98: within 1.5 of 100 pixels from the rim.
                 let radius = 0.98 * (i as f32 / 2000.0).sqrt();
                 let (sin, cos) = (2.399_963 * i as f32).sin_cos();
                 let (x, y) = (radius * cos, radius * sin);
                 let z = (1.0 - radius * radius).sqrt();
                 let truth = (x * l[0] + y * l[1] + z * l[2]).max(0.0);
                 let [r, g, b] = sphere.color([x, y]);
-                // Beside the shadow, whose slope is up to 1.8, a quarter of a pixel of 0.01 is lost. And z
-                // bends most at the rim: px^2 / 8 of 1 / z^3, which at radius 0.98 is 127.
+                // Next to the shadow, where the slope is up to 1.8, a quarter of a pixel of 0.01 is lost. The curvature
+                // of z is largest at the rim: px^2 / 8 of 1 / z^3, which at radius 0.98 is 127.
                 assert!((r - truth).abs() < 5e-3, "{x}, {y}: {r}, not {truth}");
                 assert!((g - 1.0).abs() < 1e-6 && (b - z).abs() < 2e-3);
             }

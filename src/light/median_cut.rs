@@ -1,9 +1,8 @@
 //! Median cut: an environment as a number of lights.
 //!
-//! Theory: [MC] halves the map's regions at the median of their energy along their longer side, and puts
-//! a light where the energy of each region has its centre. Changes: the region of most energy is halved
-//! next, so that any number of lights can be had, and energy is the sum of red, green and blue, which
-//! asks for no primaries and loses no colour.
+//! Theory: [MC] halves regions of the map at the median of their energy along their longer side, and puts a light at
+//! the centroid of each region's energy. Changes: the region with most energy is halved next, so that any number of
+//! lights is possible, and energy is the sum of red, green and blue, which needs no primaries and ignores no colour.
 
 use super::environment::Environment;
 use super::lights::DirectionalLight;
@@ -12,16 +11,15 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-/// Widest map that is cut: finer ones are averaged first.
+/// Widest map that is cut: finer maps are averaged first.
 const MAX_WIDTH: usize = 1024;
 
-/// Share of all energy below which a region is let go: the rounding of the sums.
+/// Share of the total energy below which a region is dropped: the rounding of the sums.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// At most `count` lights that stand for `environment`, brightest first.
+/// At most `count` lights that represent `environment`, brightest first.
 ///
-/// Their intensities add up to its power over pi. There are fewer lights than asked for where fewer
-/// pixels shine; a black map has none.
+/// Their intensities add up to its power over pi. There are fewer lights if fewer pixels shine; a black map has none.
 pub fn median_cut(environment: &Environment, count: usize) -> Vec<DirectionalLight> {
     let environment = environment.resized(MAX_WIDTH);
     let energy = EnergySums::of(&environment);
@@ -35,7 +33,7 @@ pub fn median_cut(environment: &Environment, count: usize) -> Vec<DirectionalLig
         .collect()
 }
 
-/// Sums of energy over every rectangle that begins in the map's corner.
+/// Summed-area table of energy from the map's corner.
 struct EnergySums {
     width: usize,
     height: usize,
@@ -91,7 +89,7 @@ struct Region {
 impl Ord for Region {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_energy = self.energy.total_cmp(&other.energy);
-        // Of equal ones the upper left is the greater: the order never depends on the heap.
+        // Ties are broken by position, so that the order never depends on the heap.
         by_energy.then_with(|| (other.rows, other.columns).cmp(&(self.rows, self.columns)))
     }
 }
@@ -110,7 +108,7 @@ impl PartialEq for Region {
 
 impl Eq for Region {}
 
-/// At most `count` regions that hold all energy, the most energetic first.
+/// At most `count` regions with all the energy, most energetic first.
 fn regions(energy: &EnergySums, count: usize) -> Vec<Region> {
     let whole = energy.region([0, energy.width], [0, energy.height]);
     if count == 0 || whole.energy <= 0.0 {
@@ -134,10 +132,10 @@ fn regions(energy: &EnergySums, count: usize) -> Vec<Region> {
 }
 
 impl Region {
-    /// The two parts to both sides of the median of energy; `None` for a single pixel.
+    /// The two parts on either side of the median of energy; `None` for a single pixel.
     fn halves(&self, energy: &EnergySums) -> Option<[Region; 2]> {
         let ([x0, x1], [y0, y1]) = (self.columns, self.rows);
-        // Both sides as angles; columns draw together with latitude.
+        // Both sides as angles; columns converge with latitude.
         let latitude = (0.5 - (y0 + y1) as f64 / 2.0 / energy.height as f64) * PI;
         let across = (x1 - x0) as f64 / energy.width as f64 * 2.0 * PI * latitude.cos();
         let down = (y1 - y0) as f64 / energy.height as f64 * PI;
@@ -185,7 +183,7 @@ impl Region {
                 *power += solid_angle * sum;
             }
         }
-        // Light that comes evenly from all sides has no centre: then that of the region will do.
+        // Uniform light from all sides has no centroid: use the centre of the region.
         let centre = match moment.length() > 1e-9 * self.energy {
             true => moment.normalize().as_vec3(),
             false => environment.direction((x0 + x1) / 2, (y0 + y1) / 2),
@@ -197,8 +195,8 @@ impl Region {
     }
 }
 
-/// The place between `start` and `end`, both excluded, that comes nearest to having half of `energy`
-/// before it, where `before(place)` never falls.
+/// The position between `start` and `end`, both excluded, at which `before(place)`, a non-decreasing function, comes
+/// closest to half of `energy`.
 fn median(start: usize, end: usize, energy: f64, before: impl Fn(usize) -> f64) -> usize {
     let (mut low, mut high) = (start + 1, end - 1);
     while low < high {
@@ -223,7 +221,7 @@ mod tests {
         [0, 1, 2].map(|c| lights.iter().map(|l| f64::from(l.intensity[c])).sum())
     }
 
-    /// A sky with a sun, of many colours.
+    /// A sky with a sun, in many colours.
     fn sky() -> Environment {
         Environment::from_fn(128, 64, |x, y| {
             let sun = if (x, y) == (40, 20) { 5e4 } else { 0.0 };
@@ -272,7 +270,7 @@ mod tests {
             median_cut(&sky().rotated_deg(90.0), 16),
         );
         for (a, b) in plain.iter().zip(&turned) {
-            // What was ahead, -z, is now to the right, +x.
+            // The direction -z, previously ahead, is now +x, to the right.
             let expected = glam::Vec3::new(-a.to_light.z, a.to_light.y, a.to_light.x);
             assert!((b.to_light - expected).length() < 1e-5);
             assert_eq!(a.intensity, b.intensity);
@@ -283,7 +281,7 @@ mod tests {
     fn a_constant_map_gives_lights_of_like_power() {
         let map = Environment::from_fn(256, 128, |_, _| [1.0; 3]);
         let lights = median_cut(&map, 256);
-        // A whole power of two: every region is halved as often, to within a row or column.
+        // For a power of two every region is halved equally often, to within a row or column.
         for light in &lights {
             assert!(
                 (light.intensity[0] * 256.0 / 4.0 - 1.0).abs() < 0.35,

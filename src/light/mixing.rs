@@ -1,11 +1,11 @@
-//! Blending a result with the picture it was made of.
+//! Blending a result with its input picture.
 
 use crate::frame::{ColorPlanes, Plane};
 
-/// Takes `share`, 0..1, of what was made, or as much of that as `strength`, 0..1, says for each pixel, and of the picture
-/// as it was `before` the rest: nothing where there was none.
+/// Blends `made` with the picture `before`, or with nothing if there was none: `share`, 0..1, times the `strength` of
+/// each pixel, 0..1, is the weight of `made`.
 ///
-/// Colours are linear and premultiplied. Where all is taken, or nothing, samples keep their bits.
+/// Colours are linear and premultiplied. A weight of 1 keeps the bits of `made`, one of 0 gives `before`.
 pub(crate) fn mix(
     made: &mut ColorPlanes,
     before: Option<&ColorPlanes>,
@@ -49,7 +49,7 @@ mod tests {
         };
         assert_eq!(mixed(None, 1.0), [0.7, 0.6, 0.9, 2.0]);
         assert_eq!(mixed(None, 0.0), [0.1, 0.2, 0.3, 1e30]);
-        // 0.2 and half of the way to 0.6.
+        // 0.2 plus half the difference to 0.6.
         assert_eq!(
             mixed(Some(&strength), 1.0),
             [0.1, 0.2 + 0.5 * (0.6 - 0.2), 0.9, 1e30]

@@ -1,4 +1,4 @@
-//! Light that brings out shape: radiance scaling, light warping, lights and reflectance, as pure kernels per sample.
+//! Light that brings out shape: radiance scaling, light warping, lights and reflectance, as pure per-sample kernels.
 
 pub mod albedo;
 pub(crate) mod batch;

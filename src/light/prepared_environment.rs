@@ -1,5 +1,5 @@
-//! An environment prepared for relighting: as lights, as maps prefiltered by the lobes, or as it is; or a lit sphere in
-//! its place. All backends share it.
+//! An environment prepared for relighting: as lights, as maps prefiltered by the lobes, or unchanged; or a lit sphere
+//! in its place. Shared by all backends.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Columns of a map prefiltered by a highlight; narrower highlights are looked up as if they were as wide.
+/// Columns of a map prefiltered by a highlight, which bounds the sharpness of highlights.
 const GLOSSY_WIDTH: usize = 512;
 
 /// The surroundings as one plan uses them.
@@ -27,31 +27,31 @@ pub(crate) struct Illuminants<'a> {
     pub(crate) spheres: &'a [LitSphere],
 }
 
-/// What is made of an environment once, for all frames that it lights.
+/// Products of an environment, prepared once and shared by all frames it lights.
 #[derive(Debug)]
 pub(crate) struct PreparedEnvironment {
-    /// Factor of radiance; `None` without an environment.
+    /// Gain of its radiance; `None` without an environment.
     gain: Option<f32>,
     pub(crate) used: Used,
 }
 
-/// What it is used as.
+/// The prepared form of an environment.
 #[derive(Debug)]
 pub(crate) enum Used {
     Nothing,
     Lights(Vec<DirectionalLight>),
-    /// Even directions, and the environment no finer than they are.
+    /// Even directions, and the environment at their resolution.
     Lookups(Vec<Vec3>, Environment),
     Prefiltered {
         diffuse: Map,
         specular: Option<Map>,
     },
     Mirrored(Map),
-    /// The luminance that counts as intensity 1.
+    /// Lit spheres, with the luminance that counts as intensity 1.
     LitSpheres(f32),
 }
 
-/// What an environment was made ready for.
+/// The parameters that a prepared environment depends on.
 #[derive(Debug, Clone, PartialEq)]
 struct Purpose {
     used: EnvironmentUse,
@@ -61,7 +61,7 @@ struct Purpose {
     weights: [f32; 3],
 }
 
-/// The environment of the last run, made ready.
+/// The prepared environment of the last run.
 #[derive(Debug, Default)]
 pub(crate) struct EnvironmentCache(Mutex<Option<LastEnvironment>>);
 
@@ -73,12 +73,12 @@ struct LastEnvironment {
 }
 
 impl EnvironmentCache {
-    /// Forgets it.
+    /// Drops the cached environment.
     pub(crate) fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// What is kept for `purpose`, where it was made of the very same environment.
+    /// The cached environment, if it was prepared for this `purpose` from the same environment.
     fn ready(
         &self,
         environment: &Arc<Environment>,
@@ -104,7 +104,7 @@ impl EnvironmentCache {
     }
 }
 
-/// A map to be looked up, and the luminance that counts as intensity 1.
+/// A look-up map, and the luminance that counts as intensity 1.
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) environment: Environment,
@@ -112,7 +112,7 @@ pub(crate) struct Map {
 }
 
 impl<'a> Illuminants<'a> {
-    /// No environment; a lit sphere perhaps.
+    /// No environment, but possibly a lit sphere.
     fn nothing(illumination: &'a Illumination, weights: [f32; 3]) -> Self {
         let spheres = &illumination.lit_spheres;
         let used = if spheres.is_empty() {
@@ -125,7 +125,8 @@ impl<'a> Illuminants<'a> {
         Self { ready, spheres }
     }
 
-    /// The surroundings made ready for their use; an environment by `making` unless it is kept from an earlier run.
+    /// Prepares the surroundings for their use; `making` prepares an environment unless it is cached from an earlier
+    /// run.
     pub(crate) fn new(
         illumination: &'a Illumination,
         relighting: &Relighting,
@@ -162,12 +163,12 @@ impl<'a> Illuminants<'a> {
         })
     }
 
-    /// Factor of the environment's radiance; `None` without one.
+    /// Gain of the environment's radiance; `None` without an environment.
     pub(crate) fn gain(&self) -> Option<f32> {
         self.ready.gain
     }
 
-    /// Lights that stand for the environment.
+    /// Lights that represent the environment.
     pub(crate) fn lights(&self) -> &[DirectionalLight] {
         match &self.ready.used {
             Used::Lights(lights) => lights,
@@ -175,7 +176,7 @@ impl<'a> Illuminants<'a> {
         }
     }
 
-    /// Even directions in which the environment is looked up at every pixel.
+    /// Even directions in which every pixel looks the environment up.
     pub(crate) fn even_directions(&self) -> &[Vec3] {
         match &self.ready.used {
             Used::Lookups(directions, _) => directions,
@@ -183,7 +184,7 @@ impl<'a> Illuminants<'a> {
         }
     }
 
-    /// Whether something is looked up once per pixel.
+    /// Whether there are look-ups made once per pixel.
     pub(crate) fn has_lookups(&self) -> bool {
         matches!(
             self.ready.used,
@@ -191,7 +192,7 @@ impl<'a> Illuminants<'a> {
         )
     }
 
-    /// Whether the mirrored view is looked up.
+    /// Whether the environment is looked up in the mirrored view direction.
     pub(crate) fn is_mirrored(&self) -> bool {
         matches!(
             self.ready.used,
@@ -203,11 +204,10 @@ impl<'a> Illuminants<'a> {
         )
     }
 
-    /// The environment that the even directions are looked up in, and the intensity that radiance of 1 has
-    /// from each of them.
+    /// The environment for look-ups in even directions, and the intensity of each direction for a radiance of 1.
     pub(crate) fn looked_up(&self) -> Option<(&Environment, f32)> {
         match &self.ready.used {
-            // Each stands for 4 pi / n; intensities are over pi.
+            // Each direction represents 4 pi / n steradians; intensities are over pi.
             Used::Lookups(directions, environment) => {
                 let share = 4.0 / directions.len() as f32;
                 Some((environment, self.ready.gain.unwrap_or(1.0) * share))
@@ -241,7 +241,7 @@ impl PreparedEnvironment {
                 Used::Lights(lights.map(|light| brightened(light, gain)).collect())
             }
             EnvironmentUse::Lookups(count) => {
-                // A pixel on the horizon, (2 pi / width)^2, then has the solid angle of a direction.
+                // A pixel on the horizon, (2 pi / width)^2, then matches the solid angle of a direction.
                 let width = (PI * count as f32).sqrt().ceil() as usize;
                 let coarse = environment.resized(width);
                 Used::Lookups(uniform_directions(count as usize), coarse)
@@ -263,7 +263,7 @@ impl PreparedEnvironment {
 }
 
 impl Map {
-    /// A map by normal, of which only those that face the viewer are looked up.
+    /// A map by normal, only looked up at normals that face the viewer.
     fn of_normals(environment: Environment, weights: [f32; 3]) -> Self {
         let pixels =
             (0..environment.height()).flat_map(|y| (0..environment.width()).map(move |x| (x, y)));
@@ -295,7 +295,7 @@ fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {
     }
 }
 
-/// The filtered map, its rows in parallel.
+/// The filtered map, with rows computed in parallel.
 fn filtered(filter: &GlossyFilter, memory: &Memory) -> Environment {
     let (width, height) = (filter.width(), filter.height());
     let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));

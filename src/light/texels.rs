@@ -2,7 +2,7 @@
 
 use crate::frame::ColorPlanes;
 
-/// What an infinite sample becomes: the largest half float, where files that clip have clipped.
+/// Replacement of infinite samples: the largest half float, at which files clip.
 const INFINITE: f32 = 65504.0;
 
 /// Largest sample kept: sums over any picture stay finite.
@@ -11,7 +11,7 @@ const MAX_SAMPLE: f32 = 1e30;
 /// A colour and one unused value, which make 16 bytes.
 pub(crate) type Texel = [f32; 4];
 
-/// A picture of at least one pixel, with finite samples that are not negative.
+/// A picture of at least one pixel, with finite non-negative samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Texels {
     width: usize,
@@ -42,7 +42,7 @@ impl Texels {
         }
     }
 
-    /// The picture whose pixel at column `x` of row `y` is `color(x, y)`, with samples sanitised.
+    /// The picture with the pixel `color(x, y)` at column `x` of row `y`, samples sanitised.
     pub(super) fn from_fn(
         width: usize,
         height: usize,
@@ -86,8 +86,8 @@ impl Texels {
         &self.texels[y * self.width..(y + 1) * self.width]
     }
 
-    /// The colour at position (`column`, `row`), whole numbers being pixel centres: bilinear between
-    /// them, and the picture's edge beyond the outermost. NaN reads the first pixel.
+    /// The colour at position (`column`, `row`), integers being pixel centres: bilinear between them, clamped at the
+    /// picture's edge. NaN reads the first pixel.
     #[inline]
     pub(super) fn clamped(&self, column: f32, row: f32) -> [f32; 3] {
         let (x, across) = cell(column.clamp(0.0, (self.width - 1) as f32));
@@ -119,10 +119,10 @@ impl Texels {
     }
 }
 
-/// The whole number below a position from -1 up, and the rest; NaN gives -1 and 0.
+/// The integer below a position from -1 up, and the remainder; NaN gives -1 and 0.
 #[inline(always)]
 pub(super) fn cell(position: f32) -> (i32, f32) {
-    // Cutting off is rounding down where nothing is negative, and needs no call.
+    // Truncation of a non-negative number rounds down, and needs no call.
     let whole = (position + 1.0) as i32 - 1;
     (whole, (position - whole as f32).max(0.0))
 }
@@ -138,7 +138,7 @@ pub(super) fn rgb([r, g, b, _]: Texel) -> [f32; 3] {
     [r, g, b]
 }
 
-/// A sample as it is kept: finite and not negative.
+/// A sanitised sample: finite and non-negative.
 pub(crate) fn sane(sample: f32) -> f32 {
     if sample == f32::INFINITY {
         INFINITE

@@ -2,13 +2,12 @@
 
 use crate::params::Quantisation;
 
-/// By how much to multiply a colour of luminance `y` (of which 1 is white) so that only the given tones
-/// remain.
+/// The factor that quantises a colour of luminance `y` (1 is white) to the given tones.
 ///
-/// Tones are evenly spaced in the square root of luminance, about as they look, from black to white and
-/// on above it; half-way between two of them lies a step whose width is `softness` of their distance.
-/// Source: [LW] section 6.2, after H. Winnemoeller, S. Olsen, B. Gooch: Real-Time Video Abstraction, 2006.
-/// Departs from it: a cubic step in place of a hyperbolic tangent, so that tones are exactly flat.
+/// Tones are evenly spaced in the square root of luminance, which is roughly perceptual, from black to white and
+/// beyond; half-way between two tones lies a step with a width of `softness` times their distance. Source: [LW] section
+/// 6.2, after H. Winnemoeller, S. Olsen, B. Gooch: Real-Time Video Abstraction, 2006. Departs from it: a cubic step
+/// instead of a hyperbolic tangent, so that tones are exactly flat.
 #[inline(always)]
 pub(crate) fn tone_factor(y: f32, tones: Quantisation) -> f32 {
     if !(y > 0.0 && y.is_finite()) {
@@ -17,7 +16,7 @@ pub(crate) fn tone_factor(y: f32, tones: Quantisation) -> f32 {
     let levels = tones.levels as f32;
     let position = y.sqrt() * levels;
     let below = position.floor();
-    // Where between the tones: 0 before the step, 1 past it.
+    // Position between the tones: 0 before the step, 1 after it.
     let aside = position - below - 0.5;
     let t = if tones.softness > 0.0 {
         (aside / tones.softness + 0.5).clamp(0.0, 1.0)

@@ -1,11 +1,11 @@
-// By how much to multiply a colour of luminance y so that only a few tones remain.
+// The factor that quantises a colour of luminance y to a few tones.
 fn tone_factor(y: f32) -> f32 {
     if !is_finite(y) || !(y > 0.0) {
         return 1.0;
     }
     let position = sqrt(y) * params.tone_levels;
     let below = floor(position);
-    // Where between the tones: 0 before the step, 1 past it.
+    // Position between the tones: 0 before the step, 1 after it.
     let aside = position - below - 0.5;
     var t = select(1.0, 0.0, aside < 0.0);
     if params.tone_softness > 0.0 {

@@ -11,9 +11,9 @@ use crate::shape::auto_levels::cpu::white_level;
 
 /// The white level of the picture, or one for each term of its light.
 pub(crate) static AUTO_WHITE: Stage = Stage {
-    // A white level that is given is noted.
+    // A given white level is recorded.
     also_runs: |plan| matches!(plan.scaled(), Some(Subject::Picture | Subject::Lobes)),
-    // Which kinds of light are scaled at all, and by what.
+    // The kinds of light that are scaled, and their magnitudes.
     depends_on: |plan| {
         let scaling = &plan.scaling;
         let Magnitudes {
@@ -38,7 +38,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// The part of the light that is scaled by automatic white levels, if any.
+/// The subject scaled with automatic white levels, if any.
 pub(crate) fn chosen_for(plan: &Plan) -> Option<Subject> {
     let chosen = plan.scaling.white_level == Adaptive::Auto;
     let of_light = |subject: &Subject| match subject {
@@ -74,7 +74,7 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
     let (plan, frame) = (run.plan, run.frame);
     let white = match plan.scaling.white_level {
         Adaptive::Fixed(level) => level,
-        // What arrives of ambient light is a share of 1.
+        // Ambient occlusion is the share of 1 that arrives.
         Adaptive::Auto if frame.light.picture_is_occlusion => 1.0,
         Adaptive::Auto => run.copied_or(
             "",

@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(most_pixels(65_535), [52 * 65_535, 4 * 65_535]);
     }
 
-    /// The requirements equal the actual maxima over all kernels.
+    /// The requirements cover every kernel.
     #[test]
     fn no_kernel_takes_more_than_is_asked_for() {
         for (name, source) in kernel_sources() {

@@ -1,4 +1,4 @@
-// Adds what a term changes of the radiance (direct + indirect) * color, and that radiance, to two sums.
+// Adds the change of the radiance (direct + indirect) * color by a term, and that radiance, to two sums.
 
 @group(0) @binding(0) var<uniform> params: TermParams;
 @group(0) @binding(1) var<storage, read> sigma: array<f32>;

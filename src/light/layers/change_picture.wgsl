@@ -1,5 +1,5 @@
-// The picture with the changes made to it; its own bits where uncovered or unchanged. Layers that tell of more light
-// than the picture has change it by the picture's share only.
+// The picture with the changes applied; its own bits where uncovered or unchanged. If layers hold more light than the
+// picture, the change is reduced to the picture's share.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

@@ -1,4 +1,4 @@
-//! Radiance scaling of the light layers of a frame: all terms of a row at a time, rows in parallel.
+//! Radiance scaling of the light layers of a frame: all terms of a row in turn, rows in parallel.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
@@ -13,16 +13,16 @@ use crate::shape::auto_levels::WHITE_PERCENT;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The curvature that light is scaled by.
+/// The curvature used for scaling.
 #[derive(Clone, Copy)]
 pub(crate) struct Curvature<'a> {
     pub(crate) trace: &'a Plane,
-    /// The whole Hessian, where the direction of light counts.
+    /// The full Hessian, if the direction of light matters.
     pub(crate) hessian: Option<&'a SymmetricPlanes>,
     pub(crate) gain: f32,
 }
 
-/// Rows that stand for absent layers.
+/// Rows in place of absent layers.
 struct Absent {
     zeros: Vec<f32>,
     ones: Vec<f32>,
@@ -51,7 +51,7 @@ impl LightTerm<'_> {
         }
     }
 
-    /// A high percentile of the luminance of this light; 1 without light.
+    /// A high percentile of this light's luminance; 1 without light.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
         let luminance = self.luminance(weights, mask, absent, memory);
         let lit = |y| lit(&luminance, mask, y);
@@ -69,7 +69,7 @@ impl LightTerm<'_> {
     }
 }
 
-/// The luminance of the covered pixels of a row that have any.
+/// The positive luminances of covered pixels in a row.
 fn lit<'a>(luminance: &'a Plane, mask: &'a Mask, y: usize) -> impl Iterator<Item = f32> + 'a {
     let span = mask.span(y);
     let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
@@ -78,7 +78,7 @@ fn lit<'a>(luminance: &'a Plane, mask: &'a Mask, y: usize) -> impl Iterator<Item
         .map(|(&luminance, _)| luminance)
 }
 
-/// Counts the luminance of each term, in `rows`, for the search of its white level; those given need none.
+/// Adds the luminance of each term in `rows` to the search for its white level; given levels need none.
 pub(crate) fn add_to_searches(
     searches: &mut Vec<(&'static str, PercentileSearch)>,
     frame: &Frame,
@@ -100,7 +100,7 @@ pub(crate) fn add_to_searches(
     }
 }
 
-/// The white levels of all terms, with the terms' names.
+/// The white levels of all terms, by name.
 pub(crate) fn white_levels(
     terms: &[LightTerm],
     frame: &Frame,
@@ -116,7 +116,7 @@ pub(crate) fn white_levels(
     terms.iter().map(|term| (term.name, level(term))).collect()
 }
 
-/// The picture with its lobes scaled one by one.
+/// The picture with its lobes scaled separately.
 pub(crate) fn scale_lobes(
     terms: &[LightTerm],
     whites: &[(&'static str, f32)],
@@ -213,14 +213,14 @@ pub(crate) fn scale_by_occlusion(
     color
 }
 
-/// Rows in the cache, of one task.
+/// Rows for one task, kept in the cache.
 struct Scratch {
     kappa: Vec<f32>,
     sigma: Vec<f32>,
-    /// Sums over the directions of a group: of n.l, and of n.l scaled.
+    /// Sums over the directions of a group: of n.l, and of scaled n.l.
     plain: Vec<f32>,
     scaled: Vec<f32>,
-    /// The change of each channel by the terms so far, and their light.
+    /// Change of each channel by the terms so far, and their light.
     change: [Vec<f32>; 3],
     layered: [Vec<f32>; 3],
 }
@@ -238,7 +238,7 @@ impl Scratch {
         }
     }
 
-    /// Adds what `sigma` changes of a light: direct, indirect and the colour of both.
+    /// Adds the change of a light by `sigma`: direct, indirect and the colour of both.
     fn add_changes(&mut self, simd: Simd, light: [ColorRow; 3]) {
         for (i, (change, layered)) in self.change.iter_mut().zip(&mut self.layered).enumerate() {
             simd.add_change_row(change, layered, light.map(|row| row[i]), &self.sigma);
@@ -246,7 +246,7 @@ impl Scratch {
     }
 }
 
-/// The picture with the changes that `add(y, scratch)` gathers of each row.
+/// The picture with the changes gathered per row by `add(y, scratch)`.
 fn changed(
     frame: &Frame,
     memory: &Memory,
@@ -286,7 +286,7 @@ fn color_row(color: &ColorPlanes, y: usize) -> ColorRow<'_> {
     [&color.r, &color.g, &color.b].map(|plane| plane.row(y))
 }
 
-/// The rows of a picture, to be written.
+/// The rows of a picture, for writing.
 fn rows_of(color: &mut ColorPlanes) -> impl IndexedParallelIterator<Item = [&mut [f32]; 3]> {
     let width = color.r.width();
     let [r, g, b] = [&mut color.r, &mut color.g, &mut color.b]

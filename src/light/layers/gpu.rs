@@ -1,4 +1,4 @@
-//! Radiance scaling of the light layers of a frame: what each term changes is summed, and the picture takes the sum.
+//! Radiance scaling of the light layers of a frame: the changes of all terms are summed, then applied to the picture.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::WHITE;
@@ -26,7 +26,7 @@ const LOBE_LIGHT: Wgsl = wgsl!("lobe_light.wgsl", [("MIN_ALBEDO", F32(MIN_ALBEDO
 const TERM_SCALING: Wgsl = wgsl!("term_scaling.wgsl");
 
 uniforms! {
-    /// Of the kernels that scale a term of the light.
+    /// Uniforms of the kernels that scale a term of the light.
     TermParams {
         width: u32,
         height: u32,
@@ -59,7 +59,7 @@ pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminan
     &[INDEX, COVERAGE, LOBE_LIGHT, wgsl!("lobe_luminance.wgsl")],
 );
 
-/// How a lobe is scaled.
+/// The scaling of a lobe.
 pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffers>(
     "LobeSigma",
     &[
@@ -73,7 +73,7 @@ pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffer
     ],
 );
 
-/// How a light group is scaled.
+/// The scaling of a light group.
 pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuffers>(
     "GroupSigma",
     &[
@@ -87,7 +87,7 @@ pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuff
     ],
 );
 
-/// Adds what the scaling of a light changes.
+/// Adds the change of a light by its scaling.
 pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffers>(
     "AddChange",
     &[
@@ -98,7 +98,7 @@ pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffer
     ],
 );
 
-/// Makes the changes to a picture.
+/// Applies the changes to a picture.
 pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
     "ChangePicture",
     &[INDEX, COVERAGE, wgsl!("change_picture.wgsl")],
@@ -117,7 +117,7 @@ pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
     ],
 );
 
-/// The white levels of terms, of the numbers that were read of their buffers.
+/// The white levels of terms, from the numbers read back.
 pub(crate) fn levels_of(
     whites: &TermWhites,
     read: impl Iterator<Item = Vec<f32>>,
@@ -128,14 +128,14 @@ pub(crate) fn levels_of(
         .collect()
 }
 
-/// The change of the picture by the terms so far, and their light.
+/// Change of the picture by the terms so far, and their light.
 struct Changes {
     change: wgpu::Buffer,
     layered: wgpu::Buffer,
     is_empty: bool,
 }
 
-/// The layers of a term on the device, each as three planes one after the other.
+/// The layers of a term on the device, each as three consecutive planes.
 struct Layers {
     direct: Option<wgpu::Buffer>,
     indirect: Option<wgpu::Buffer>,
@@ -286,7 +286,7 @@ impl Run<'_> {
         );
     }
 
-    /// Parameters that all terms share.
+    /// Uniforms shared by all terms.
     fn term_params(&self, plan: &Plan, frame: &Frame) -> TermParams {
         let [width, height] = self.surface.size;
         let [weight_r, weight_g, weight_b] = frame.luminance_weights();
@@ -303,7 +303,7 @@ impl Run<'_> {
         }
     }
 
-    /// Copies a colour to the device: its planes, one after the other.
+    /// Copies a colour to the device as three consecutive planes.
     fn hold_color(&mut self, color: &ColorPlanes) -> wgpu::Buffer {
         let planes = [&color.r, &color.g, &color.b].map(|plane| plane.samples());
         self.uploaded(&planes.concat())
@@ -371,7 +371,7 @@ impl Run<'_> {
         }
     }
 
-    /// Adds what `sigma` changes of a light.
+    /// Adds the change of a light by `sigma`.
     fn add_changes(
         &mut self,
         stage: &'static str,
@@ -405,7 +405,7 @@ impl Run<'_> {
         changes.is_empty = false;
     }
 
-    /// Makes the changes to a picture in place.
+    /// Applies the changes to a picture in place.
     fn change(&mut self, picture: &Picture, changes: Changes) {
         let [width, height] = self.surface.size;
         let [red, green, blue] = picture;
@@ -430,7 +430,7 @@ impl Run<'_> {
 }
 
 impl Layers {
-    /// The switches of kernels that look at the light itself.
+    /// The switches of kernels that read layers of light.
     fn lobe_switches(&self) -> [(&'static str, bool); 3] {
         [
             ("HAS_DIRECT", self.direct.is_some()),
@@ -440,7 +440,7 @@ impl Layers {
     }
 }
 
-/// What to bind for layers: `any` buffer for those that are absent, which no kernel reads.
+/// Buffers to bind for layers: `any` in place of absent ones, which no kernel reads.
 fn bound<'b>(
     layers: [&'b Option<wgpu::Buffer>; 3],
     any: &'b wgpu::Buffer,

@@ -1,16 +1,16 @@
-// The scaling of a light group: that of its directions on the whole, 1 where all are below the horizon.
+// The scaling of a light group: the mean over its directions, 1 where all are below the horizon.
 
 @group(0) @binding(0) var<uniform> params: TermParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
 @group(0) @binding(2) var<storage, read> normal_x: array<f32>;
 @group(0) @binding(3) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// Entries of the Hessian, or its trace in the first.
+// Entries of the Hessian, or its trace in the first buffer.
 @group(0) @binding(5) var<storage, read> curvature_xx: array<f32>;
 @group(0) @binding(6) var<storage, read> curvature_xy: array<f32>;
 @group(0) @binding(7) var<storage, read> curvature_yy: array<f32>;
 @group(0) @binding(8) var<storage, read> chosen: array<f32>;
-// Unit directions to the lights, one after the other.
+// Unit directions to the lights, consecutively.
 @group(0) @binding(9) var<storage, read> to_light: array<f32>;
 @group(0) @binding(10) var<storage, read_write> sigma: array<f32>;
 
@@ -37,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let light = vec3<f32>(to_light[3u * k], to_light[3u * k + 1u], to_light[3u * k + 2u]);
             let facing = max(normal_x[i] * light.x + normal_y[i] * light.y + normal_z[i] * light.z, 0.0);
             plain += facing;
-            // What arrives is a share of 1.
+            // Intensity is the share of 1 that arrives.
             scaled += facing * term_scaling_sigma(facing, 1.0, kappa_toward(i, light));
         }
     }

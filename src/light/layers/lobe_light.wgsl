@@ -1,5 +1,5 @@
-// The light of a lobe before it takes the surface's colour. Colours are their red, green and blue planes, one after the
-// other; light that is absent is 0, an absent colour 1.
+// The light of a lobe before multiplication by the surface's colour. Colours are consecutive red, green and blue
+// planes; absent light is 0, an absent colour 1.
 
 @group(0) @binding(0) var<uniform> params: TermParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

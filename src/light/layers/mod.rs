@@ -1,11 +1,10 @@
 //! Radiance scaling of light layers: lobes, light groups, ambient occlusion.
 //!
-//! Theory: [RS] sections 5.1 and 5.3 give each lobe a reflectance mapping and a magnitude of its own, and
-//! section 5.4 scales each sample of a light inside the sum. Changes: a rendered lobe is its own mapping,
-//! its light over a white level, as the two prefiltered forms of section 5.3 are; and a light group, whose
-//! sum is finished, is given the mean scaling of the samples it stands for. Practice: every term adds its
-//! change to one sum, and the picture takes that at the end, so that light in no layer stays as it is, and so does a
-//! picture that nothing changes.
+//! Theory: [RS] sections 5.1 and 5.3 give each lobe its own reflectance mapping and magnitude, and section 5.4 scales
+//! each sample of a light inside the sum. Changes: a rendered lobe is its own mapping, its light over a white level,
+//! like the two prefiltered forms of section 5.3; and a light group, whose sum is finished, gets the mean scaling of
+//! the samples it stands for. Practice: every term adds its change to one sum, which is applied to the picture at the
+//! end, so that light in no layer stays unchanged, and so does a picture without changes.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -17,30 +16,30 @@ use super::radiance_scaling::{scaled, scaling};
 use crate::engine::cpu::simd::widened;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
-/// No picture holds more; the sum of a few of these, scaled as far as [`scaling`] goes, is still finite.
+/// Largest radiance of a picture; the sum of a few of these, scaled by the largest [`scaling`], is still finite.
 pub(crate) const MAX_RADIANCE: f32 = 1e11;
 
-/// Colours darker than this say nothing of the light that they reflect.
+/// Darker colours carry no information about the light they reflect.
 pub(crate) const MIN_ALBEDO: f32 = 1e-3;
 
 /// Three rows of one colour.
 pub(crate) type ColorRow<'a> = [&'a [f32]; 3];
 
-/// A row of the layers of a lobe. What is absent is a row of zeros, an absent colour one of ones.
+/// A row of the layers of a lobe. Absent light is a row of zeros, an absent colour a row of ones.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LobeRow<'a> {
     /// Light from lights.
     pub direct: ColorRow<'a>,
     /// Light from other surfaces.
     pub indirect: ColorRow<'a>,
-    /// The factor of the light as it is seen.
+    /// The factor that multiplies the light as displayed.
     pub color: ColorRow<'a>,
-    /// The factor that the light includes already.
+    /// The factor already included in the light.
     pub albedo: ColorRow<'a>,
 }
 
 impl LobeRow<'_> {
-    /// The first `width` columns: what the compiler has to know to leave out its checks.
+    /// The first `width` columns: a length known to the compiler removes bounds checks.
     #[inline(always)]
     fn first(&self, width: usize) -> Self {
         Self {
@@ -51,7 +50,7 @@ impl LobeRow<'_> {
         }
     }
 
-    /// Luminance at column `x` of the light before it takes the surface's colour: a dark surface in bright
+    /// Luminance at column `x` of the light before multiplication by the surface's colour: a dark surface in bright
     /// light counts as bright.
     #[inline(always)]
     pub(crate) fn luminance(&self, x: usize, weights: [f32; 3]) -> f32 {
@@ -64,7 +63,7 @@ impl LobeRow<'_> {
     }
 }
 
-/// How a term of the light is scaled.
+/// Scaling of a term of the light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TermScaling {
     /// Magnitude gamma.
@@ -160,7 +159,7 @@ widened! {
     fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling);
 }
 
-/// Adds one direction of a light group to two sums: of `n.l` where it is above 0, and of `n.l` scaled.
+/// Adds one direction of a light group to two sums: of positive `n.l`, and of `n.l` scaled.
 #[inline(always)]
 pub(crate) fn add_direction_row(
     plain: &mut [f32],
@@ -192,8 +191,8 @@ widened! {
     );
 }
 
-/// The scaling of a light group: that of its directions on the whole, 1 where all are below the horizon.
-/// Shadows are in the group and not in the directions, so they keep their shape ([RS] section 5.4).
+/// The scaling of a light group: the mean over its directions, 1 where all are below the horizon. Shadows are in the
+/// group and not in the directions, so they keep their shape ([RS] section 5.4).
 #[inline(always)]
 pub(crate) fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]) {
     let width = sigma.len();
@@ -208,8 +207,8 @@ widened! {
     fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]);
 }
 
-/// Adds to one channel of two sums: of what `sigma` changes of the radiance `(direct + indirect) * color`,
-/// and of that radiance.
+/// Adds to one channel of two sums: the change of the radiance `(direct + indirect) * color` by `sigma`, and that
+/// radiance.
 #[inline(always)]
 pub(crate) fn add_change_row(
     change: &mut [f32],
@@ -231,10 +230,10 @@ widened! {
     fn add_change_row(change: &mut [f32], layered: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
 }
 
-/// One channel of the picture with the changes made to it; its own bits where uncovered or unchanged.
+/// One channel of the picture with the changes applied; its own bits where uncovered or unchanged.
 ///
-/// Layers with more light than the picture has, by a lossy compression or because they belong to
-/// another one, change it by the picture's share only: nothing that was 0 or more falls below 0.
+/// If layers hold more light than the picture, due to lossy compression or because they belong to another picture, the
+/// change is reduced to the picture's share: non-negative values stay non-negative.
 #[inline(always)]
 pub(crate) fn changed_row(
     out: &mut [f32],
@@ -256,8 +255,8 @@ widened! {
     fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], layered: &[f32], covered: &[bool]);
 }
 
-/// The channel `c` of a picture changed by `change`, which layers of the radiance `layered` ask for: the picture takes
-/// as large a share of it as it has of their light.
+/// The channel `c` of a picture after `change`, computed for layers of radiance `layered`: the change is reduced to the
+/// picture's share of their light.
 #[inline(always)]
 pub(crate) fn changed(c: f32, change: f32, layered: f32) -> f32 {
     let share = (c.max(0.0) / layered.max(f32::MIN_POSITIVE)).min(1.0);
@@ -265,8 +264,8 @@ pub(crate) fn changed(c: f32, change: f32, layered: f32) -> f32 {
     if change != 0.0 { changed } else { c }
 }
 
-/// Scales a row of colours by ambient occlusion: the intensity of light from everywhere is the share of it
-/// that arrives ([RS] section 5.3.1 and figure 8 b).
+/// Scales a row of colours by ambient occlusion: the intensity of ambient light is the share that arrives ([RS] section
+/// 5.3.1 and figure 8 b).
 #[inline(always)]
 pub(crate) fn occlude_row(
     [r, g, b]: [&mut [f32]; 3],
@@ -329,7 +328,7 @@ mod tests {
             lobe_sigma_row(&mut sigma, &lobe, &kappa, &by(1.0, 1.0));
             sigma
         };
-        // Light 0.8 on an albedo of 0.1, as two layers or as one: intensity 0.8 both times.
+        // Light 0.8 on an albedo of 0.1, as two layers or as one: intensity 0.8 in both cases.
         let expected = kappa.map(|k| scaling(0.8, k, 0.25));
         let near = |a: [f32; 2]| assert!(a.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5));
         near(sigma(&light, &dark, &ones));
@@ -338,7 +337,7 @@ mod tests {
 
     #[test]
     fn an_area_light_is_scaled_by_its_samples() {
-        // n = z; samples at cosines 0.8 and 0.6, and one below the horizon that has no say.
+        // n = z; samples at cosines 0.8 and 0.6, and one below the horizon that is ignored.
         let normal: [&[f32]; 3] = [&[0.0], &[0.0], &[1.0]];
         let (mut plain, mut scaled, mut sigma) = ([0.0], [0.0], [0.0]);
         for to_light in [[0.6, 0.0, 0.8], [0.0, 0.8, 0.6], [0.6, 0.0, -0.8]] {
@@ -359,7 +358,7 @@ mod tests {
 
     #[test]
     fn layers_brighter_than_the_picture_take_no_more_than_there_is() {
-        // A picture of 0.5 whose layers add up to 2, all to be taken away: nothing is left, not -1.5.
+        // A picture of 0.5 whose layers add up to 2, all to be removed: the result is 0, not -1.5.
         let made = |from: f32, change: f32, layered: f32| {
             let mut out = [f32::NAN];
             changed_row(&mut out, &[from], &[change], &[layered], &[true]);
@@ -367,11 +366,11 @@ mod tests {
         };
         assert_eq!(made(0.5, -2.0, 2.0), 0.0);
         assert_eq!(made(0.5, -1.0, 2.0), 0.25);
-        // Layers with less light than the picture change it in full; black and below stay.
+        // Layers with less light than the picture change it in full; values of 0 and below stay.
         assert_eq!(made(0.5, 0.25, 0.25), 0.75);
         assert_eq!(made(0.0, 3.0, 2.0), 0.0);
         assert_eq!(made(-0.5, 3.0, 2.0), -0.5);
-        // Nothing to change: not even the sign of 0.
+        // No change preserves even the sign of 0.
         assert_eq!(made(-0.0, 0.0, 1.0).to_bits(), (-0.0_f32).to_bits());
     }
 

@@ -1,4 +1,4 @@
-// Radiance scaling by ambient occlusion: the intensity of light from everywhere is the share of it that arrives.
+// Radiance scaling by ambient occlusion: the intensity of ambient light is the share that arrives.
 
 @group(0) @binding(0) var<uniform> params: TermParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

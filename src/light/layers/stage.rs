@@ -1,4 +1,4 @@
-//! Radiance scaling of the light that a file tells apart.
+//! Radiance scaling of separate light layers.
 
 use crate::engine::cpu::run::Run;
 use crate::frame::ColorPlanes;
@@ -10,7 +10,7 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
-/// Each lobe of the picture's light by itself.
+/// Each lobe of the picture's light separately.
 pub(crate) static LIGHT_LOBES: Stage = Stage {
     takes: |_| vec![Product::Trace],
     name: "light-lobes",
@@ -46,7 +46,7 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// The picture, enhanced or not, by its ambient occlusion.
+/// Ambient occlusion of the picture, enhanced or not.
 pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
     takes: |_| vec![Product::Trace],
     name: "ambient-occlusion",
@@ -129,7 +129,7 @@ fn scale_by_occlusion(run: &mut Run) {
     });
 }
 
-/// Makes the picture anew of the one made so far, by curvature.
+/// Replaces the picture made so far by one modified by curvature.
 fn with_curvature(
     run: &mut Run,
     name: &'static str,

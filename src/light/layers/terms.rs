@@ -1,9 +1,9 @@
-//! The terms that the light of a picture is scaled by: lobes, and parts of lobes, as every backend scales them.
+//! The terms scaled separately in the light of a picture: lobes, and parts of lobes, shared by all backends.
 
 use crate::frame::{ColorPlanes, LobeLayers};
 use crate::params::ScalingParams;
 
-/// A lobe, or a part of it, that is scaled by itself.
+/// A lobe, or a part of it, that is scaled separately.
 pub(crate) struct LightTerm<'a> {
     pub(crate) name: &'static str,
     pub(crate) direct: Option<&'a ColorPlanes>,
@@ -13,8 +13,8 @@ pub(crate) struct LightTerm<'a> {
     pub(crate) magnitude: f32,
 }
 
-/// The terms of the lobes that are scaled by anything. Where ambient light has a magnitude of its own it
-/// rules the diffuse light from other surfaces.
+/// The terms of the lobes with a magnitude above 0. If ambient light has its own magnitude, that applies to diffuse
+/// light from other surfaces.
 pub(crate) fn light_terms<'a>(
     lobes: &'a [LobeLayers],
     params: &ScalingParams,

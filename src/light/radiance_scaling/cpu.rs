@@ -64,7 +64,7 @@ impl Scaler {
     }
 }
 
-/// A row of the scaled picture, all slices of one length. Without a branch, so that it vectorises.
+/// A row of the scaled picture, all slices of equal length. Branch-free, so that it vectorises.
 #[inline(always)]
 pub(crate) fn scale_row(
     scaler: &Scaler,

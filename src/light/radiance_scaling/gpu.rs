@@ -24,22 +24,22 @@ pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
     ]
 );
 
-/// A pixel, scaled.
+/// The scaling of one pixel.
 const SCALED_PIXEL: Wgsl = wgsl!("scaled_pixel.wgsl");
 
 uniforms! {
-    /// Of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
+    /// Uniforms of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
     ScaleParams {
         width: u32,
         height: u32,
-        /// Pixels that stand for one of the reference.
+        /// Pixels per pixel of the reference.
         resolution_factor: f32,
         scaling: f32,
         invariant_point: f32,
         weight_r: f32,
         weight_g: f32,
         weight_b: f32,
-        /// A NaN, which no kernel may spell.
+        /// Bits of a NaN, which WGSL cannot express as a literal.
         nan_bits: u32,
     }
 }
@@ -62,7 +62,7 @@ pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictur
     ],
 );
 
-/// The same by the gradient, of which it makes the trace itself.
+/// Scales a picture by the gradient; computes the trace on the fly.
 pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleByGradientBuffers>(
     "ScaleByGradient",
     &[
@@ -77,11 +77,11 @@ pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleBy
     ],
 );
 
-/// The white level where it does not depend on the picture.
+/// The white level, if it does not depend on the picture.
 pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
     match plan.scaling.white_level {
         Adaptive::Fixed(level) => Some(level),
-        // What arrives of ambient light is a share of 1.
+        // Ambient occlusion is the share of 1 that arrives.
         Adaptive::Auto => frame.light.picture_is_occlusion.then_some(1.0),
     }
 }
@@ -92,7 +92,7 @@ pub(crate) fn scale(run: &mut Run) {
 }
 
 impl Run<'_> {
-    /// Scales a picture in place, by a white level that is chosen first where it is not known.
+    /// Scales a picture in place; its white level is chosen first if unknown.
     pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
         let weights = frame.luminance_weights();
         let [red, green, blue] = picture;

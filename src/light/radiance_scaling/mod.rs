@@ -1,9 +1,9 @@
 //! Radiance scaling: reflected light scaled by curvature.
 //!
-//! Theory: [RS] section 4.2 multiplies a reflected intensity d by a function of d and of the mapped
-//! curvature, which leaves one intensity alpha alone. Changes: the printed `e^(gamma kappa)` darkens
-//! bright convexities, against the text beside it; the exponent is negative here. And the printed
-//! fraction loses 5 % in f32 at gamma 14 and everything at 20; the form below holds 1e-7.
+//! Theory: [RS] section 4.2 multiplies a reflected intensity d by a function of d and of the mapped curvature, which
+//! leaves one intensity alpha unchanged. Changes: the printed `e^(gamma kappa)` darkens bright convexities, contrary to
+//! the text beside it; the exponent is negative here. And the printed fraction loses 5 % in f32 at gamma 14 and
+//! everything at 20; the form below is accurate to 1e-7.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -12,28 +12,28 @@ pub(crate) mod stage;
 
 use crate::fast_math::exp;
 
-/// Invariant points are kept this far inside (0, 1), where the function is defined.
+/// Invariant points are clamped this far inside (0, 1), where the function is defined.
 pub(crate) const INVARIANT_MARGIN: f32 = 1e-4;
 
-/// |gamma kappa| is clamped to this: e^60 is far past any picture, and its square still finite.
+/// |gamma kappa| is clamped to this: e^60 is far above any picture, and its square still finite.
 pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
 /// The scaling sigma(d) of intensity `d` (clamped to 0..1), for the exponent `x = gamma * kappa` and
 /// the invariant point `alpha`.
 ///
-/// sigma(alpha) = 1, sigma(0) = e^-x, sigma(1) = e^x: a convexity (x > 0) brightens what is brighter
-/// than alpha and darkens what is darker. Source: [RS] equation 3, with the correction derived above.
+/// sigma(alpha) = 1, sigma(0) = e^-x, sigma(1) = e^x: a convexity (x > 0) brightens intensities above alpha and darkens
+/// those below. Source: [RS] equation 3, with the correction derived above.
 #[inline(always)]
 pub fn scaling(d: f32, x: f32, alpha: f32) -> f32 {
     ScalingCurve::of(x).at(d, alpha)
 }
 
-/// sigma as a function of intensity alone: what many lights at one pixel share.
+/// sigma as a function of intensity only, shared by many lights at one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScalingCurve {
-    /// Weight of the darkest intensity: e^-|x| on a convexity, else 1.
+    /// Weight of the darkest intensity: e^-|x| for a convexity, else 1.
     pub dark: f32,
-    /// Weight of the brightest: 1 on a convexity, else e^-|x|.
+    /// Weight of the brightest: 1 for a convexity, else e^-|x|.
     pub bright: f32,
 }
 
@@ -65,11 +65,11 @@ pub(crate) fn scaled(c: f32, sigma: f32) -> f32 {
     (c * sigma).clamp(-f32::MAX, f32::MAX)
 }
 
-/// The largest gamma |kappa| for which `d * sigma(d)` still rises with d on concavities: past it a
-/// concavity can show a dark rim that the shading did not have.
+/// The largest gamma |kappa| for which `d * sigma(d)` still increases with d on concavities: beyond it a concavity can
+/// show a dark rim that the shading did not have.
 ///
-/// Derived from the derivative of `d sigma(d)` at its flattest point: at
-/// `ln{[(1-a) + sqrt((1-a)^2 + 4a^2)] / 2a}` it touches 0.
+/// Derived from the derivative of `d sigma(d)` at its flattest point: it reaches 0 at `ln{[(1-a) + sqrt((1-a)^2 +
+/// 4a^2)] / 2a}`.
 pub fn monotone_limit(alpha: f32) -> f32 {
     let a = alpha.clamp(INVARIANT_MARGIN, 1.0 - INVARIANT_MARGIN);
     let b = 1.0 - a;
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn concavities_lose_monotony_where_the_limit_says() {
-        // The scaled intensity rises everywhere just below the limit, and falls somewhere above it.
+        // The scaled intensity increases everywhere just below the limit, and decreases somewhere above it.
         let rises = |x: f32, a: f32| {
             let scaled = |i: u32| {
                 let d = f64::from(i) / 20_000.0;

@@ -1,4 +1,4 @@
-// sigma as a function of intensity alone, for the exponent x = gamma * kappa: weights of the darkest intensity and of
+// sigma as a function of intensity only, for the exponent x = gamma * kappa: weights of the darkest intensity and of
 // the brightest.
 fn scaling_curve_of(x: f32) -> vec2<f32> {
     let e = exp_of(-min(abs(x), MAX_EXPONENT));

@@ -1,4 +1,4 @@
-// Radiance scaling of a picture by curvature that nothing else asks for: it never goes through memory.
+// Radiance scaling of a picture by curvature that is used only here: it never goes through memory.
 
 @group(0) @binding(0) var<uniform> params: ScaleParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if !is_any_covered(id.x, first, end) {
         return;
     }
-    // What the next row takes of this one stays in registers.
+    // Values reused by the next row stay in registers.
     var above = row_around(columns, row_above(first));
     var here = row_around(columns, first);
     for (var y = first; y < end; y++) {

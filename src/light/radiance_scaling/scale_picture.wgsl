@@ -1,4 +1,4 @@
-// Radiance scaling of a picture by curvature that is there.
+// Radiance scaling of a picture by curvature computed earlier.
 
 @group(0) @binding(0) var<uniform> params: ScaleParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

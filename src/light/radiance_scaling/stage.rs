@@ -33,7 +33,7 @@ fn decide(plan: &Plan) -> Verdict {
 }
 
 impl Plan {
-    /// The verdict on scaling this of the picture; `why_not` where it is another subject that is scaled.
+    /// The verdict on scaling this subject; `why_not` if another subject is scaled.
     pub(crate) fn scales(
         &self,
         subject: Subject,
@@ -49,7 +49,7 @@ impl Plan {
     }
 }
 
-/// How the radiance of the picture is scaled, by the white level and the gain that were chosen.
+/// Radiance scaling of the picture with the white level and gain of this run.
 pub(crate) fn scaler(run: &Run) -> Scaler {
     let mut params = run.plan.scaling;
     if run.frame.light.picture_is_occlusion {

@@ -9,11 +9,11 @@ use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Luminance that the white level of the albedo is brought to: of paper.
+/// Luminance that the albedo's white level is mapped to: that of paper.
 const BRIGHT: f32 = 0.8;
 
-/// The picture over its best-fitting shading, so bright that all but a few pixels are darker than paper.
-/// White where the picture is black.
+/// The picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than paper. White
+/// where the picture is black.
 pub(crate) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> ColorPlanes {
     let rows = 0..frame.mask.height();
     let shading = fitted(ShadingFit::default(), frame, weights, rows).solved();
@@ -22,7 +22,7 @@ pub(crate) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> Co
     brightened(albedo, factor)
 }
 
-/// The albedo of a strip, by what was found in the whole picture.
+/// The albedo of a strip, from the fit over the whole picture.
 pub(crate) fn by_estimate(
     frame: &Frame,
     estimate: &AlbedoEstimate,
@@ -34,12 +34,12 @@ pub(crate) fn by_estimate(
     )
 }
 
-/// A search for an estimate in a picture that comes some rows at a time, from top to bottom: three times, the last two
-/// after [`AlbedoSearch::next_look`] each.
+/// A search for the estimate in a picture passed as groups of rows, from top to bottom: three times, with
+/// [`AlbedoSearch::next_look`] before the second and the third.
 #[derive(Debug, Clone)]
 pub(crate) struct AlbedoSearch {
     fit: ShadingFit,
-    /// The shading that was found, and the search for the white level over it.
+    /// The fitted shading, and the search for the white level over it.
     white: Option<(Option<FittedShading>, PercentileSearch)>,
 }
 
@@ -51,7 +51,7 @@ impl AlbedoSearch {
         }
     }
 
-    /// Looks at these rows of a strip.
+    /// Takes in these rows of a strip.
     pub(crate) fn add(
         &mut self,
         strip: &Frame,
@@ -71,7 +71,7 @@ impl AlbedoSearch {
         }
     }
 
-    /// Ends the first look, or the second.
+    /// Ends the first or second round.
     pub(crate) fn next_look(&mut self) {
         match &mut self.white {
             None => {
@@ -82,7 +82,7 @@ impl AlbedoSearch {
         }
     }
 
-    /// What was searched for, after three looks.
+    /// The estimate, after three rounds.
     pub(crate) fn found(&self) -> Option<AlbedoEstimate> {
         let (shading, search) = self.white.as_ref()?;
         Some(AlbedoEstimate {
@@ -92,7 +92,7 @@ impl AlbedoSearch {
     }
 }
 
-/// The colour of a pixel, which is premultiplied, without its coverage.
+/// The colour of a pixel divided by its coverage.
 fn bare(frame: &Frame) -> impl Fn(usize, usize) -> [f32; 3] + Sync + '_ {
     let color = frame.color.as_ref().expect("an estimate takes a picture");
     let alpha = frame.alpha.as_ref();
@@ -108,7 +108,7 @@ fn normal(frame: &Frame, x: usize, y: usize) -> [f32; 3] {
     [n.x.at(x, y), n.y.at(x, y), n.z.at(x, y)]
 }
 
-/// `fit` with the pixels of some rows counted in.
+/// `fit` with the pixels of some rows added.
 fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>) -> ShadingFit {
     let (mask, bare) = (&frame.mask, bare(frame));
     let rows = rows.into_par_iter().map(|y| {
@@ -119,12 +119,12 @@ fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>)
         }
         fit
     });
-    // Added row after row: the same bits for any number of threads, and for any strips.
+    // Merged in row order: the same bits for any number of threads and strips.
     let fits: Vec<ShadingFit> = rows.collect();
     fits.into_iter().fold(fit, ShadingFit::merged)
 }
 
-/// The picture over a shading; white without one.
+/// The picture divided by a shading; white without one.
 fn over_shading(frame: &Frame, shading: Option<FittedShading>, memory: &Memory) -> ColorPlanes {
     let bare = bare(frame);
     let albedo = |shading: FittedShading, x, y| {

@@ -1,4 +1,4 @@
-//! Gathering covered pixels from the planes, and scattering what they show.
+//! Gathering covered pixels from the planes, and scattering their results.
 
 use crate::frame::{DepthKind, Plane};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
@@ -8,7 +8,7 @@ use crate::light::sum::LightSum;
 use glam::DVec3;
 use std::ops::Range;
 
-/// Neighbouring pixels of a row that lie in neighbouring lanes.
+/// Neighbouring pixels of a row in neighbouring lanes.
 #[derive(Debug, Clone)]
 struct Piece {
     y: usize,
@@ -16,7 +16,7 @@ struct Piece {
     lane: usize,
 }
 
-/// A batch on its way.
+/// A batch in progress.
 pub(crate) struct Batch {
     pieces: Vec<Piece>,
     pub(crate) pixels: Pixels,
@@ -26,23 +26,23 @@ pub(crate) struct Batch {
     /// Mapped curvature.
     pub(crate) kappa: Lanes,
     pub(crate) albedo: [Lanes; 3],
-    /// Ambient occlusion, 1 in the open: it dims even light and the diffuse light of an environment.
+    /// Ambient occlusion, 1 for no occlusion: it dims ambient light and the diffuse light of an environment.
     pub(crate) occlusion: Lanes,
-    /// Coverage that the result is multiplied by.
+    /// Coverage, applied to the result.
     pub(crate) alpha: Lanes,
-    /// Grain in the picture.
+    /// Grain direction in the picture.
     pub(crate) grain: [Lanes; 2],
     /// Points of the surface, for lights near it.
     pub(crate) points: [Lanes; 3],
     /// Directions to a light near the surface, and the share that arrives.
     pub(crate) near: ([Lanes; 3], Lanes),
-    /// Where something is looked up.
+    /// Directions of look-ups.
     pub(crate) toward: Vectors,
-    /// The share of it that counts.
+    /// Weight of the look-ups.
     pub(crate) share: Lanes,
-    /// What was looked up.
+    /// Results of look-ups.
     pub(crate) looked_up: [Lanes; 3],
-    /// What the pixels show.
+    /// Resulting colours.
     pub(crate) shown: [Lanes; 3],
 }
 
@@ -70,7 +70,7 @@ impl Batch {
         }
     }
 
-    /// Takes a run of covered pixels; calls `full` whenever the batch is.
+    /// Adds a run of covered pixels; calls `full` whenever the batch is full.
     pub(crate) fn take_run(
         &mut self,
         scene: &Scene,
@@ -91,7 +91,7 @@ impl Batch {
         }
     }
 
-    /// Calls `light` for what is left.
+    /// Calls `light` for the remaining pixels.
     pub(crate) fn finish(&mut self, light: impl FnOnce(&mut Self)) {
         if self.pixels.count > 0 {
             light(self);
@@ -104,7 +104,7 @@ impl Batch {
         self.pixels.count = 0;
     }
 
-    /// Copies what is known of the pixels at `columns` of row `y` to the next lanes.
+    /// Copies the samples of the pixels at `columns` of row `y` to the next lanes.
     fn gather(&mut self, scene: &Scene, curvature: &CurvatureRow, y: usize, columns: Range<usize>) {
         let lane = self.pixels.count;
         let lanes = lane..lane + columns.len();
@@ -155,7 +155,7 @@ impl Batch {
         self.pieces.push(Piece { y, columns, lane });
     }
 
-    /// Where in view space the surface lies.
+    /// Computes view-space positions of the surface.
     fn find_points(&mut self, scene: &Scene, y: usize, columns: Range<usize>) {
         let frame = scene.frame;
         let depth = frame.depth.as_ref().expect("points are planned with depth");
@@ -183,7 +183,7 @@ impl Batch {
         })
     }
 
-    /// Writes what the pixels show to rows that begin with row `first` of the frame.
+    /// Writes the resulting colours to rows that start with row `first` of the frame.
     pub(crate) fn scatter(&self, rows: &mut [&mut [f32]; 3], first: usize, width: usize) {
         for Piece { y, columns, lane } in &self.pieces {
             let start = (y - first) * width + columns.start;

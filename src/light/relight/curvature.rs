@@ -1,29 +1,29 @@
-//! Curvature of the rows being lit, made where it is used: planes of it would be written and read once each.
+//! Curvature of the rows being lit, computed where it is used: planes of it would be written and read once each.
 
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::shape::Rows;
 
-/// The source of curvature, or the curvature itself.
+/// The source of curvature, or precomputed curvature.
 pub(crate) struct Curvature<'a> {
     pub(crate) gradient: &'a Vector2Planes,
     pub(crate) conductance: &'a Plane,
-    /// From per pixel to per pixel of the reference.
+    /// Converts from per pixel to per pixel of the reference.
     pub(crate) factor: f32,
     pub(crate) kind: Kind<'a>,
 }
 
-/// How much of the Hessian is needed.
+/// The required part of the Hessian.
 pub(crate) enum Kind<'a> {
-    /// All of it.
+    /// All entries.
     Hessian,
     /// Its trace.
     Trace,
-    /// Its trace, which was made to choose the gain.
+    /// Its trace, already computed for choosing the gain.
     Made(&'a Plane),
 }
 
-/// The entries xx, xy and yy of a row, or its trace in the first.
+/// The entries xx, xy and yy of a row, or its trace in the first row.
 pub(crate) struct CurvatureRow {
     rows: [Vec<f32>; 3],
 }
@@ -35,7 +35,7 @@ impl CurvatureRow {
         }
     }
 
-    /// Makes row `y`.
+    /// Computes row `y`.
     pub(crate) fn make(&mut self, curvature: &Curvature, frame: &Frame, y: usize, simd: Simd) {
         let Curvature {
             gradient,

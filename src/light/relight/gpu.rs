@@ -1,4 +1,4 @@
-//! New light: every covered pixel by one kernel.
+//! Relighting on the device: one kernel for every covered pixel.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
@@ -25,46 +25,47 @@ use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 uniforms! {
-    /// Of `relight.wgsl`.
+    /// Uniforms of `relight.wgsl`.
     LightParams {
         width: u32,
         height: u32,
-        /// Lights that stand for an environment, even directions it is looked up in, lights from one direction, and
-        /// lights at a point.
+        /// Lights that represent an environment, even directions it is looked up in, directional lights, and point
+        /// lights.
         around_count: u32,
         even_count: u32,
         direction_count: u32,
         point_count: u32,
-        /// Intensity that radiance of 1 has from each even direction.
+        /// Intensity of each even direction for a radiance of 1.
         even_share: f32,
-        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and its increments per column and
+        /// row.
         to_eye_x: f32,
         to_eye_x_step: f32,
         to_eye_y: f32,
         to_eye_y_step: f32,
-        /// Where parallel sight lines begin, likewise.
+        /// Origin of parallel sight lines, in the same form.
         start_x: f32,
         start_x_step: f32,
         start_y: f32,
         start_y_step: f32,
-        /// Whether depth counts along sight lines, and not along the view axis.
+        /// Whether depth is measured along sight lines rather than along the view axis.
         depth_along_ray: u32,
         ambient: f32,
         diffuse_gain: f32,
         specular_gain: f32,
-        /// The power of the lobe, where it is whole, else 0; and where it is not.
+        /// The lobe's exponent if it is an integer, else 0; and the exponent if it is not.
         whole_power: u32,
         power: f32,
         coat_along: f32,
         coat_across: f32,
         coat_normalisation: f32,
         reflectance: f32,
-        /// The direction of the grain in the picture.
+        /// The grain direction in the picture.
         grain_x: f32,
         grain_y: f32,
         ior: f32,
         is_thin: u32,
-        /// Strength of the warp, before the gain.
+        /// Strength of the warp, before multiplication by the gain.
         warp: f32,
         contrast: f32,
         invariant_point: f32,
@@ -79,9 +80,9 @@ uniforms! {
         tone_levels: f32,
         tone_softness: f32,
         environment_gain: f32,
-        /// The factor of a map that was prefiltered by a highlight.
+        /// The factor of a map prefiltered by a highlight.
         map_lobe: f32,
-        /// What is looked up: size, rotation in turns, the luminance that counts as intensity 1.
+        /// Look-up map: size, rotation in turns, the luminance that counts as intensity 1.
         map_width: u32,
         map_height: u32,
         map_turn: f32,
@@ -90,7 +91,7 @@ uniforms! {
         second_height: u32,
         second_turn: f32,
         second_largest: f32,
-        /// A NaN, which no kernel may spell.
+        /// Bits of a NaN, which WGSL cannot express as a literal.
         nan_bits: u32,
     }
 }
@@ -102,7 +103,7 @@ bindings! {
     }
 }
 
-/// New light on each pixel.
+/// Relights each pixel.
 pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
     "Relight",
     &[
@@ -142,7 +143,7 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
     ],
 );
 
-/// Lights the frame anew, over its albedo where that is not white.
+/// Relights the frame, with its albedo if that is not white.
 pub(crate) fn relight(run: &mut Run) {
     let light = run.light.expect("new light has lights");
     let (shape, albedo) = (run.made.shape.take(), run.made.picture.take());
@@ -151,7 +152,7 @@ pub(crate) fn relight(run: &mut Run) {
 }
 
 impl Run<'_> {
-    /// Lights a frame whose albedo is in `albedo`, where it is not white: what the covered pixels then show.
+    /// Relights a frame whose albedo, if not white, is in `albedo`: the resulting colours of covered pixels.
     pub(crate) fn relight(
         &mut self,
         plan: &Plan,
@@ -218,8 +219,8 @@ impl Run<'_> {
     }
 }
 
-/// Puts around the lit pixels what is not lit: the picture of the frame where it has one, else black; and the rims that
-/// are covered in part.
+/// Completes the lit pixels: unlit ones get the frame's picture, or black, and partly covered rims the light of their
+/// neighbours.
 pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
     let mask = &frame.mask;
     let picture = frame.color.as_ref();
@@ -243,7 +244,7 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
     }
 }
 
-/// What `relight.wgsl` is switched by that every frame in this light shares.
+/// Switches of `relight.wgsl` shared by all frames in this light.
 fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17] {
     let is = |kind: Material| relighting.params.material.material == kind;
     let used = &light.around.ready.used;
@@ -270,7 +271,7 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17
     ]
 }
 
-/// The exponent of a material's lobe: whole, or any other.
+/// The exponent of a material's lobe: integer or real.
 fn exponent(material: &MaterialParams, is_far: bool) -> (u32, f32) {
     match Lobes::of(material, is_far) {
         Some(
@@ -279,7 +280,7 @@ fn exponent(material: &MaterialParams, is_far: bool) -> (u32, f32) {
             Exponent::Integer(whole) => (whole, 0.0),
             Exponent::Real(any) => (0, any),
         },
-        // A coat has exponents of its own; mirrors and glass are not summed over lights.
+        // A coat has its own exponents; mirrors and glass are not summed over lights.
         Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),
     }
 }

@@ -1,4 +1,4 @@
-//! New light on the device: lights, and what is looked up.
+//! Lights and look-up maps on the device.
 
 use crate::engine::cpu::gpu_support::estimated_albedo;
 use crate::engine::cpu::memory::Memory;
@@ -18,21 +18,21 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The light of a frame, and what is made of it once for all of its strips.
+/// The light of a frame, and its products shared by all strips.
 pub(crate) struct Light<'a> {
     pub(crate) around: Illuminants<'a>,
-    /// The albedo of the frame, where it was estimated.
+    /// The albedo of the frame, if estimated.
     estimate: Option<ColorPlanes>,
     pub(crate) counts: Counts,
-    /// Vectors of the lights, in the order that `relight.wgsl` tells.
+    /// Vectors of the lights, in the order given in `relight.wgsl`.
     pub(crate) lights: wgpu::Buffer,
     pub(crate) texels: wgpu::Buffer,
     pub(crate) maps: [Placed; 2],
-    /// How long its parts took.
+    /// Timings of the preparation.
     pub(crate) timings: Vec<(&'static str, Duration)>,
 }
 
-/// How many lights of each kind there are.
+/// Number of lights of each kind.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Counts {
     pub(crate) around: u32,
@@ -51,7 +51,7 @@ pub(crate) struct Placed {
     pub(crate) largest: f32,
 }
 
-/// The maps of the environment of the last run, on the device.
+/// The environment maps of the last run, on the device.
 #[derive(Debug, Default)]
 struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
 
@@ -72,7 +72,7 @@ impl MapCache {
     }
 }
 
-/// What is kept of the light of the last run.
+/// The cache of the last run's light.
 #[derive(Debug, Default)]
 pub(crate) struct LightCache {
     environment: EnvironmentCache,
@@ -80,12 +80,12 @@ pub(crate) struct LightCache {
 }
 
 impl LightCache {
-    /// Forgets what is on the device.
+    /// Drops everything on the device.
     pub(crate) fn forget_maps(&self) {
         self.maps.forget();
     }
 
-    /// Makes light ready, and copies it to the device.
+    /// Prepares light, and copies it to the device.
     pub(crate) fn light<'a>(
         &self,
         device: &Device,
@@ -124,7 +124,7 @@ impl LightCache {
         })
     }
 
-    /// What is looked up, on the device.
+    /// The look-up maps, on the device.
     fn texels(&self, device: &Device, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
         let map = |map: &Map| Placed::of(&map.environment, map.largest);
         let nothing = Placed::default();
@@ -181,7 +181,7 @@ impl Placed {
 }
 
 impl Light<'_> {
-    /// The planes that hold the albedo of `frame`, which is the strip of these rows; `None` where it is white.
+    /// The albedo planes of `frame`, the strip with these rows; `None` for white.
     pub(crate) fn albedo(
         &self,
         upload: Upload,
@@ -203,7 +203,7 @@ impl Light<'_> {
     }
 }
 
-/// How a plan lights.
+/// The relighting of a plan.
 pub(crate) fn relighting(plan: &Plan) -> &Relighting {
     let relighting = plan.relighting.as_ref();
     relighting.expect("the plan says how to light")
@@ -220,7 +220,7 @@ fn timed<T>(
     result
 }
 
-/// The vectors of all lights, in the order that `relight.wgsl` tells.
+/// The vectors of all lights, in the order given in `relight.wgsl`.
 fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4]>, Counts) {
     let [lights, even] = [around.lights().len(), around.even_directions().len()];
     let counts = Counts {
@@ -243,7 +243,7 @@ fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4
     (vectors, counts)
 }
 
-/// A buffer of its own with these vectors, one after the other.
+/// A separate buffer with these vectors, consecutively.
 fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer> {
     let count: usize = parts.iter().map(|part| part.len()).sum();
     let bytes = 16 * count.max(1) as u64;

@@ -1,4 +1,4 @@
-//! What is looked up once per pixel, in an environment or a lit sphere.
+//! Look-ups made once per pixel, in an environment or a lit sphere.
 
 use crate::frame::luminance;
 use crate::light::batch::{BATCH, Vectors};
@@ -12,7 +12,7 @@ use crate::light::relight::scene::{Scene, Term};
 use crate::light::relight::traced::add_traced;
 use crate::params::{Material, MaterialParams};
 
-/// Looks `map` up where `toward` says: first where that is, all lanes at once, then the samples there.
+/// Looks `map` up in the directions `toward`: positions of all lanes first, then the samples.
 #[inline(always)]
 pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, count: usize) {
     let [x, y, z] = toward;
@@ -27,7 +27,7 @@ pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, 
     }
 }
 
-/// Adds what is looked up once per pixel to the sums.
+/// Adds the look-ups of each pixel to the sums.
 #[inline(always)]
 pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     let gain = scene.around.gain().unwrap_or(1.0);
@@ -48,7 +48,7 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
             batch.toward = batch.pixels.normal.vector;
             add_seen(batch, scene, Term::Diffuse, diffuse);
             if let Some(map) = specular {
-                // The lobe of a sum over lights is 1 at its brightest; the map's holds as much as a cosine.
+                // In a sum over lights the lobe peaks at 1; in the map it has the energy of a cosine.
                 let lobe = 2.0 / (scene.params().material.shininess + 1.0);
                 batch.share = [gain * lobe; BATCH];
                 batch.toward = batch.pixels.mirrored.vector;
@@ -70,8 +70,8 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Adds what `map` shows toward `batch.toward`, warped, times `batch.share`, scaled by its own brightness
-/// ([RS] section 5.3).
+/// Adds the radiance of `map` from the warped `batch.toward`, times `batch.share`, scaled by its own brightness ([RS]
+/// section 5.3).
 #[inline(always)]
 fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
     warp_lookups(batch, scene);
@@ -104,7 +104,7 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
     }
 }
 
-/// Adds what is seen through glass, and leaves the share that it mirrors.
+/// Adds light refracted through glass, and keeps the reflected share.
 #[inline(always)]
 fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &MaterialParams) {
     let mut mirrored = [0.0; BATCH];
@@ -129,7 +129,7 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
     }
 }
 
-/// Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
+/// Adds the colours of the lit sphere, or of both blended by curvature. They include gains of their own.
 #[inline(always)]
 fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest: f32) {
     let own = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
@@ -161,7 +161,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest:
     }
 }
 
-/// Warps the directions of look-ups ([LW] equation 1).
+/// Warps look-up directions ([LW] equation 1).
 #[inline(always)]
 pub(crate) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
     if !scene.relighting.warps {

@@ -1,4 +1,4 @@
-//! The mirrors and lenses of a frame, and how bright what they show can be.
+//! The mirrors and lenses of a frame, and the peak brightness of their scene.
 
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
@@ -8,12 +8,12 @@ use crate::trace::Tracer;
 /// The mirrors and lenses of a frame.
 pub(crate) struct Mirrors<'a> {
     pub(super) tracer: Tracer<'a>,
-    /// The luminance that counts as intensity 1: the largest that may be met.
+    /// The luminance that counts as intensity 1: the largest that a sight line can hit.
     pub(super) largest: f32,
 }
 
 impl<'a> Mirrors<'a> {
-    /// Those of `frame` in a scene; `None` where nothing can be traced.
+    /// The mirrors of `frame` in a scene; `None` if nothing can be traced.
     pub(crate) fn new(
         frame: &'a Frame,
         scene: &'a SpecularScene,

@@ -1,4 +1,4 @@
-//! New light: batches of covered pixels, gathered from the frame's planes, lit, and scattered again.
+//! Relighting: batches of covered pixels, gathered from the frame's planes, lit, and scattered back.
 
 pub(crate) mod albedo;
 pub(crate) mod batch;
@@ -31,10 +31,10 @@ use crate::plan::{Albedo, Plan, Relighting};
 use crate::product::Product;
 use rayon::prelude::*;
 
-/// Rows that one task lights: few, so that threads end together, and enough to fill batches.
+/// Rows per task: few, so that threads finish together, and enough to fill batches.
 const ROWS_PER_TASK: usize = 8;
 
-/// Lights the frame of a run anew.
+/// Relights the frame of a run.
 pub(crate) fn relight(run: &mut Run) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let relighting = plan
@@ -113,7 +113,7 @@ pub(crate) fn relight(run: &mut Run) {
     run.outcome.color = Some(color);
 }
 
-/// What curvature is made of, where it is needed.
+/// The source of curvature, if it is needed.
 fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
     let kind = match &shape.trace {
         _ if plan.wants(Product::Hessian) => Kind::Hessian,
@@ -130,7 +130,7 @@ fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
     })
 }
 
-/// How single lights act, where any are summed.
+/// Shading by single lights, if any are summed.
 fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
     let scaling = &plan.scaling;
     let magnitudes = scaling.magnitudes();
@@ -150,7 +150,7 @@ fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option
     })
 }
 
-/// Directions to the eye by column and by row; `None` where all are along z.
+/// Directions to the eye by column and by row; `None` if all are along z.
 fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
     let projection = frame.camera.as_ref()?.projection;
     let Projection::Perspective { .. } = projection else {
@@ -163,7 +163,7 @@ fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
     Some([columns.collect(), rows.collect()])
 }
 
-/// The lit picture; where uncovered that of the frame, or black.
+/// The lit picture; where uncovered the frame's own, or black.
 fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
     let mask = scene.lit;
     let width = mask.width();
@@ -206,7 +206,7 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
     color
 }
 
-/// Fills what shows no surface: with the picture of the frame where there is one, else black.
+/// Fills pixels without a surface from the frame's picture, or with black.
 fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
     let mask = scene.lit;
     let width = mask.width();

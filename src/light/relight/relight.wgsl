@@ -1,11 +1,11 @@
-// New light: prepare, sum, look up, compose.
+// Relighting: prepare, sum, look up, compose.
 
 @group(0) @binding(0) var<uniform> params: LightParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
 @group(0) @binding(2) var<storage, read> normal_x: array<f32>;
 @group(0) @binding(3) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// The Hessian, or its trace in the first of these.
+// The Hessian, or its trace in the first buffer.
 @group(0) @binding(5) var<storage, read> hessian_xx: array<f32>;
 @group(0) @binding(6) var<storage, read> hessian_xy: array<f32>;
 @group(0) @binding(7) var<storage, read> hessian_yy: array<f32>;
@@ -13,12 +13,12 @@
 @group(0) @binding(9) var<storage, read> occlusion: array<f32>;
 @group(0) @binding(10) var<storage, read> alpha: array<f32>;
 @group(0) @binding(11) var<storage, read> depth: array<f32>;
-// Three vectors of every light from one direction: to it, half-way between it and z, its colour. Two of every light at a
-// point: where it is, its colour. One of every even direction.
+// Three vectors per directional light: direction, half vector with z, colour. Two per point light: position, colour.
+// One per even direction.
 @group(0) @binding(12) var<storage, read> lights: array<vec4<f32>>;
-// What is looked up.
+// Texels of look-up maps.
 @group(0) @binding(13) var<storage, read> texels: array<vec4<f32>>;
-// Albedo, where it is not white; then what is shown.
+// Albedo, if it is not white; then the resulting colour.
 @group(0) @binding(14) var<storage, read_write> red: array<f32>;
 @group(0) @binding(15) var<storage, read_write> green: array<f32>;
 @group(0) @binding(16) var<storage, read_write> blue: array<f32>;
@@ -28,9 +28,9 @@ override HAS_TRACE: bool;
 override HAS_OCCLUSION: bool;
 override HAS_ALPHA: bool;
 override HAS_ALBEDO: bool;
-// Whether the albedo was multiplied by coverage.
+// Whether the albedo is premultiplied by coverage.
 override ALBEDO_IS_COVERED: bool;
-// What is looked up once per pixel.
+// Look-ups made once per pixel.
 override PREFILTERED: bool;
 override MIRRORED: bool;
 override GLASS: bool;
@@ -55,7 +55,7 @@ fn set_grain() {
     let n = pixel.normal.vector;
     let x = params.grain_x;
     let y = params.grain_y;
-    // The part of (x, y, 0) that is square to the normal; where there is none any tangent will do.
+    // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
     let along = x * n.x + y * n.y;
     let tangent = vec3<f32>(x - along * n.x, y - along * n.y, -along * n.z);
     let square = scalar_product(tangent, tangent);
@@ -79,7 +79,7 @@ fn find_kappa(i: u32) {
     pixel.kappa = mapped_curvature(trace, chosen[GAIN]);
 }
 
-// What is known of the pixel before any light comes.
+// Prepares the light-independent state of the pixel.
 fn prepare(i: u32, column: u32, row: u32) {
     pixel.normal.vector = vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
     let to_eye = vec2<f32>(
@@ -143,7 +143,7 @@ fn add(light: Arriving, color: vec3<f32>) {
     }
 }
 
-// Adds lights that are as strong at every pixel.
+// Adds lights of uniform intensity.
 fn add_even(first: u32, count: u32) {
     for (var k = 0u; k < count; k++) {
         let at = first + 3u * k;
@@ -152,7 +152,7 @@ fn add_even(first: u32, count: u32) {
     }
 }
 
-// Adds the light at a point.
+// Adds a point light.
 fn add_near(position: vec3<f32>, color: vec3<f32>) {
     let to = position - pixel.point;
     let square = scalar_product(to, to);
@@ -165,7 +165,7 @@ fn add_near(position: vec3<f32>, color: vec3<f32>) {
     add(Arriving(direction, half_vector(direction), inverse), color);
 }
 
-// Where a look-up is warped to.
+// The warped direction of a look-up.
 fn warped_lookup(toward: vec3<f32>) -> vec3<f32> {
     if !WARPS {
         return toward;
@@ -173,8 +173,8 @@ fn warped_lookup(toward: vec3<f32>) -> vec3<f32> {
     return warp_direction(warp_inverse(pixel.unwarp), half_vector(toward));
 }
 
-// The intensity of one of the even directions, looked up where it is warped to, and held back there as MOST_BRIGHTENED
-// says.
+// The intensity of one of the even directions, looked up where it is warped to, with its cosine limited by
+// MOST_BRIGHTENED.
 fn look_even_up(direction: vec3<f32>) -> vec3<f32> {
     let toward = warped_lookup(direction);
     let n = pixel.normal.vector;
@@ -190,7 +190,7 @@ fn look_even_up(direction: vec3<f32>) -> vec3<f32> {
 
 // The sum over single lights.
 fn add_lights() {
-    // Light from all around comes first: less of it arrives in corners.
+    // Light from all around comes first: occlusion dims only that.
     var at = 0u;
     add_even(at, params.around_count);
     at += 3u * params.around_count;
@@ -215,7 +215,7 @@ fn add_lights() {
     }
 }
 
-// What a map shows toward a direction, warped, times a share, scaled by its own brightness.
+// The radiance of a map from a warped direction, times a share, scaled by its own brightness.
 fn seen(map: Map, direction: vec3<f32>, share: f32, curve: vec2<f32>) -> vec3<f32> {
     let found = radiance(map, warped_lookup(direction));
     var counts = share;
@@ -225,7 +225,7 @@ fn seen(map: Map, direction: vec3<f32>, share: f32, curve: vec2<f32>) -> vec3<f3
     return found * counts;
 }
 
-// Adds what is seen through glass; the share that it mirrors.
+// Adds light refracted through glass; returns the reflected share.
 fn add_refracted(share: f32) -> f32 {
     let n = pixel.normal.vector;
     let eye = pixel.to_eye.vector;
@@ -237,7 +237,7 @@ fn add_refracted(share: f32) -> f32 {
     } else {
         let inside = 1.0 - (1.0 - cosine * cosine) / (params.ior * params.ior);
         if inside >= 0.0 {
-            // Snell: what lies across the normal shrinks by the index.
+            // Snell: the component along the surface shrinks by the index.
             let along = cosine / params.ior - sqrt(inside);
             through = along * n - eye / params.ior;
         } else {
@@ -248,7 +248,7 @@ fn add_refracted(share: f32) -> f32 {
     return share * mirrored_share;
 }
 
-// Adds the colours of the lit sphere, or of both mixed by curvature. They hold their own gains.
+// Adds the colours of the lit sphere, or of both blended by curvature. They include gains of their own.
 fn add_spheres() {
     let own = 1.0 / max(params.diffuse_gain, MIN_POSITIVE);
     let toward = warped_lookup(pixel.normal.vector);
@@ -266,13 +266,13 @@ fn add_spheres() {
     diffuse += color * sigma * own;
 }
 
-// Adds what is looked up once per pixel to the sums.
+// Adds the look-ups of the pixel to the sums.
 fn add_lookups() {
     let gain = params.environment_gain;
     if PREFILTERED {
         diffuse += seen(first_map(), pixel.normal.vector, gain * pixel.occlusion, pixel.diffuse_curve);
         if PHONG {
-            // The lobe of a sum over lights is 1 at its brightest; the map's holds as much as a cosine.
+            // In a sum over lights the lobe peaks at 1; in the map it has the energy of a cosine.
             specular += seen(second_map(), pixel.mirrored.vector, gain * params.map_lobe, pixel.specular_curve);
         }
     }
@@ -288,7 +288,7 @@ fn add_lookups() {
     }
 }
 
-// Premultiplies, and keeps what no picture holds out of it.
+// Premultiplies, and clamps to finite values.
 fn premultiplied(shown: f32, coverage: f32) -> f32 {
     let covering = shown * coverage;
     if is_nan(covering) {
@@ -297,22 +297,22 @@ fn premultiplied(shown: f32, coverage: f32) -> f32 {
     return clamp(covering, -F32_MAX, F32_MAX);
 }
 
-// What the pixel shows: terms by their gains, contrast, tones, coverage.
+// Combines the terms: gains, contrast, tones, coverage.
 fn compose(i: u32) {
     add_lookups();
-    // Ambient light is 1 in the open, and occlusion where there is any.
+    // The intensity of ambient light is 1 in the open, else the occlusion.
     var ambient = params.ambient * pixel.occlusion;
     if SCALES {
         ambient *= scaling_curve_at(pixel.ambient_curve, pixel.occlusion, params.invariant_point);
     }
     var shown = ambient + params.diffuse_gain * diffuse;
     if HAS_CONTRAST {
-        // The contrast of a warp is the inverse of that of its inverse.
+        // The contrast of a warp is the reciprocal of that of its inverse.
         let factor = contrast(pixel.unwarp, -params.contrast);
         shown *= factor;
         specular *= factor;
     }
-    // A cartoon has few tones of light; other few tones are of what is seen.
+    // Toon quantises the light; for other materials the visible colour is quantised.
     if FEW_TONES && TOON {
         shown *= tone_factor(luminance(shown));
     }
@@ -323,7 +323,7 @@ fn compose(i: u32) {
     if HAS_ALBEDO {
         var albedo = vec3<f32>(red[i], green[i], blue[i]);
         if ALBEDO_IS_COVERED && coverage > 0.0 {
-            // Layers are multiplied by coverage, as what is shown will be once more.
+            // Divides the albedo by coverage, which the result is multiplied by once more.
             albedo *= 1.0 / coverage;
         }
         shown *= albedo;

@@ -1,10 +1,10 @@
-//! Pixels that a surface covers in small part: too little to have a normal of their own, enough to be seen.
+//! Pixels with little coverage: too little for a normal of their own, enough to be visible.
 
 use crate::frame::{ColorPlanes, Mask, Plane};
 use rayon::prelude::*;
 
-/// Gives the pixels that alpha tells are partly covered, and the mask leaves out, the mean light of the
-/// covered ones around them. Left as they were they would keep the old light as a seam.
+/// Sets pixels that are partly covered by alpha but outside the mask to the mean light of the covered ones around them.
+/// Left unchanged they would keep the old light as a seam.
 pub(crate) fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
     let planes = [&color.r, &color.g, &color.b];
     let rows = (0..mask.height()).into_par_iter();
@@ -25,7 +25,7 @@ pub(crate) fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
     }
 }
 
-/// The mean colour, not multiplied by alpha, of the covered pixels that touch the one at (`x`, `y`).
+/// The mean colour, divided by alpha, of the covered pixels that touch the one at (`x`, `y`).
 fn light_around(
     planes: [&Plane; 3],
     alpha: &Plane,
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_rim_is_lit_as_its_neighbours_and_as_much_as_it_is_covered() {
-        // Covered: column 0 in full, light 0.8. Column 1 is covered by a quarter, column 2 by none.
+        // Column 0 is fully covered, light 0.8. Column 1 is covered by a quarter, column 2 not at all.
         let alpha = Plane::from_fn(3, 3, |x, _| [1.0, 0.25, 0.0][x]);
         let mask = Mask::new(Plane::from_fn(3, 3, |x, _| x == 0));
         let old = Plane::from_fn(3, 3, |x, _| [0.8, 9.0, 7.0][x]);

@@ -1,4 +1,4 @@
-//! What all batches of a frame in new light share.
+//! State shared by all batches of a relit frame.
 
 use crate::frame::{ColorPlanes, Frame, Mask, SightLines, Vector2Planes};
 use crate::light::lights::{DirectionalLight, PointLight};
@@ -9,7 +9,7 @@ use crate::light::sum::Shading;
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
 
-/// Which of [`crate::light::batch::Pixels::curves`] scales a term.
+/// The curve among [`crate::light::batch::Pixels::curves`] that scales a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Term {
     Ambient,
@@ -17,13 +17,13 @@ pub(crate) enum Term {
     Specular,
 }
 
-/// Everything that all batches share.
+/// State shared by all batches.
 pub(crate) struct Scene<'a> {
     pub(super) frame: &'a Frame,
     pub(super) relighting: &'a Relighting,
-    /// Curvature, where it is needed.
+    /// Curvature, if needed.
     pub(super) curvature: Option<Curvature<'a>>,
-    /// Grain in the picture, where it follows the curvature.
+    /// Grain direction in the picture, if it follows the curvature.
     pub(super) grain: Option<&'a Vector2Planes>,
     pub(super) albedo: Option<&'a ColorPlanes>,
     /// Curvature gain.
@@ -31,7 +31,7 @@ pub(crate) struct Scene<'a> {
     pub(super) magnitudes: Magnitudes,
     pub(super) invariant_point: f32,
     pub(super) luminance: [f32; 3],
-    /// How single lights act; `None` where none are summed.
+    /// Shading by single lights; `None` if none are summed.
     pub(super) shading: Option<Shading>,
     /// Whether anything adds to specular light.
     pub(super) is_glossy: bool,
@@ -39,11 +39,11 @@ pub(crate) struct Scene<'a> {
     pub(super) points: &'a [PointLight],
     pub(super) sight: SightLines,
     pub(super) around: Illuminants<'a>,
-    /// What mirrors and lenses show, where that is more than the environment.
+    /// The scene seen in mirrors and lenses, if it is more than the environment.
     pub(super) mirrors: Option<Mirrors<'a>>,
-    /// The pixels that are lit.
+    /// The pixels to light.
     pub(super) lit: &'a Mask,
-    /// Direction to the eye per column and row, of z 1; `None` for parallel sight lines.
+    /// Direction to the eye per column and row, scaled to z = 1; `None` for parallel sight lines.
     pub(super) eye: Option<[Vec<f32>; 2]>,
     pub(super) tones: Option<Quantisation>,
 }

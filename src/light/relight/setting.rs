@@ -1,4 +1,4 @@
-//! What relighting takes: which lights are summed, what is looked up, what of shape that asks for.
+//! Requirements of relighting: lights to sum, look-ups, and the shape they need.
 
 use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
@@ -8,21 +8,21 @@ use crate::params::{
 };
 use crate::plan::available::Available;
 
-/// Which kinds of light there are.
+/// The kinds of light present.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LightKinds {
-    /// Lights from one direction, area lights among them.
+    /// Directional lights, area lights included.
     pub directional: bool,
-    /// Lights at a point.
+    /// Point lights.
     pub points: bool,
     /// An environment.
     pub environment: bool,
-    /// Lit spheres: one, or one for convexities and one for concavities.
+    /// Lit spheres: one, or two for convexities and concavities.
     pub lit_spheres: u8,
 }
 
 impl LightKinds {
-    /// Those in some light.
+    /// The kinds present in `light`.
     pub fn in_light(light: &Illumination) -> Self {
         Self {
             directional: !light.directional.is_empty(),
@@ -33,69 +33,69 @@ impl LightKinds {
     }
 }
 
-/// How an environment is used.
+/// Use of an environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum EnvironmentUse {
-    /// There is none, or nothing asks for it.
+    /// No environment, or not needed.
     None,
-    /// As this many lights, where most of its light is.
+    /// As this many lights, placed where most of its light is.
     Lights(u32),
     /// Looked up in this many even directions.
     Lookups(u32),
-    /// Prefiltered, looked up once per lobe.
+    /// Prefiltered, with one look-up per lobe.
     Prefiltered,
-    /// Itself, in the mirrored or refracted direction.
+    /// Looked up in the mirrored or refracted direction.
     Mirrored,
 }
 
-/// Where the albedo comes from.
+/// Source of the albedo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Albedo {
     /// A layer or file.
     Layer,
-    /// The picture, by the shading that fits it best.
+    /// The picture divided by the best-fitting shading.
     Estimate,
-    /// The picture as it is.
+    /// The picture unchanged.
     Picture,
     /// White.
     White,
 }
 
-/// How a frame is lit anew.
+/// Relighting of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Relighting {
-    /// What was asked for. Mirrors, glass and lit spheres get no even light: what they show holds all light.
+    /// The parameters given. Ambient light is off for mirrors, glass and lit spheres, which show all light already.
     pub params: RelightParams,
-    /// Whether directions are warped: asked for, and not by 0.
+    /// Whether directions are warped, with a strength other than 0.
     pub warps: bool,
-    /// Whether reflected light is scaled: asked for, and not by 0.
+    /// Whether reflected light is scaled, with a magnitude other than 0.
     pub scales: bool,
     /// Whether concavities and convexities differ in contrast.
     pub contrasts: bool,
     /// Whether the mapping of curvature depends on the direction of light.
     pub toward_light: bool,
-    /// Whether a grain follows the curvature.
+    /// Whether the grain follows the curvature.
     pub grain: bool,
     /// Whether single lights are summed.
     pub sums: bool,
-    /// What the environment is used for.
+    /// Use of the environment.
     pub environment: EnvironmentUse,
-    /// How many lit spheres.
+    /// Number of lit spheres.
     pub lit_spheres: u8,
-    /// Whether mirrors and lenses show what is traced around them.
+    /// Whether mirrors and lenses show their traced surroundings.
     pub traced: bool,
-    /// Where the albedo comes from.
+    /// Source of the albedo.
     pub albedo: Albedo,
-    /// What the albedo is estimated by, where that was found in the whole picture of which the frame is a strip.
+    /// The albedo fit of the whole picture, if the frame is a strip of it.
     pub(crate) estimate: Option<AlbedoEstimate>,
 }
 
 impl Relighting {
-    /// The way to light a frame with `available` inputs by lights of these `kinds`.
+    /// Resolves how to light a frame with `available` inputs by lights of these `kinds`.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials
-    /// that lack what they need.
+    /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials that lack
+    /// required inputs.
     pub(crate) fn new(
         mut params: RelightParams,
         scaling: &ScalingParams,
@@ -145,12 +145,12 @@ impl Relighting {
         })
     }
 
-    /// Whether shape is asked for at all.
+    /// Whether any shape is needed.
     pub(crate) fn needs_shape(&self) -> bool {
         self.warps || self.scales || self.grain || self.lit_spheres == 2
     }
 
-    /// Whether the trace of the Hessian is not enough.
+    /// Whether the full Hessian is needed rather than its trace.
     pub(crate) fn needs_hessian(&self) -> bool {
         self.warps || self.toward_light
     }
@@ -160,7 +160,7 @@ impl Relighting {
         self.warps || self.scales || self.lit_spheres == 2
     }
 
-    /// Whether the Jacobian of the inverse warp is needed: for lights that were sampled before.
+    /// Whether the Jacobian of the inverse warp is needed: for lights sampled beforehand.
     pub(crate) fn has_jacobian(&self) -> bool {
         self.warps && self.sums && !matches!(self.environment, EnvironmentUse::Lookups(_))
     }
@@ -178,7 +178,7 @@ fn mirrors(material: Material) -> bool {
     matches!(material, Material::Mirror | Material::Glass)
 }
 
-/// Whether what is looked up is the whole of what is shown.
+/// Whether look-ups give the complete result.
 fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
     mirrors(material) || kinds.lit_spheres > 0
 }
@@ -231,7 +231,7 @@ fn refuse_what_lacks(
     Ok(())
 }
 
-/// The cheapest way that the material and the method allow, unless another was asked for.
+/// The cheapest use of the environment that material and method allow, unless one was given.
 fn environment_use(
     params: &RelightParams,
     warps: bool,
@@ -283,7 +283,7 @@ fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Re
 mod tests {
     use super::*;
 
-    /// The even light that is left, of 0.1 asked for.
+    /// The remaining ambient light, if 0.1 was given.
     fn even_light(material: Material, kinds: LightKinds) -> f32 {
         let mut params = RelightParams::default();
         params.material.material = material;

@@ -1,5 +1,5 @@
-//! Lighting one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors
-//! that the machine has.
+//! Lighting of one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors of the
+//! machine.
 
 use crate::engine::cpu::simd::widened;
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
@@ -18,10 +18,10 @@ use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
 use crate::shape::curvature::mapped_curvature;
 
-/// Squared length below which the grain points along the normal, and is no tangent.
+/// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
 
-/// Lights from which on it pays to know which way a batch faces.
+/// Number of lights from which computing the batch's normal cone pays off.
 const WORTH_A_CONE: usize = 4;
 
 /// Lights the pixels of a batch.
@@ -37,7 +37,7 @@ widened! {
     fn light_batch(batch: &mut Batch, scene: &Scene);
 }
 
-/// What is known of the pixels before any light comes.
+/// Prepares the light-independent state of the pixels.
 #[inline(always)]
 fn prepare(batch: &mut Batch, scene: &Scene) {
     let relighting = scene.relighting;
@@ -104,7 +104,7 @@ fn find_kappa(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// The scaling curve of every term there is; terms of one magnitude share it.
+/// The scaling curve of every active term; terms of equal magnitude share one.
 #[inline(always)]
 fn set_curves(batch: &mut Batch, scene: &Scene) {
     find_kappa(batch, scene);
@@ -135,7 +135,7 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Layers are multiplied by coverage, as what is shown will be once more.
+/// Divides layers by coverage, which the result is multiplied by once more.
 #[inline(always)]
 fn demodulate(batch: &mut Batch) {
     for i in 0..BATCH {
@@ -174,7 +174,7 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
             Some(_) => [batch.grain[0][i], batch.grain[1][i]],
             None => [cosine, sine],
         };
-        // The part of (x, y, 0) that is square to the normal; where there is none any tangent will do.
+        // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
         let along = x * n[0] + y * n[1];
         let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
         let square = tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
@@ -201,7 +201,7 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
-    // Light from all around comes first: less of it arrives in corners.
+    // Light from all around comes first: occlusion dims only that.
     add_even(batch, shading, scene.around.lights());
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
@@ -235,7 +235,7 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     batch.sum.finish(&batch.pixels, shading);
 }
 
-/// Adds lights that are as strong at every pixel.
+/// Adds lights of uniform intensity.
 #[inline(always)]
 fn add_even(batch: &mut Batch, shading: &Shading, lights: &[DirectionalLight]) {
     for light in lights {
@@ -248,7 +248,7 @@ fn add_even(batch: &mut Batch, shading: &Shading, lights: &[DirectionalLight]) {
     }
 }
 
-/// Directions to a light at `position`, and what arrives of it.
+/// Directions to a light at `position`, and its attenuation.
 #[inline(always)]
 fn approach(batch: &mut Batch, position: [f32; 3]) {
     let ([x, y, z], share) = &mut batch.near;
@@ -268,8 +268,8 @@ fn approach(batch: &mut Batch, position: [f32; 3]) {
     }
 }
 
-/// The intensities of one of the even directions, looked up where it is warped to ([LW] equation 1), and held
-/// back there as [`MOST_BRIGHTENED`] says.
+/// The intensities of one of the even directions, looked up where it is warped to ([LW] equation 1), with cosines
+/// limited by [`MOST_BRIGHTENED`].
 #[inline(always)]
 fn look_even_up(
     batch: &mut Batch,
@@ -303,7 +303,7 @@ fn look_even_up(
     }
 }
 
-/// What the pixels show: terms by their gains, contrast, tones, coverage.
+/// Combines the terms: gains, contrast, tones, coverage.
 #[inline(always)]
 fn compose(batch: &mut Batch, scene: &Scene) {
     let material = &scene.params().material;
@@ -315,7 +315,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     let ambient = batch.pixels.curve(Term::Ambient as usize);
     let alpha = scene.invariant_point;
     for i in 0..BATCH {
-        // Ambient light is 1 in the open ([RS] section 5.1), and occlusion where there is any.
+        // The intensity of ambient light is 1 in the open ([RS] section 5.1), else the occlusion.
         let open = batch.occlusion[i];
         let sigma = if scales {
             ambient.at(i).at(open, alpha)
@@ -332,7 +332,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     if scene.relighting.contrasts {
         enhance_contrast(batch, scene);
     }
-    // A cartoon has few tones of light; other few tones are of what is seen.
+    // Toon quantises the light; for other materials the visible colour is quantised.
     let is_toon = material.material == Material::Toon;
     if is_toon {
         quantize_tones(batch, scene);
@@ -351,13 +351,13 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Contrast by curvature ([LW] equation 3), of diffuse light and of specular light.
+/// Contrast by curvature ([LW] equation 3), for diffuse and specular light.
 #[inline(always)]
 fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
     let gamma = scene.params().warping.contrast;
     let [xx, xy, yy] = &batch.pixels.unwarp;
     for i in 0..BATCH {
-        // The contrast of a warp is the inverse of that of its inverse.
+        // The contrast of a warp is the reciprocal of that of its inverse.
         let inverse = Warp {
             xx: xx[i],
             xy: xy[i],
@@ -372,7 +372,7 @@ fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Quantises what is shown so far, where few tones are asked for.
+/// Quantises the colours so far, if a number of tones is given.
 #[inline(always)]
 fn quantize_tones(batch: &mut Batch, scene: &Scene) {
     let Some(tones) = scene.tones else {
@@ -395,7 +395,7 @@ fn cover(lanes: &mut Lanes, alpha: &Lanes) {
     }
 }
 
-/// A channel times coverage, kept to what a picture holds.
+/// A channel times coverage, clamped to finite values.
 #[inline(always)]
 pub(crate) fn premultiplied(shown: f32, coverage: f32) -> f32 {
     (shown * coverage).clamp(-f32::MAX, f32::MAX)

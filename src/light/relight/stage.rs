@@ -1,4 +1,4 @@
-//! New light: one stage, since all of it is made in one sweep over the pixels.
+//! Relighting: a single stage, since it is done in one sweep over the pixels.
 
 use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
@@ -6,12 +6,12 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
-/// Pixels that are covered in part take light from their neighbours.
+/// Partly covered pixels take light from their neighbours.
 const RIM_REACH: usize = 1;
 
 /// New light.
 pub(crate) static RELIGHT: Stage = Stage {
-    // Even light alone is none of the steps.
+    // Ambient light alone has no step.
     also_runs: |plan| plan.relighting.is_some(),
     takes: |plan| plan.relighting.as_ref().map_or_else(Vec::new, takes),
     reach_px: |_| RIM_REACH,
@@ -71,7 +71,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// What of the shape new light takes: of what is not altered by it, nothing.
+/// Products of the shape stages that relighting needs; none where the light is not modified by shape.
 fn takes(relighting: &Relighting) -> Vec<Product> {
     let curvature = match (relighting.needs_hessian(), relighting.needs_gain()) {
         (true, _) => Some(Product::Hessian),

@@ -1,5 +1,5 @@
-//! Mirrors and lenses that show what is around them: each sight line is bent, warped, followed, and what it meets
-//! is scaled by its own brightness.
+//! Mirrors and lenses that show their surroundings: each sight line is bent, warped and traced, and the light at its
+//! hit is scaled by its own brightness.
 
 use crate::frame::luminance;
 use crate::frame::{Frame, Ray};
@@ -13,7 +13,7 @@ use crate::light::relight::scene::{Scene, Term};
 use crate::params::{Bend, Material, MaterialParams};
 use glam::{DVec3, Vec3};
 
-/// Adds what the pixels of a batch mirror and refract.
+/// Adds the light that the pixels of a batch mirror and refract.
 pub(crate) fn add_traced(
     batch: &mut Batch,
     scene: &Scene,
@@ -59,7 +59,7 @@ pub(crate) fn add_traced(
             }
             *shares += share;
         }
-        // What is not met counts as what is; where nothing is met the picture stays.
+        // Rays without a hit count as the mean of the others; without any hit the picture stays.
         let shown = match sum {
             Some((sum, shares)) => sum.map(|channel| channel / shares),
             None => own_color(scene.frame, at),
@@ -70,7 +70,7 @@ pub(crate) fn add_traced(
     }
 }
 
-/// How light that is seen at this cosine is shared between ways to go on.
+/// The shares of light seen at this cosine that are mirrored and transmitted.
 fn shares(cosine: f32, material: &MaterialParams) -> impl Iterator<Item = (f32, Option<Bend>)> {
     let mirror = Some(Bend::Mirror);
     let both = match material.material {
@@ -87,7 +87,7 @@ fn shares(cosine: f32, material: &MaterialParams) -> impl Iterator<Item = (f32, 
     both.into_iter().filter(|(share, _)| *share > 0.0)
 }
 
-/// One pixel and what it may show.
+/// One pixel and the sources of its light.
 struct Pixel<'a> {
     mirrors: &'a Mirrors<'a>,
     environment: Option<(&'a Map, f32)>,
@@ -96,7 +96,7 @@ struct Pixel<'a> {
 }
 
 impl Pixel<'_> {
-    /// The radiance that comes this way; by the way of the tracer itself where no other is named.
+    /// The radiance along a ray bent by `bend`, by default that of the tracer.
     fn shown(&self, bend: Option<Bend>) -> Option<[f32; 3]> {
         let tracer = &self.mirrors.tracer;
         let [x, y] = self.at;
@@ -130,7 +130,7 @@ impl Pixel<'_> {
     }
 }
 
-/// What the picture shows, without its coverage; black where there is no picture.
+/// The picture's colour divided by coverage; black without a picture.
 fn own_color(frame: &Frame, [x, y]: [usize; 2]) -> [f32; 3] {
     let alpha = frame.alpha.as_ref().map_or(1.0, |alpha| alpha.at(x, y));
     let cover = if alpha > 0.0 { alpha } else { 1.0 };

@@ -1,13 +1,12 @@
-//! The sum over lights: what each of many lights adds to a batch of pixels.
+//! The sum over lights: the contribution of many lights to a batch of pixels.
 //!
-//! Theory: [RS] equation 3, `sum of rho_j(l) sigma_j(l) L_j(l)` over terms j and lights; with light warping
-//! [LW] equation 2, in which rho is asked for the unwarped direction `l = W^-1(l')` of a light l', and the
-//! Jacobian of the inverse weighs it. Changes: a warp is linear in the half vector h of light and viewer
-//! (see [`super::light_warping`]), so unwarped directions are never made: with `g = (Lambda^-1 h_xy, h_z)`
-//! the scalar product of one with a vector a is `2 h_z (a . g) / |g|^2 - a_z`. What of this belongs to the
-//! pixel alone is prepared once (`Pixels`); what is left per light is some twenty operations and a
-//! division. A light counts only where it is above the surface both as it stands and as unwarped ([LW]
-//! section 6.1), and fades toward that edge (`MOST_BRIGHTENED`).
+//! Theory: [RS] equation 3, `sum of rho_j(l) sigma_j(l) L_j(l)` over terms j and lights; with light warping [LW]
+//! equation 2, which evaluates rho at the unwarped direction `l = W^-1(l')` of a light l', weighted by the Jacobian of
+//! the inverse. Changes: a warp is linear in the half vector h of light and viewer (see [`super::light_warping`]), so
+//! unwarped directions are never computed: with `g = (Lambda^-1 h_xy, h_z)` the dot product of one with a vector a is
+//! `2 h_z (a . g) / |g|^2 - a_z`. The parts that depend on the pixel only are prepared once (`Pixels`); each light then
+//! costs some twenty operations and a division. A light counts only where it is above the surface both as given and
+//! unwarped ([LW] section 6.1), and fades toward that edge (`MOST_BRIGHTENED`).
 //!
 //! Use: `LightSum::add` light by light, then read the sums.
 
@@ -22,25 +21,25 @@ use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
 use terms::{Arriving, Scratch, Terms};
 
-/// Light from one direction, or from a point at another one for every pixel.
+/// A directional light, or a point light with a different direction at every pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Incoming<'a> {
     /// Unit direction to the light.
     From([f32; 3]),
-    /// Unit directions by pixel, with the share of the intensity that arrives.
+    /// Unit directions by pixel, with the attenuation.
     Near(&'a [Lanes; 3], &'a Lanes),
 }
 
 /// The intensity of a light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Intensity<'a> {
-    /// Red, green and blue.
+    /// Red, green and blue, the same for all pixels.
     Even([f32; 3]),
-    /// Red, green and blue by pixel: what was looked up in an environment.
+    /// Red, green and blue by pixel, looked up in an environment.
     LookedUp(&'a [Lanes; 3]),
 }
 
-/// Lights whose terms wait to be added together: the sums are then read and written once for all.
+/// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
 const GROUP: usize = 4;
 
 /// The sums of a batch, and the terms of the lights being added.
@@ -48,7 +47,7 @@ const GROUP: usize = 4;
 pub(crate) struct LightSum {
     /// Red, green and blue of diffusely reflected light, of albedo 1; complete after [`LightSum::finish`].
     pub diffuse: [Lanes; 3],
-    /// Red, green and blue of specularly reflected light, likewise.
+    /// Red, green and blue of specularly reflected light; complete after [`LightSum::finish`].
     pub specular: [Lanes; 3],
     waiting: usize,
     colors: [[f32; 3]; GROUP],
@@ -77,7 +76,7 @@ impl LightSum {
         }
     }
 
-    /// Forgets the lights.
+    /// Resets the sums.
     pub(crate) fn clear(&mut self) {
         self.diffuse = [ZERO; 3];
         self.specular = [ZERO; 3];
@@ -151,7 +150,7 @@ impl LightSum {
         }
     }
 
-    /// Lets only this share of the diffuse light that was added so far count.
+    /// Multiplies the diffuse light added so far by `share`.
     #[inline(always)]
     pub(crate) fn dim(&mut self, share: &Lanes, shading: &Shading) {
         self.gather_waiting(shading.lobes.are_glossy());
@@ -175,7 +174,7 @@ impl LightSum {
         }
     }
 
-    /// Adds the lights that wait for more.
+    /// Adds the buffered lights.
     #[inline(always)]
     fn gather_waiting(&mut self, glossy: bool) {
         for k in 0..self.waiting {
@@ -188,7 +187,7 @@ impl LightSum {
         self.waiting = 0;
     }
 
-    /// Adds a full group, light after light: the same bits as one by one.
+    /// Adds a full group in order: the same bits as one by one.
     #[inline(always)]
     fn gather_group(&mut self, glossy: bool) {
         let [a, b, c, d] = &self.terms;

@@ -1,6 +1,7 @@
-// A pixel, and what is known of it before any light comes.
+// A pixel, and its light-independent state.
 
-// A vector, and its x and y times the inverse of Lambda: what its scalar product with an unwarped direction takes.
+// A vector, and its x and y multiplied by the inverse of Lambda: the inputs of its dot product with an unwarped
+// direction.
 struct Axis {
     vector: vec3<f32>,
     unwarped: vec2<f32>,
@@ -29,13 +30,13 @@ struct Pixel {
     specular_curve: vec2<f32>,
     // Ambient occlusion, 1 in the open.
     occlusion: f32,
-    // Where in view space the surface lies.
+    // View-space position of the surface.
     point: vec3<f32>,
 }
 
 var<private> pixel: Pixel;
 
-// Warp, Jacobian and scaling, as they are asked for.
+// Whether to warp, weigh by the Jacobian, and scale.
 override WARPS: bool;
 override HAS_JACOBIAN: bool;
 override SCALES: bool;

@@ -1,16 +1,16 @@
-//! What the lights of a run act through: lobes, their powers, warping and scaling.
+//! How the lights of a run act: lobes, their exponents, warping and scaling.
 
 use crate::fast_math::{exp, ln};
 use crate::light::batch::{Lanes, Pixels};
 use crate::light::brdf::AshikhminShirley;
 use crate::params::{Material, MaterialParams};
 
-/// How lights act on the pixels of a run: everything that all batches share.
+/// Shading by lights, shared by all batches of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shading {
     /// Whether directions are warped.
     pub warped: bool,
-    /// Radiance scaling, where there is any.
+    /// Radiance scaling, if any.
     pub scaled: Option<Scaled>,
     /// The lobes.
     pub lobes: Lobes,
@@ -21,7 +21,7 @@ pub(crate) struct Shading {
 pub(crate) struct Scaled {
     /// Scaling-invariant point.
     pub invariant_point: f32,
-    /// The mapping of curvature, where it depends on the direction of light.
+    /// The mapping of curvature, if it depends on the direction of light.
     pub toward_light: Option<TowardLight>,
 }
 
@@ -39,19 +39,19 @@ pub(crate) struct TowardLight {
 /// The lobes of a material under lights.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Lobes {
-    /// The cosine to a power: 1 is Lambert.
+    /// The cosine to a power; 1 is Lambert.
     Diffuse {
-        /// The power zeta.
+        /// The exponent zeta.
         power: Exponent,
     },
     /// Lambert, and Phong's lobe about the mirrored view.
     Phong {
-        /// The power eta.
+        /// The exponent eta.
         power: Exponent,
     },
     /// Lambert, and Blinn's lobe about the normal.
     BlinnPhong {
-        /// The power eta, halved: of the square of the cosine.
+        /// The exponent eta, halved, since it applies to the square of the cosine.
         power: Exponent,
         /// Whether the viewer is far away, along z at every pixel.
         far: bool,
@@ -61,7 +61,7 @@ pub(crate) enum Lobes {
 }
 
 impl Lobes {
-    /// Those of a material that lights can be summed on; `None` for a mirror and for glass.
+    /// The lobes of a material lit by a sum over lights; `None` for mirrors and glass.
     pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
         match params.material {
             Material::Lambert | Material::Toon => Some(Self::Diffuse {
@@ -84,7 +84,7 @@ impl Lobes {
         }
     }
 
-    /// Follows the vectors that these lobes take, beside the normal, under the inverse warps.
+    /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
     #[inline(always)]
     pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
         let unwarp = &pixels.unwarp;
@@ -100,13 +100,13 @@ impl Lobes {
         }
     }
 
-    /// Whether there is more than the diffuse lobe.
+    /// Whether there is a lobe other than the diffuse one.
     pub(crate) fn are_glossy(&self) -> bool {
         !matches!(self, Self::Diffuse { .. })
     }
 }
 
-/// How far a lobe of this material, 1 at its brightest, may be off where a cosine is off by so much.
+/// Largest error of a lobe of this material, with peak 1, for a given error of a cosine.
 pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
     let largest = |exponent: f32| f64::from(exponent) * cosine_error;
     match params.material {
@@ -117,20 +117,20 @@ pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
     }
 }
 
-/// An exponent: whole ones that are not large take multiplications alone.
+/// An exponent: small integers are computed by multiplication.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Exponent {
-    /// A whole number from 1 on.
+    /// An integer from 1 on.
     Integer(u32),
-    /// Any number from 0 on.
+    /// Any non-negative number.
     Real(f32),
 }
 
 impl Exponent {
-    /// Largest whole exponent that is reached by multiplying: ten squarings, as dear as a logarithm.
+    /// Largest integer exponent computed by multiplication: ten squarings cost as much as a logarithm.
     const MOST: f32 = 1024.0;
 
-    /// The power with this exponent, at least 0.
+    /// The representation of this exponent, clamped to at least 0.
     pub(crate) fn of(exponent: f32) -> Self {
         if (1.0..=Self::MOST).contains(&exponent) && exponent.fract() == 0.0 {
             Self::Integer(exponent as u32)
@@ -139,7 +139,7 @@ impl Exponent {
         }
     }
 
-    /// Raises numbers from 0 to 1 to this power; 0 stays 0.
+    /// Raises numbers from 0 to 1 to this exponent; 0 stays 0.
     #[inline(always)]
     pub(crate) fn raise(self, base: &mut Lanes) {
         match self {
@@ -154,7 +154,7 @@ impl Exponent {
     }
 }
 
-/// Multiplies from the highest digit of the exponent on, a few lanes at a time in registers.
+/// Square-and-multiply from the highest bit of the exponent, a few lanes at a time in registers.
 #[inline(always)]
 fn raise_to_whole(base: &mut Lanes, exponent: u32) {
     let digits = u32::BITS - exponent.leading_zeros();

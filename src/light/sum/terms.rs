@@ -1,4 +1,4 @@
-//! What one light does at every pixel of a batch: arrive, be reflected by the lobes, be scaled.
+//! The terms of one light at every pixel of a batch: arrival, reflection by the lobes, scaling.
 
 use super::shading::{Exponent, Lobes, Scaled, Shading, TowardLight};
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
@@ -7,7 +7,7 @@ use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;
 
-/// Squared length below which a light lies opposite to the eye, and has no half vector with it.
+/// Squared length below which a light is opposite the eye, and has no half vector with it.
 pub(crate) const SHORTEST: f32 = 1e-12;
 
 /// The contribution of one light at every pixel, without its colour.
@@ -20,17 +20,17 @@ pub(super) struct Terms {
 /// Inputs of the terms of one light.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
-    /// Jacobian (but for the pixel's share of it) and fall-off; 0 where the light is below the surface.
+    /// Jacobian (without the pixel's factor) and attenuation; 0 if the light is below the surface.
     weight: Lanes,
-    /// n . l, of no meaning where the weight is 0.
+    /// n . l, undefined where the weight is 0.
     cosine: Lanes,
     /// One over |g|^2.
     inverse: Lanes,
     /// The intensity of the glossy lobe, 0..1.
     lobe: Lanes,
-    /// Scalar products of l and other vectors.
+    /// Dot products of l with other vectors.
     products: [Lanes; 3],
-    /// Scaling curves toward this light, where they depend on it.
+    /// Scaling curves for this light, if they depend on its direction.
     curves: [CurveLanes; 2],
 }
 
@@ -49,8 +49,8 @@ pub(crate) fn at_most_1(x: f32) -> f32 {
     if x < 1.0 { x } else { 1.0 }
 }
 
-/// A light by lane: its direction, its half vector with z, how much of it arrives; and whether it is known
-/// to be above the surface everywhere.
+/// A light by lane: its direction, its half vector with z, its attenuation; and whether it is known to be above the
+/// surface everywhere.
 #[derive(Clone, Copy)]
 pub(super) struct Arriving<D, H, S> {
     pub(super) direction: D,
@@ -70,17 +70,17 @@ impl Terms {
 
 /// An unwarped light at one pixel.
 pub(crate) struct Unwarped {
-    /// Jacobian, but for the pixel's share of it, and fall-off.
+    /// Jacobian, without the pixel's factor, and attenuation.
     pub(crate) weight: f32,
-    /// n . l, at most [`MOST_BRIGHTENED`] times that of the light as it stands.
+    /// n . l, at most [`MOST_BRIGHTENED`] times that of the light as given.
     pub(crate) cosine: f32,
     /// 1 / |g|^2.
     pub(crate) inverse: f32,
-    /// The square of n . h for an eye on the axis: there g is the half vector, but for its length.
+    /// The square of n . h for an eye on the axis: there g is the half vector up to its length.
     pub(crate) lobe: f32,
 }
 
-/// The light of the half vector [x, y, z], of which `share` arrives, unwarped at a pixel of the normal `n`, whose x and y under
+/// Unwarps the light with half vector [x, y, z] and attenuation `share` at a pixel with normal `n`, whose x and y under
 /// the inverse of Lambda are `g`; `squared` is the square of that inverse and `most` the largest cosine.
 #[inline(always)]
 pub(crate) fn arrive_unwarped(
@@ -104,8 +104,8 @@ pub(crate) fn arrive_unwarped(
     }
 }
 
-/// The scalar product of a vector and the direction of light: as it stands, or that of a half vector unwarped, where
-/// `inverse` is [`Unwarped::inverse`] and `unwarped` the vector's x and y under the inverse of Lambda.
+/// The dot product of a vector and the direction of light: as given, or for an unwarped half vector, where `inverse` is
+/// [`Unwarped::inverse`] and `unwarped` the vector's x and y under the inverse of Lambda.
 #[inline(always)]
 pub(crate) fn product(
     direction: [f32; 3],
@@ -122,7 +122,7 @@ pub(crate) fn product(
     }
 }
 
-/// x and y of the unwarped direction of light, where `inverse` is [`Unwarped::inverse`].
+/// x and y of the unwarped direction of light, with `inverse` from [`Unwarped::inverse`].
 #[inline(always)]
 pub(crate) fn unwarped_xy([xx, xy, yy]: [f32; 3], [x, y, z]: [f32; 3], inverse: f32) -> [f32; 2] {
     let twice = 2.0 * z * inverse;
@@ -136,8 +136,8 @@ pub(crate) fn half_vector_lobe(normal: [f32; 3], half: [f32; 3]) -> f32 {
     at_most_1(along * along)
 }
 
-/// The square of n . h, h half-way between light and an eye that is not on the axis, from the scalar products of light,
-/// eye and normal.
+/// The square of n . h, with h half-way between light and an eye off the axis, from the dot products of light, eye and
+/// normal.
 #[inline(always)]
 pub(crate) fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
     let along = positive(light_normal + normal_eye);
@@ -164,8 +164,7 @@ fn each_unwarped<D, H, S>(
     }
 }
 
-/// [`each_unwarped`], where `most` bounds, for a normal and the unwarped direction, how large the cosine may
-/// be.
+/// [`each_unwarped`], where `most` bounds the cosine, given a normal and the unwarped direction.
 #[inline(always)]
 fn each_below<D, H, S>(
     pixels: &Pixels,
@@ -201,7 +200,7 @@ impl Scratch {
         curves: [CurveLanes::FLAT; 2],
     };
 
-    /// Makes the diffuse and specular terms of a light.
+    /// Computes the diffuse and specular terms of a light.
     #[inline(always)]
     pub(super) fn reflect<D, H, S>(
         &mut self,
@@ -270,7 +269,7 @@ impl Scratch {
         }
     }
 
-    /// Weights and cosines of a light as it stands.
+    /// Weights and cosines of a light as given, without warping.
     #[inline(always)]
     fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
     where
@@ -284,7 +283,7 @@ impl Scratch {
         }
     }
 
-    /// The square of n . h as lobe, for an eye on the axis.
+    /// Sets the lobe to the square of n . h, for an eye on the axis.
     #[inline(always)]
     fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
         for i in 0..BATCH {
@@ -292,8 +291,7 @@ impl Scratch {
         }
     }
 
-    /// [`Scratch::arrive`] for a light whose direction is unwarped, with its Jacobian; with the lobe of an
-    /// eye on the axis.
+    /// [`Scratch::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
     #[inline(always)]
     fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
     where
@@ -315,8 +313,8 @@ impl Scratch {
         });
     }
 
-    /// [`Scratch::reflect`] in fewer steps, for lobes that take no further vector, of light that is warped
-    /// and not scaled. Whether that is the case.
+    /// [`Scratch::reflect`] in fewer steps, for lobes without further vectors, under light that is warped and not
+    /// scaled. Returns whether that applies.
     #[inline(always)]
     fn reflect_batched<D, H, S>(
         &mut self,
@@ -353,7 +351,7 @@ impl Scratch {
         true
     }
 
-    /// Scalar products with the vectors of `axis` as product `k`.
+    /// Dot products with the vectors of `axis`, as product `k`.
     #[inline(always)]
     fn product(
         &mut self,
@@ -379,7 +377,7 @@ impl Scratch {
         }
     }
 
-    /// The square of n . h as lobe, h half-way between light and an eye that is not on the axis.
+    /// Sets the lobe to the square of n . h, with h half-way between light and an eye off the axis.
     #[inline(always)]
     fn half_way(
         &mut self,
@@ -388,7 +386,7 @@ impl Scratch {
         direction: impl Fn(usize) -> [f32; 3] + Copy,
     ) {
         self.product(&pixels.to_eye, unwarped, direction, 0);
-        // The cosine may be held back, and is not here.
+        // Recomputed, since the stored cosine may be limited.
         self.product(&pixels.normal, unwarped, direction, 1);
         for i in 0..BATCH {
             let eye = scalar_product(pixels.normal.at(i), pixels.to_eye.at(i));
@@ -396,7 +394,7 @@ impl Scratch {
         }
     }
 
-    /// Scaling curves toward the light.
+    /// Scaling curves for the light's direction.
     #[inline(always)]
     fn curve_toward(
         &mut self,
@@ -429,7 +427,7 @@ impl Scratch {
         }
     }
 
-    /// The diffuse term: the cosine lobe, scaled as its own intensity asks.
+    /// The diffuse term: the cosine lobe, scaled by its own intensity.
     #[inline(always)]
     fn scale_cosine(&self, diffuse: &mut Lanes, pixels: &Pixels, shading: &Shading) {
         let Self { weight, cosine, .. } = self;
@@ -449,7 +447,7 @@ impl Scratch {
         }
     }
 
-    /// The specular term: `weigh(cosine, weight)` times the lobe, scaled as the lobe asks.
+    /// The specular term: `weigh(cosine, weight)` times the lobe, scaled by the lobe's intensity.
     #[inline(always)]
     fn scale_lobe(
         &self,
@@ -502,12 +500,12 @@ impl Scratch {
                 hu: (lu + scalar_product(pixels.along.at(i), eye)) * inverse,
                 hv: (lv + scalar_product(pixels.across.at(i), eye)) * inverse,
             };
-            // n . h, of what h has beside its parts along and across the grain.
+            // n . h, from the parts of h along and across the grain.
             let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
             self.lobe[i] = positive(1.0 - aside).sqrt();
             terms.diffuse[i] = self.weight[i] * brdf.diffuse(cosines.nl, ne);
             let specular = brdf.specular(cosines);
-            // Weights are 0 below the horizon, where the lobe may be anything.
+            // Weights are 0 below the horizon, where the lobe is undefined.
             let lit = self.weight[i] > 0.0;
             terms.specular[i] = if lit { self.weight[i] * specular } else { 0.0 };
         }

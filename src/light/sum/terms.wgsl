@@ -1,6 +1,6 @@
-// What one light does at a pixel, before its colour: arrive, be reflected by the lobes, be scaled.
+// The terms of one light at a pixel, before its colour: arrival, reflection by the lobes, scaling.
 
-// The material: Lambert's cosine or a power of it where none of these.
+// The material; Lambert's cosine or a power of it if none is set.
 override PHONG: bool;
 override BLINN_PHONG: bool;
 override ASHIKHMIN_SHIRLEY: bool;
@@ -9,7 +9,7 @@ override FAR_EYE: bool;
 // Whether the mapping of curvature depends on the direction of light.
 override TOWARD_LIGHT: bool;
 
-// A light: its direction, its half vector with z, how much of it arrives.
+// A light: its direction, its half vector with z, its attenuation.
 struct Arriving {
     direction: vec3<f32>,
     half: vec3<f32>,
@@ -21,11 +21,11 @@ struct Terms {
     specular: f32,
 }
 
-// What the terms of a light are made of.
+// Inputs of the terms of a light.
 struct Incidence {
-    // Jacobian, but for the pixel's share of it, and fall-off.
+    // Jacobian, without the pixel's factor, and attenuation.
     weight: f32,
-    // n . l, at most MOST_BRIGHTENED times that of the light as it stands.
+    // n . l, at most MOST_BRIGHTENED times that of the light as given.
     cosine: f32,
     // One over the squared length of the half vector under the inverse warp.
     inverse: f32,
@@ -47,8 +47,7 @@ fn half_vector_lobe(normal: vec3<f32>, half: vec3<f32>) -> f32 {
     return at_most_1(along * along);
 }
 
-// A light whose direction is unwarped, with its Jacobian, where the normal and the square of the inverse of Lambda (xx,
-// twice xy, yy) are given.
+// Unwarps a light, with its Jacobian, for the given normal and square of the inverse of Lambda (xx, twice xy, yy).
 fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Incidence {
     let n = normal.vector;
     let g = normal.unwarped;
@@ -70,7 +69,7 @@ fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Inciden
     );
 }
 
-// The scalar product of the direction of light, unwarped where it is warped, and a vector.
+// The dot product of the direction of light, unwarped if warping is on, with a vector.
 fn product(light: Arriving, inverse: f32, axis: Axis) -> f32 {
     if !HAS_JACOBIAN {
         return scalar_product(axis.vector, light.direction);
@@ -80,20 +79,20 @@ fn product(light: Arriving, inverse: f32, axis: Axis) -> f32 {
     return 2.0 * h.z * inverse * along - axis.vector.z;
 }
 
-// The square of n . h, h half-way between light and an eye that is not on the axis.
+// The square of n . h, with h half-way between light and an eye off the axis.
 fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
     let along = positive(light_normal + normal_eye);
     let squared = 2.0 + 2.0 * light_eye;
     return at_most_1(along * along / max(squared, SHORTEST));
 }
 
-// The power of the lobe of numbers from 0 to 1; 0 stays 0.
+// A number from 0 to 1 raised to the lobe's exponent; 0 stays 0.
 fn exponent_raise(x: f32) -> f32 {
     if params.whole_power == 0u {
         let power = exp_of(params.power * ln(max(x, MIN_POSITIVE)));
         return select(0.0, power, x > 0.0);
     }
-    // From the highest digit of the exponent on.
+    // From the highest bit of the exponent on.
     var power = x;
     for (var digit = firstLeadingBit(params.whole_power); digit > 0u; digit--) {
         power *= power;
@@ -104,13 +103,13 @@ fn exponent_raise(x: f32) -> f32 {
     return power;
 }
 
-// x and y of the unwarped direction of light, where `inverse` is that of Incidence.
+// x and y of the unwarped direction of light, with `inverse` from Incidence.
 fn unwarped_xy(unwarp: vec3<f32>, half: vec3<f32>, inverse: f32) -> vec2<f32> {
     let twice = 2.0 * half.z * inverse;
     return twice * warp_apply(unwarp, half);
 }
 
-// Makes the diffuse and specular terms of a light.
+// Computes the diffuse and specular terms of a light.
 fn reflect_light(light: Arriving) -> Terms {
     var arrived: Incidence;
     if HAS_JACOBIAN {
@@ -155,7 +154,7 @@ fn reflect_light(light: Arriving) -> Terms {
             (lu + scalar_product(pixel.along.vector, eye)) * inverse,
             (lv + scalar_product(pixel.across.vector, eye)) * inverse,
         );
-        // n . h, of what h has beside its parts along and across the grain.
+        // n . h, from the parts of h along and across the grain.
         let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
         lobe = sqrt(positive(1.0 - aside));
         diffuse = arrived.weight * ashikhmin_shirley_diffuse(cosines.nl, ne);
@@ -167,7 +166,7 @@ fn reflect_light(light: Arriving) -> Terms {
     } else if BLINN_PHONG {
         if !FAR_EYE {
             let light_eye = product(light, arrived.inverse, pixel.to_eye);
-            // The cosine may be held back, and is not here.
+            // Recomputed, since the stored cosine may be limited.
             let light_normal = product(light, arrived.inverse, pixel.normal);
             lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
         }
