@@ -1,13 +1,13 @@
-//! `atan`, `atan2` and `tan`, as far as warping light and looking it up ask for them.
+//! `atan`, `atan2` and `tan`, over the ranges needed for warping light and for look-ups.
 
 use super::{polynomial, select};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// The arc tangent of `x`, in radians; 1.93 ulp. Exactly half of pi in size at the infinities; keeps
-/// the sign of 0; NaN gives NaN.
+/// The arc tangent of `x`, in radians; 1.93 ulp. Exactly pi/2 in magnitude at the infinities; keeps the sign of 0; NaN
+/// gives NaN.
 #[inline(always)]
 pub(crate) fn atan(x: f32) -> f32 {
-    // atan x is that of t plus that of infinity, of 1 or of 0, whichever leaves t smallest.
+    // atan x is atan t plus atan of infinity, 1 or 0, whichever makes t smallest.
     let size = x.abs();
     let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
     let above = select(steep, -1.0, select(middle, size - 1.0, size));
@@ -22,35 +22,35 @@ pub(crate) fn atan(x: f32) -> f32 {
 
 /// The angle in radians, -pi to pi, of the vector (`x`, `y`) from the x axis; 4e-7 absolute.
 ///
-/// A vector of no length has the angle 0; whatever the components are, the angle is finite.
+/// A zero vector has the angle 0; the angle is finite for any components.
 #[inline(always)]
 pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
     let steep = ay > ax;
     let (small, large) = (select(steep, ax, ay), select(steep, ay, ax));
     let ratio = small / select(large > 0.0, large, 1.0);
-    // NaN fails the comparison: infinite on both sides is half way between them.
+    // NaN, for two infinite components, fails the comparison and gives the half-way angle.
     let angle = atan(select(ratio < 1.0, ratio, 1.0));
     let angle = select(steep, FRAC_PI_2 - angle, angle);
     select(x < 0.0, PI - angle, angle).copysign(y)
 }
 
-/// The tangent of `x` radians for |x| up to a quarter of pi (an eighth of a turn); 1.1 ulp. Past that
-/// the error grows fast, with no pole at half of pi. Keeps the sign of 0; NaN gives NaN.
+/// The tangent of `x` radians for |x| up to pi/4 (an eighth of a turn); 1.1 ulp. Beyond that the error grows fast,
+/// without a pole at pi/2. Keeps the sign of 0; NaN gives NaN.
 #[inline(always)]
 pub(crate) fn tan_to_eighth_turn(x: f32) -> f32 {
     let square = x * x;
     x + square * x * polynomial(square, TAN)
 }
 
-/// Where `atan` changes from one form to the next, tan(pi/8) and its reciprocal.
+/// Boundaries between the forms of `atan`: tan(pi/8) and its reciprocal.
 pub(crate) const TAN_EIGHTH_PI: f32 = 0.414_213_57;
 pub(crate) const COT_EIGHTH_PI: f32 = 2.414_213_7;
 
-/// Half of pi less the f32 nearest to it.
+/// pi/2 minus the nearest f32.
 pub(crate) const PI_2_LOW: f32 = -4.371_139e-8;
 
-/// (atan(t) - t) / t^3 by powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
+/// Coefficients of (atan(t) - t) / t^3 in powers of t^2, for |t| up to tan(pi/8); 2^-30 relative to atan(t).
 pub(crate) const ATAN: [f32; 5] = [
     -0.333_333_16,
     0.199_985_28,
@@ -59,7 +59,7 @@ pub(crate) const ATAN: [f32; 5] = [
     -0.060_900_714,
 ];
 
-/// (tan(x) - x) / x^3 by powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
+/// Coefficients of (tan(x) - x) / x^3 in powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
 pub(crate) const TAN: [f32; 7] = [
     0.333_333_5,
     0.133_326_75,
@@ -79,7 +79,7 @@ mod tests {
     fn atan_is_within_its_error_everywhere() {
         assert_within(1.93, sweep(0.0, f32::MAX), atan, f64::atan);
         assert_within(1.93, sweep(-0.0, -f32::MAX), atan, f64::atan);
-        // Where one form gives way to the next.
+        // Boundaries between the forms.
         for seam in [TAN_EIGHTH_PI, COT_EIGHTH_PI] {
             let around = (0..100_000).map(|i| f32::from_bits(seam.to_bits() - 50_000 + i));
             assert_within(1.93, around, atan, f64::atan);
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(atan(1.0), FRAC_PI_4);
         assert_eq!(atan(0.0).to_bits(), 0.0_f32.to_bits());
         assert_eq!(atan(-0.0).to_bits(), (-0.0_f32).to_bits());
-        // So small that the angle is its tangent.
+        // Arguments so small that the angle equals its tangent.
         for x in [f32::from_bits(1), 1e-40, f32::MIN_POSITIVE, 1e-10] {
             assert_eq!(atan(x), x);
         }

@@ -6,18 +6,18 @@ use super::{polynomial, power_of_two, select};
 #[inline(always)]
 pub(crate) fn exp(x: f32) -> f32 {
     let (n, p) = split_exp(select(x > 89.0, 89.0, select(x < -104.0, -104.0, x)));
-    // In two factors: 2^n itself leaves the range of f32 before the result does.
+    // In two factors, since 2^n alone leaves the range of f32 before the result does.
     let half = n >> 1;
     (1.0 + p) * power_of_two(half) * power_of_two(n - half)
 }
 
-/// The natural logarithm of `x`; 1 ulp, subnormal arguments included. Minus infinity at 0, NaN below it
-/// and for NaN.
+/// The natural logarithm of `x`; 1 ulp, subnormal arguments included. Minus infinity at 0; NaN for negative and NaN
+/// arguments.
 #[inline(always)]
 pub(crate) fn ln(x: f32) -> f32 {
     let tiny = x < f32::MIN_POSITIVE;
     let bits = select(tiny, x * TWO_TO_23, x).to_bits();
-    // x = 2^e m with m from sqrt(1/2) to sqrt(2), both around 1.
+    // x = 2^e m with m between sqrt(1/2) and sqrt(2).
     let e = (bits.wrapping_sub(std::f32::consts::FRAC_1_SQRT_2.to_bits()) as i32) >> 23;
     let f = f32::from_bits(bits.wrapping_sub((e << 23) as u32)) - 1.0;
     let e = e as f32 - select(tiny, 23.0, 0.0);
@@ -25,7 +25,7 @@ pub(crate) fn ln(x: f32) -> f32 {
     let small = square * f * polynomial(f, LN) + e * LN2_LOW - 0.5 * square;
     let finite = (f + small) + e * LN2_HIGH;
     let of_no_number = select(x == 0.0, f32::NEG_INFINITY, select(x > 0.0, x, f32::NAN));
-    // Positive and finite, asked of the bits: as comparisons of floats this is a fifth slower.
+    // Tests the bits for positive and finite: float comparisons are a fifth slower here.
     let bits = x.to_bits() as i32;
     select(
         (bits > 0) & (bits < f32::INFINITY.to_bits() as i32),
@@ -34,11 +34,11 @@ pub(crate) fn ln(x: f32) -> f32 {
     )
 }
 
-/// The hyperbolic tangent of `x`; 2.5 ulp, also where x is small. Exactly 1 and -1 from 8.5 on; keeps
-/// the sign of 0; NaN gives NaN.
+/// The hyperbolic tangent of `x`; 2.5 ulp, also for small x. Exactly 1 and -1 from 8.5 on; keeps the sign of 0; NaN
+/// gives NaN.
 #[inline(always)]
 pub(crate) fn tanh(x: f32) -> f32 {
-    // With q = e^-2|x| - 1 the tangent of |x| is -q / (q + 2), which loses nothing near 0. At 10 it is 1.
+    // With q = e^-2|x| - 1, tanh |x| is -q / (q + 2), without cancellation near 0. At 10 it is 1.
     let size = x.abs();
     let (n, p) = split_exp(-2.0 * select(size > 10.0, 10.0, size));
     let scale = power_of_two(n);
@@ -48,12 +48,12 @@ pub(crate) fn tanh(x: f32) -> f32 {
 
 /// `x^y` for `x` of 0 or more; 1.03 ulp for every exponent, subnormal results included.
 ///
-/// `x^0` and `1^y` are 1, whatever else; `0^y` is 0, or infinite where y is negative, and the reverse at
-/// x infinite. NaN where `x` is below 0, and where either is NaN.
+/// `x^0` and `1^y` are 1 for any other argument; `0^y` is 0, or infinite for negative y, and the reverse for infinite
+/// x. NaN for negative `x`, and if either is NaN.
 #[inline(always)]
 pub(crate) fn pow(x: f32, y: f32) -> f32 {
-    // In f64, as the logarithm gives up to 7 of its bits to the product. Past both ends the result is 0
-    // or infinite; comparisons leave a NaN, of 0 times infinity, to the ends below.
+    // In f64, since the product takes up to 7 bits off the logarithm. Beyond both limits the result is 0 or infinite;
+    // comparisons leave a NaN, from 0 times infinity, to the cases below.
     let logarithm = f64::from(y) * log2(x);
     let logarithm = if logarithm < -160.0 {
         -160.0
@@ -66,7 +66,7 @@ pub(crate) fn pow(x: f32, y: f32) -> f32 {
     let p = r + r * r * polynomial(r, EXP);
     let n = shifted.to_bits() as i32;
     let half = n >> 1;
-    // Processors are slow where a product underflows: what comes to 0 is 0 from the start.
+    // Underflowing products are slow on CPUs, so results that underflow to 0 are 0 from the start.
     let finite = (1.0 + p) * select(n < -150, 0.0, power_of_two(half)) * power_of_two(n - half);
     let (least, most) = if y > 0.0 {
         (0.0, f32::INFINITY)
@@ -79,7 +79,7 @@ pub(crate) fn pow(x: f32, y: f32) -> f32 {
     select((x >= 0.0) & !y.is_nan(), power, f32::NAN)
 }
 
-/// The logarithm to base 2 of a positive and finite `x`, to 2^-37 of itself; no matter what of others.
+/// The logarithm to base 2 of a positive finite `x`, to a relative 2^-37; undefined for others.
 #[inline(always)]
 fn log2(x: f32) -> f64 {
     let tiny = x < f32::MIN_POSITIVE;
@@ -103,7 +103,7 @@ fn log2(x: f32) -> f64 {
 /// x = n ln 2 + r with |r| at most half of ln 2, and p = e^r - 1 = r + r^2 q(r).
 #[inline(always)]
 pub(crate) fn split_exp(x: f32) -> (i32, f32) {
-    // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the lowest bits.
+    // Adding 1.5 * 2^23 rounds to an integer, which is then in the lowest bits.
     let shifted = x * std::f32::consts::LOG2_E + ROUNDING;
     let n = shifted - ROUNDING;
     let r = (x - n * LN2_HIGH) - n * LN2_LOW;
@@ -113,15 +113,15 @@ pub(crate) fn split_exp(x: f32) -> (i32, f32) {
 }
 
 const ROUNDING: f32 = 12_582_912.0;
-/// The same for f64, 1.5 * 2^52.
+/// The f64 counterpart, 1.5 * 2^52.
 const ROUNDING_F64: f64 = 6_755_399_441_055_744.0;
 const TWO_TO_23: f32 = 8_388_608.0;
 
-/// ln 2 in two parts; products of the first with whole numbers up to 2^14 are exact.
+/// ln 2 in two parts; products of the first with integers up to 2^14 are exact.
 pub(crate) const LN2_HIGH: f32 = 355.0 / 512.0;
 pub(crate) const LN2_LOW: f32 = -2.121_944_4e-4;
 
-/// (e^r - 1 - r) / r^2 for |r| up to half of ln 2; 2^-26 relative to e^r - 1.
+/// Coefficients of (e^r - 1 - r) / r^2 for |r| up to half of ln 2; 2^-26 relative to e^r - 1.
 pub(crate) const EXP: [f32; 5] = [
     0.499_999_97,
     0.166_665_43,
@@ -130,7 +130,7 @@ pub(crate) const EXP: [f32; 5] = [
     0.001_388_251,
 ];
 
-/// (ln(1 + f) - f + f^2/2) / f^3 for 1 + f from sqrt(1/2) to sqrt(2); 2^-27 relative to ln(1 + f).
+/// Coefficients of (ln(1 + f) - f + f^2/2) / f^3 for 1 + f from sqrt(1/2) to sqrt(2); 2^-27 relative to ln(1 + f).
 pub(crate) const LN: [f32; 8] = [
     0.333_333_3,
     -0.250_008_2,
@@ -142,7 +142,7 @@ pub(crate) const LN: [f32; 8] = [
     -0.076_344_974,
 ];
 
-/// (atanh(s) - s) / s^3 by powers of s^2, for (1 + s) / (1 - s) from sqrt(1/2) to sqrt(2); 2^-37
+/// Coefficients of (atanh(s) - s) / s^3 in powers of s^2, for (1 + s) / (1 - s) from sqrt(1/2) to sqrt(2); 2^-37
 /// relative to atanh(s).
 const ATANH: [f64; 4] = [
     0.333_333_328_201_685_06,
@@ -181,7 +181,7 @@ mod tests {
     fn ln_is_within_its_error_everywhere() {
         let least = f32::from_bits(1);
         assert_within(1.0, sweep(least, f32::MAX), ln, f64::ln);
-        // Where the result is near 0 and whole digits could be lost.
+        // Near 1 the result is near 0, where cancellation would lose digits.
         let around = (0..100_000).map(|i| f32::from_bits(1.0_f32.to_bits() - 50_000 + i));
         assert_within(1.0, around, ln, f64::ln);
     }
@@ -209,14 +209,14 @@ mod tests {
         }
         assert_eq!(tanh(0.0).to_bits(), 0.0_f32.to_bits());
         assert_eq!(tanh(-0.0).to_bits(), (-0.0_f32).to_bits());
-        // So small that the tangent is its argument.
+        // Arguments so small that the result equals the argument.
         for x in [f32::from_bits(1), 1e-40, f32::MIN_POSITIVE, 1e-10] {
             assert_eq!([tanh(x), tanh(-x)], [x, -x]);
         }
         assert!(tanh(f32::NAN).is_nan());
     }
 
-    /// Bases whose power y stays inside f32, from its least to its largest.
+    /// Bases whose power y stays within f32, from smallest to largest.
     fn bases(y: f32) -> impl Iterator<Item = f32> {
         let ends = [-148.0, 127.9].map(|l| (l / f64::from(y)).clamp(-148.0, 127.9).exp2() as f32);
         let [from, to] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
@@ -271,7 +271,7 @@ mod tests {
         for y in [0.0, -0.0, 1.0, -1.0, 1e5, -1e30, inf, -inf] {
             assert_eq!(pow(1.0, y), 1.0, "{y}");
             for x in [0.0, 1e-45, 1e-10, 0.5, 1.0, 2.0, 1e30, inf] {
-                // The standard library's within a rounding, its ends to the bit.
+                // The standard library's result to within rounding, exact at both ends.
                 let exact = f64::from(x).powf(f64::from(y));
                 let found = pow(x, y);
                 assert!(
@@ -288,7 +288,7 @@ mod tests {
         for x in [0.0, 0.5, 1.0, inf, nan] {
             assert!(pow(x, nan).is_nan());
         }
-        // Whole powers of powers of two lose nothing.
+        // Integer powers of powers of two are exact.
         assert_eq!(
             [pow(2.0, 127.0), pow(2.0, -149.0)],
             [2.0_f32.powi(127), 1e-45]

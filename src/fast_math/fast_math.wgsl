@@ -1,11 +1,11 @@
-// Elementary functions: the polynomials of the CPU, so that results agree within a few roundings. A device's own
-// are off by up to 1e-5 and more.
+// Elementary functions: the polynomials of the CPU, so that results agree within a few roundings. Built-in functions of
+// devices err by 1e-5 and more.
 
 fn power_of_two(n: i32) -> f32 {
     return bitcast<f32>(u32(n + 127) << 23u);
 }
 
-// Whether all bits of the exponent are set: neither infinite nor NaN passes. Comparisons of floats may not tell.
+// Whether the number is neither infinite nor NaN, by its exponent bits: float comparisons may assume finite math.
 fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
@@ -33,15 +33,15 @@ fn split_exp(x: f32) -> SplitExp {
 
 fn exp_of(x: f32) -> f32 {
     let split = split_exp(clamp(x, -104.0, 89.0));
-    // In two factors: 2^n itself leaves the range of f32 before the result does.
+    // In two factors, since 2^n alone leaves the range of f32 before the result does.
     let half = split.n >> 1u;
     return (1.0 + split.p) * power_of_two(half) * power_of_two(split.n - half);
 }
 
-// The natural logarithm of a positive, finite and normal x.
+// The natural logarithm of a positive, finite, normal x.
 fn ln(x: f32) -> f32 {
     let bits = bitcast<u32>(x);
-    // x = 2^e m with m from sqrt(1/2) to sqrt(2), both around 1.
+    // x = 2^e m with m between sqrt(1/2) and sqrt(2).
     let e = bitcast<i32>(bits - FRAC_1_SQRT_2_BITS) >> 23u;
     let f = bitcast<f32>(bits - bitcast<u32>(e << 23u)) - 1.0;
     let square = f * f;
@@ -51,7 +51,7 @@ fn ln(x: f32) -> f32 {
 }
 
 fn tanh_of(x: f32) -> f32 {
-    // With q = e^-2|x| - 1 the tangent of |x| is -q / (q + 2), which loses nothing near 0. At 10 it is 1.
+    // With q = e^-2|x| - 1, tanh |x| is -q / (q + 2), without cancellation near 0. At 10 it is 1.
     let split = split_exp(-2.0 * min(abs(x), 10.0));
     let scale = power_of_two(split.n);
     let q = scale * split.p + (scale - 1.0);
@@ -59,7 +59,7 @@ fn tanh_of(x: f32) -> f32 {
 }
 
 fn atan_of(x: f32) -> f32 {
-    // atan x is that of t plus that of infinity, of 1 or of 0, whichever leaves t smallest.
+    // atan x is atan t plus atan of infinity, 1 or 0, whichever makes t smallest.
     let size = abs(x);
     let steep = size > COT_EIGHTH_PI;
     let middle = size > TAN_EIGHTH_PI;
@@ -73,13 +73,13 @@ fn atan_of(x: f32) -> f32 {
     return copysign(whole + (small + t), x);
 }
 
-// The tangent of x, up to a quarter of pi in size.
+// The tangent of x, for |x| up to pi/4.
 fn tan_to_eighth_turn(x: f32) -> f32 {
     let square = x * x;
     return x + square * x * polynomial_tan(square);
 }
 
-// The angle, -pi to pi, of the vector (x, y) from the x axis; 0 for a vector of no length.
+// The angle, -pi to pi, of the vector (x, y) from the x axis; 0 for a zero vector.
 fn atan2_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);
@@ -87,7 +87,7 @@ fn atan2_of(y: f32, x: f32) -> f32 {
     let small = select(ay, ax, steep);
     let large = select(ax, ay, steep);
     let ratio = small / select(1.0, large, large > 0.0);
-    // NaN fails the comparison: infinite on both sides is half way between them.
+    // NaN, for two infinite components, fails the comparison and gives the half-way angle.
     let to_axis = atan_of(select(1.0, ratio, ratio < 1.0));
     let angle = select(to_axis, FRAC_PI_2 - to_axis, steep);
     return copysign(select(angle, PI - angle, x < 0.0), y);

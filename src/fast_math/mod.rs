@@ -1,14 +1,13 @@
-//! Elementary functions in f32 without a branch, so that a loop over a row of samples vectorises.
+//! Branch-free elementary functions in f32, so that a loop over a row of samples vectorises.
 //!
-//! The standard library's call the C library for one number at a time. These are polynomials between
-//! selects: each argument is reduced to a small interval, where a polynomial fitted by us (weighted
-//! minimax, computed in 40 digits) is within a fifth of a rounding, and the result is put back together
-//! exactly or with its rounding made up for. Products and sums are separate on purpose: a fused
-//! multiply-add is a library call where the processor is not known to have one, and gives other bits
-//! where it is.
+//! The standard library calls the C library for one number at a time. These functions are polynomials between selects:
+//! each argument is reduced to a small interval, where a polynomial of our own fit (weighted minimax, computed with 40
+//! digits) is within a fifth of a rounding, and the result is reconstructed exactly or with its rounding compensated.
+//! Products and sums are deliberately separate: a fused multiply-add is a library call on processors not known to have
+//! one, and gives other bits on those that do.
 //!
-//! The errors stated were measured over every f32 (for [`pow`], over a seventh of them at seven exponents
-//! and 3e8 scattered pairs), against double precision; an ulp is the distance between neighbouring f32.
+//! The stated errors were measured over every f32 (for [`pow`], over a seventh of them at seven exponents and 3e8
+//! scattered pairs), against double precision; an ulp is the distance between neighbouring f32.
 
 pub(crate) mod circular;
 pub(crate) mod exponential;
@@ -29,7 +28,7 @@ pub(crate) fn polynomial<const N: usize>(x: f32, coefficients: [f32; N]) -> f32 
     sum
 }
 
-/// 2^n for n from -126 to 127; no matter what outside.
+/// 2^n for n from -126 to 127; undefined outside.
 #[inline(always)]
 pub(crate) fn power_of_two(n: i32) -> f32 {
     f32::from_bits((n.wrapping_add(127) << 23) as u32)
@@ -41,10 +40,10 @@ fn select(condition: bool, yes: f32, no: f32) -> f32 {
     if condition { yes } else { no }
 }
 
-/// How far a function is from the exact one.
+/// Measures the error of a function.
 #[cfg(test)]
 mod accuracy {
-    /// Every 499th f32 between `from` and `to`, both of one sign, the ends included.
+    /// Every 499th f32 between `from` and `to`, of equal sign, both ends included.
     pub(super) fn sweep(from: f32, to: f32) -> impl Iterator<Item = f32> {
         let (a, b) = (from.to_bits(), to.to_bits());
         (a.min(b)..=a.max(b))

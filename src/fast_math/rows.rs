@@ -1,4 +1,4 @@
-//! A function over a row of numbers.
+//! Elementary functions over a row of numbers.
 
 use crate::engine::cpu::simd::widened;
 
@@ -21,7 +21,7 @@ pub(crate) enum Function {
     Pow(f32),
 }
 
-/// Sets every number of `out` to the function of that of `x`; as many as the shorter has.
+/// Applies the function to each number of `x`, up to the shorter length.
 #[inline(always)]
 pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
     match function {

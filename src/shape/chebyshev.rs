@@ -1,25 +1,24 @@
 //! Diffusion without stepping: the same linear operator, exponentiated by a Chebyshev expansion.
 //!
-//! Theory: the conductances do not change while the gradient diffuses ([LW] section 4.3), so a time t
-//! of diffusion is exp(tL) with one symmetric operator L, whose spectrum lies in [-8, 0]. With
-//! X = -L/4 - 1, whose spectrum lies in [-1, 1], exp(tL) = sum a_k(t) T_k(X). Changes: the paper takes
-//! N explicit steps, (1 + dt L)^N; that is a polynomial of L too and is met by other coefficients of the
-//! same recurrence, in fewer applications of L. Practice: the sum of the |a_k| left out bounds the error
-//! in the root mean square; the largest error is that sum weighted by how waves may meet in a focus. So
-//! the degree is chosen from the tolerance before any pixel is touched.
+//! Theory: conductances stay fixed while the gradient diffuses ([LW] section 4.3), so diffusion for a time t is exp(tL)
+//! with one symmetric operator L, whose spectrum lies in [-8, 0]. With X = -L/4 - 1, whose spectrum lies in [-1, 1],
+//! exp(tL) = sum a_k(t) T_k(X). Changes: the paper takes N explicit steps, (1 + dt L)^N; that too is a polynomial of L,
+//! reproduced by other coefficients of the same recurrence with fewer applications of L. Practice: the sum of the |a_k|
+//! left out bounds the root mean square error; the largest error is that sum weighted by how waves can add up in a
+//! focus. So the degree follows from the tolerance before any pixel is touched.
 //!
-//! Long times (t = 5000 and 20,000, 550 and 1100 applications at 1e-4) were tried otherwise, on 512x512
-//! among thin closed lines, gaps and mixed conductances. A grid of half the size, its pixels the connected
-//! parts of 2x2, is off by 1e-3 to 4e-3 beside thin lines however long the fine grid smooths first (in the
-//! open by 1e-5, at a quarter of the work); poles in place of powers, solved by algebraic multigrid, cost
-//! 360 to 960 applications at 2e-4, their setup left out; Lanczos saves 0 to 14 % and keeps every vector.
+//! Alternatives were tried for long times (t = 5000 and 20,000, 550 and 1100 applications at 1e-4), on 512x512 among
+//! thin closed lines, gaps and mixed conductances. A grid of half the size, with the connected parts of 2x2 as pixels,
+//! errs by 1e-3 to 4e-3 beside thin lines however long the fine grid smooths first (in the open by 1e-5, at a quarter
+//! of the work); rational expansions, solved by algebraic multigrid, cost 360 to 960 applications at 2e-4, without
+//! their setup; Lanczos saves 0 to 14 % and must keep every vector.
 
-/// How far the gradient is diffused.
+/// Amount of diffusion of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Spread {
-    /// Exactly, for this time: a Gaussian of sigma `sqrt(2 t)` pixels in the open.
+    /// Exact diffusion for this time: a Gaussian of sigma `sqrt(2 t)` pixels away from edges.
     Time(f64),
-    /// As N explicit steps of this length would.
+    /// The result of N explicit steps of this length.
     Steps {
         /// Number of steps.
         count: u32,
@@ -29,7 +28,7 @@ pub(crate) enum Spread {
 }
 
 impl Spread {
-    /// A share of it, 0..1, in time; whole steps stay whole.
+    /// A share of it, 0..1, in time; the number of steps stays an integer.
     pub(crate) fn share(self, importance: f64) -> Self {
         match self {
             Self::Time(t) => Self::Time(importance * t),
@@ -40,7 +39,7 @@ impl Spread {
         }
     }
 
-    /// The factor of an eigenvector of L whose eigenvalue of X is `x`, in [-1, 1].
+    /// The factor of an eigenvector of L with the eigenvalue `x` of X, in [-1, 1].
     fn factor(self, x: f64) -> f64 {
         let eigenvalue = -4.0 * (1.0 + x);
         match self {
@@ -51,8 +50,8 @@ impl Spread {
         }
     }
 
-    /// An upper bound of the degree that any tolerance needs. The expansion of N steps ends at N; that
-    /// of a time t, or of as many steps, falls as exp(-k^2 / 8t), which is 1e-17 at k = 18 sqrt(t).
+    /// An upper bound of the degree needed for any tolerance. The expansion of N steps ends at N; the coefficients of a
+    /// time t, or of the equivalent steps, fall as exp(-k^2 / 8t), which is 1e-17 at k = 18 sqrt(t).
     fn largest_degree(self) -> usize {
         match self {
             Self::Time(t) => 32 + (18.0 * t.max(0.0).sqrt()) as usize,
@@ -64,24 +63,23 @@ impl Spread {
     }
 }
 
-/// Coefficients a_0..a_n of the expansion, n the least degree for which the result is within
-/// `tolerance` of the exact one, relative to the largest value diffused.
+/// Coefficients a_0..a_n of the expansion, with the smallest degree n for which the result is within `tolerance` of the
+/// exact one, relative to the largest value diffused.
 ///
-/// Half of the tolerance bounds what is left out, the sum of all |a_k| beyond n, each weighted by how
-/// much waves may add up in a focus. The other half goes into making the sum over a constant exactly 1,
-/// so that the mean is kept whatever the tolerance.
+/// Half of the tolerance bounds the truncation, the sum of all |a_k| beyond n, each weighted by how much waves can add
+/// up in a focus. The other half is used to make the sum over a constant exactly 1, so that the mean is preserved at
+/// any tolerance.
 pub(crate) fn coefficients(spread: Spread, tolerance: f64) -> Vec<f64> {
     Expansion::up_to(spread).coefficients(spread, tolerance)
 }
 
-/// How much larger than the largest |g| a sample of T_k(X) g is taken to be: 1, from degree 16 on the root
-/// of the degree over 4.
+/// Assumed bound of T_k(X) g relative to the largest |g|: 1, from degree 16 on sqrt(k)/4.
 ///
-/// T_k(X) g solves a wave equation after k steps. Its root mean square never grows, but waves that edges
-/// send out can meet in a focus. The worst g gives k/2 (the sum of the kernel's |values| on an open grid is
-/// 81 at k = 156), scenes full of edges far less. Without a weight the largest error there was 0.8 and 1.6
-/// times the tolerance at t = 50 and 400; with it, 0.4 at both and 0.6 at t = 5000. It costs 5 % more degrees
-/// at t = 200; that of the worst g would cost some 20 %.
+/// T_k(X) g solves a wave equation after k steps. Its root mean square never grows, but waves emitted by edges can meet
+/// in a focus. The worst g gives k/2 (the kernel's absolute values on an open grid sum to 81 at k = 156), scenes full
+/// of edges far less. Without a weight the largest error there was 0.8 and 1.6 times the tolerance at t = 50 and 400;
+/// with it, 0.4 at both and 0.6 at t = 5000. It costs 5 % more degrees at t = 200; the weight of the worst g would cost
+/// some 20 %.
 fn focus(k: usize) -> f64 {
     (0.25 * (k as f64).sqrt()).max(1.0)
 }
@@ -89,10 +87,10 @@ fn focus(k: usize) -> f64 {
 /// Factors smaller than this add nothing to a coefficient in double precision.
 const NEGLIGIBLE: f64 = 1e-18;
 
-/// Makes the coefficients of many spreads, none farther than the one it was made for.
+/// Computes coefficients for many spreads, none larger than the one it was created for.
 ///
-/// They are a cosine transform of the factor, sampled so finely that aliases fall below 1e-15; for long
-/// times nearly all samples are negligible.
+/// They are a cosine transform of the factor, sampled finely enough for aliases below 1e-15; for long times nearly all
+/// samples are negligible.
 #[derive(Debug)]
 pub(crate) struct Expansion {
     degree: usize,
@@ -101,7 +99,7 @@ pub(crate) struct Expansion {
 }
 
 impl Expansion {
-    /// For spreads up to `farthest`.
+    /// Supports spreads up to `farthest`.
     pub(crate) fn up_to(farthest: Spread) -> Self {
         let degree = farthest.largest_degree();
         let samples = 2 * (degree + 16);
@@ -122,8 +120,8 @@ impl Expansion {
         kept
     }
 
-    /// The expansion up to the least degree whose remainder, the |a_k| left out times `weight(k)`, is at
-    /// most `tolerance`.
+    /// The expansion up to the smallest degree whose remainder, the sum of omitted |a_k| times `weight(k)`, is at most
+    /// `tolerance`.
     fn truncated(&self, spread: Spread, tolerance: f64, weight: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut all = self.all(spread);
         let mut remainder = 0.0;
@@ -147,7 +145,7 @@ impl Expansion {
             if factor.abs() <= NEGLIGIBLE {
                 continue;
             }
-            // cos(k angle), turning by the angle each time.
+            // cos(k angle), by repeated rotation.
             let sine = angle.sin();
             let (mut x, mut y) = (1.0, 0.0);
             for sum in &mut sums {

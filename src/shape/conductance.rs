@@ -30,8 +30,8 @@ widened! {
 
 /// Conductance of the face between two pixels: their harmonic mean, 0 where either is 0.
 ///
-/// It leaks nothing through a closed ring of zeros and is second order in space. The minimum is
-/// only first order, the product converges to another equation, and the arithmetic mean leaks.
+/// Nothing leaks through a closed ring of zeros, and it is second order in space. The minimum is only first order, the
+/// product converges to a different equation, and the arithmetic mean leaks.
 #[inline(always)]
 pub(crate) fn face_conductance(a: f32, b: f32) -> f32 {
     let sum = a + b;

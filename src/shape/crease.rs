@@ -1,10 +1,9 @@
 //! Creases: where the surface turns sharply.
 //!
-//! Theory: [LW] section 4.4 takes the dihedral angle between neighbouring normals. Changes: the
-//! angle is `atan2(|a x b|, a . b)`, right to 1e-7 where acos loses 4e-4 rad; it is also taken across
-//! the pixel, from one neighbour to the opposite one, for a filter may spread an edge over a pixel;
-//! and a pixel whose filtered normal came out short holds a crease within itself, for the mean of two
-//! unit normals at an angle t has the length cos(t/2).
+//! Theory: [LW] section 4.4 takes the dihedral angle between neighbouring normals. Changes: the angle is `atan2(|a x
+//! b|, a . b)`, accurate to 1e-7 where acos loses 4e-4 rad; it is also taken across the pixel, from one neighbour to
+//! the opposite one, since a filter may spread an edge over a pixel; and a pixel with a short filtered normal contains
+//! a crease, since the mean of two unit normals at an angle t has length cos(t/2).
 
 use crate::engine::cpu::simd::widened;
 use crate::frame::Vector3Planes;
@@ -13,13 +12,13 @@ use crate::shape::{Rows, Shifted, inner_columns, outer_columns};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Turns angles between unit normals into crease weights.
+/// Maps angles between unit normals to crease weights.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CreaseDetector {
     pub(crate) threshold_rad: SoftThreshold,
-    /// Above this cosine the angle is surely below the threshold.
+    /// Above this cosine the angle is certainly below the threshold.
     pub(crate) flat_cosine: f32,
-    /// Above this length a filtered normal surely hides no crease.
+    /// Above this length a filtered normal certainly hides no crease.
     pub(crate) flat_length: f32,
 }
 
@@ -36,8 +35,7 @@ impl CreaseDetector {
         }
     }
 
-    /// Whether none of the pixels can be a crease, whose least cosines and, where they were filtered,
-    /// normals' lengths are given.
+    /// Whether none of the pixels can be a crease, given their smallest cosines and, for filtered normals, lengths.
     #[inline(always)]
     pub(crate) fn all_flat(&self, least_cosines: &[f32], lengths: Option<&[f32]>) -> bool {
         let all_above = |values: &[f32], limit: f32| {
@@ -49,12 +47,11 @@ impl CreaseDetector {
             && lengths.is_none_or(|lengths| all_above(lengths, self.flat_length))
     }
 
-    /// Crease weight, 0..1, of a pixel with unit normal `n`, whose filtered normal had the length
-    /// `length`, among the unit normals of its neighbours left, right, above and below, where covered.
+    /// Crease weight, 0..1, of a pixel with unit normal `n`, of length `length` after filtering, and unit normals of
+    /// its covered neighbours left, right, above and below.
     ///
-    /// The largest angle counts: to a neighbour, and across the pixel from one side to the other. The
-    /// latter is the whole dihedral angle even where a filter has spread the edge over a pixel.
-    /// Source: [LW] algorithm 1, step 2.
+    /// The largest angle counts: to a neighbour, and across the pixel from one side to the other. The latter is the
+    /// full dihedral angle even if a filter has spread the edge over a pixel. Source: [LW] algorithm 1, step 2.
     #[inline(always)]
     pub(crate) fn weight(&self, n: Vec3, length: f32, neighbours: [Option<Vec3>; 4]) -> f32 {
         let [left, right, above, below] = neighbours;
@@ -124,9 +121,8 @@ impl<'a> NormalRows<'a> {
     }
 }
 
-/// The least cosine, of the angles that [`CreaseDetector::weight`] looks at, of the pixels of a row in
-/// `columns`; where they are uncovered no matter what. It tells, for whole vectors of pixels at a
-/// time, where there is no crease.
+/// For each pixel of a row in `columns` the smallest cosine of the angles that [`CreaseDetector::weight`] considers;
+/// undefined where uncovered. It rules out creases for whole vectors of pixels at a time.
 #[inline(always)]
 pub(crate) fn least_cosine_row(
     out: &mut [f32],
@@ -136,7 +132,7 @@ pub(crate) fn least_cosine_row(
 ) {
     let inner = inner_columns(&columns, out.len());
     for x in outer_columns(&columns, &inner) {
-        // Too few to be worth a shortcut: below every threshold, they are looked at one by one.
+        // Too few for the shortcut: below every threshold, so that they are examined one by one.
         out[x] = -1.0;
     }
     if inner.is_empty() {
@@ -250,7 +246,7 @@ mod tests {
         // Two faces at 45 degrees mixed half and half: length cos(22.5 deg), weight 1/2.
         let mixed = 22.5_f32.to_radians().cos();
         assert!((detector.weight(Vec3::Z, mixed, [Some(Vec3::Z); 4]) - 0.5).abs() < 1e-5);
-        // Half floats leave lengths of 0.999.
+        // Half floats give lengths of 0.999.
         assert_eq!(detector.weight(Vec3::Z, 0.999, [Some(Vec3::Z); 4]), 0.0);
     }
 

@@ -1,4 +1,4 @@
-//! The depth gradient: slope of the surface toward the viewer, read off its normal.
+//! The depth gradient: slope of the surface toward the viewer, from its normal.
 
 use crate::engine::cpu::simd::widened;
 use crate::fast_math::{exp, ln};
@@ -8,10 +8,10 @@ use glam::{Vec2, Vec3};
 /// Depth gradient (slope, dimensionless, y up) of a surface with view-space unit normal `n`, seen
 /// from an eye in the direction (`to_eye`, 1).
 ///
-/// `g = -n_xy / (n . v)^f`: the gradient of the height toward the viewer.
-/// Source: [RS] section 4.1. Departs from it: n_z is replaced by `n . v` with v scaled to v_z = 1,
-/// so that a perspective silhouette, and not the plane n_z = 0, is where slopes run away; and it is
-/// floored at `min_nz` before the power, so a grazing surface gives a steep finite slope.
+/// `g = -n_xy / (n . v)^f`: the gradient of the height toward the viewer. Source: [RS] section 4.1. Departs from it:
+/// n_z is replaced by `n . v` with v scaled to v_z = 1, so that slopes diverge at perspective silhouettes rather than
+/// at the plane n_z = 0; and it is floored at `min_nz` before the power, so a grazing surface gives a steep finite
+/// slope.
 #[inline(always)]
 pub fn depth_gradient(n: Vec3, to_eye: Vec2, params: &ShapeParams) -> Vec2 {
     let facing = facing(n, to_eye).max(params.min_nz);
@@ -32,8 +32,8 @@ pub(crate) fn facing(n: Vec3, to_eye: Vec2) -> f32 {
     n.z + n.truncate().dot(to_eye)
 }
 
-/// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by
-/// its x in every column and its y in the row.
+/// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by its x per column
+/// and its y for the row.
 #[inline(always)]
 pub(crate) fn depth_gradient_row(
     out: [&mut [f32]; 2],
@@ -83,7 +83,7 @@ mod tests {
         assert!(
             (depth_gradient(n, Vec2::ZERO, &params(1.0)) - Vec2::new(0.5, 0.0)).length() < 1e-6
         );
-        // Without foreshortening: -n_x itself.
+        // Without foreshortening the slope is -n_x.
         assert!((depth_gradient(n, Vec2::ZERO, &params(0.0)).x + n.x).abs() < 1e-7);
     }
 

@@ -1,10 +1,9 @@
 //! The Hessian of the height field: the derivative of its gradient.
 //!
-//! Theory: [LW] algorithm 1, step 7, takes Sobel's derivative, which is the plane fitted to the 3x3
-//! gradients with weights 1 and 2 by least squares. Changes: each neighbour's weight is multiplied by
-//! its conductance, so that nothing is read across an edge, where renderers mix the normals of two
-//! surfaces; in the open the fit is Sobel's derivative itself. Practice: scaled by the pixel's own
-//! conductance, edges count as flat.
+//! Theory: [LW] algorithm 1, step 7, takes Sobel's derivative, which is the least-squares plane fit to the 3x3
+//! gradients with weights 1 and 2. Changes: each neighbour's weight is multiplied by its conductance, so that nothing
+//! is read across an edge, where renderers mix the normals of two surfaces; away from edges the fit is Sobel's
+//! derivative itself. Practice: scaled by the pixel's own conductance, edges count as flat.
 
 use crate::engine::cpu::simd::widened;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
@@ -15,8 +14,8 @@ pub(crate) const REACH: usize = 1;
 
 /// Symmetric Hessian [xx, xy, yy] per pixel, y up, from the 3x3 gradients around column `x`.
 ///
-/// With a foreshortening other than 1 the gradient is not a gradient of anything, and the mean of
-/// the two mixed derivatives is taken.
+/// With a foreshortening other than 1 the field is not the gradient of any height, and the mean of the two mixed
+/// derivatives is taken.
 #[inline(always)]
 pub(crate) fn hessian(gx: &Rows, gy: &Rows, conductance: &Rows, x: usize) -> [f32; 3] {
     fitted(
@@ -68,7 +67,7 @@ widened! {
     );
 }
 
-/// Trace of [`hessian`] alone, of the pixels of a row in `columns`: all that isotropic scaling needs.
+/// Only the trace of [`hessian`], for the pixels of a row in `columns`: all that isotropic scaling needs.
 #[inline(always)]
 pub(crate) fn trace_row(
     trace: &mut [f32],
@@ -111,7 +110,7 @@ widened! {
     );
 }
 
-/// Columns that are looked at together: where all around them is open they need no fit.
+/// Columns checked together: without edges around them they need no fit.
 const BLOCK: usize = 64;
 
 /// Some columns of the rows around a row.
@@ -164,7 +163,7 @@ fn around(rows: &[Shifted; 3], i: usize) -> [[f32; 3]; 3] {
     [rows[0].around(i), rows[1].around(i), rows[2].around(i)]
 }
 
-/// The Hessian from 3x3 gradients that all are open.
+/// The Hessian from 3x3 gradients away from edges.
 #[inline(always)]
 pub(crate) fn in_the_open(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3]) -> [f32; 3] {
     let ([xx, xy], [yx, yy]) = (sobel(gx), sobel(gy));
@@ -178,7 +177,7 @@ pub(crate) fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) 
     let fit = plane_fit(gx, gy, open);
     let c = open[1][1];
     let is_open = open.iter().fold(true, |all, row| all & all_open(row));
-    // Both are computed and one is taken: there is no branch in the way of whole vectors.
+    // Both are computed and one is selected: a branch would prevent vectorisation.
     let chosen = |i: usize| {
         let value = if is_open { plain[i] } else { fit[i] };
         if c == 0.0 { 0.0 } else { value }
@@ -186,7 +185,7 @@ pub(crate) fn fitted(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) 
     [chosen(0), chosen(1), chosen(2)]
 }
 
-/// The Hessian by a fit of planes weighted by conductance.
+/// The Hessian by a plane fit weighted by conductance.
 #[inline(always)]
 pub(crate) fn plane_fit(gx: [[f32; 3]; 3], gy: [[f32; 3]; 3], open: [[f32; 3]; 3]) -> [f32; 3] {
     let stencil = Stencil::new(open);
@@ -201,11 +200,11 @@ fn all_open(conductance: &[f32]) -> bool {
     conductance.iter().fold(true, |all, &c| all & (c == 1.0))
 }
 
-/// Sobel's weights of the nine samples in a fit of a plane.
+/// Sobel's weights of the nine samples in a plane fit.
 const WEIGHTS: [[f32; 3]; 3] = [[1.0, 2.0, 1.0], [2.0, 0.0, 2.0], [1.0, 2.0, 1.0]];
 
-/// Keeps the fit solvable where the open neighbours lie on one line: there the slope across that
-/// line is taken as 0. Small against the least weight of a fit with an open neighbour, 1.
+/// Regularises the fit where the open neighbours lie on one line: the slope across that line is then 0. Small compared
+/// with 1, the smallest weight of a fit with an open neighbour.
 pub(crate) const RIDGE: f32 = 1e-4;
 
 /// A weighted least-squares fit of a plane through the centre of 3x3 samples, y up.
@@ -271,8 +270,8 @@ mod tests {
     use super::*;
     use crate::frame::Plane;
 
-    /// The Hessian in the middle of a 3x3 field whose gradient is linear, with the given
-    /// conductances and nonsense wherever they are 0.
+    /// The Hessian at the centre of a 3x3 field with a linear gradient and the given conductances, and nonsense
+    /// wherever they are 0.
     fn middle(open: [[f32; 3]; 3]) -> [f32; 3] {
         // g = (0.3 x + 0.1 y, 0.1 x - 0.2 y) + const, y up: its Hessian is [0.3, 0.1, -0.2].
         let sample = |i: usize, j: usize, a: f32, b: f32| {

@@ -9,7 +9,7 @@
 @group(0) @binding(6) var<storage, read_write> hessian_xy: array<f32>;
 @group(0) @binding(7) var<storage, read_write> hessian_yy: array<f32>;
 
-// Whether the entries are wanted, or their trace alone.
+// Whether to output the entries, or only their trace.
 override ENTRIES_WANTED: bool;
 
 fn write(i: u32, entries: vec3<f32>) {
@@ -38,7 +38,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         return;
     }
-    // What the next row takes of this one stays in registers.
+    // Values reused by the next row stay in registers.
     var above = row_around(columns, row_above(first));
     var here = row_around(columns, first);
     for (var y = first; y < end; y++) {

@@ -1,7 +1,7 @@
 //! The shape descriptor of [LW] section 4: pure kernels over rows, no files, threads or clock.
 //!
-//! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel says how
-//! many pixels it reads to each side.
+//! Rows run down while y points up: `d/dy` is (row above - row below) / 2. Every kernel states how many pixels it reads
+//! to each side.
 
 pub(crate) mod auto_levels;
 pub(crate) mod curvature_display;
@@ -22,8 +22,8 @@ pub mod view_hessian;
 /// Pixels that edge weights read to each side.
 pub(crate) const EDGE_REACH: usize = 1;
 
-/// Three neighbouring rows of one plane: above, at and below the row being computed. At the border
-/// of a picture the row beyond it is the border row again.
+/// Three neighbouring rows of one plane: above, at and below the row being computed. At the border of a picture the
+/// border row is repeated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rows<'a, T = f32> {
     /// The row above.
@@ -60,8 +60,8 @@ impl<'a, T: Copy> Rows<'a, T> {
     }
 }
 
-/// The samples of a row in a range of columns, with those to their left and right, in slices of one
-/// length: a loop over them is vectorised.
+/// The samples of a row in a range of columns, with those to their left and right, in slices of equal length, so that
+/// loops vectorise.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shifted<'a, T = f32> {
     /// The samples of `left` and `right` together.
@@ -72,10 +72,10 @@ pub(crate) struct Shifted<'a, T = f32> {
 }
 
 impl<'a, T: Copy> Shifted<'a, T> {
-    /// The columns `columns` of `row`, which has at least one more at both sides.
+    /// The columns `columns` of `row`, which has at least one more on each side.
     ///
     /// # Panics
-    /// If it has not.
+    /// If it does not.
     #[inline(always)]
     fn new(row: &'a [T], columns: &Range<usize>) -> Self {
         let n = columns.len();
@@ -95,22 +95,21 @@ impl<'a, T: Copy> Shifted<'a, T> {
     }
 }
 
-/// Those of `columns` that have a neighbour at both sides in a row of `width` samples.
+/// The `columns` that have neighbours on both sides in a row of `width` samples.
 #[inline(always)]
 fn inner_columns(columns: &Range<usize>, width: usize) -> Range<usize> {
     let start = columns.start.max(1);
     start..columns.end.min(width.saturating_sub(1)).max(start)
 }
 
-/// Those of `columns` that are not in `inner`: the first and the last one of a row.
+/// The `columns` outside `inner`: the first and the last of a row.
 #[inline(always)]
 fn outer_columns(columns: &Range<usize>, inner: &Range<usize>) -> impl Iterator<Item = usize> {
     let before = columns.start..columns.end.min(inner.start);
     before.chain(columns.start.max(inner.end)..columns.end)
 }
 
-/// Derivatives (d/dx, d/dy) per pixel of a 3x3 neighbourhood, y up: Sobel's kernel, whose sum of 8
-/// is divided out.
+/// Derivatives (d/dx, d/dy) per pixel of a 3x3 neighbourhood, y up: Sobel's kernel, divided by its sum of 8.
 #[inline(always)]
 pub(crate) fn sobel(n: [[f32; 3]; 3]) -> [f32; 2] {
     let column = |x: usize| (n[0][x] + n[2][x]) + 2.0 * n[1][x];

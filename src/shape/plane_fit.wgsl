@@ -1,6 +1,6 @@
 // The Hessian of the height field: a plane fitted to the 3x3 gradients, each weighted by its conductance.
 
-// A row of three pixels: left of one, at it and right of it.
+// A row of three pixels: to the left, at and to the right of the centre.
 struct Row {
     left: vec2<f32>,
     here: vec2<f32>,
@@ -18,7 +18,7 @@ fn row_around(columns: vec3<u32>, y: u32) -> Row {
     );
 }
 
-// [xx, xy, yy] where all is open: Sobel's derivative.
+// [xx, xy, yy] away from edges: Sobel's derivative.
 fn in_the_open(above: Row, here: Row, below: Row) -> vec3<f32> {
     let west = (above.left + below.left) + 2.0 * here.left;
     let east = (above.right + below.right) + 2.0 * here.right;
@@ -56,7 +56,7 @@ fn plane_fit(above: Row, here: Row, below: Row) -> vec3<f32> {
     return vec3<f32>(c * slope_x.x, c * 0.5 * (slope_y.x + slope_x.y), c * slope_y.y);
 }
 
-// [xx, xy, yy]: the fit, or Sobel's derivative, which it is where all is open; 0 on edges.
+// [xx, xy, yy]: the fit, or the equal Sobel derivative away from edges; 0 on edges.
 fn fitted(above: Row, here: Row, below: Row) -> vec3<f32> {
     let least = min(min(above.open, here.open), below.open);
     let of_edges = select(vec3<f32>(0.0), plane_fit(above, here, below), here.open.y != 0.0);

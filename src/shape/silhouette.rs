@@ -1,9 +1,8 @@
-//! Silhouettes: where the surface ends or one part of it occludes another.
+//! Silhouettes: where the surface ends or one part occludes another.
 //!
-//! Theory: [LW] section 4.4 takes the Sobel magnitude of depth. Changes: the logarithm of depth is
-//! differentiated, so the weight is the same for a coin and for a cathedral, and for z, distance
-//! and 1/z alike; the border of coverage is always a silhouette. Practice: give depth where there
-//! is any, else an occlusion map or alpha.
+//! Theory: [LW] section 4.4 takes the Sobel magnitude of depth. Changes: the logarithm of depth is differentiated, so
+//! that the weight is the same for a coin and for a cathedral, and for z, distance and 1/z alike; the border of
+//! coverage is always a silhouette. Practice: supply depth if available, else an occlusion map or alpha.
 
 use crate::engine::cpu::simd::widened;
 use crate::fast_math::ln;
@@ -29,14 +28,14 @@ pub(crate) fn silhouette_weight(
     jump_weight(map.neighbourhood(x), threshold)
 }
 
-/// The weight of the jump across the middle of `around`: twice the Sobel slope, the difference between the two sides.
+/// The weight of the jump across the centre of `around`: twice the Sobel slope, the difference between the two sides.
 #[inline(always)]
 pub(crate) fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f32 {
     let [dx, dy] = sobel(around);
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }
 
-/// The logarithm of depth where covered, 0 elsewhere: the map that silhouettes are sought in.
+/// The logarithm of depth where covered, 0 elsewhere: the map for silhouettes.
 #[inline(always)]
 pub(crate) fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
     let n = out.len();
@@ -51,7 +50,7 @@ widened! {
     fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]);
 }
 
-/// [`silhouette_weight`] of the pixels of a row in `columns`; where they are uncovered no matter what.
+/// [`silhouette_weight`] of the pixels of a row in `columns`; undefined where uncovered.
 #[inline(always)]
 pub(crate) fn silhouette_row(
     weight: &mut [f32],

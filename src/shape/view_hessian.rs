@@ -1,22 +1,21 @@
-//! View-centred curvature of a known surface, for renderers that have no picture yet.
+//! View-centred curvature of a known surface, for renderers without a picture yet.
 
 use crate::params::ShapeParams;
 use glam::{Mat3, Vec3};
 
-/// The Hessian [xx, xy, yy] that the viewer sees, convex **negative**, of a surface with the unit normal
-/// `normal` and the shape operator `turn`, both in a frame whose z points to the eye.
+/// The Hessian [xx, xy, yy] in the view, convex **negative**, of a surface with the unit normal `normal` and the shape
+/// operator `turn`, both in a frame whose z points to the eye.
 ///
-/// `turn` times a tangent step is how the unit normal turns along it: I/R on a ball of radius R, whose
-/// normals point outward. Times its symmetric matrix of world space, `turn` in the frame of the view is
-/// `V turn V^T`. The result is per unit of length of `turn`, where the kernels of a picture have pixels: the
-/// gain or the warping strength that goes with it is a length.
+/// `turn` times a tangent step is the change of the unit normal along it: I/R on a ball of radius R with outward
+/// normals. From the symmetric world-space matrix, `turn` in the view frame is `V turn V^T`. The result is per unit
+/// length of `turn`, where the kernels of a picture use pixels: the gain or the warping strength used with it is a
+/// length.
 ///
-/// A step along x of the picture is the tangent `(1, 0, g_x)`, `g = -n_xy / n_z`, and turns the normal by
-/// `dn = turn (1, 0, g_x)`. So the gradient `-n_xy / n_z^f` of [RS] section 4.1, f being
-/// `params.foreshortening`, has the derivative `-(dn_xy - f n_xy dn_z / n_z) / n_z^f`; x and y alike, and
-/// made symmetric. At f = 1 that is the second derivative of the height, at f = 0 its trace is the sum of
-/// both curvatures of the surface itself. `n_z` is floored at `params.min_nz`, as in
-/// [`super::gradient::depth_gradient`].
+/// A step along x of the picture is the tangent `(1, 0, g_x)`, `g = -n_xy / n_z`, and changes the normal by `dn = turn
+/// (1, 0, g_x)`. So the gradient `-n_xy / n_z^f` of [RS] section 4.1, with f = `params.foreshortening`, has the
+/// derivative `-(dn_xy - f n_xy dn_z / n_z) / n_z^f`; the same for y, and symmetrised. At f = 1 that is the second
+/// derivative of the height, at f = 0 its trace is the sum of both curvatures of the surface itself. `n_z` is floored
+/// at `params.min_nz`, as in [`super::gradient::depth_gradient`].
 #[inline]
 pub fn view_hessian(turn: Mat3, normal: Vec3, params: &ShapeParams) -> [f32; 3] {
     let facing = normal.z.max(params.min_nz);
@@ -43,7 +42,7 @@ mod tests {
         }
     }
 
-    /// The projection onto tangents, over the radius.
+    /// The projection onto tangents, divided by the radius.
     fn ball(normal: Vec3, radius: f32) -> Mat3 {
         let outer = Mat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         (Mat3::IDENTITY - outer) * (1.0 / radius)
@@ -51,8 +50,8 @@ mod tests {
 
     #[test]
     fn a_ball_has_the_trace_of_the_closed_form() {
-        // The gradient is (x, y) z^-f / R^(1-f) with opposite sign, z^2 = R^2 - x^2 - y^2; its divergence is
-        // -[2 n_z^-f + f (1 - n_z^2) n_z^-(f + 2)] / R. That is 2/R at f = 0 wherever one looks.
+        // The gradient is (x, y) z^-f / R^(1-f) with opposite sign, z^2 = R^2 - x^2 - y^2; its divergence is -[2 n_z^-f
+        // + f (1 - n_z^2) n_z^-(f + 2)] / R. That is -2/R everywhere at f = 0.
         let radius = 3.0;
         for n_z in [1.0_f32, 0.5, 0.2, 0.1] {
             for f in [0.0_f32, 0.4, 1.0] {
@@ -76,9 +75,9 @@ mod tests {
 
     #[test]
     fn at_full_foreshortening_it_is_the_second_derivative_of_the_height() {
-        // The shape operator of a height: minus the derivative of the unit normal for tangent steps. With
-        // N = (-z_x, -z_y, 1)/W and tangents t_x, t_y it is B G^-1, B_ij = -z_ij / W, in the basis of tangents;
-        // as a matrix of space, sum over i, j of t_i (G^-1 B G^-1)_ij t_j^T, which is what `turn` means.
+        // The shape operator of a height field: minus the derivative of the unit normal for tangent steps. With N =
+        // (-z_x, -z_y, 1)/W and tangents t_x, t_y it is B G^-1, B_ij = -z_ij / W, in the basis of tangents; as a 3x3
+        // matrix, sum over i, j of t_i (G^-1 B G^-1)_ij t_j^T, which is the meaning of `turn`.
         let [gx, gy] = slope(0.0, 0.0).map(|v| v as f32);
         let normal = Vec3::new(-gx, -gy, 1.0).normalize();
         let (tx, ty) = (Vec3::new(1.0, 0.0, gx), Vec3::new(0.0, 1.0, gy));
@@ -94,7 +93,7 @@ mod tests {
         for (found, expected) in found.into_iter().zip(second) {
             assert!((found - expected).abs() < 1e-5, "{found}, not {expected}");
         }
-        // Without foreshortening the gradient is -n_xy: its derivative by differences, in f64.
+        // Without foreshortening the gradient is -n_xy: its derivative by finite differences, in f64.
         let unfolded = |x: f64, y: f64| {
             let [a, b] = slope(x, y);
             let length = (a * a + b * b + 1.0).sqrt();

@@ -1,4 +1,4 @@
-//! A distance map as a surface for rays to hit.
+//! A distance map as a surface for ray hits.
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
@@ -6,20 +6,20 @@ use crate::frame::{ColorPlanes, Ray, Surroundings, Vector3Planes};
 use crate::params::SearchParams;
 use glam::DVec3;
 
-/// The surroundings of an object, for rays in world space.
+/// The surroundings of an object, for world-space rays.
 #[derive(Debug, Clone)]
 pub(crate) struct DistanceMap<'a> {
     surroundings: &'a Surroundings,
-    /// Tangent planes, about the centre, row after row.
+    /// Tangent planes relative to the centre, row-major.
     planes: Vec<TangentPlane>,
 }
 
-/// Sine of the angle between a ray and the direction of its start from the centre, below which it runs through the
-/// centre as good as exactly.
+/// Sine of the angle between a ray and the direction from the centre to its start, below which the ray effectively
+/// passes through the centre.
 const THROUGH_CENTER: f64 = 1e-9;
 
 impl<'a> DistanceMap<'a> {
-    /// The map of these surroundings.
+    /// The map of `surroundings`.
     pub(crate) fn new(surroundings: &'a Surroundings) -> Self {
         let (width, height) = (surroundings.width(), surroundings.height());
         let plane = |i: usize| {
@@ -41,12 +41,12 @@ impl<'a> DistanceMap<'a> {
         self.surroundings
     }
 
-    /// Where a ray in world space first goes through the surroundings from inside, with the point that shows it: itself
-    /// where it is seen from the centre. `None` where nothing is around.
+    /// Where a world-space ray first passes through the surroundings from inside, and the position that shows it: the
+    /// same point if the centre sees it. `None` if there are no surroundings.
     ///
-    /// Steps are even in the angle seen from the centre. With its start at the distance `r0`, at the angle
-    /// `Theta` to its direction, the ray at the angle phi from its start is `r0 sin(Theta) / sin(Theta - phi)`
-    /// from the centre.
+    /// Steps are even in the angle seen from the centre. For a ray that starts at distance `r0`, at the angle `Theta`
+    /// to its direction, the point at the angle phi from the start is `r0 sin(Theta) / sin(Theta - phi)` away from the
+    /// centre.
     pub(crate) fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec3>> {
         let center = self.surroundings.center;
         let from = ray.start - center;
@@ -71,7 +71,7 @@ impl<'a> DistanceMap<'a> {
         let crossing = first_crossing(steps, search.refinements, |s| {
             let (direction, distance) = place(s);
             let (surface, ..) = self.distance_toward(direction)?;
-            // At the end of the turn the ray is infinitely far away.
+            // At the end of the turn the ray is at infinity.
             Some(1.0 - (distance / surface).min(FAR_BEHIND))
         });
         match crossing {
@@ -96,7 +96,7 @@ impl<'a> DistanceMap<'a> {
         }
     }
 
-    /// The distance of the surroundings from their centre in the direction of a point of world space.
+    /// The distance of the surroundings from their centre in the direction of a world-space point.
     #[inline]
     pub(crate) fn distance_of(&self, point: DVec3) -> Option<f64> {
         let toward = (point - self.surroundings.center).try_normalize()?;
@@ -110,7 +110,7 @@ impl<'a> DistanceMap<'a> {
             .try_normalize()
     }
 
-    /// The colour there.
+    /// The colour at a point of the surroundings.
     #[inline]
     pub(crate) fn color_at(&self, color: &ColorPlanes, point: DVec3) -> Option<[f32; 3]> {
         let mean = self.mean_at(point, |t| {
@@ -120,7 +120,7 @@ impl<'a> DistanceMap<'a> {
         Some(mean.as_vec3().to_array())
     }
 
-    /// The direction there, of any length, of a field of directions on the surfaces, each equal to its opposite;
+    /// The direction at a point, of any length, from a field of directions on the surfaces, opposites being equal;
     /// `None` where the field is 0.
     #[inline]
     pub(crate) fn direction_at(&self, field: &Vector3Planes, point: DVec3) -> Option<DVec3> {
@@ -154,7 +154,7 @@ impl<'a> DistanceMap<'a> {
         around(map.position(direction), size, Sides::Wraps)
     }
 
-    /// The distance of the surroundings in a unit direction, with the distance by each texel around it.
+    /// The distance of the surroundings in a unit direction, and the distance by each texel around it.
     #[inline]
     fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let map = self.surroundings;
@@ -167,5 +167,5 @@ impl<'a> DistanceMap<'a> {
     }
 }
 
-/// How many times the distance of the surroundings counts as infinitely far behind them.
+/// Multiple of the distance of the surroundings that counts as infinitely far behind them.
 const FAR_BEHIND: f64 = 1e3;

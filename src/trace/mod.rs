@@ -1,12 +1,11 @@
-//! Sight lines bent by mirrors and lenses, traced beyond the visible surface in images alone.
+//! Sight lines bent by mirrors and lenses, traced beyond the visible surface, using images only.
 //!
-//! Theory: [LA] section 5.2. A sight line is mirrored at the visible surface, or refracted there and again where
-//! it leaves through the back faces; then it is followed through a distance map around the object, or through the
-//! picture of what lies behind. Changes: every texel stands for the tangent plane of its surface and not for a
-//! point, so that walls are met exactly whatever the resolution; a ray that passes behind something goes on, where
-//! a height field would stop it; and where it ends unseen, the surface that it was last seen in front of is
-//! taken to go on. Practice: a [`Tracer`] per frame; [`Tracer::path`] bends the sight
-//! line of a pixel, [`Tracer::hit`] follows any ray.
+//! Theory: [LA] section 5.2. A sight line is mirrored at the visible surface, or refracted there and again where it
+//! leaves through the back faces; then it is traced through a distance map around the object, or through the picture of
+//! the scene behind. Changes: every texel represents the tangent plane of its surface rather than a point, so that
+//! walls are hit exactly at any resolution; a ray that passes behind something continues, where a height field would
+//! stop it; and where it ends unseen, the surface it was last seen in front of is extended. Practice: a [`Tracer`] per
+//! frame; [`Tracer::path`] bends the sight line of a pixel, [`Tracer::hit`] traces any ray.
 
 mod distance_map;
 mod search;

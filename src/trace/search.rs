@@ -1,44 +1,43 @@
-//! The search along a path for where it first goes behind a surface: even steps, then the secant rule.
+//! The search along a path for its first crossing behind a surface: even steps, then the secant rule.
 
 use crate::params::SearchParams;
 
-/// Gap between both sides of a crossing above which the way passes behind an edge and does not meet the surface
-/// there, as a share of the distance.
+/// Gap between both sides of a crossing, as a share of the distance, above which the path passes behind an edge rather
+/// than hitting the surface.
 const JUMP: f64 = 0.05;
 
-/// A gap that is as good as none.
+/// A gap that counts as zero.
 const TOUCHING: f64 = 1e-10;
 
-/// Fewest steps of a search, however short the way.
+/// Minimum number of steps of a search, for short paths.
 const FEWEST_STEPS: u32 = 4;
 
-/// Steps for a way that is this `share` of the longest.
+/// Steps for a path that is this `share` of the longest.
 #[inline]
 pub(super) fn steps_for(search: &SearchParams, share: f64) -> u32 {
     let steps = (f64::from(search.steps) * share).ceil() as u32;
     steps.clamp(FEWEST_STEPS.min(search.steps), search.steps)
 }
 
-/// Outcome of a path along a surface; positions are shares of it, 0..1.
+/// Outcome of a search; positions are shares of the path, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Crossing {
-    /// It goes through the surface here.
+    /// Passes through the surface here.
     Hit(f64),
-    /// It leaves, or goes on behind an edge for good, and what it may meet there is not seen. Here it was last seen in
-    /// front of a surface.
+    /// Leaves, or continues behind an edge for good, so that its hit is unseen. Here it was last seen in front of a
+    /// surface.
     Unseen(f64),
-    /// It is nowhere in front of a surface.
+    /// Never in front of a surface.
     Nothing,
 }
 
-/// The first place of a way, in so many even `steps` and `refinements`, where it goes through a surface from the
-/// front.
+/// The first position on a path, searched in `steps` even steps and `refinements`, where it passes through a surface
+/// from the front.
 ///
-/// `gap` is how far a place lies in front of the surface, as a share of the distance: above 0 in front, below
-/// behind, `None` where there is no surface. Where the gap jumps to below 0 the way passes behind an edge; it is
-/// followed on, unseen, until it comes out in front of a surface again. Source: [LA] section 5.2, after the
-/// linear and secant search in distance maps; the secant rule is the Illinois one, which keeps the surface
-/// between its two ends.
+/// `gap` is the distance of a position in front of the surface, as a share of the distance: positive in front, negative
+/// behind, `None` without a surface. If the gap jumps below 0 the path passes behind an edge; it is followed, unseen,
+/// until it emerges in front of a surface again. Source: [LA] section 5.2, after the linear and secant search in
+/// distance maps; the secant rule is the Illinois variant, which keeps the surface bracketed.
 #[inline]
 pub(crate) fn first_crossing(
     steps: u32,
@@ -60,20 +59,20 @@ pub(crate) fn first_crossing(
         if here.is_some_and(|end| end.gap > 0.0) {
             in_front = Some(s);
         }
-        // Where there is no surface the way is in front of whatever comes next.
+        // Without a surface the path counts as in front of the next one.
         before = here.or(before.filter(|end| end.gap > 0.0));
     }
     in_front.map_or(Crossing::Nothing, Crossing::Unseen)
 }
 
-/// A place of the way and its gap.
+/// A position on the path and its gap.
 #[derive(Debug, Clone, Copy)]
 struct End {
     s: f64,
     gap: f64,
 }
 
-/// The crossing between two places; `None` where the gap jumps.
+/// The crossing between two positions; `None` if the gap jumps.
 #[inline]
 fn narrowed(
     refinements: u32,
@@ -81,7 +80,7 @@ fn narrowed(
     mut behind: End,
     gap: &impl Fn(f64) -> Option<f64>,
 ) -> Option<f64> {
-    // The end that stayed twice in a row counts half: both ends come in.
+    // An end that stays twice in a row counts half, so that both ends converge.
     let mut weights = [1.0, 1.0];
     for _ in 0..refinements {
         if front.gap < TOUCHING {
@@ -128,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_smooth_surface_is_met_where_it_lies() {
-        // exp(-2 s) meets 0.3 at ln(1/0.3)/2.
+        // exp(-2 s) equals 0.3 at ln(1/0.3)/2.
         let found = met(|s| Some((-2.0 * s).exp() - 0.3));
         assert!((found - (1.0_f64 / 0.3).ln() / 2.0).abs() < 1e-9);
         assert_eq!(crossing(|s| Some(1.0 + s)), Crossing::Unseen(1.0));
@@ -138,11 +137,11 @@ mod tests {
 
     #[test]
     fn what_is_passed_behind_is_not_met() {
-        // A post from 0.3 to 0.4 in front of a wall that is met at 0.8.
+        // A post from 0.3 to 0.4 in front of a wall at 0.8.
         let post = 0.3..0.4;
         let gap = |s: f64| Some(if post.contains(&s) { -0.5 } else { 0.8 - s });
         assert!((met(gap) - 0.8).abs() < 1e-9);
-        // The way starts behind the surface: it has to come out first.
+        // The path starts behind the surface: it must emerge first.
         let gap = |s: f64| Some(if s < 0.2 { -0.1 } else { 0.6 - s });
         assert!((met(gap) - 0.6).abs() < 1e-9);
         // A hole, with the surface beyond it.

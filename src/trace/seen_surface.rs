@@ -1,4 +1,4 @@
-//! A frame as a surface for rays to hit: the part that its camera saw.
+//! A frame as a surface for ray hits: the part seen by its camera.
 
 use super::search::{Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
@@ -17,8 +17,7 @@ pub(crate) struct VisibleSurface<'a> {
 }
 
 impl<'a> VisibleSurface<'a> {
-    /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
-    /// distance.
+    /// The surface of `frame` along `sight` lines. `None` if its depth is missing or no distance.
     pub(crate) fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
         let depth = frame.depth.as_ref()?;
         let is_distance = frame.source.depth_kind != DepthKind::Relative;
@@ -29,13 +28,13 @@ impl<'a> VisibleSurface<'a> {
         })
     }
 
-    /// Where in the picture, of the display window, the middle of a pixel lies.
+    /// Position of a pixel centre in the picture, relative to the display window.
     #[inline]
     pub(crate) fn middle(&self, x: usize, y: usize) -> DVec2 {
         self.frame.data_window.middle(x, y)
     }
 
-    /// The point of view space that a pixel shows.
+    /// The view-space point shown by a pixel.
     #[inline]
     pub(crate) fn point(&self, x: usize, y: usize) -> DVec3 {
         let at = self.middle(x, y);
@@ -68,22 +67,22 @@ impl<'a> VisibleSurface<'a> {
     }
 }
 
-/// The visible surface of a frame, to be met by rays.
+/// The visible surface of a frame, for ray hits.
 #[derive(Debug, Clone)]
 pub(crate) struct SeenSurface<'a> {
     visible: VisibleSurface<'a>,
-    /// Tangent planes in view space, row after row.
+    /// Tangent planes in view space, row-major.
     planes: Vec<TangentPlane>,
-    /// Least and greatest depth along the view axis.
+    /// Smallest and largest depth along the view axis.
     depths: [f64; 2],
 }
 
-/// Rays are followed a little beyond the nearest and the farthest depth.
+/// Rays are traced slightly beyond the nearest and the farthest depth.
 const BEYOND: f64 = 1.001;
 
 impl<'a> SeenSurface<'a> {
-    /// The surface of `frame` seen along `sight` lines. `None` where the frame has no depth that is a
-    /// distance, or shows nothing.
+    /// The surface of `frame` along `sight` lines. `None` if its depth is missing or no distance, or if it shows
+    /// nothing.
     pub(crate) fn new(frame: &'a Frame, sight: SightLines) -> Option<Self> {
         let visible = VisibleSurface::new(frame, sight)?;
         let width = frame.mask.width();
@@ -108,8 +107,8 @@ impl<'a> SeenSurface<'a> {
         self.visible.frame
     }
 
-    /// Where a ray first goes through the surface from the viewer's side, with the place of the picture that shows it.
-    /// `None` where it is nowhere in front of the surface.
+    /// Where a ray first passes through the surface from the viewer's side, and the position in the picture that shows
+    /// it. `None` if it is never in front of the surface.
     pub(crate) fn reached(&self, ray: &Ray, search: &SearchParams) -> Option<Reached<DVec2>> {
         let way = self.way(ray)?;
         let [from, to] = way.places;
@@ -144,13 +143,13 @@ impl<'a> SeenSurface<'a> {
         }
     }
 
-    /// Depth along the view axis at a place of the picture; `None` where there is no surface.
+    /// Depth along the view axis at a position in the picture; `None` without a surface.
     #[inline]
     pub(crate) fn depth_at_place(&self, at: DVec2) -> Option<f64> {
         self.depth_at(at).map(|(depth, ..)| depth)
     }
 
-    /// The point of the surface at a place of the picture.
+    /// The point of the surface at a position in the picture.
     #[inline]
     pub(crate) fn point_at(&self, at: DVec2) -> Option<DVec3> {
         let depth = self.depth_at_place(at)?;
@@ -161,7 +160,7 @@ impl<'a> SeenSurface<'a> {
         )
     }
 
-    /// The unit normal at a place of the picture where the surface lies at the depth of `point`.
+    /// The unit normal at a position in the picture, where the surface has the depth of `point`.
     #[inline]
     pub(crate) fn normal_at(&self, at: DVec2, point: DVec3) -> Option<DVec3> {
         let (_, distances, texels) = self.depth_at(at)?;
@@ -171,7 +170,7 @@ impl<'a> SeenSurface<'a> {
         .try_normalize()
     }
 
-    /// The colour there.
+    /// The colour at a position in the picture.
     #[inline]
     pub(crate) fn color_at(
         &self,
@@ -191,7 +190,7 @@ impl<'a> SeenSurface<'a> {
         )
     }
 
-    /// The unit direction there of a field of directions in the picture, each equal to its opposite.
+    /// The unit direction at a position in the picture, from a field of directions, opposites being equal.
     #[inline]
     pub(crate) fn direction_at(
         &self,
@@ -209,13 +208,13 @@ impl<'a> SeenSurface<'a> {
         (mean.length_squared() > 0.0).then(|| DVec2::from_angle(half))
     }
 
-    /// Width and height of the picture together, in pixels.
+    /// Sum of the picture's width and height, in pixels.
     fn span(&self) -> f64 {
         let window = self.frame().data_window;
         (window.width() + window.height()) as f64
     }
 
-    /// Depth along the view axis at a place of the picture, with the distance by each texel around it.
+    /// Depth along the view axis at a position in the picture, and the distance by each texel around it.
     #[inline]
     fn depth_at(&self, at: DVec2) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let mask = &self.frame().mask;
@@ -234,7 +233,7 @@ impl<'a> SeenSurface<'a> {
         Some((agreed(distances, &texels)?, distances, texels))
     }
 
-    /// The way of a ray through the picture, as far as it may meet the surface; `None` where it may not.
+    /// The path of a ray through the picture, as far as it can hit the surface; `None` if it cannot.
     fn way(&self, ray: &Ray) -> Option<Way> {
         let projection = self.visible.sight.projection();
         let inverse = matches!(projection, Projection::Perspective { .. });
@@ -244,8 +243,7 @@ impl<'a> SeenSurface<'a> {
         if inverse && start <= 0.0 {
             return None;
         }
-        // Beyond the depths of the surface there is nothing to be met; what stays at its depth leaves the
-        // picture, as far as it reaches.
+        // Beyond the depths of the surface there is nothing to hit; rays of constant depth end outside the picture.
         let window = self.frame().data_window;
         let across = ray.direction.truncate().length();
         let reach = self.units_of(self.span(), start.max(near)) / across;
@@ -274,7 +272,7 @@ impl<'a> SeenSurface<'a> {
         Some(way.part(first, last))
     }
 
-    /// How long so many pixels are at a depth.
+    /// Length of this many pixels at a depth.
     fn units_of(&self, pixels: f64, depth: f64) -> f64 {
         match self.visible.sight.projection() {
             Projection::Perspective { fx, fy, .. } => 2.0 * pixels * depth / fx.abs().min(fy.abs()),
@@ -283,8 +281,7 @@ impl<'a> SeenSurface<'a> {
     }
 }
 
-/// A straight way through the picture: evenly in its pixels, along which 1/depth is linear in perspective, else
-/// depth.
+/// A straight path through the picture, even in pixels: along it 1/depth is linear in perspective, else depth is.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     places: [DVec2; 2],
@@ -314,7 +311,7 @@ impl Way {
     }
 }
 
-/// The part of a line, as shares of it, that lies inside a rectangle.
+/// The part of a line, as shares of it, inside a rectangle.
 fn inside([from, to]: [DVec2; 2], corner: DVec2, width: usize, height: usize) -> Option<[f64; 2]> {
     let (start, step) = (from - corner, to - from);
     let [mut first, mut last] = [0.0_f64, 1.0_f64];

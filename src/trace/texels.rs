@@ -1,4 +1,4 @@
-//! The four texels around a position on a map, each standing for the tangent plane of its surface.
+//! The four texels around a position on a map, each representing the tangent plane of its surface.
 
 use crate::frame::Ray;
 use glam::{DVec2, DVec3};
@@ -11,17 +11,17 @@ pub(super) struct Texel {
     pub(super) weight: f64,
 }
 
-/// How a map continues beyond its sides.
+/// Extension of a map beyond its sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sides {
-    /// Nothing: the nearest texel goes on.
+    /// The nearest texel is repeated.
     Ends,
-    /// The other side.
+    /// The opposite side follows.
     Wraps,
 }
 
-/// The texels around the place `at`, in pixels from the upper left corner of a map; 0 in every weight of a
-/// place that is not finite.
+/// The texels around the position `at`, in pixels from the upper left corner of a map; all weights are 0 for a
+/// non-finite position.
 #[inline]
 pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [Texel; 4] {
     let corner = at - 0.5;
@@ -45,28 +45,28 @@ pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [T
     ]
 }
 
-/// The heaviest of these texels.
+/// The texel with the largest weight.
 pub(super) fn heaviest(texels: &[Texel; 4]) -> Texel {
     let heavier = |a: Texel, b: &Texel| if b.weight > a.weight { *b } else { a };
     texels.iter().fold(texels[0], heavier)
 }
 
-/// Distances that differ by more than this share belong to different surfaces.
+/// Distances with a larger relative difference belong to different surfaces.
 pub(super) const APART: f64 = 0.02;
 
-/// A tangent plane says nothing of distances beyond this factor of its own point's.
+/// A tangent plane is not used for distances beyond this factor of its own point's.
 const FARTHEST: f64 = 1.25;
 
-/// Where a ray ends.
+/// End of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Reached<P> {
-    /// On the surface: the point, and the place of the map that shows it.
+    /// Visible, on the surface: the point, and the position on the map that shows it.
     Seen(DVec3, P),
-    /// Unseen, on the plane of the surface that this place shows, as far as that goes on.
+    /// Unseen, on the extended plane of the surface shown at this position.
     Beyond(DVec3, P),
 }
 
-/// A plane is taken to go on as far as this many times the distance over which it was seen.
+/// Maximum extension of a plane, as a multiple of the distance over which it was seen.
 const GOES_ON: f64 = 4.0;
 
 /// The tangent plane of the surface in a texel.
@@ -75,7 +75,7 @@ pub(super) struct TangentPlane {
     normal: [f32; 3],
     /// The plane's distance from the origin along the normal.
     offset: f32,
-    /// Distance of the texel's own point, along its line; 0 where there is no surface.
+    /// Distance of the texel's own point along its line; 0 without a surface.
     own: f32,
 }
 
@@ -87,7 +87,7 @@ impl TangentPlane {
         own: 0.0,
     };
 
-    /// The plane through a `point`, `own` along its line.
+    /// The plane through a `point`, which is `own` along its line.
     pub(super) fn new(point: DVec3, normal: DVec3, own: f64) -> Self {
         Self {
             normal: normal.as_vec3().to_array(),
@@ -96,7 +96,8 @@ impl TangentPlane {
         }
     }
 
-    /// Where a ray meets the plane, no nearer than `seen` and not too far beyond; `None` where there is no surface.
+    /// Where a ray hits the extended plane, no nearer than `seen` and within its maximum extension; `None` without a
+    /// surface.
     pub(super) fn continued(&self, ray: &Ray, seen: DVec3) -> Option<DVec3> {
         let normal = DVec3::from(self.normal.map(f64::from));
         let along = (f64::from(self.offset) - normal.dot(ray.start)) / normal.dot(ray.direction);
@@ -106,8 +107,8 @@ impl TangentPlane {
         (goes_on && way < GOES_ON * so_far.max(f64::from(self.own))).then_some(point)
     }
 
-    /// How far along a `line` from `start` the plane is met; the texel's own distance where it is seen too much along
-    /// itself for that to count. `None` where there is no surface.
+    /// The distance along a `line` from `start` to the plane; the texel's own distance if the line is too nearly
+    /// parallel to the plane. `None` without a surface.
     #[inline(always)]
     pub(super) fn along(&self, start: DVec3, line: DVec3) -> Option<f64> {
         let normal = DVec3::from(self.normal.map(f64::from));
@@ -118,8 +119,8 @@ impl TangentPlane {
     }
 }
 
-/// One distance from those of the texels around a place: their mean where they agree, else the nearest
-/// texel's. `None` where none has one.
+/// One distance from those of the texels around a position: their mean if they agree, else that of the nearest texel.
+/// `None` if none has one.
 #[inline]
 pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[Texel; 4]) -> Option<f64> {
     let (mut sum, mut weights, mut heaviest) = (0.0, 0.0, (0.0, 0.0));
@@ -140,8 +141,8 @@ pub(super) fn agreed(distances: [Option<f64>; 4], texels: &[Texel; 4]) -> Option
     Some(if agree { sum / weights } else { heaviest.1 })
 }
 
-/// The mean of the values of those texels that lie at `distance`, by their own planes; of the heaviest where none does.
-/// `None` where there is none.
+/// The mean over texels whose planes lie at `distance`; the value of the heaviest texel if none does. `None` without
+/// values.
 #[inline]
 pub(super) fn mean_at(
     distance: f64,

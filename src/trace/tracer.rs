@@ -1,20 +1,20 @@
-//! The tracer: sight lines of a frame, bent by its specular surfaces, and what they hit.
+//! The tracer: sight lines of a frame, bent by its specular surfaces, and their hits.
 
 use super::{DistanceMap, Reached, SeenSurface, VisibleSurface};
 use crate::frame::{Camera, Frame, Ray, SightLines, SpecularScene};
 use crate::params::{Bend, SearchParams, SpecularParams};
 use glam::{DQuat, DVec2, DVec3};
 
-/// The way of a sight line through a specular thing, in view space.
+/// The path of a sight line through a specular object, in view space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
     /// Unit direction of the sight line, away from the eye.
     pub sight: DVec3,
-    /// How far the eye, or the plane of an orthographic camera, is from the surface.
+    /// Distance from the eye, or the plane of an orthographic camera, to the surface.
     pub length: f64,
-    /// From the visible surface on: the ray that leaves, or the one inside.
+    /// The ray from the visible surface on: leaving, or inside the object.
     pub entry: Ray,
-    /// The ray that leaves at the back faces, where there are two.
+    /// The ray that leaves through the back faces, if there are two refractions.
     pub exit: Option<Ray>,
     /// Unit normal of the visible surface.
     pub normal: DVec3,
@@ -22,12 +22,12 @@ pub struct Path {
 }
 
 impl Path {
-    /// The ray that leaves the thing; its direction is unit.
+    /// The ray that leaves the object; its direction is a unit vector.
     pub fn leaving(&self) -> Ray {
         self.exit.unwrap_or(self.entry)
     }
 
-    /// Length of the way from the eye to the point from which the ray leaves.
+    /// Length of the path from the eye to the point where the ray leaves.
     pub fn length_inside(&self) -> f64 {
         let inside = self
             .exit
@@ -35,7 +35,7 @@ impl Path {
         self.length + inside
     }
 
-    /// A direction at what the leaving ray meets, turned to where it appears to lie: a flat mirror shows its image
+    /// Transforms a direction at the hit of the leaving ray to its apparent orientation: a flat mirror shows its image
     /// behind it, mirrored.
     pub fn as_it_appears(&self, direction: DVec3) -> DVec3 {
         match self.bend {
@@ -47,33 +47,33 @@ impl Path {
     }
 }
 
-/// The point that a ray hit.
+/// The hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The point, in view space.
     pub point: DVec3,
-    /// The unit normal there, toward where the ray came from.
+    /// The unit normal there, facing the ray's origin.
     pub normal: DVec3,
-    /// Which surface it is on.
+    /// The surface hit.
     pub surface: HitSurface,
-    /// Whether it is seen; else the surface beside is taken to go on to there.
+    /// Whether the point is visible; otherwise it lies on an extension of the neighbouring surface.
     pub is_seen: bool,
 }
 
-/// The surface that a ray met.
+/// The surface that a ray hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HitSurface {
-    /// The scene behind, at this position of its picture.
+    /// The scene behind, at this position in its picture.
     Behind(DVec2),
-    /// The surroundings, as they are at this point of world space.
+    /// The surroundings, at this point of world space.
     Surroundings(DVec3),
 }
 
-/// Length of a filtered normal below which it is mixed of two surfaces, as at a rim, and mirrors nothing that either
-/// does: normals 23 degrees apart have it.
+/// Length of a filtered normal below which it mixes two surfaces, as at a rim, and reflects like neither: the length
+/// for normals 23 degrees apart.
 const MIXED: f32 = 0.98;
 
-/// Bends and follows the sight lines of a frame.
+/// Bends and traces the sight lines of a frame.
 #[derive(Debug)]
 pub struct Tracer<'a> {
     frame: &'a Frame,
@@ -88,7 +88,7 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// A tracer over `frame`. `None` without a camera or depth that is a distance.
+    /// A tracer over `frame`. `None` without a camera, or without depth that is a distance.
     pub fn new(
         frame: &'a Frame,
         scene: &'a SpecularScene,
@@ -118,23 +118,23 @@ impl<'a> Tracer<'a> {
         self.behind.as_ref()
     }
 
-    /// The map of the surroundings, as far as they are known.
+    /// The map of the surroundings, if they are known.
     pub(crate) fn around(&self) -> Option<&DistanceMap<'a>> {
         self.around.as_ref().map(|(map, _)| map)
     }
 
-    /// The surface itself.
+    /// The surface of the frame itself.
     pub(crate) fn front(&self) -> &VisibleSurface<'a> {
         &self.front
     }
 
-    /// The way of the sight line of a pixel through the specular thing that it shows. `None` where it shows none, or a
-    /// rim, is seen from behind, where all light is mirrored inside, or where the back faces are not met.
+    /// The path of a pixel's sight line through the specular object it shows. `None` if it shows none or a rim, is seen
+    /// from behind, at total internal reflection, or if the back faces are not hit.
     pub fn path(&self, x: usize, y: usize) -> Option<Path> {
         self.path_bent(x, y, self.bend)
     }
 
-    /// The same for another way to go on.
+    /// The same with another way of bending.
     pub fn path_bent(&self, x: usize, y: usize, bend: Bend) -> Option<Path> {
         if !self.scene.is_specular(self.frame, x, y) {
             return None;
@@ -196,7 +196,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The point that a ray hits: seen in the scene behind, else in the surroundings; else an unseen continuation of either.
+    /// The hit of a ray: visible in the scene behind, else in the surroundings; else on an unseen extension of either.
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
         let behind = self.hit_behind(ray);
         if behind.is_some_and(|hit| hit.is_seen) {
@@ -244,7 +244,7 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The colour of what was met, where it is seen and has any.
+    /// The colour at the hit, if that is visible and has one.
     pub fn color(&self, hit: &Hit) -> Option<[f32; 3]> {
         if !hit.is_seen {
             return None;
@@ -263,8 +263,8 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// `direction` refracted at a surface with the unit normal `against` it, by the ratio `eta` of the indices before and
-/// behind; unit. `None` where all light is mirrored.
+/// `direction` refracted at a surface with the unit normal `against` it, with the ratio `eta` of the indices before and
+/// behind; a unit vector. `None` for total reflection.
 #[inline]
 fn refracted(direction: DVec3, against: DVec3, eta: f64) -> Option<DVec3> {
     let refracted = direction.refract(against, eta);

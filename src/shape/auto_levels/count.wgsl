@@ -1,4 +1,5 @@
-// Counts the numbers of a plane by some bits of theirs, those among them whose higher bits were found before.
+// Histogram of the numbers of a plane over some of their bits, restricted to numbers whose higher bits equal those
+// found before.
 
 @group(0) @binding(0) var<uniform> params: CountParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -8,8 +9,8 @@
 @group(0) @binding(5) var<storage, read> search: array<u32>;
 @group(0) @binding(6) var<storage, read_write> bins: array<atomic<u32>>;
 
-// Whether a is a trace and b the conductance, or a is luminance of which only what there is counts; or a, b and c are
-// red, green and blue.
+// If OF_TRACE, a is a trace and b the conductance; if OF_LIGHT, a is luminance, of which only positive values count;
+// else a, b and c are red, green and blue.
 override OF_TRACE: bool;
 override OF_LIGHT: bool;
 
@@ -18,7 +19,7 @@ var<workgroup> counts: array<atomic<u32>, SEARCH_BINS>;
 fn key_at(x: u32, y: u32) -> u32 {
     let i = index_of(x, y);
     if OF_TRACE {
-        // What is too flat, or an edge, has no say.
+        // Flat pixels and edges are ignored.
         let size = abs(a[i]);
         if b[i] > 0.5 && size > params.least {
             return key_of(size);

@@ -1,4 +1,4 @@
-//! What is chosen from the whole frame: the gain of the curvature mapping and the white level.
+//! Automatic choices from the whole frame: the gain of the curvature mapping and the white level.
 
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
 use crate::frame::{ColorPlanes, Mask, Plane, luminance};
@@ -6,9 +6,9 @@ pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{CURVATURE_PERCENT, flat_curvature, typical_exponent};
 use std::ops::Range;
 
-/// The gain that maps the 80th percentile of |trace| to 0.35, over what is curved, edges left out.
+/// The gain that maps the 80th percentile of |trace| to 0.35, over curved pixels off edges.
 ///
-/// The trace is `factor` times what it is per pixel of the plane; the gain is `most` at the most.
+/// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
 pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, most: f32) -> f32 {
     let mut search = GainSearch::new([trace.width(), trace.height()], factor, most);
     let rows = 0..trace.height();
@@ -18,7 +18,7 @@ pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, mo
     search.gain()
 }
 
-/// A search for the gain in a picture that comes some rows at a time, all of them twice.
+/// A search for the gain in a picture passed as groups of rows, each twice.
 #[derive(Debug, Clone)]
 pub(crate) struct GainSearch {
     pub(crate) search: PercentileSearch,
@@ -27,7 +27,7 @@ pub(crate) struct GainSearch {
 }
 
 impl GainSearch {
-    /// For a picture of this size, whose trace is `factor` times what it is per pixel, and a gain of `most` at the most.
+    /// For a picture of this size, a trace of `factor` times its value per pixel, and a gain of at most `most`.
     pub(crate) fn new(size: [usize; 2], factor: f32, most: f32) -> Self {
         Self {
             search: PercentileSearch::new(CURVATURE_PERCENT),
@@ -55,13 +55,13 @@ impl GainSearch {
     }
 }
 
-/// A high percentile of the luminance of the covered pixels; 1 where none has any.
+/// A high percentile of the luminance of the covered pixels; 1 if all are black.
 pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
     let luminances = |y| luminances(color, weights, mask, y);
     white_of(percentile(mask.height(), WHITE_PERCENT, luminances))
 }
 
-/// The same of a `luminance` that was made before.
+/// The white level of a precomputed `luminance`.
 pub(crate) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
     let covered = |y| {
         let (row, covered) = (luminance.row(y), mask.row(y));
@@ -84,7 +84,7 @@ pub(crate) fn luminances(
         .map(move |x| luminance([r[x], g[x], b[x]], weights))
 }
 
-/// The white level that a percentile of the luminance gives.
+/// The white level from a percentile of luminance.
 pub(crate) fn white_of(percentile: Option<f32>) -> f32 {
     percentile.filter(|&white| white > 0.0).unwrap_or(1.0)
 }
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_gain_brings_typical_curvature_to_its_target() {
-        // Nine tenths of what is curved at |trace| 0.05, and a wall: tanh(gain * 0.05) = 0.35.
+        // Nine tenths of the curved pixels at |trace| 0.05, and a wall: tanh(gain * 0.05) = 0.35.
         let trace = Plane::from_fn(100, 1, |x, _| match x {
             0 => 9.0,
             1..10 => -0.05,
@@ -104,7 +104,7 @@ mod tests {
         });
         let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0, 200.0);
         assert!(((gain * 0.05).tanh() - 0.35).abs() < 1e-6);
-        // A plane: rounding noise is not blown up without end.
+        // A plane: rounding noise is not amplified without limit.
         assert_eq!(
             curvature_gain(
                 &Plane::filled(4, 4, 1e-9),
@@ -114,8 +114,8 @@ mod tests {
             ),
             200.0
         );
-        // Measured per pixel of a reference a fifth as high, the bumps have a fifth of the gain; what was too
-        // flat to count still is.
+        // Measured per pixel of a reference a fifth as high, the bumps need a fifth of the gain; pixels too flat to
+        // count remain so.
         let fifth = curvature_gain(
             &trace.map(|t| 5.0 * t),
             &Plane::filled(100, 1, 1.0),
@@ -134,7 +134,7 @@ mod tests {
         assert!((most_gain(1.0 / 255.0, 0.5, 3.0) - 51.1).abs() < 0.1);
         // Diffused by two pixels it is a fifth as high.
         assert_eq!(most_gain(1.0 / 255.0, 2.0, 1.0), 200.0);
-        // The steps of half floats are too fine to be seen.
+        // Steps of half floats are too fine to be visible.
         assert_eq!(most_gain(1.0 / 4096.0, 1.0, 1.0), 200.0);
         assert_eq!(most_gain(0.0, 0.0, 1.0), 200.0);
         let flat = Plane::filled(4, 4, 1e-9);

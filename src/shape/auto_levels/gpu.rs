@@ -1,4 +1,4 @@
-//! What is chosen from the whole picture, without leaving the device: percentiles, found eleven bits at a time.
+//! Automatic choices from the whole picture, without read-back: percentiles, resolved eleven bits at a time.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{
@@ -16,20 +16,20 @@ use crate::shape::auto_levels::{
 };
 use std::ops::Range;
 
-/// Numbers as bit patterns in their order.
+/// Numbers as bit patterns with the same order.
 const KEYS: Wgsl = wgsl!("keys.wgsl");
 
 uniforms! {
-    /// Of `count.wgsl`.
+    /// Uniforms of `count.wgsl`.
     CountParams {
         width: u32,
         height: u32,
         rows_start: u32,
         rows_end: u32,
-        /// Mask of the bits found so far, and where the next ones begin.
+        /// Mask of the bits found so far, and position of the next ones.
         known_bits: u32,
         shift: u32,
-        /// Traces up to this have no say.
+        /// Traces up to this are ignored.
         least: f32,
         /// Weights of luminance.
         weight_r: f32,
@@ -37,7 +37,7 @@ uniforms! {
         weight_b: f32,
     }
 
-    /// Of `narrow.wgsl`.
+    /// Uniforms of `narrow.wgsl`.
     NarrowParams {
         is_first: u32,
         shift: u32,
@@ -46,7 +46,7 @@ uniforms! {
         share_of: u32,
         /// Target of the gain times the percentile of curvature.
         target_times: f32,
-        /// The greatest gain that is chosen.
+        /// Upper limit of an automatic gain.
         most_gain: f32,
     }
 }
@@ -56,7 +56,7 @@ bindings! {
     NarrowBuffers { bins, search, chosen }
 }
 
-/// Counts how often the next bits of the numbers are which.
+/// Histogram of the next bits of the numbers.
 pub(crate) static COUNT: Kernel = Kernel::new::<CountParams, CountBuffers>(
     "Count",
     &[
@@ -73,7 +73,7 @@ pub(crate) static COUNT: Kernel = Kernel::new::<CountParams, CountBuffers>(
     ],
 );
 
-/// Finds the bits that the wanted rank has; in the end chooses.
+/// Resolves the bits of the wanted rank; after the last bits makes the choice.
 pub(crate) static NARROW: Kernel = Kernel::new::<NarrowParams, NarrowBuffers>(
     "Narrow",
     &[
@@ -88,32 +88,31 @@ pub(crate) static NARROW: Kernel = Kernel::new::<NarrowParams, NarrowBuffers>(
     ],
 );
 
-/// Workgroups that count on devices in software, at the most: of [`MOST_COUNTING_GROUPS`] they feel the bins.
+/// Maximum number of counting workgroups on software devices, where the bins of [`MOST_COUNTING_GROUPS`] are costly.
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
-/// Percentage of numbers that the median leaves below it.
+/// Percentage of numbers below the median.
 const MEDIAN_PERCENT: u32 = 50;
 
 /// The quantity searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Search {
-    /// The gain of the curvature mapping, in a picture of this size whose curvature has this factor, and the
-    /// greatest that is chosen.
+    /// The gain of the curvature mapping, for a picture of this size, a curvature with this factor, and an upper limit.
     Gain {
         size: [usize; 2],
         factor: f32,
         most: f32,
     },
-    /// The white level, by these weights of luminance.
+    /// The white level, with these weights of luminance.
     White([f32; 3]),
     /// The white level of a term of the light, from its luminance.
     TermWhite,
-    /// The median depth of patches, of so many columns and rows; it takes the place of a white level.
+    /// The median depth of patches, with this many columns and rows; stored in place of a white level.
     Depth([u32; 2]),
 }
 
 impl Search {
-    /// Whether it looks at a picture, not at the shape.
+    /// Whether it searches the picture rather than the shape.
     pub(crate) fn is_of_picture(&self) -> bool {
         matches!(self, Self::White(_))
     }
@@ -122,7 +121,7 @@ impl Search {
 /// A search, and its state on the device.
 pub(crate) struct Searching {
     search: Search,
-    /// Bits found, rank, and how many numbers there are.
+    /// Bits found, rank, and number of values.
     state: wgpu::Buffer,
     bins: wgpu::Buffer,
 }
@@ -148,13 +147,13 @@ impl Searching {
         }
     }
 
-    /// Where the bits begin that pass number `pass` finds.
+    /// Position of the bits resolved by pass number `pass`.
     fn shift(pass: u32) -> u32 {
         u32::BITS.saturating_sub((pass + 1) * SEARCH_BITS)
     }
 
-    /// Counts the numbers in some rows of three planes: a trace, the conductance and either again; a picture; or
-    /// luminance, three times over.
+    /// Counts the numbers in some rows of three planes: a trace, the conductance and either of them again; a picture;
+    /// or luminance three times.
     pub(crate) fn count(
         &self,
         run: &mut Run,
@@ -211,7 +210,7 @@ impl Searching {
         );
     }
 
-    /// Ends pass number `pass`; the last one puts what it chooses into its place in `chosen`.
+    /// Ends pass number `pass`; the last one stores its choice in `chosen`.
     pub(crate) fn narrow(&self, run: &mut Run, pass: u32, chosen: &wgpu::Buffer) {
         let (percent, most_gain) = match self.search {
             Search::Gain { most, .. } => (CURVATURE_PERCENT, Some(most)),
@@ -239,7 +238,7 @@ impl Searching {
         );
     }
 
-    /// All passes over planes that are there.
+    /// All passes over planes on the device.
     pub(crate) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3], chosen: &wgpu::Buffer) {
         let rows = 0..self.size(run)[1];
         for pass in 0..SEARCH_PASSES {
@@ -263,7 +262,7 @@ impl Searching {
     }
 }
 
-/// Chooses the gain of curvature, where it is left open.
+/// Chooses the gain of curvature, if it is left open.
 pub(crate) fn choose_gain(run: &mut Run) {
     let shape = run.made.shape.take().expect("the gain takes the trace");
     run.choose_gain(run.plan, &shape);
@@ -271,7 +270,7 @@ pub(crate) fn choose_gain(run: &mut Run) {
 }
 
 impl Run<'_> {
-    /// Chooses the gain of curvature, where it is left open.
+    /// Chooses the gain of curvature, if it is left open.
     pub(crate) fn choose_gain(&mut self, plan: &Plan, shape: &Shape) {
         if plan.chooses_gain() {
             let size = self.surface.size.map(|side| side as usize);

@@ -1,4 +1,4 @@
-// The numbers whose percentile chooses a gain or a white level: a bit pattern that is ordered as they are, or NOTHING.
+// Keys of the numbers whose percentile chooses a gain or a white level: bit patterns with the same order, or NOTHING.
 
 fn key_of(value: f32) -> u32 {
     let bits = bitcast<u32>(value);

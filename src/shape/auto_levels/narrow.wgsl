@@ -1,6 +1,6 @@
-// Finds the bin in which the percentile lies, and empties the bins; after the last bits what is chosen.
+// Finds the bin that contains the percentile, and clears the bins; after the last bits, stores the choice.
 //
-// search: the bits found so far, the rank among the numbers that have them, and how many numbers there are.
+// search: the bits found so far, the rank among the numbers with these bits, and the number of values.
 
 @group(0) @binding(0) var<uniform> params: NarrowParams;
 @group(0) @binding(1) var<storage, read_write> bins: array<u32>;
@@ -43,7 +43,7 @@ fn main(@builtin(local_invocation_index) local: u32) {
             }
             search[0] = 0u;
             search[2] = all;
-            // Rounded, half a rank up.
+            // Rounded half up.
             let last = max(all, 1u) - 1u;
             let whole = last / params.share_of;
             let rest = last % params.share_of;

@@ -10,7 +10,7 @@ use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
 pub(crate) static AUTO_GAIN: Stage = Stage {
-    // A gain that is given is noted.
+    // A given gain is recorded.
     also_runs: Plan::wants_curvature,
     takes: |plan| match plan.wants(Product::Hessian) {
         true => vec![Product::Hessian],
@@ -38,7 +38,7 @@ impl Plan {
         self.wants_curvature() && self.scaling.curvature_gain == Adaptive::Auto
     }
 
-    /// The greatest gain that is chosen.
+    /// Upper limit of an automatic gain.
     pub(crate) fn most_gain(&self) -> f32 {
         let factor = self.resolution_factor;
         let sigma_px = self.shape.scale_px() * factor;
@@ -49,7 +49,7 @@ impl Plan {
         )
     }
 
-    /// Whether a gain was chosen that is smaller than the curvature asks for, as coarse normals would show their steps.
+    /// Whether the automatic gain was limited, since coarse normals would show their steps.
     pub(crate) fn holds_gain(&self, gain: Option<f32>) -> bool {
         self.chooses_gain() && self.most_gain() < MAX_GAIN && gain == Some(self.most_gain())
     }
@@ -63,7 +63,7 @@ pub(crate) fn choose_gain(run: &mut Run) {
     run.outcome.gain = Some(gain);
 }
 
-/// The gain by the sum of curvatures, however that is made.
+/// The gain from the trace, however that is computed.
 fn gain_of_frame(run: &mut Run) -> f32 {
     let plan = run.plan;
     let shape = &run.outcome.shape;
@@ -79,7 +79,7 @@ fn gain_of_frame(run: &mut Run) -> f32 {
         .conductance
         .as_ref()
         .expect("the trace takes the conductance");
-    // The bits of a trace depend on what it is made of.
+    // The bits of a trace depend on the source it is computed from.
     let made_of = (own.is_some(), plan.relighting.is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());

@@ -40,7 +40,7 @@ pub(crate) fn hessian(
     SymmetricPlanes { xx, xy, yy }
 }
 
-/// Trace of a Hessian that is there.
+/// Trace of an existing Hessian.
 pub(crate) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
     let [trace] = map_covered(mask, memory, |y| {
         let entries = entries(hessian, y);
@@ -69,7 +69,7 @@ pub(crate) fn curvatures(
     CurvaturePlanes { u, v, mean }
 }
 
-/// Directions of the curvature larger in size.
+/// Directions of the larger principal curvature by magnitude.
 pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
     let [x, y] = map_covered(mask, memory, |y| {
         let entries = entries(hessian, y);

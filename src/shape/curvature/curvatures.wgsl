@@ -1,4 +1,4 @@
-// Principal curvatures, the direction of the one larger in size, and mapped curvature, from the Hessian.
+// Principal curvatures, the direction of the larger by magnitude, and mapped curvature, from the Hessian.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -6,11 +6,11 @@
 @group(0) @binding(3) var<storage, read> hessian_xy: array<f32>;
 @group(0) @binding(4) var<storage, read> hessian_yy: array<f32>;
 @group(0) @binding(5) var<storage, read> chosen: array<f32>;
-// Of the view-centred curvature, u, v, mean and kappa.
+// View-centred curvature: u, v, mean and kappa.
 @group(0) @binding(6) var<storage, read_write> curvature: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read_write> direction: array<vec2<f32>>;
 
-// The length of a vector whose square may leave the range of f32.
+// The length of a vector whose square may exceed the range of f32.
 fn hypot(a: f32, b: f32) -> f32 {
     let large = max(abs(a), abs(b));
     let small = min(abs(a), abs(b));
@@ -28,7 +28,7 @@ fn principal_curvatures(hessian: vec3<f32>) -> vec2<f32> {
     return vec2<f32>(mean + spread, mean - spread);
 }
 
-// Unit direction of the curvature larger in size; 0 where both are alike.
+// Unit direction of the larger principal curvature by magnitude; 0 if both are equal.
 fn principal_direction(hessian: vec3<f32>) -> vec2<f32> {
     let half_difference = 0.5 * (hessian.x - hessian.z);
     let mean = 0.5 * (hessian.x + hessian.z);
@@ -37,7 +37,7 @@ fn principal_direction(hessian: vec3<f32>) -> vec2<f32> {
     if spread <= UMBILIC * abs(mean) || spread == 0.0 {
         return vec2<f32>(0.0);
     }
-    // cos^2 = (1 + cos 2a) / 2, whichever of sine and cosine is the larger; the other by sin 2a.
+    // cos^2 = (1 + cos 2a) / 2 gives the larger of sine and cosine; sin 2a gives the other.
     let cosine = half_difference / spread;
     let sine = xy / spread;
     let larger = sqrt(0.5 * (1.0 + abs(cosine)));

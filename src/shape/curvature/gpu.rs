@@ -13,7 +13,7 @@ use crate::product::Product;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
 
-/// The plane through the gradients around a pixel.
+/// The plane fit to the gradients around a pixel.
 pub(crate) const PLANE_FIT: Wgsl = wgsl!("../plane_fit.wgsl", [("RIDGE", F32(RIDGE))]);
 
 /// The mapped curvature.
@@ -23,11 +23,11 @@ pub(crate) const MAPPED_CURVATURE: Wgsl = wgsl!("mapped_curvature.wgsl");
 pub(crate) const MAPPED_CURVATURE_TOWARD: Wgsl = wgsl!("mapped_curvature_toward.wgsl");
 
 uniforms! {
-    /// Of `hessian.wgsl`.
+    /// Uniforms of `hessian.wgsl`.
     HessianParams {
         width: u32,
         height: u32,
-        /// Pixels that stand for one of the reference.
+        /// Pixels per pixel of the reference.
         resolution_factor: f32,
     }
 }
@@ -37,7 +37,7 @@ bindings! {
     CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
 }
 
-/// The Hessian of a gradient, or its trace alone.
+/// The Hessian of a gradient, or only its trace.
 pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
     "Hessian",
     &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
@@ -54,12 +54,12 @@ pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffe
     ],
 );
 
-/// Finds the Hessian, or its trace alone.
+/// Computes the Hessian, or only its trace.
 pub(crate) fn find_hessian(run: &mut Run) {
     run.change_shape(Run::with_hessian);
 }
 
-/// Makes what the layers of the descriptor take of the Hessian, at every scale, by the gain that was chosen.
+/// Computes the planes derived from the Hessian for layers, at every scale, with the chosen gain.
 pub(crate) fn describe(run: &mut Run) {
     let shape = run.made.shape.take().expect(FROM_HESSIAN);
     let hessian = shape.hessian.as_ref().expect(FROM_HESSIAN);
@@ -74,7 +74,7 @@ pub(crate) fn describe(run: &mut Run) {
 
 const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
 
-/// Whether the trace of the Hessian is used once, and where it is made.
+/// Whether the trace of the Hessian is used only once, and computed there.
 fn scales_by_gradient(plan: &Plan) -> bool {
     let is_used_again = plan.runs("auto-gain")
         || plan
@@ -84,7 +84,7 @@ fn scales_by_gradient(plan: &Plan) -> bool {
 }
 
 impl Run<'_> {
-    /// A shape with its Hessian, unless that is made where it is used.
+    /// Adds the Hessian to a shape, unless it is computed where it is used.
     pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
         let plan = self.plan;
         let wanted = plan.wants_curvature() && !scales_by_gradient(plan);
@@ -95,7 +95,7 @@ impl Run<'_> {
         Shape { hessian, ..shape }
     }
 
-    /// The Hessian of a gradient, or its trace alone.
+    /// The Hessian of a gradient, or only its trace.
     pub(crate) fn hessian(
         &mut self,
         plan: &Plan,
@@ -138,7 +138,7 @@ impl Run<'_> {
         Hessian { trace, entries }
     }
 
-    /// Curvatures, directions and mapped curvature of a Hessian whose entries are there.
+    /// Curvatures, directions and mapped curvature from a Hessian with entries.
     pub(crate) fn curvatures(&mut self, hessian: &Hessian) -> Curvatures {
         let [width, height] = self.surface.size;
         let plane = self.surface.plane_bytes();

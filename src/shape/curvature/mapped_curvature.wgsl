@@ -1,4 +1,4 @@
-// Mapped curvature, +1 convex and -1 concave. This is the only place where the sign turns.
+// Mapped curvature, +1 convex and -1 concave. This is the only place where the sign flips.
 fn mapped_curvature(trace: f32, gain: f32) -> f32 {
     return tanh_of(-gain * trace);
 }

@@ -1,5 +1,5 @@
-//! Curvatures and their directions from the Hessian, with no eigen-solver, and the one map from
-//! curvature to -1..1.
+//! Curvatures and their directions from the Hessian, without an eigen-solver, and the only mapping of curvature to
+//! -1..1.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -17,8 +17,8 @@ pub fn principal_curvatures([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     [mean + spread, mean - spread]
 }
 
-/// Unit direction (x right, y up, equal to its opposite) of the principal curvature that is larger
-/// in size; zero where both are equal to 1e-6 of their size and there is none.
+/// Unit direction (x right, y up, opposites being equal) of the larger principal curvature by magnitude; zero if both
+/// are equal to 1e-6 of their magnitude and there is none.
 #[inline(always)]
 pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let (half_difference, mean) = (0.5 * (xx - yy), 0.5 * (xx + yy));
@@ -39,20 +39,20 @@ pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
 /// of f32.
 pub(crate) const UMBILIC: f32 = 1e-6;
 
-/// Mapped curvature in -1..1, **+1 convex and -1 concave** ([RS] section 4.1), from the trace of
-/// the Hessian. This is the only place where the sign turns.
+/// Mapped curvature in -1..1, **+1 convex and -1 concave** ([RS] section 4.1), from the trace of the Hessian. This is
+/// the only place where the sign flips.
 #[inline(always)]
 pub fn mapped_curvature(trace: f32, gain: f32) -> f32 {
     tanh(-gain * trace)
 }
 
-/// [`mapped_curvature`] as light from one side shows it ([RS] section 4.1): of the symmetric `hessian`
-/// [xx, xy, yy], where x and y of the unit direction to the light are `l_xy`.
+/// [`mapped_curvature`] for light from one side ([RS] section 4.1): from the symmetric `hessian` [xx, xy, yy], with x
+/// and y of the unit direction to the light in `l_xy`.
 ///
-/// At `anisotropy` (lambda) 1 and grazing light it maps twice the curvature along the light, at -1 twice
-/// that across it; at 0, and for light along z, their sum. In between
-/// `kappa = tanh(-gain [tr + 2 lambda (l^T H l - |l|^2 tr/2)])`: the printed form in the principal
-/// directions u and v, where it reads `tr + lambda (k_u - k_v)(l_u^2 - l_v^2)`, without looking for them.
+/// At `anisotropy` (lambda) 1 and grazing light it maps twice the curvature along the light, at -1 twice the curvature
+/// across it; at 0, and for light along z, their sum. In between `kappa = tanh(-gain [tr + 2 lambda (l^T H l - |l|^2
+/// tr/2)])`: the printed form `tr + lambda (k_u - k_v)(l_u^2 - l_v^2)` in the principal directions u and v, without
+/// computing them.
 #[inline(always)]
 pub fn mapped_curvature_toward(
     [xx, xy, yy]: [f32; 3],
@@ -60,7 +60,7 @@ pub fn mapped_curvature_toward(
     gain: f32,
     anisotropy: f32,
 ) -> f32 {
-    // The form l^T H l without the trace, which would cancel where both curvatures are alike.
+    // The form l^T H l without the trace, which would cancel if both curvatures are equal.
     let along = (xx - yy) * ((x - y) * (x + y)) + 4.0 * xy * (x * y);
     mapped_curvature((xx + yy) + anisotropy * along, gain)
 }
@@ -102,7 +102,7 @@ mod tests {
         }
     }
 
-    /// Unit directions all over the hemisphere toward the viewer.
+    /// Unit directions over the hemisphere toward the viewer.
     fn directions() -> impl Iterator<Item = [f64; 3]> {
         (0..200).map(|i| {
             let (z, azimuth) = (f64::from(i) / 199.0, 2.4 * f64::from(i));
@@ -148,7 +148,7 @@ mod tests {
                     mapped_curvature_toward([xx, xy, yy], l, 3.0, 0.0),
                     isotropic
                 );
-                // Nor does light from the viewer's side, nor one on an umbilic.
+                // Neither does light from the viewer's side, nor light on an umbilic.
                 assert_eq!(
                     mapped_curvature_toward([xx, xy, yy], [0.0; 2], 3.0, 1.0),
                     isotropic

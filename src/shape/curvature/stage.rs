@@ -1,4 +1,4 @@
-//! From the gradient to curvature: its trace alone where that is enough, else the Hessian and what is made of it.
+//! From the gradient to curvature: only its trace if that suffices, else the Hessian and planes derived from it.
 
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::run::Run;
@@ -73,7 +73,7 @@ pub(crate) static CURVATURES: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// Directions of the view-centred curvature larger in size.
+/// Directions of the larger view-centred curvature by magnitude.
 pub(crate) static DIRECTIONS: Stage = Stage {
     takes: |_| vec![Product::Hessian],
     name: "directions",
@@ -114,7 +114,7 @@ fn asked_for(plan: &Plan, product: Product, why_not: &str) -> Verdict {
     }
 }
 
-/// The unit of curvature, where it is not the picture's own.
+/// The unit of curvature, if it is not per pixel of the picture.
 fn unit(plan: &Plan) -> String {
     match plan.shape.reference_height {
         None => String::new(),
@@ -125,7 +125,7 @@ fn unit(plan: &Plan) -> String {
     }
 }
 
-/// The trace of the Hessian. New light makes it row by row; there it is only made for the gain.
+/// The trace of the Hessian. Relighting computes it row by row; there it is only computed for the gain.
 fn find_trace(run: &mut Run) {
     let plan = run.plan;
     if plan.relighting.is_none() || plan.chooses_gain() || plan.shows_shape {
@@ -133,7 +133,7 @@ fn find_trace(run: &mut Run) {
     }
 }
 
-/// The trace of the Hessian, of the gradient.
+/// The trace of the Hessian, from the gradient.
 pub(crate) fn trace_of_gradient(run: &mut Run) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let shape = std::mem::take(&mut run.outcome.shape);
@@ -154,7 +154,8 @@ pub(crate) fn trace_of_gradient(run: &mut Run) {
     };
 }
 
-/// The Hessian, and its trace where no curvatures are made, whose sum is the same. New light makes both row by row.
+/// The Hessian, and its trace unless curvatures are computed, which have the same sum. Relighting computes both row by
+/// row.
 fn find_hessian(run: &mut Run) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     if plan.relighting.is_some() {
@@ -250,7 +251,7 @@ fn slopes(shape: &Shape) -> (&Vector2Planes, &Plane) {
     (gradient, shape.conductance.as_ref().expect(SLOPES))
 }
 
-/// The Hessian, taken out while something is made of it.
+/// The Hessian, moved out while other products are derived from it.
 fn taken(shape: &mut Shape) -> SymmetricPlanes {
     shape
         .hessian
@@ -258,7 +259,7 @@ fn taken(shape: &mut Shape) -> SymmetricPlanes {
         .expect("curvatures are planned with their Hessian")
 }
 
-/// The Hessian per pixel of the reference.
+/// The Hessian, converted to pixels of the reference.
 fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
     SymmetricPlanes {
         xx: per_reference_pixel(per_pixel.xx, factor),
@@ -267,7 +268,7 @@ fn hessian_at(factor: f64, per_pixel: SymmetricPlanes) -> SymmetricPlanes {
     }
 }
 
-/// Derivatives per pixel of the reference: the one place where curvature meets the factor of resolution.
+/// Derivatives per pixel of the reference: the only place where curvature is scaled by the resolution factor.
 fn per_reference_pixel(mut per_pixel: Plane, factor: f64) -> Plane {
     if factor != 1.0 {
         let factor = factor as f32;

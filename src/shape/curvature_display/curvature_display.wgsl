@@ -1,4 +1,4 @@
-// The curvature display: edges black, concave warm, convex cold, plane neutral, background white.
+// The curvature display: edges black, concave warm, convex cold, flat neutral, background white.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

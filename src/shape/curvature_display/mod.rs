@@ -10,8 +10,8 @@ use crate::engine::cpu::rows::map_covered;
 use crate::frame::{ColorPlanes, Mask, Plane};
 use crate::shape::curvature::mapped_curvature;
 
-/// The curvature display: silhouettes and creases black, concave warm, convex cold, plane neutral,
-/// background white. Values are display-referred: to be written without a view transform.
+/// The curvature display: silhouettes and creases black, concave warm, convex cold, flat neutral, background white.
+/// Values are display-referred: write them without a view transform.
 pub(crate) fn curvature_display(
     trace: &Plane,
     conductance: &Plane,

@@ -1,4 +1,4 @@
-//! Colours of the curvature display, sRGB-encoded 0..1, of [LW] figure 6.
+//! Colours of the curvature display in [LW] figure 6, sRGB-encoded 0..1.
 
 pub(crate) const NEUTRAL: [f32; 3] = [0.90, 0.90, 0.88];
 pub(crate) const CONCAVE: [f32; 3] = [0.86, 0.22, 0.08];

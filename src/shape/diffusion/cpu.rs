@@ -1,4 +1,4 @@
-//! Diffusion of the gradient, by steps or by expansion, tile by tile.
+//! Diffusion of the gradient, by explicit steps or by expansion, tile by tile.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
@@ -11,10 +11,9 @@ use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, WavefrontTil
 use crate::shape::diffusion::{FEW_LEVELS, Update};
 use rayon::prelude::*;
 
-/// The gradient after all sweeps: at every scale that is read out.
+/// The gradient after all sweeps, at every scale read out.
 ///
-/// The sweeps are done in passes of several at once; what a pass leaves to the next are the last two
-/// terms of the recurrence and the sums so far.
+/// Sweeps are grouped into passes; a pass hands the last two terms of the recurrence and the sums so far to the next.
 pub(crate) fn diffusion(
     gradient: Vector2Planes,
     conductance: &Plane,
@@ -66,7 +65,7 @@ pub(crate) fn diffusion(
             let (last, earlier) = spare.take().map_or((None, None), Terms::into_parts);
             let mut next = Terms {
                 last: last.unwrap_or_else(blank),
-                // Explicit steps look back no farther.
+                // Explicit steps need only the last term.
                 earlier: is_expansion.then(|| earlier.unwrap_or_else(blank)),
             };
             run_pass(&pass, &tiling, &mut sums, Some(&mut next));
@@ -86,7 +85,7 @@ pub(crate) fn diffusion(
     sums
 }
 
-/// The last term of a recurrence and, where the next one needs it, the term before.
+/// The last term of a recurrence and, if the next one needs it, the term before.
 struct Terms {
     last: Vector2Planes,
     earlier: Option<Vector2Planes>,
@@ -98,7 +97,7 @@ impl Terms {
     }
 }
 
-/// How every sweep makes its term.
+/// The update of every sweep.
 fn updates(sweeps: &DiffusionSchedule) -> Vec<Update> {
     match sweeps.recurrence {
         Recurrence::Explicit(time_step) => vec![Update::Step(time_step); sweeps.count()],

@@ -1,15 +1,15 @@
 // Several sweeps of the diffusion operator over a tile, whose current term is kept in workgroup memory.
 //
-// A group loads a region, sweeps it, and gives out what lies at least as many pixels inside as there were sweeps: a
-// region loses a pixel per sweep at its rim. Earlier terms, sums and faces stay with the invocation that owns the pixel.
-// A region that no surface reaches has no slopes, and gets none.
+// A group loads a region, sweeps it, and outputs pixels at least as far inside as there were sweeps: a region loses one
+// pixel per sweep at its rim. Earlier terms, sums and faces stay with the invocation that owns the pixel. A region
+// without surface has no slopes, and is skipped.
 
 @group(0) @binding(0) var<uniform> params: DiffusionParams;
 @group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
 // The term before the last; unused if there is none.
 @group(0) @binding(2) var<storage, read> earlier: array<vec2<f32>>;
 @group(0) @binding(3) var<storage, read> conductance: array<f32>;
-// Weights of the terms, those of all levels of importance together.
+// Weights of the terms, for all levels of importance together.
 @group(0) @binding(4) var<storage, read> term_weights: array<f32>;
 @group(0) @binding(5) var<storage, read> levels: array<u32>;
 @group(0) @binding(6) var<storage, read> covered: array<u32>;
@@ -26,7 +26,7 @@ fn is_inside(x: i32, y: i32) -> bool {
     return x >= 0 && y >= 0 && x < i32(width()) && y < i32(height());
 }
 
-// Whether an invocation holds a pixel that is covered.
+// Whether an invocation owns a covered pixel.
 fn holds_surface(x: i32, top: i32) -> bool {
     for (var k = 0u; k < ROWS_PER_INVOCATION; k++) {
         let y = top + i32(k);
@@ -37,8 +37,8 @@ fn holds_surface(x: i32, top: i32) -> bool {
     return false;
 }
 
-// Whether any invocation of the group holds surface. The region, which is not loaded yet, is all the memory that groups
-// are sure to have.
+// Whether any invocation of the group owns surface. Uses the memory of the region, which is not loaded yet: no more is
+// guaranteed to groups.
 fn is_reached(local: vec2<u32>, holds_surface: bool) -> bool {
     let row = local.y * REGION_COLUMNS;
     region[row + local.x].x = f32(holds_surface);
@@ -64,7 +64,7 @@ fn conductance_at(x: i32, y: i32) -> f32 {
     return conductance[index_of(u32(x), u32(y))];
 }
 
-// Hands a pixel's terms and sum to the next pass, as far as it takes them.
+// Passes a pixel's terms and sum to the next pass, as far as it needs them.
 fn give_out(i: u32, g: vec2<f32>, before: vec2<f32>, sum: vec2<f32>) {
     if IS_EXPANSION || BY_LEVEL {
         sums[i] = sum;
@@ -90,7 +90,7 @@ fn main(
     let x = i32(group.x) * inner_columns - rim + column;
     let top = i32(group.y) * inner_rows - rim + first_row;
 
-    // What lies inside the rim and inside the picture is given out: of its rows, an invocation gives these.
+    // Output: the part inside the rim and inside the picture; each invocation outputs these of its rows.
     let is_given = column >= rim && column < rim + inner_columns && x < i32(width());
     let first_given = select(i32(ROWS_PER_INVOCATION), rim - first_row, is_given);
     let end_given = min(rim + inner_rows - first_row, i32(height()) - top);
@@ -107,7 +107,7 @@ fn main(
     var before: array<vec2<f32>, ROWS_PER_INVOCATION>;
     var sum: array<vec2<f32>, ROWS_PER_INVOCATION>;
     var level: array<u32, ROWS_PER_INVOCATION>;
-    // West, east and north of each pixel; south is north of the next.
+    // West, east and north of each pixel; south is north of the next pixel.
     var west: array<f32, ROWS_PER_INVOCATION>;
     var east: array<f32, ROWS_PER_INVOCATION>;
     var north: array<f32, ROWS_PER_INVOCATION + 1u>;
@@ -150,7 +150,7 @@ fn main(
             let row = first_row + i32(k);
             let at = row * i32(REGION_COLUMNS) + column;
             let g = region[at];
-            // At the rim any neighbour will do: what is made there is not given out.
+            // At the rim any neighbour will do: that output is discarded.
             let left = region[at - select(0, 1, column > 0)];
             let right = region[at + select(0, 1, column + 1 < i32(REGION_COLUMNS))];
             let up = region[at - select(0, i32(REGION_COLUMNS), row > 0)];
@@ -167,7 +167,7 @@ fn main(
             if IS_EXPANSION || BY_LEVEL {
                 let of_own = term_weights[term * params.level_count + level[k]];
                 let of_before = term_weights[(term - 1u) * params.level_count + level[k]];
-                // A term of an odd number brings the one before with it.
+                // Odd terms are added together with the one before.
                 if is_odd {
                     sum[k] += of_before * g + of_own * made[k];
                 } else if is_last {

@@ -1,4 +1,4 @@
-// Conductances of the faces left of and above every pixel; nothing flows through the borders of the picture.
+// Conductances of the faces left of and above every pixel; no flow through the borders of the picture.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;

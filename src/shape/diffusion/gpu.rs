@@ -13,24 +13,24 @@ use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
 use crate::shape::diffusion::sweeps::{Readout, Recurrence};
 
-/// The conductance between two pixels.
+/// The conductance of the face between two pixels.
 pub(crate) const FACE_CONDUCTANCE: Wgsl = wgsl!("../face_conductance.wgsl");
 
-/// The flux between pixels, and a sweep's step.
+/// The flux between pixels, and the update of a sweep.
 const FLUX: Wgsl = wgsl!("flux.wgsl");
 
 uniforms! {
-    /// Of `diffusion.wgsl` and `sweep.wgsl`.
+    /// Uniforms of `diffusion.wgsl` and `sweep.wgsl`.
     DiffusionParams {
         width: u32,
         height: u32,
         /// Sweeps of this pass.
         sweeps: u32,
-        /// Number of the term it starts from.
+        /// Number of the starting term.
         first_term: u32,
-        /// 1 where no pass follows.
+        /// 1 for the last pass.
         is_final: u32,
-        /// Levels of importance that have weights of their own.
+        /// Number of importance levels with their own weights.
         level_count: u32,
         /// Length of an explicit step.
         time_step: f32,
@@ -74,28 +74,28 @@ pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
 pub(crate) static SWEEP: Kernel =
     Kernel::new::<DiffusionParams, SweepBuffers>("Sweep", &[INDEX, FLUX, wgsl!("sweep.wgsl")]);
 
-/// The weights that the terms of a recurrence are added up with.
+/// Weights for summing the terms of a recurrence.
 enum TermWeights<'a> {
-    /// No sum is made: the last term is the result.
+    /// No sum: the last term is the result.
     None,
-    /// The same for all pixels.
+    /// Equal weights for all pixels.
     Same(&'a [f32]),
-    /// Those of the pixel's level of importance.
+    /// Weights by the pixel's level of importance.
     ByLevel,
 }
 
-/// Bindings that the kernels of a run of sweeps share.
+/// Bindings shared by the kernels of a run of sweeps.
 struct Sweeping<'a> {
     gradient: &'a wgpu::Buffer,
     conductance: &'a wgpu::Buffer,
-    /// Weights of the terms, those of all levels together, and how many levels there are.
+    /// Weights of the terms, for all levels together, and number of levels.
     term_weights: wgpu::Buffer,
     level_count: u32,
     by_level: bool,
-    /// Whether terms are those of Chebyshev's recurrence, or steps of this length.
+    /// Whether terms follow the Chebyshev recurrence, or are steps of this length.
     is_expansion: bool,
     time_step: f32,
-    /// How many sweeps there are, 1 or more.
+    /// Number of sweeps, 1 or more.
     count: usize,
 }
 
@@ -105,7 +105,7 @@ impl Sweeping<'_> {
     }
 }
 
-/// Diffuses the gradient, or takes it as it is.
+/// Diffuses the gradient, or keeps it if there are no sweeps.
 pub(crate) fn diffuse(run: &mut Run) {
     run.change_shape(Run::with_diffusion);
 }
@@ -130,7 +130,7 @@ impl Run<'_> {
         }
     }
 
-    /// The gradient after all sweeps: at every scale that is read out.
+    /// The gradient after all sweeps, at every scale read out.
     pub(crate) fn diffused(
         &mut self,
         plan: &Plan,
@@ -142,7 +142,7 @@ impl Run<'_> {
         let results: Vec<(usize, TermWeights)> = match &sweeps.readout {
             Readout::Last => vec![(all, TermWeights::None)],
             Readout::ByImportance(_) => vec![(all, TermWeights::ByLevel)],
-            // Each scale by itself: on a device sweeps cost less than memory for several sums.
+            // Each scale separately: on a device sweeps cost less than memory for several sums.
             Readout::Sums(sums) => sums
                 .iter()
                 .map(|weights| (weights.len() - 1, TermWeights::Same(weights)))
@@ -213,7 +213,7 @@ impl Run<'_> {
                 level_count: sweeping.level_count,
                 time_step: sweeping.time_step,
             };
-            // What one pass makes the next one takes.
+            // Output of one pass is input of the next.
             let (from, to) = ((pass + 1) % 2, pass % 2);
             let start = (pass == 0).then_some(sweeping.gradient);
             let before = start.or((!is_expansion).then_some(sweeping.gradient));
@@ -277,7 +277,7 @@ impl Run<'_> {
                 level_count: sweeping.level_count,
                 time_step: sweeping.time_step,
             };
-            // A term of an odd number brings the one before with it.
+            // Odd terms are added together with the one before.
             let is_odd = sweep % 2 == 0;
             let is_last = sweep + 1 == sweeping.count;
             let switches = [
@@ -303,7 +303,7 @@ impl Run<'_> {
             self.recorder
                 .over_pixels("diffusion", kernel, &params, &buffers, [width, height]);
             if sweep == 0 && sweeping.is_expansion {
-                // The term before the first is where it started.
+                // The term before the first is the initial gradient.
                 self.recorder.copy(sweeping.gradient, &terms[1]);
             }
         }
@@ -340,8 +340,8 @@ mod tests {
         timing::plan(Goal::Layers, frame, shape).unwrap()
     }
 
-    /// On a surface so small that most groups hold nothing of it, in memory that comes with what a whole frame left
-    /// there.
+    /// On a surface so small that most groups hold none of it, in memory that still contains the results of a whole
+    /// frame.
     #[test]
     fn tiles_make_what_sweeps_one_by_one_do() {
         let open = |is_software| {

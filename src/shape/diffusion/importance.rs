@@ -1,21 +1,21 @@
-//! Importance maps as the sweeps read them out.
+//! Importance maps, quantised for the readout of sweeps.
 
 use crate::frame::{Frame, Plane};
 use crate::shape::diffusion::LEVELS;
 use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout};
 use rayon::prelude::*;
 
-/// Importance in whole levels, and the weights of every level that occurs.
+/// Quantised importance, and the weights of every level that occurs.
 pub(crate) struct Levels {
     pub(crate) plane: Plane<u16>,
-    /// How many there are.
+    /// Number of levels.
     pub(crate) count: usize,
     /// For every term, the weight of every level.
     pub(crate) weights: Vec<[f32; LEVELS]>,
 }
 
 impl Levels {
-    /// The levels of a frame, if the sweeps are read out by importance.
+    /// The levels of a frame, if the sweeps are weighted by importance.
     pub(crate) fn of(frame: &Frame, sweeps: &DiffusionSchedule) -> Option<Self> {
         let Readout::ByImportance(_) = sweeps.readout else {
             return None;
@@ -25,7 +25,7 @@ impl Levels {
             .as_ref()
             .expect("the plan found it in the frame");
         let top = (LEVELS - 1) as f32;
-        // No number at all counts as 0.
+        // NaN counts as 0.
         let level = |share: f32| (share.clamp(0.0, 1.0) * top + 0.5) as usize;
         let occurs = importance
             .samples()
@@ -39,7 +39,7 @@ impl Levels {
                 || [false; LEVELS],
                 |a, b| std::array::from_fn(|i| a[i] | b[i]),
             );
-        // Levels that occur are numbered on: mostly there are few.
+        // Levels that occur are renumbered: usually there are few.
         let mut number = [0; LEVELS];
         let mut shares = Vec::new();
         for level in (0..LEVELS).filter(|&level| occurs[level]) {

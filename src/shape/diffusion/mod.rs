@@ -1,9 +1,9 @@
 //! Anisotropic diffusion of the gradient: the scale of the descriptor.
 //!
-//! Theory: dg/ds = div(c grad g) ([LW] section 4.3), Neumann at the border of the picture and of
-//! coverage. Changes: face conductances are harmonic means, so the operator is conservative and a
-//! closed silhouette leaks exactly nothing. Practice: one row of the operator serves both solvers,
-//! the paper's explicit steps, stable up to a time step of 1/4, and [`super::chebyshev`].
+//! Theory: dg/ds = div(c grad g) ([LW] section 4.3), Neumann at the border of the picture and of coverage. Changes:
+//! face conductances are harmonic means, so the operator is conservative and a closed silhouette leaks exactly nothing.
+//! Practice: one row of the operator serves both solvers, the paper's explicit steps, stable up to a time step of 1/4,
+//! and [`super::chebyshev`].
 
 use crate::engine::cpu::simd::widened;
 
@@ -30,14 +30,14 @@ pub(crate) struct Faces<'a> {
 /// Pixels read to each side by one step.
 pub(crate) const REACH: usize = 1;
 
-/// The step of a sweep, from a sample g, the flux Lg into it and an earlier value of it.
+/// The update in a sweep, from a sample g, the flux Lg into it and an earlier value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Update {
     /// An explicit step of the given length: g + dt Lg.
     Step(f32),
     /// The first step of the Chebyshev recurrence: T_1 = X g with X = -L/4 - 1.
     First,
-    /// Every further one: T_k+1 = 2 X T_k - T_k-1.
+    /// Later steps: T_k+1 = 2 X T_k - T_k-1.
     Next,
 }
 
@@ -64,10 +64,10 @@ pub(crate) struct Stencil<'a> {
     pub below: &'a [f32],
 }
 
-/// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over
-/// the 4 neighbours. `out` holds the earlier value, and then what `update` makes of it.
+/// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours.
+/// `out` holds the earlier value, and is replaced by the result of `update`.
 ///
-/// All slices have the length of `out`, except for the columns beyond it that their types add.
+/// All slices have the length of `out`, except for the extra columns stated by their types.
 #[inline(always)]
 pub(crate) fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
     match update {
@@ -105,7 +105,7 @@ fn sweep(
 }
 
 impl<'a> Faces<'a> {
-    /// The faces of `n` pixels, in slices whose lengths are known.
+    /// The faces of `n` pixels, in slices of known length.
     #[inline(always)]
     fn of(self, n: usize) -> Self {
         Self {
@@ -122,7 +122,7 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// The neighbours of a row's samples, in slices of one length.
+/// The neighbours of a row's samples, in slices of equal length.
 struct Neighbours<'a> {
     at: &'a [f32],
     west: &'a [f32],
@@ -151,16 +151,15 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// The flux into a sample from its neighbours west, east, north and south through faces of the given
-/// conductances. Opposite neighbours are summed first: a mirrored or turned picture gives the same
-/// bits.
+/// The flux into a sample from its neighbours west, east, north and south through faces with the given conductances.
+/// Opposite neighbours are summed first: a mirrored or turned picture gives the same bits.
 #[inline(always)]
 pub(crate) fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
     let through = |i: usize| joined[i] * (sides[i] - g);
     (through(0) + through(1)) + (through(2) + through(3))
 }
 
-/// Adds two terms of a recurrence to a row of a sum, with their weights.
+/// Adds two weighted terms of a recurrence to a row of a sum.
 #[inline(always)]
 pub(crate) fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
     let n = sum.len();
@@ -177,7 +176,7 @@ widened! {
 /// Levels that importance is quantised to.
 pub(crate) const LEVELS: usize = 1024;
 
-/// [`add_terms_row`] of both components, where the weights depend on the level of the pixel.
+/// [`add_terms_row`] for both components, with weights by the level of the pixel.
 #[inline(always)]
 pub(crate) fn add_terms_by_level_row(
     sum: [&mut [f32]; 2],
@@ -200,7 +199,7 @@ widened! {
     );
 }
 
-/// So few levels that weights are faster chosen, for a whole vector of pixels, than looked up.
+/// Number of levels up to which selecting weights for a vector of pixels is faster than looking them up.
 pub(crate) const FEW_LEVELS: usize = 8;
 
 /// [`add_terms_by_level_row`] for few levels.
@@ -211,7 +210,7 @@ pub(crate) fn add_terms_by_few_levels_row(
     levels: &[u16],
     weights: [&[f32; FEW_LEVELS]; 2],
 ) {
-    // Copied, so that values are chosen and not places to load them from.
+    // Copied, so that values are selected rather than addresses to load from.
     let [first, second] = [*weights[0], *weights[1]];
     add_terms_by(sum, terms, levels, |level| {
         let level = i32::from(level);
@@ -228,11 +227,11 @@ widened! {
     );
 }
 
-/// The value of a level, without a look-up: of pairs, then of pairs of pairs, by the bits of its number.
+/// The value of a level, without a look-up: selects among pairs, then among pairs of pairs, by the bits of its number.
 #[inline(always)]
 fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
-    // All ones where the bit is set. Selecting by masks is left as it stands; a choice of values would
-    // be made a choice of places to load them from.
+    // All ones if the bit is set. The compiler keeps selections by mask; it would turn a selection of values into one
+    // of addresses to load from.
     let mask = |bit: i32| -((level >> bit) & 1) as u32;
     let either = |mask: u32, no: u32, yes: u32| no ^ (mask & (no ^ yes));
     let (low, middle, high) = (mask(0), mask(1), mask(2));

@@ -1,4 +1,4 @@
-//! Diffusion of the gradient ([LW] section 4.3): one gradient a scale.
+//! Diffusion of the gradient ([LW] section 4.3): one gradient per scale.
 
 use crate::engine::cpu::run::Run;
 use crate::params::ShapeParams;
@@ -8,9 +8,9 @@ use crate::product::Product;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::{REACH, cpu};
 
-/// The gradient at the scales asked for.
+/// The gradient at the requested scales.
 pub(crate) static DIFFUSION: Stage = Stage {
-    // Without sweeps the gradient is taken as it is.
+    // Without sweeps the gradient is kept unchanged.
     also_runs: |plan| plan.wants(Product::Gradient),
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |plan| plan.sweeps.count() * REACH,
@@ -42,7 +42,7 @@ fn decide(plan: &Plan) -> Verdict {
     }
 }
 
-/// The scale in pixels of the picture, and what it was in those of the reference.
+/// The scale in pixels of the picture, and in pixels of the reference.
 fn scale(shape: &ShapeParams, factor: f64) -> String {
     let sigma = shape.scale_px();
     let here = format!("scale {:.2} px", sigma * factor);
@@ -57,7 +57,7 @@ fn diffuse(run: &mut Run) {
     let options = &run.runner.options;
     let key = plan.key(DIFFUSION.name);
     let kept = run.kept.as_deref_mut();
-    // Only the gradient at the first scale is kept.
+    // Only the gradient at the first scale is cached.
     let kept = kept.and_then(|kept| kept.shape.gradient.take(key));
     if let Some(gradient) = kept.filter(|_| plan.more_px.is_empty()) {
         run.outcome.shape.gradient = Some(gradient);

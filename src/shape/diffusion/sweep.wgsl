@@ -1,19 +1,19 @@
-// One sweep of the diffusion operator, straight from memory: for devices in software, where the memory of a
-// workgroup is memory like any other and waiting for each other is dear.
+// One sweep of the diffusion operator, directly from memory: for software devices, where workgroup memory is not faster
+// and barriers are expensive.
 
 @group(0) @binding(0) var<uniform> params: DiffusionParams;
 @group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read> faces: array<vec2<f32>>;
-// Weights of the terms, those of all levels of importance together.
+// Weights of the terms, for all levels of importance together.
 @group(0) @binding(3) var<storage, read> term_weights: array<f32>;
 @group(0) @binding(4) var<storage, read> levels: array<u32>;
-// The term before the last, which the next one takes the place of.
+// The term before the last, overwritten by the next one.
 @group(0) @binding(5) var<storage, read_write> next: array<vec2<f32>>;
 @group(0) @binding(6) var<storage, read_write> sums: array<vec2<f32>>;
 
 override IS_EXPANSION: bool;
 override BY_LEVEL: bool;
-// Whether the term has an odd number, or is the last one: then it is added to the sums.
+// Whether the term is odd or the last one, and so added to the sums.
 override ADDS_TWO: bool;
 override ADDS_OWN: bool;
 
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = index_of(id.x, id.y);
     let is_right = id.x + 1u == params.width;
     let is_bottom = id.y + 1u == params.height;
-    // At the borders of the picture any pixel will do as a neighbour: the face is closed.
+    // At the borders of the picture any neighbour will do: the face is closed.
     let right = select(i + 1u, i, is_right);
     let down = select(i + width(), i, is_bottom);
     let g = last[i];

@@ -1,29 +1,29 @@
-//! How often the diffusion operator is applied, and to what end.
+//! Number of applications of the diffusion operator, and their combination.
 
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::shape::chebyshev::{Expansion, Spread, coefficients};
 use rayon::prelude::*;
 
-/// The sweeps over the frame that diffuse its gradient, and what is read out of them.
+/// The sweeps that diffuse a frame's gradient, and their readout.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DiffusionSchedule {
-    /// How a sweep makes the next term.
+    /// How a sweep computes the next term.
     pub recurrence: Recurrence,
-    /// How the result is made of the terms.
+    /// How terms are combined into the result.
     pub readout: Readout,
     count: usize,
 }
 
-/// How a sweep makes the next term of the terms before.
+/// How a sweep computes the next term from the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Recurrence {
-    /// By an explicit step of this length.
+    /// An explicit step of this length.
     Explicit(f32),
-    /// By the recurrence of the Chebyshev polynomials of the diffusion operator.
+    /// The recurrence of the Chebyshev polynomials of the diffusion operator.
     Chebyshev,
 }
 
-/// How results are made of the terms that the sweeps make, the gradient itself being the first.
+/// How the terms of the sweeps are combined into results, with the gradient as the first term.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Readout {
     /// The last term.
@@ -34,20 +34,20 @@ pub(crate) enum Readout {
     ByImportance(Importance),
 }
 
-/// How far pixels are diffused by their importance.
+/// Diffusion by importance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Importance {
-    /// How far those of importance 1 are.
+    /// Diffusion of pixels with importance 1.
     pub spread: Spread,
     /// Largest relative error of an expansion.
     tolerance: f64,
 }
 
 impl DiffusionSchedule {
-    /// The sweeps that `params` ask for where `factor` pixels stand for one of the reference; the fewer
-    /// ones where both solvers give the same answer.
+    /// The sweeps for `params`, where `factor` pixels correspond to one of the reference; the solver with fewer sweeps
+    /// if both give the same result.
     ///
-    /// `more_px` are the sigmas of further scales; with `by_importance` the spread is each pixel's own.
+    /// `more_px` are the sigmas of further scales; with `by_importance` each pixel has its own spread.
     pub(crate) fn new(
         params: &ShapeParams,
         factor: f64,
@@ -60,7 +60,7 @@ impl DiffusionSchedule {
             Scale::Sigma(_) => Spread::Time(time),
             Scale::Iterations(_) => Spread::Steps { count, time_step },
         };
-        // Curvature is the difference of slopes times the factor, and so is its error.
+        // Curvature is the difference of slopes times the factor, and its error scales likewise.
         let allowed = f64::from(params.tolerance) / (params.largest_slope() * factor.max(1.0));
         let tolerance = match spread {
             Spread::Time(_) => allowed,
@@ -120,12 +120,12 @@ impl DiffusionSchedule {
         }
     }
 
-    /// How often the operator is applied.
+    /// Number of applications of the operator.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
 
-    /// How many fields are read out.
+    /// Number of fields read out.
     pub(crate) fn results(&self) -> usize {
         match &self.readout {
             Readout::Sums(sums) => sums.len(),
@@ -150,10 +150,10 @@ impl DiffusionSchedule {
         }
     }
 
-    /// The weights of all terms for a pixel of each of these importances, 0..1.
+    /// The weights of all terms for pixels of each of these importances, 0..1.
     ///
     /// # Panics
-    /// If the readout is not by importance.
+    /// If the readout does not depend on importance.
     pub(crate) fn weights_by_importance(&self, importances: &[f64]) -> Vec<Vec<f32>> {
         let Readout::ByImportance(Importance { spread, tolerance }) = self.readout else {
             panic!("the sweeps are not read out by importance");
@@ -169,7 +169,7 @@ impl DiffusionSchedule {
                 }
                 _ => expansion.coefficients(share, tolerance),
             };
-            // Rounding may give a smaller share a higher degree at most where both are tiny.
+            // Rounding can give a smaller share a higher degree only where both are tiny.
             weights.resize(self.count + 1, 0.0);
             weights.into_iter().map(|a| a as f32).collect()
         };
@@ -177,11 +177,11 @@ impl DiffusionSchedule {
     }
 }
 
-/// A number of steps names one exact answer, which explicit stepping gives too: an expansion keeps this
-/// share of the tolerance, so that the solvers can be exchanged, for a tenth more sweeps.
+/// A number of steps has one exact result, which explicit stepping gives: an expansion of it keeps to this share of the
+/// tolerance, so that the solvers are interchangeable, for a tenth more sweeps.
 const CLOSER_TO_STEPS: f64 = 0.1;
 
-/// Number and length of equal steps, none longer than the time step asked for, that add up to `time`.
+/// Number and length of equal steps, none longer than the given time step, that add up to `time`.
 fn steps(params: &ShapeParams, factor: f64, time: f64) -> (u32, f64) {
     let longest = f64::from(params.time_step);
     match params.scale {
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn the_solver_with_fewer_sweeps_is_taken() {
-        // Ten steps expand to a polynomial of degree 10: stepping is as good and exact.
+        // Ten steps expand to a polynomial of degree 10: explicit steps cost the same and are exact.
         let ten = sweeps(Scale::Iterations(10), Solver::Chebyshev);
         assert_eq!(ten, sweeps(Scale::Iterations(10), Solver::Explicit));
         assert_eq!(sweeps(Scale::Iterations(0), Solver::Chebyshev).count(), 0);

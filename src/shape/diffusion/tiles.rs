@@ -1,18 +1,18 @@
-//! Tiles: rectangles of the frame small enough that many sweeps over one stay in a core's cache.
+//! Tiles: rectangles of the frame small enough for many sweeps within a core's cache.
 
 use crate::frame::{Mask, Plane};
 use crate::params::TileSize;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// A rectangle of pixels that holds some surface, trimmed to it.
+/// A rectangle trimmed to the surface it contains.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tile {
     pub(crate) columns: Range<usize>,
     pub(crate) rows: Range<usize>,
 }
 
-/// The tiles of a frame that hold any surface, and how to cut planes the same way.
+/// The tiles of a frame that contain surface, and the matching division of planes.
 #[derive(Debug)]
 pub(crate) struct Tiling {
     tiles: Vec<Tile>,
@@ -23,7 +23,7 @@ pub(crate) struct Tiling {
 }
 
 impl Tiling {
-    /// The tiles of at most `size` that cover all of `mask`; what holds no surface is left out.
+    /// The tiles of at most `size` that cover `mask`; tiles without surface are left out.
     pub(crate) fn new(mask: &Mask, size: TileSize) -> Self {
         let (across, down) = (size.width.get(), size.height.get());
         let mut tiles = Vec::new();
@@ -48,7 +48,7 @@ impl Tiling {
         &self.tiles
     }
 
-    /// The rows of every tile in `plane`, tile by tile, to be written by different threads.
+    /// The rows of every tile in `plane`, tile by tile, for writing from different threads.
     pub(crate) fn cut<'a>(&self, plane: &'a mut Plane) -> Vec<Vec<&'a mut [f32]>> {
         let room = |tile: &Tile| Vec::with_capacity(tile.rows.len());
         let mut cut: Vec<Vec<&mut [f32]>> = self.tiles.iter().map(room).collect();
@@ -69,11 +69,11 @@ impl Tiling {
     }
 }
 
-/// Fewest rows of a tile that is made smaller for the sake of more threads.
+/// Minimum number of rows when tiles are shrunk for more threads.
 const FEWEST_ROWS: usize = 64;
 
-/// The largest tiles within `size` of which there are as many for each of `threads`, for a frame of
-/// `width` by `height` pixels.
+/// The largest tiles within `size` that give each of `threads` the same number, for a frame of `width` by `height`
+/// pixels.
 pub(crate) fn even_tiles(size: TileSize, width: usize, height: usize, threads: usize) -> TileSize {
     let across = width.div_ceil(size.width.get()).max(1);
     let mut down = height.div_ceil(size.height.get()).max(1);
@@ -89,7 +89,7 @@ pub(crate) fn even_tiles(size: TileSize, width: usize, height: usize, threads: u
     }
 }
 
-/// The smallest rectangle that holds all surface of `cell`; `None` if it has none.
+/// The smallest rectangle with all surface of `cell`; `None` if it has none.
 fn trimmed(cell: Tile, mask: &Mask) -> Option<Tile> {
     let (mut columns, mut rows) = (cell.columns.end..cell.columns.start, None);
     for y in cell.rows {

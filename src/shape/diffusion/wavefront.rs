@@ -1,9 +1,9 @@
-//! Many sweeps of the diffusion operator over one tile, in a single run down its rows.
+//! Many sweeps of the diffusion operator over one tile, in a single pass down its rows.
 //!
-//! A sweep of row y needs rows y - 1 to y + 1 of the sweep before. So while rows enter at the top, every
-//! sweep follows the one before it one row behind, and a row leaves when it has seen them all: the frame
-//! is read and written once, and of the rows in flight, a few more than there are sweeps, the last two
-//! terms are kept in the cache. At its rim a tile loses a pixel per sweep; it starts with as many more.
+//! A sweep of row y needs rows y - 1 to y + 1 of the previous sweep. So while rows enter at the top, every sweep
+//! follows the previous one by one row, and a row leaves after all sweeps: the frame is read and written once, and for
+//! the rows in flight, a few more than there are sweeps, the last two terms stay in the cache. A tile loses one pixel
+//! per sweep at its rim, and starts with that margin.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
@@ -12,13 +12,13 @@ use crate::shape::diffusion::tiles::Tile;
 use crate::shape::diffusion::{FEW_LEVELS, Faces, LEVELS, Stencil, Update};
 use std::ops::Range;
 
-/// Columns that rows are padded to, so that sweeps start and end on whole vectors.
+/// Rows are padded to a multiple of this, so that sweeps start and end on whole vectors.
 const LANES: usize = 8;
 
-/// Rows that a sweep does at once, while its neighbours are in the core's first cache.
+/// Rows processed together by a sweep, while their neighbours are in the first-level cache.
 const TOGETHER: usize = 4;
 
-/// A run of sweeps, and what it starts from.
+/// A run of sweeps, and its starting state.
 #[derive(Debug)]
 pub(crate) struct Pass<'a> {
     /// One update per sweep.
@@ -27,7 +27,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) weights: Weights<'a>,
     /// Number of the starting term; 0 at the beginning of the recurrence.
     pub(crate) first_term: usize,
-    /// Whether no pass follows.
+    /// Whether this is the last pass.
     pub(crate) is_final: bool,
     /// The starting term.
     pub(crate) last: &'a Vector2Planes,
@@ -35,7 +35,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) earlier: Option<&'a Vector2Planes>,
     /// Conductance of the pixels.
     pub(crate) conductance: &'a Plane,
-    /// Where they are covered: the terms are 0 elsewhere.
+    /// Coverage: the terms are 0 outside.
     pub(crate) mask: &'a Mask,
     /// Vectors to compute with.
     pub(crate) simd: Simd,
@@ -46,11 +46,11 @@ pub(crate) struct Pass<'a> {
 /// The weights of all terms of a recurrence, that of term 0 first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Weights<'a> {
-    /// No sum is made.
+    /// No sum.
     None,
-    /// One list of weights per sum; terms past its end have none.
+    /// One list of weights per sum; terms beyond its end have weight 0.
     Sums(&'a [Vec<f32>]),
-    /// One sum whose weights depend on the level of the pixel.
+    /// One sum with weights by the level of the pixel.
     ByLevel {
         levels: &'a Plane<u16>,
         /// Whether there are at most [`FEW_LEVELS`].
@@ -60,7 +60,7 @@ pub(crate) enum Weights<'a> {
 }
 
 impl Weights<'_> {
-    /// How many sums are made.
+    /// Number of sums.
     pub(crate) fn sums(&self) -> usize {
         match self {
             Self::None => 0,
@@ -71,8 +71,8 @@ impl Weights<'_> {
 }
 
 impl Pass<'_> {
-    /// Which terms sweep `k` adds to the sums: that of an odd number adds the one before with it. So sums
-    /// are made in the same order whatever the passes.
+    /// The terms that sweep `k` adds to the sums: odd terms are added together with the one before. So the order of
+    /// summation does not depend on the passes.
     fn added_at(&self, k: usize) -> Option<Added> {
         let own = self.first_term + k;
         if !own.is_multiple_of(2) {
@@ -85,17 +85,17 @@ impl Pass<'_> {
     }
 }
 
-/// Terms to be added by their numbers.
+/// Terms to add, by number.
 #[derive(Debug, Clone, Copy)]
 enum Added {
     /// The sweep's own term.
     Own(usize),
-    /// The sweep's own term and the one before.
+    /// The previous term and the sweep's own.
     Both(usize),
 }
 
 impl Added {
-    /// The weights of the one before and its own, out of those of all terms.
+    /// The weights of the previous and the own term, from those of all terms.
     fn weights(self, of_term: impl Fn(usize) -> f32) -> [f32; 2] {
         match self {
             Self::Own(term) => [0.0, of_term(term)],
@@ -103,7 +103,7 @@ impl Added {
         }
     }
 
-    /// The same where weights depend on the level.
+    /// The same for weights by level.
     fn of_levels(self, of_term: &[[f32; LEVELS]]) -> [&[f32; LEVELS]; 2] {
         match self {
             Self::Own(term) => [&[0.0; LEVELS], &of_term[term]],
@@ -115,10 +115,10 @@ impl Added {
 /// Rows of a tile in both planes of a vector field.
 pub(crate) type VectorRows<'a> = [Vec<&'a mut [f32]>; 2];
 
-/// Where a tile's results go.
+/// Destination of a tile's results.
 #[derive(Debug, Default)]
 pub(crate) struct Results<'a> {
-    /// The sums, which are added to.
+    /// The sums, accumulated in place.
     pub(crate) sums: Vec<VectorRows<'a>>,
     /// The last term.
     pub(crate) last: Option<VectorRows<'a>>,
@@ -126,7 +126,7 @@ pub(crate) struct Results<'a> {
     pub(crate) earlier: Option<VectorRows<'a>>,
 }
 
-/// The rows in flight, kept in rings.
+/// The rows in flight, in ring buffers.
 #[derive(Debug, Default)]
 pub(crate) struct WavefrontTile {
     /// Columns left of the tile, and of a whole row.
@@ -134,30 +134,29 @@ pub(crate) struct WavefrontTile {
     stride: usize,
     /// Rows of a ring.
     in_flight: usize,
-    /// Terms: of every row the last even and the last odd one, a ring per component. A term takes the
-    /// place of the one before its predecessor.
+    /// The last even and the last odd term of every row, a ring per component. A term overwrites the one two before it.
     terms: [[Vec<f32>; 2]; 2],
     /// Conductances of the faces left of and above every pixel.
     left: Vec<f32>,
     above: Vec<f32>,
     /// Conductances of two rows.
     open: Vec<f32>,
-    /// The sums, a ring per component of each.
+    /// The sums, one ring per component of each.
     sums: Vec<[Vec<f32>; 2]>,
 }
 
 impl WavefrontTile {
-    /// Runs `pass` over `tile`; not to its end where the run is cancelled.
+    /// Runs `pass` over `tile`; stops early if the run is cancelled.
     pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
         self.make_room(sweeps, tile.columns.len(), results.sums.len());
-        // Rows that sweep `k` has to give, for those after it to give the tile.
+        // Rows that sweep `k` must produce so that later ones can produce the tile.
         let rows = |k: usize| {
             let rim = sweeps - k;
             tile.rows.start.saturating_sub(rim)..(tile.rows.end + rim).min(height)
         };
-        // The rows in which sweep `k` is at work while those from `front` on enter.
+        // The rows processed by sweep `k` while those from `front` on enter.
         let at_work = |front: usize, k: usize| {
             let all = rows(k);
             front.saturating_sub(k).max(all.start)
@@ -171,7 +170,7 @@ impl WavefrontTile {
                 self.enter(pass, tile, y, y == rows(0).start, results);
             }
             if (front..front + TOGETHER).contains(&height) {
-                // Nothing flows through the lower border of the picture.
+                // No flow through the lower border of the picture.
                 let above = self.row(height);
                 self.above[above].fill(0.0);
             }
@@ -209,16 +208,16 @@ impl WavefrontTile {
         refill(&mut self.open, 2 * self.stride);
     }
 
-    /// Where row `y` is kept in a ring.
+    /// Position of row `y` in a ring.
     fn row(&self, y: usize) -> Range<usize> {
         let start = y % self.in_flight * self.stride;
         start..start + self.stride
     }
 
-    /// Takes in row `y`: terms, conductances of its faces, and the sum so far.
+    /// Loads row `y`: terms, conductances of its faces, and the sum so far.
     fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
         let stride = self.stride;
-        // Columns of the picture that the sweeps look at, and where they lie in the row.
+        // Columns of the picture read by the sweeps, and their position in the row.
         let reach = pass.updates.len();
         let picture = tile.columns.start.saturating_sub(reach)
             ..(tile.columns.end + reach).min(pass.conductance.width());
@@ -249,7 +248,7 @@ impl WavefrontTile {
         pass.simd
             .face_conductance_row(&mut left[1..], open, &open[1..]);
         if is_first {
-            // The upper border of the picture, or a face that no sweep looks through.
+            // The upper border of the picture, or a face that no sweep reads.
             above.fill(0.0);
         } else {
             pass.simd.face_conductance_row(above, open, open_above);
@@ -268,7 +267,7 @@ impl WavefrontTile {
         }
     }
 
-    /// Row `y` of sweep `k`, which makes term `k + 1` of those before it.
+    /// Row `y` of sweep `k`, which computes term `k + 1` from the previous ones.
     fn sweep(&mut self, pass: &Pass, k: usize, y: usize, tile: &Tile) {
         let rim = pass.updates.len() - k;
         // Only where the row is covered: elsewhere all terms are 0.
@@ -283,7 +282,7 @@ impl WavefrontTile {
         let columns = start..end;
 
         let (row, below) = (self.row(y), self.row(y + 1));
-        // At the borders of the picture any row will do as its neighbour: the face is closed.
+        // At the borders of the picture any row will do as neighbour: the face is closed.
         let above = self.row(y + self.in_flight - 1);
         let faces = Faces {
             left: &self.left[row.clone()][start..end + 1],
@@ -314,7 +313,7 @@ impl WavefrontTile {
         }
     }
 
-    /// Adds terms to the sums in row `y`, of which sweep `k` has just made one.
+    /// Adds terms to the sums in row `y`, right after sweep `k` has computed one.
     fn add(&mut self, pass: &Pass, added: Added, k: usize, y: usize, tile: &Tile) {
         let columns = self.tile_columns(y, tile);
         let [even, odd] = &self.terms;
@@ -360,17 +359,17 @@ impl WavefrontTile {
         }
     }
 
-    /// Where row `y` of the tile is kept in a ring.
+    /// Position of row `y` of the tile in a ring.
     fn tile_columns(&self, y: usize, tile: &Tile) -> Range<usize> {
         let start = self.row(y).start + self.pad;
         start..start + tile.columns.len()
     }
 
-    /// Gives out row `y`, which has seen all sweeps.
+    /// Outputs row `y`, which has passed all sweeps.
     fn leave(&self, sweeps: usize, y: usize, tile: &Tile, results: &mut Results) {
         let tile_row = y - tile.rows.start;
         let columns = self.tile_columns(y, tile);
-        // Sweep k has made a term of the parity of k + 1.
+        // Sweep k has computed a term with the parity of k + 1.
         let [earlier, last] = [&self.terms[sweeps % 2], &self.terms[(sweeps + 1) % 2]];
         let terms = [(&mut results.last, last), (&mut results.earlier, earlier)];
         let terms = terms
@@ -389,8 +388,8 @@ fn few_levels(weights: &[f32; LEVELS]) -> &[f32; FEW_LEVELS] {
     weights.first_chunk().expect("there are more levels in all")
 }
 
-/// Copies a row. Zeros lose their sign, which may come from beyond a closed face and so from the
-/// place of the tile.
+/// Copies a row. Negative zeros become positive: their sign may come from beyond a closed face and so depend on the
+/// tile.
 fn write_row(out: &mut [f32], row: &[f32]) {
     for (out, value) in out.iter_mut().zip(row) {
         *out = value + 0.0;

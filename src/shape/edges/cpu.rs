@@ -12,22 +12,21 @@ use crate::shape::edges::SilhouetteSource;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows that one task takes: enough for the two rows around them, of which it makes the logarithm
-/// too, not to count.
+/// Rows per task: enough to make the cost of the two rows around them, whose logarithm it computes too, negligible.
 const ROWS: usize = 32;
 
-/// Columns that are looked at together for creases: most hold none.
+/// Columns checked together for creases: most contain none.
 const BLOCK: usize = 64;
 
-/// Edge weights, and how freely slopes spread between them.
+/// Edge weights and conductance.
 pub(crate) struct Weights {
-    /// Only where it is asked for; likewise creases.
+    /// Only if requested; the same for creases.
     pub(crate) silhouette: Option<Plane>,
     pub(crate) crease: Option<Plane>,
     pub(crate) conductance: Plane,
 }
 
-/// Edges, with their weights where those are asked for, and the gradient.
+/// Edges, with their weights if requested, and the gradient.
 pub(crate) fn edges_and_gradient(
     plan: &Plan,
     frame: &Frame,
@@ -36,7 +35,7 @@ pub(crate) fn edges_and_gradient(
     edges_with_weights(plan, frame, plan.wants(Product::Silhouette), memory)
 }
 
-/// The same with the two weights or without.
+/// The same, with or without the two weights.
 pub(crate) fn edges_with_weights(
     plan: &Plan,
     frame: &Frame,
@@ -74,7 +73,7 @@ pub(crate) fn edges_with_weights(
     (edges, gradient)
 }
 
-/// Bands of a plane that may not be wanted: as many `None` as there would be bands.
+/// Bands of an optional plane: `None` for each band if there is no plane.
 fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
     match plane {
         Some(plane) => {
@@ -85,7 +84,7 @@ fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
     }
 }
 
-/// Rows to be filled, from row `top` on.
+/// Rows to fill, from row `top` on.
 struct Band<'a> {
     top: usize,
     silhouette: Option<&'a mut [f32]>,
@@ -94,9 +93,9 @@ struct Band<'a> {
     gradient: [&'a mut [f32]; 2],
 }
 
-/// Rows that a thread works in.
+/// Scratch rows of a thread.
 struct Scratch {
-    /// The logarithm of depth in three rows, row y in that of y modulo 3.
+    /// The logarithm of depth in three rows, row y at index y modulo 3.
     log_depth: [Vec<f32>; 3],
     silhouette: Vec<f32>,
     crease: Vec<f32>,
@@ -185,14 +184,14 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// Makes sure that the logarithm of depth around row `y` is in the scratch rows.
+    /// Ensures that the logarithm of depth around row `y` is in the scratch rows.
     fn add_log_depth(&self, y: usize, is_first: bool, scratch: &mut Scratch) {
         let Silhouettes::Depth(depth, _) = &self.silhouettes else {
             return;
         };
         let from = if is_first { y.saturating_sub(1) } else { y + 1 };
         for y in from..(y + 2).min(depth.height()) {
-            // What lies beyond is beside a border, whatever its depth.
+            // Pixels outside the span adjoin a border, whatever their depth.
             let columns = self.frame.mask.span(y);
             self.simd.log_depth_row(
                 &mut scratch.log_depth[y % 3][columns.clone()],
@@ -273,7 +272,7 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The direction to the eye, scaled to z = 1: its x depends on the column alone, its y on the row.
+/// The direction to the eye, scaled to z = 1: its x depends only on the column, its y only on the row.
 struct ToEye {
     x: Vec<f32>,
     y: Vec<f32>,

@@ -10,7 +10,7 @@
 @group(0) @binding(6) var<storage, read> normal_length: array<f32>;
 @group(0) @binding(7) var<storage, read_write> conductance: array<f32>;
 @group(0) @binding(8) var<storage, read_write> gradient: array<vec2<f32>>;
-// Silhouette and crease weight, where they are wanted.
+// Silhouette and crease weight, if requested.
 @group(0) @binding(9) var<storage, read_write> weights: array<vec2<f32>>;
 
 override HAS_MAP: bool;
@@ -22,7 +22,7 @@ fn normal_at(x: u32, row: u32) -> vec3<f32> {
     return vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
 }
 
-// The map left of a pixel, at it and right of it.
+// The map to the left of a pixel, at it and to its right.
 fn map_around(columns: vec3<u32>, row: u32) -> vec3<f32> {
     if !HAS_MAP {
         return vec3<f32>(0.0);
@@ -43,7 +43,7 @@ fn sobel(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> vec2<f32> {
     return vec2<f32>((east - west) / 8.0, (north - south) / 8.0);
 }
 
-// The weight of the jump across the middle: twice the Sobel slope, the difference between the two sides.
+// The weight of the jump across the centre: twice the Sobel slope, the difference between the two sides.
 fn jump_weight(above: vec3<f32>, here: vec3<f32>, below: vec3<f32>) -> f32 {
     let slope = sobel(above, here, below);
     let jump = 2.0 * sqrt(slope.x * slope.x + slope.y * slope.y);
@@ -65,11 +65,11 @@ struct NeighbourNormals {
     below: vec3<f32>,
 }
 
-// Crease weight of a pixel with the normals `n`, whose filtered normal had the length `length`, where the neighbours left,
-// right, above and below are there. The largest angle counts: to a neighbour, and across the pixel from one side to the
-// other.
+// Crease weight of a pixel with the normals `n`, of length `length` after filtering, where `there` marks the existing
+// neighbours left, right, above and below. The largest angle counts: to a neighbour, and across the pixel from one side
+// to the other.
 fn crease_detector_weight(n: NeighbourNormals, length: f32, there: vec4<bool>) -> f32 {
-    // The squared distance between the tips of unit vectors grows as the angle does, and loses nothing where that is small.
+    // The squared distance between unit vectors increases with their angle, and keeps its precision for small angles.
     let left = n.own - n.left;
     let right = n.own - n.right;
     let above = n.own - n.above;
@@ -127,7 +127,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         return;
     }
-    // What the next row takes of this one stays in registers.
+    // Values reused by the next row stay in registers.
     var covered_above = covered_around(columns, row_above(first));
     var covered_here = covered_around(columns, first);
     var map_above = map_around(columns, index_of(0u, row_above(first)));

@@ -1,4 +1,4 @@
-//! Edges on the device, and the gradient between them.
+//! Edges on the device, and the gradient.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
@@ -18,7 +18,7 @@ use crate::shape::edges::SilhouetteSource;
 pub(crate) const FACING: Wgsl = wgsl!("../facing.wgsl");
 
 uniforms! {
-    /// Of `edges.wgsl`.
+    /// Uniforms of `edges.wgsl`.
     EdgeParams {
         width: u32,
         height: u32,
@@ -27,11 +27,12 @@ uniforms! {
         /// Angles in radians.
         crease_lo: f32,
         crease_hi: f32,
-        /// Above this length a filtered normal surely hides no crease.
+        /// Above this length a filtered normal certainly hides no crease.
         flat_length: f32,
         foreshortening: f32,
         min_nz: f32,
-        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and its increments per column and
+        /// row.
         to_eye_x: f32,
         to_eye_x_step: f32,
         to_eye_y: f32,
@@ -44,7 +45,7 @@ bindings! {
     EdgesBuffers { covered, normal_x, normal_y, normal_z, silhouette_map, normal_length, conductance, gradient, weights }
 }
 
-/// The logarithm of depth, in which silhouettes are found.
+/// The logarithm of depth, used for silhouettes.
 pub(crate) static LOG_DEPTH: Kernel = Kernel::new::<SizeParams, LogDepthBuffers>(
     "LogDepth",
     &[INDEX, COVERAGE, wgsl!("log_depth.wgsl")],

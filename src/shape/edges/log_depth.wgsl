@@ -1,4 +1,4 @@
-// The logarithm of depth where covered, 0 elsewhere: the map that silhouettes are sought in.
+// The logarithm of depth where covered, 0 elsewhere: the map for silhouettes.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

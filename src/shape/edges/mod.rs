@@ -12,12 +12,12 @@ pub(crate) enum SilhouetteSource {
     Depth,
     /// Jumps of an occlusion map or of alpha.
     Occlusion,
-    /// The border of coverage alone.
+    /// Only the border of coverage.
     Border,
 }
 
 impl SilhouetteSource {
-    /// The source that a plan has.
+    /// The source used by a plan.
     pub(crate) fn of(plan: &Plan) -> Self {
         match (plan.available.depth, plan.available.occlusion) {
             (true, _) => Self::Depth,

@@ -73,7 +73,7 @@ pub(crate) static EDGES: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-/// Whether silhouettes are found in this source, for the reason `why`.
+/// Verdict on silhouettes from this source, with the reason `why`.
 fn silhouettes(source: SilhouetteSource, plan: &Plan, why: &str) -> Verdict {
     let own = SilhouetteSource::of(plan);
     match (source, own) {
@@ -99,7 +99,7 @@ fn find_edges(run: &mut Run) {
     let kept = run.kept.as_deref_mut();
     let kept = kept.and_then(|kept| kept.take_edges(plan.key(EDGES.name), wanted));
     let weights = kept.unwrap_or_else(|| {
-        // What is kept may be asked for later.
+        // With a cache the weights may be requested later.
         let with_weights = wanted || run.kept.is_some();
         let (mut weights, gradient) = run.timed("edges-and-gradient", || {
             edges_with_weights(plan, frame, with_weights, memory)
