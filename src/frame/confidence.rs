@@ -1,46 +1,46 @@
 //! Confidence that a pixel shows a single surface.
 //!
-//! Out of focus, in motion, in fur and in fog a pixel's normal is a mean of different ones, and shorter than 1; its depth is that
-//! of whichever surface its first sample hit. At outlines that is true of a pixel or two, so a pixel counts as mixed only
-//! where a whole square of normals is short, or many depths around it are isolated.
+//! In defocus, motion blur, fur and fog a pixel's normal is a mean of different ones, and shorter than 1; its depth is
+//! that of the surface hit by its first sample. At outlines the same holds for a pixel or two, so a pixel counts as
+//! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
 use super::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Columns and rows on either side of a pixel in the square of normals that has to be mixed. Of 3x3 pixels sharp renders
-/// have some at corners of outlines, of 5x5 none.
+/// Half size of the square of normals around a pixel that must be mixed. In sharp renders some 3x3 squares are, at
+/// corners of outlines, but no 5x5 ones.
 const NORMALS_REACH: usize = 2;
 
-/// Lengths of normals, as shares of those around, that stand for confidence 1 and 0. Of the sharp renders tried no square of 5x5 has all its lengths
-/// below 0.94; means of directions 41 degrees to either side have a length of 0.75.
+/// Lengths of normals, relative to those around, for confidence 1 and 0. No 5x5 square of the sharp renders tried
+/// has all its lengths below 0.94; means of directions 41 degrees to either side have length 0.75.
 const LENGTHS: [f32; 2] = [0.93, 0.75];
 
-/// Columns and rows on either side of a pixel in the square whose longest normals its own is compared with: in fog all are
-/// short, by the share of their samples that met it.
+/// Half size of the square whose longest normals a pixel's normal is compared with: in fog all are short, by the share
+/// of their samples that hit it.
 const FOG_REACH: usize = 8;
 
-/// What the mean over a square of unit normals lacks of length 1 where short ones do not count, and where they count in
-/// full: by a bend of 8 and of 20 degrees from one side to the other. Things near and far in fog differ in length alone.
+/// Deficit from length 1 of the mean over a square of unit normals, below which short normals do not count, and above
+/// which they count in full: for a bend of 8 and of 20 degrees across the square. Near and far objects in fog differ
+/// only in length.
 const SPREADS: [f32; 2] = [0.001, 0.005];
 
-/// Columns and rows on either side of a pixel in the square of depths.
+/// Half size of the square of depths around a pixel.
 const DEPTHS_REACH: usize = 5;
 
-/// A depth stands alone if both its neighbours along a row or a column differ from it by more than this share.
+/// A depth is isolated if both its neighbours along a row or a column differ from it by more than this share.
 const ALONE: f32 = 0.1;
 
-/// Shares of depths that stand alone which stand for confidence 1 and 0. Of the sharp renders tried no square of 11x11 has
-/// more than 0.08 of them.
+/// Shares of isolated depths for confidence 1 and 0. No 11x11 square of the sharp renders tried has a share above 0.08.
 const SHARES_ALONE: [f32; 2] = [0.1, 0.3];
 
-/// How many rows away a sample may be on which the confidence depends: means that the longest normals are of, squares found,
-/// pixels in them, and their mean; or a square, and the neighbours of its depths.
+/// Number of rows within which a sample can affect the confidence: means of the longest normals, squares found, pixels
+/// in them, and their mean; or a square, and the neighbours of its depths.
 pub(crate) const CONFIDENCE_REACH: usize = FOG_REACH + 4 * NORMALS_REACH;
 const _: () = assert!(CONFIDENCE_REACH > DEPTHS_REACH);
 
-/// How far what each pixel holds is that of one surface, 0..1, by the lengths that its normals had and by its depths;
-/// `None` where that is 1 everywhere, as in sharp frames.
+/// Confidence that each pixel shows a single surface, 0..1, from the original lengths of normals and from depths;
+/// `None` if it is 1 everywhere, as in sharp frames.
 pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     let lengths = frame.normal_length.as_ref();
     let of_normals = lengths.and_then(|lengths| of_normals(lengths, &frame.normal, &frame.mask));
@@ -54,7 +54,7 @@ pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     }
 }
 
-/// The confidence by the lengths that normals had before they were made unit length.
+/// The confidence from the lengths of normals before normalisation.
 fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
     let is_short = |length: &f32| *length < LENGTHS[0];
     let squares = |lengths: &Plane| {
@@ -65,7 +65,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
             .any(is_short)
             .then_some(longest)
     };
-    // What shows nothing ends a square, as a long normal does.
+    // Pixels without surface end a square, like long normals.
     let ended = of_rows(lengths, |y, row| {
         let lengths = lengths.row(y).iter().zip(mask.row(y));
         for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
@@ -92,11 +92,11 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
         lack * ramp(1.0 - squared.sqrt(), SPREADS)
     });
     let is_mixed = deficit.samples().par_iter().any(|&deficit| deficit > 0.0);
-    // Without the corners of squares.
+    // The mean smooths away the corners of squares.
     is_mixed.then(|| mean_over_squares(&deficit, NORMALS_REACH).map(|deficit| 1.0 - deficit))
 }
 
-/// The confidence by depths that stand alone.
+/// The confidence from isolated depths.
 fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     let last = [depth.width(), depth.height()].map(|length| length.saturating_sub(1));
     let alone = of_rows(depth, |y, row| {
@@ -122,7 +122,7 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
 }
 
-/// Whether a depth differs from both its neighbours, and not as a steady slope does.
+/// Whether a depth differs from both its neighbours, other than along a steady slope.
 fn stands_alone(depth: f32, [before, after]: [f32; 2]) -> bool {
     let [to_before, to_after] = [before - depth, after - depth];
     let bend = (to_before + to_after).abs();
@@ -135,7 +135,7 @@ fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// The least or the greatest sample of the square around each pixel, as far as it lies within the plane.
+/// The minimum or maximum over the square around each pixel, cut off at the plane's border.
 fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
     of_rows(plane, |y, row| {
         let mut column = plane.row(y).to_vec();
@@ -151,13 +151,13 @@ fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync
     })
 }
 
-/// The mean of the square around each pixel, 0 beyond the plane.
+/// The mean over the square around each pixel, with 0 beyond the plane.
 fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
     let side = (2 * reach + 1) as f32;
     sum_over_squares(plane, reach).map(|sum| sum / (side * side))
 }
 
-/// The sum over the square around each pixel, as far as it lies within the plane.
+/// The sum over the square around each pixel, cut off at the plane's border.
 fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
     of_rows(plane, |y, row| {
         let mut column = vec![0.0; row.len()];
@@ -171,7 +171,7 @@ fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
     })
 }
 
-/// A plane of what is made of the samples of two.
+/// A plane combined from the samples of two.
 fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
     of_rows(a, |y, row| {
         for (sample, (&a, &b)) in row.iter_mut().zip(a.row(y).iter().zip(b.row(y))) {
@@ -180,12 +180,12 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane 
     })
 }
 
-/// The range within a reach of a position on a line of this length.
+/// The range within `reach` of a position on a line of this length.
 fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
     place.saturating_sub(reach)..(place + reach + 1).min(length)
 }
 
-/// A plane of the size of this one whose rows, of zeros, are made by `make`.
+/// A plane of this size whose rows, initially zero, are filled by `make`.
 fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32]) + Sync) -> Plane {
     let mut made = Plane::filled(like.width(), like.height(), 0.0);
     made.each_row(make);
@@ -201,7 +201,7 @@ mod tests {
         Plane::from_fn(width, height, length)
     }
 
-    /// Of normals that turn by so many degrees from column to column.
+    /// The confidence for normals that turn by this many degrees per column.
     fn of(lengths: &Plane, turn_deg: f64) -> Option<Plane> {
         let (width, height) = (lengths.width(), lengths.height());
         let normal = Vector3Planes::from_fn(width, height, |x, _| {
@@ -213,13 +213,13 @@ mod tests {
 
     #[test]
     fn a_band_of_blur_is_told_from_outlines() {
-        // Two pixels of an outline, four at a corner, and a line of four: no square of five.
+        // Two pixels at an outline, four at a corner, and a line of four: no square of five.
         let outlines = lengths(40, 30, |x, y| match (x, y) {
             (10 | 11, _) | (_, 14 | 15) | (20..=23, 3..=12) => 0.3,
             _ => 1.0,
         });
         assert_eq!(of(&outlines, 8.0), None);
-        // A band of nine columns at a length of 0.84: half of the way from 0.93 to 0.75, a fifth of that for each column of
+        // A band of nine columns at length 0.84: half-way from 0.93 to 0.75, with a fifth of the effect per column of
         // the five around that is inside.
         let band = lengths(40, 30, |x, _| match x {
             15..24 => 0.84,
@@ -233,7 +233,7 @@ mod tests {
             let expected = 1.0 - 0.1 * inside as f32;
             assert!((found.at(x, 15) - expected).abs() < 1e-5, "{x}");
         }
-        // In fog that takes a quarter of all samples, the same.
+        // In fog that absorbs a quarter of all samples the result is the same.
         let in_fog = |lengths: &Plane| of(&lengths.map(|length| 0.75 * length), 8.0);
         assert_eq!(in_fog(&outlines), None);
         let fog = in_fog(&band).unwrap();
@@ -243,7 +243,7 @@ mod tests {
             .zip(found.samples())
             .map(|(a, b)| (a - b).abs());
         assert!(difference.fold(0.0, f32::max) < 1e-5);
-        // What is far in fog beside something near, both of them flat.
+        // A far object in fog next to a near one, both flat.
         assert_eq!(of(&band, 0.0), None);
     }
 
@@ -273,13 +273,13 @@ mod tests {
         for scene in scenes {
             assert_eq!(of(&Plane::from_fn(40, 40, scene)), None);
         }
-        // Every third pixel of every third row shows what lies behind.
+        // Every third pixel of every third row shows the background.
         let every = Plane::from_fn(40, 40, |x, y| match (x % 3, y % 3) {
             (0, 0) => 9.0,
             _ => 5.0,
         });
         let found = of(&every).unwrap();
-        // Of eleven columns three or four have such pixels: 16, 12 or 9 of 121.
+        // Among eleven columns three or four have such pixels: 16, 12 or 9 of 121.
         for (x, y, count) in [(19, 19, 16.0), (21, 19, 12.0), (21, 21, 9.0)] {
             let expected = 1.0 - ((count / 121.0 - 0.1) / 0.2f32).max(0.0);
             assert!((found.at(x, y) - expected).abs() < 1e-5, "{x}, {y}");

@@ -1,11 +1,11 @@
-//! How normals and depth are stored in files and in memory, before they are decoded for a frame.
+//! How normals and depth are stored in files and in memory, before decoding.
 
 use super::DepthKind;
 
-/// How a normal's components were stored.
+/// Encoding of a normal's components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalEncoding {
-    /// As they are, -1..1.
+    /// Unchanged, -1..1.
     Signed,
     /// As (n + 1) / 2, 0..1.
     Unsigned,
@@ -30,7 +30,7 @@ impl Flip {
         z: false,
     };
 
-    /// Both flips, one after the other.
+    /// The composition of both flips.
     pub fn and(self, other: Self) -> Self {
         Self {
             x: self.x ^ other.x,
@@ -41,7 +41,7 @@ impl Flip {
 }
 
 impl std::fmt::Display for Flip {
-    /// The axes, `xz`, or `none`: what `--normal-flip` takes.
+    /// The axes, as in `xz`, or `none`, in the form of `--normal-flip`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let axes = [(self.x, "x"), (self.y, "y"), (self.z, "z")];
         let turned: String = axes.iter().filter(|a| a.0).map(|a| a.1).collect();
@@ -58,17 +58,16 @@ pub enum StoredDepth {
     Ray,
     /// One over the distance along the view axis; 0 where nothing was seen.
     Inverse,
-    /// A value that grows with distance, or a distance too coarse for positions; 0 where nothing was seen.
+    /// A value that increases with distance, or a distance too coarse for positions; 0 where nothing was seen.
     Relative,
-    /// Distance mapped to 0..1, black near and white far, perhaps clamped. It does not show where nothing was
-    /// seen.
+    /// Distance mapped to 0..1, black near and white far, possibly clamped. It does not mark where nothing was seen.
     WhiteFar,
-    /// The same the other way round, white near and black far.
+    /// The same reversed, white near and black far.
     NormalizedNearIsOne,
 }
 
 impl StoredDepth {
-    /// All of them, with the names that `--depth-kind` gives them.
+    /// All kinds, with their names in `--depth-kind`.
     pub const ALL: [(Self, &'static str); 6] = [
         (Self::Planar, "z"),
         (Self::Ray, "distance"),
@@ -78,13 +77,13 @@ impl StoredDepth {
         (Self::NormalizedNearIsOne, "white-near"),
     ];
 
-    /// The name that `--depth-kind` gives it.
+    /// Its name in `--depth-kind`.
     pub fn name(self) -> &'static str {
         let named = Self::ALL.iter().find(|(kind, _)| *kind == self);
         named.expect("every kind has a name").1
     }
 
-    /// The kind of depth that a frame has after decoding.
+    /// The kind of a frame's depth after decoding.
     pub fn kind(self) -> DepthKind {
         match self {
             Self::Planar | Self::Inverse => DepthKind::Planar,
@@ -93,7 +92,7 @@ impl StoredDepth {
         }
     }
 
-    /// The same of samples that may be half floats: one over them is too coarse for a distance.
+    /// The kind for samples that may be half floats, whose inverse is too coarse for a distance.
     pub(crate) fn kind_of(self, is_half: bool) -> DepthKind {
         match self {
             Self::Inverse if is_half => DepthKind::Relative,
@@ -101,7 +100,7 @@ impl StoredDepth {
         }
     }
 
-    /// Whether the layer shows where nothing was seen.
+    /// Whether the layer marks where nothing was seen.
     pub(crate) fn shows_coverage(self) -> bool {
         !matches!(self, Self::WhiteFar | Self::NormalizedNearIsOne)
     }

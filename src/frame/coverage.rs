@@ -1,4 +1,4 @@
-//! Coverage: backgrounds and missing samples become the mask, and nothing else.
+//! Coverage: backgrounds and missing samples only affect the mask.
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
 use super::holes::fill;
@@ -6,8 +6,8 @@ use super::normals::{MIN_LENGTH, normalise};
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
 
-/// Where decoded normals have a direction, depth is a distance, and mask and alpha are above one half: of those that are
-/// given.
+/// Pixels where decoded normals have a direction, depth is a distance, and mask and alpha are above one half, as far as
+/// these are given.
 pub(crate) fn of_normals(
     normal: &Vector3Planes,
     depth: Option<&Plane>,
@@ -19,7 +19,7 @@ pub(crate) fn of_normals(
     covered.each_row(|y, row| {
         let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
         for (x, covered) in row.iter_mut().enumerate() {
-            // Finite only where all components are.
+            // Finite only if all components are.
             let square = Vec3::new(nx[x], ny[x], nz[x]).length_squared();
             *covered = square > MIN_LENGTH * MIN_LENGTH && square.is_finite();
         }
@@ -35,18 +35,17 @@ pub(crate) fn of_normals(
     Mask::new(covered)
 }
 
-/// Where a surface was seen.
+/// The covered pixels.
 pub(crate) struct Covered {
     pub(crate) mask: Mask,
-    /// The lengths that the normals had.
+    /// Original lengths of the normals.
     pub(crate) lengths: Plane,
-    /// How many samples of depth were missing and are filled.
+    /// Number of missing depth samples that were filled.
     pub(crate) filled: usize,
 }
 
-/// Finds where a surface was seen, and makes normals and depth there what a frame holds: unit normals, and values that
-/// grow with distance; both 0 elsewhere. Depth of which it is not known what was stored is taken as it is; single samples of
-/// it that are missing are filled.
+/// Finds the covered pixels, and converts their normals and depth: unit normals, and values that increase with
+/// distance; both 0 elsewhere. Depth of unknown encoding is left unchanged; isolated missing samples of it are filled.
 pub(crate) fn cover(
     normal: &mut Vector3Planes,
     mut depth: Option<(&mut Plane, Option<StoredDepth>)>,
@@ -59,7 +58,7 @@ pub(crate) fn cover(
     let filled = depth.as_mut().map(|(depth, _)| fill(depth, normal));
     let stored = depth.as_ref().and_then(|(_, stored)| *stored);
     let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
-    // Alpha decides only where nothing else does.
+    // Alpha decides only if nothing else does.
     let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
     let distances = depth.as_ref().map(|(depth, _)| &**depth);
     let mask = of_normals(normal, distances, alpha, mask);
@@ -74,7 +73,7 @@ pub(crate) fn cover(
     }
 }
 
-/// Takes from the mask where depth is no distance, and makes depth 0 outside it: no NaN and no sentinel travels on.
+/// Removes pixels without a distance from the mask, and sets depth to 0 outside it, so that no NaN or sentinel remains.
 pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
     *mask = Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
         mask.at(x, y) && is_distance(depth.at(x, y))
@@ -90,7 +89,7 @@ fn blank_outside(depth: &mut Plane, mask: &Mask) {
     }
 }
 
-/// A plane that has more than one value: alpha that is 1 everywhere shows no edge.
+/// The plane, if it is not constant: alpha that is 1 everywhere shows no edge.
 pub(crate) fn varying(plane: Option<&Plane>) -> Option<Plane> {
     let plane = plane?;
     let first = plane.at(0, 0);
@@ -98,8 +97,7 @@ pub(crate) fn varying(plane: Option<&Plane>) -> Option<Plane> {
     varies.then(|| plane.clone())
 }
 
-/// Replaces what no picture can show: NaN by 0, infinities by the largest half float. Returns how
-/// many samples there were.
+/// Replaces NaN by 0 and infinities by the largest half float. Returns the number of samples replaced.
 pub(crate) fn sanitise(plane: &mut Plane) -> usize {
     let mut replaced = 0;
     for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {

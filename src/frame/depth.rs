@@ -5,16 +5,16 @@ use super::{Camera, Plane, StoredDepth, Vector3Planes};
 /// Infinity clamped to a half float.
 pub(crate) const HALF_INFINITY: f32 = 65504.0;
 
-/// Renderers write distances from here on (1e10, 1e30, 1e38) where nothing was seen.
+/// Renderers write distances from here up (1e10, 1e30, 1e38) where nothing was seen.
 const BACKGROUND_DEPTH: f32 = 1e9;
 
-/// Whether a depth sample is a distance rather than a background value: 0, negative, not finite,
-/// 65504 (infinity clamped to half float) or 1e9 and more.
+/// Whether a depth sample is a distance rather than a background value: 0, negative, not finite, 65504 (infinity
+/// clamped to half float) or 1e9 and above.
 pub(crate) fn is_distance(depth: f32) -> bool {
     depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
 }
 
-/// Distances along the view axis of positions in world space; 0 where there is no position.
+/// Distances along the view axis of world-space positions; 0 without a position.
 pub(crate) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
     Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
         let view = camera.view_from_world.transform_point3(position.at(x, y));
@@ -23,9 +23,10 @@ pub(crate) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> P
     })
 }
 
-/// Stored depth to values that grow with distance, in place: positive, 0 where the layer says that nothing was seen.
+/// Converts stored depth to values that increase with distance, in place: positive, 0 where the layer marks that
+/// nothing was seen.
 pub(crate) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
-    // Between 1 and 2, so that the same share of the range is the same jump, roughly, near and far.
+    // Mapped between 1 and 2, so that a jump by the same share of the range counts about equally near and far.
     let normalized = |d: f32, from: f32, toward: f32| match d.is_nan() {
         true => 0.0,
         false => from + toward * d.clamp(0.0, 1.0),

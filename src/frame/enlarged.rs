@@ -2,12 +2,12 @@
 
 use super::{Camera, Frame, Mask, Plane, Window};
 
-/// Samples are of one surface where neither is nearer than this share of the other's depth.
+/// Samples belong to one surface if neither is nearer than this share of the other's depth.
 const SAME: f32 = 0.965;
 
 impl Frame {
-    /// The frame enlarged `factor` times in both directions, in whole pixels, seen by the same camera: samples are
-    /// interpolated within surfaces, whose borders stay sharp.
+    /// The frame enlarged `factor` times in both directions, rounded to whole pixels, seen by the same camera: samples
+    /// are interpolated within surfaces, whose borders stay sharp.
     ///
     /// # Panics
     /// If `factor` is less than 1.
@@ -59,8 +59,8 @@ impl Frame {
         frame
     }
 
-    /// The samples around a pixel of the enlarged frame that are of the surface seen there, and their weights, which add up
-    /// to 1, of its places across and down; `None` where most of what is around is not covered.
+    /// The samples around a pixel of the enlarged frame that belong to the surface seen there, with weights that add up
+    /// to 1, from its positions across and down; `None` if most of the samples around are uncovered.
     fn around(&self, across: Place, down: Place) -> Option<[([usize; 2], f32); 4]> {
         let ([left, right], across) = across;
         let ([above, below], down) = down;
@@ -83,7 +83,7 @@ impl Frame {
         Some(samples)
     }
 
-    /// Takes the weight from samples of other surfaces than the one that has most of it.
+    /// Removes the weight of samples from surfaces other than the one with most of the weight.
     fn keep_one_surface(&self, samples: &mut [([usize; 2], f32); 4]) {
         let Some(depth) = &self.depth else {
             return;
@@ -110,15 +110,15 @@ impl Frame {
     }
 }
 
-/// The two samples about a place along a side, and the share of the second.
+/// The two samples around a position along one axis, and the weight of the second.
 type Place = ([usize; 2], f32);
 
 /// Columns or rows of an enlarged frame.
 struct Side {
     factor: f32,
-    /// Where its first pixel begins, in its pixels from where that of the original does; 0 for whole factors.
+    /// Start of the first pixel relative to that of the original, in pixels of the enlarged frame; 0 for whole factors.
     shift: f32,
-    /// Samples of the original.
+    /// Number of samples of the original.
     count: usize,
     data_from: i32,
     data_length: usize,
@@ -126,12 +126,12 @@ struct Side {
     display_length: usize,
 }
 
-/// By how much of a pixel a length may fall short of a whole number for rounding's sake.
+/// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
 const SHORT_PX: f64 = 0.01;
 
 impl Side {
-    /// Of a frame whose data and display windows begin at `data` and `display`, and are so long. Its display window begins
-    /// where the original's does, for a camera counts from there.
+    /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` and `shown`
+    /// pixels. The display window starts where the original's does, since the camera counts from there.
     fn new([data, display]: [i32; 2], count: usize, shown: usize, factor: f64) -> Self {
         let whole = |length: i64| (length as f64 * factor + SHORT_PX).floor() as i64;
         let clamped = |at: i64| at.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
@@ -149,7 +149,7 @@ impl Side {
         }
     }
 
-    /// Where the middle of pixel `at` lies.
+    /// Position of the centre of pixel `at` in the original.
     fn place(&self, at: usize) -> Place {
         let at = (at as f32 + 0.5 + self.shift) / self.factor - 0.5;
         let inside = |i: f32| (i.max(0.0) as usize).min(self.count - 1);
@@ -215,7 +215,7 @@ mod tests {
             )
         };
         let depth = slope.enlarged(2.0).depth.unwrap();
-        // Pixel x lies at (x + 1/2)/2 - 1/2 of the original; beyond its middles nothing is known.
+        // Pixel x maps to (x + 1/2)/2 - 1/2 of the original; beyond its outer centres values are clamped.
         for x in 1..11 {
             let expected = 100.0 + (x as f32 + 0.5) / 2.0 - 0.5;
             assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
@@ -232,7 +232,7 @@ mod tests {
                 Mask::full(6, 4),
             )
         };
-        // Of 10 columns from -3, 6 from column 1 of them: at 2.5 the whole begins at -7.5, which rounds to -8.
+        // Of 10 columns from -3, 6 from the second on: at 2.5 the whole starts at -7.5, rounded to -8.
         ramp.display_window = Window::at(-3, 0, 10, 4);
         ramp.data_window = Window::at(-2, 0, 6, 4);
         let large = ramp.enlarged(2.5);
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(large.data_window, Window::at(-6, 0, 15, 10));
         let depth = large.depth.unwrap();
         for x in 2..13 {
-            // Pixel x begins at 2 + x of the whole, half a pixel before its place from 2.5.
+            // Pixel x starts at 2 + x of the whole, half a pixel before its position from 2.5.
             let expected = 100.0 + x as f32 / 2.5 - 0.5;
             assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
         }

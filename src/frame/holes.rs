@@ -1,7 +1,7 @@
-//! Filling single depth samples that are missing inside a surface.
+//! Filling of isolated missing depth samples inside a surface.
 //!
-//! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth writes here and there the depth of
-//! what lies behind the surface, or none: every such pixel would be surrounded by silhouettes.
+//! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth sometimes writes the depth of
+//! the background, or none: every such pixel would be surrounded by silhouettes.
 
 use super::depth::is_distance;
 use super::normals::MIN_LENGTH;
@@ -9,28 +9,28 @@ use super::{Plane, Vector3Planes};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How often the depth is gone through: what is filled lets its neighbours be.
+/// Number of passes over the depth: filled samples allow filling their neighbours.
 const PASSES: usize = 4;
 
-/// How many rows and columns away a sample may be by which another is filled.
+/// Number of rows and columns within which a sample can affect the filling of another.
 pub(crate) const HOLE_REACH: usize = PASSES;
 
-/// Two depths are those of one surface if they differ by less than this share.
+/// Two depths belong to one surface if their relative difference is below this.
 const SAME_SURFACE: f32 = 0.05;
 
-/// The cosine of the angle between normals of one surface that is seen in neighbouring pixels: 25 degrees.
+/// Cosine of the largest angle between normals of one surface at neighbouring pixels: 25 degrees.
 const SAME_DIRECTION: f64 = 0.9;
 
-/// Of the four pairs of opposite neighbours so many must show the surface.
+/// Minimum number of the four pairs of opposite neighbours that must show the surface.
 const FEWEST_PAIRS: usize = 2;
 
-/// Halves of the pairs of opposite neighbours: columns and rows away.
+/// One neighbour of each pair of opposite ones, as offsets in columns and rows.
 const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
-/// Fills samples of `depth`, distances, that are missing or lie behind the surface which all their neighbours show, where
-/// there is a normal. Returns how many there were.
+/// Fills samples of `depth`, in distances, that are missing or lie behind the surface shown by all their neighbours,
+/// where there is a normal. Returns the number filled.
 ///
-/// Opposite neighbours at depths a and b of a plane have 2 / (1/a + 1/b) between them in perspective.
+/// On a plane in perspective, the depth between opposite neighbours at depths a and b is 2 / (1/a + 1/b).
 pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     let mut filled = 0;
     for _ in 0..PASSES {
@@ -49,18 +49,19 @@ pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     filled
 }
 
-/// The holes of row `y`, which is neither the first nor the last, with the depth of the surface there.
+/// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
 fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize; 2], f32)> {
     let (row, above) = (depth.row(y), depth.row(y - 1));
     let mut found = Vec::new();
     for x in 1..row.len().saturating_sub(1) {
-        // Most samples lie no farther than one of their neighbours.
+        // Most samples are not farther than some neighbour.
         let nearest = 1.0 + SAME_SURFACE;
         let (here, before, after) = (row[x], row[x - 1], row[x + 1]);
         if is_distance(here) && (here <= nearest * before || here <= nearest * after) {
             continue;
         }
-        // With nothing above only one pair is left, along the row, which is too few: most of a background is that.
+        // Without depth above only one pair is left, along the row, which is too few: most of a background is like
+        // that.
         if !above[x - 1..=x + 1].iter().copied().any(is_distance) {
             continue;
         }
@@ -74,7 +75,7 @@ fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize;
     found
 }
 
-/// The depth of the surface that opposite neighbours show, where enough of them do and all agree.
+/// The depth of the surface shown by opposite neighbours, if enough pairs do and all agree.
 fn surface_at(depth: &Plane, x: usize, y: usize) -> Option<f32> {
     let at = |[dx, dy]: [isize; 2]| {
         let sample = depth.at(x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
@@ -95,7 +96,7 @@ fn surface_at(depth: &Plane, x: usize, y: usize) -> Option<f32> {
     (count >= FEWEST_PAIRS && agree).then(|| sum / count as f32)
 }
 
-/// Whether a normal has a direction, and all around it have about the same.
+/// Whether a normal has a direction, shared approximately by all around it.
 fn is_smooth(normal: &Vector3Planes, x: usize, y: usize) -> bool {
     let has_direction = |n: &DVec3| n.is_finite() && n.length() > f64::from(MIN_LENGTH);
     let unit = |dx: isize, dy: isize| {
@@ -143,7 +144,7 @@ mod tests {
             assert!(fill(&mut depth, &facing()) > SIZE * SIZE / 8);
             for y in 2..SIZE - 2 {
                 for x in 2..SIZE - 2 {
-                    // A mean of harmonic means of a plane is the plane, to rounding.
+                    // A mean of harmonic means on a plane is exact up to rounding.
                     let error = depth.at(x, y) / slope(x, y) - 1.0;
                     assert!(error.abs() < 1e-5, "{behind} at {x}, {y}: {error}");
                 }
@@ -155,7 +156,7 @@ mod tests {
     fn what_is_seen_between_things_and_beside_them_stays() {
         let mut normal = facing();
         let scenes: [fn(usize, usize) -> f32; 4] = [
-            // A step to a wall behind, a gap of one pixel to it, a wire before it, and single pixels nearer.
+            // A step to a wall behind, a gap of one pixel to it, a wire in front, and single nearer pixels.
             |x, y| if x + y < SIZE { 5.0 } else { 9.0 },
             |x, _| if x == 9 { 9.0 } else { 5.0 },
             |x, y| if x == y { 5.0 } else { 9.0 },
@@ -167,7 +168,7 @@ mod tests {
             assert_eq!(fill(&mut depth, &normal), 0);
             assert_eq!(depth.samples(), stored.samples());
         }
-        // Where no normal is, there is no surface.
+        // Without a normal there is no surface.
         let mut depth = Plane::filled(SIZE, SIZE, 5.0);
         depth.row_mut(9)[9] = f32::INFINITY;
         normal.z.row_mut(9)[9] = 0.0;

@@ -1,12 +1,12 @@
-//! The layers of light that a picture is the sum of.
+//! The layers of light that add up to a picture.
 
 use super::{ColorPlanes, Plane};
 use glam::Vec3;
 
-/// The lobes of a surface's reflectance that light layers separate.
+/// The lobes of a surface's reflectance with separate light layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lobe {
-    /// Reflected into all directions.
+    /// Reflected in all directions.
     Diffuse,
     /// Mirrored, sharp or blurred.
     Specular,
@@ -21,7 +21,7 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// The lobe as messages call it.
+    /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Diffuse => "diffuse",
@@ -33,29 +33,28 @@ impl Lobe {
         }
     }
 
-    /// Whether its light has lost the direction it came from; otherwise it shows the mirrored or refracted world.
+    /// Whether its light is independent of the view; otherwise it shows the mirrored or refracted world.
     pub fn is_diffuse(self) -> bool {
         matches!(self, Self::Diffuse | Self::Subsurface)
     }
 }
 
-/// The layers of one lobe. Its radiance is `(direct + indirect) * color`; a layer that is absent is 0,
-/// an absent colour 1.
+/// The layers of one lobe. Its radiance is `(direct + indirect) * color`; an absent layer is 0, an absent colour 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LobeLayers {
     /// Which lobe.
     pub lobe: Lobe,
-    /// Light that comes from lights, or all light where the file does not separate it.
+    /// Light from lights, or all light if the file does not separate it.
     pub direct: Option<ColorPlanes>,
-    /// Light that comes from other surfaces.
+    /// Light from other surfaces.
     pub indirect: Option<ColorPlanes>,
-    /// The surface's own colour, where the light is stored without it.
+    /// The surface's own colour, for light stored without it.
     pub color: Option<ColorPlanes>,
-    /// The surface's own colour, where the light includes it already: used to estimate the light alone.
+    /// The surface's own colour, for light that already includes it: used to estimate the light alone.
     pub albedo: Option<ColorPlanes>,
 }
 
-/// The part of its lobe that a layer holds.
+/// The part of a lobe held by a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LobeLayer {
     /// [`LobeLayers::direct`].
@@ -68,7 +67,7 @@ pub enum LobeLayer {
     Albedo,
 }
 
-/// A light group: the part of the picture that some lights contribute.
+/// A light group: the contribution of some lights to the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightGroup {
     /// Its name.
@@ -79,7 +78,7 @@ pub struct LightGroup {
     pub to_light: Vec<Vec3>,
 }
 
-/// The light of a picture by lobes or light groups. Empty where the file has no such layers, or none were requested.
+/// The light of a picture by lobes or light groups. Empty if the file has no such layers, or none were requested.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightLayers {
     /// Lobes, at most one entry each.
@@ -93,7 +92,7 @@ pub struct LightLayers {
 }
 
 impl LightLayers {
-    /// The layers of a lobe; all absent where it is new.
+    /// The layers of a lobe; added without layers if new.
     pub(crate) fn lobe_mut(&mut self, lobe: Lobe) -> &mut LobeLayers {
         let at = self.lobes.iter().position(|layers| layers.lobe == lobe);
         let at = at.unwrap_or_else(|| {

@@ -3,8 +3,8 @@
 use crate::frame::{Plane, Window};
 use std::ops::Range;
 
-/// Where the frame shows a surface. Absence is marked here alone: samples outside the mask have no meaning, and no
-/// kernel reads them.
+/// The pixels that show a surface. Absence is marked only here: samples outside the mask are undefined, and no kernel
+/// reads them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     covered: Plane<bool>,
@@ -46,7 +46,7 @@ impl Mask {
         self.covered.row(y)
     }
 
-    /// The shortest range of columns that holds all covered pixels of row `y`; empty if there are none.
+    /// The shortest range of columns with all covered pixels of row `y`; empty if there are none.
     pub fn span(&self, y: usize) -> Range<usize> {
         self.spans[y].clone()
     }
@@ -76,7 +76,7 @@ impl Mask {
         self.covered.at(x, y)
     }
 
-    /// How many pixels are covered.
+    /// Number of covered pixels.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -92,7 +92,7 @@ impl Mask {
     }
 }
 
-/// How many pixels from the first on are covered, or not.
+/// Number of leading pixels whose coverage equals `covered`.
 fn length_of(row: &[bool], covered: bool) -> usize {
     const AT_ONCE: usize = 32;
     let (chunks, _) = row.as_chunks::<AT_ONCE>();
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn runs_are_what_is_covered() {
-        // Runs and gaps of every length around the 32 pixels that are looked at together.
+        // Runs and gaps of every length around the 32 pixels that are tested together.
         for gap in 0..40 {
             for length in 1..70 {
                 let row: Vec<bool> = (0..200).map(|x| x % (gap + length) >= gap).collect();
@@ -133,7 +133,7 @@ mod tests {
                     found[run].fill(true);
                 }
                 assert_eq!(found, row);
-                // Gaps are all the rest, once each.
+                // Gaps are the complement of runs, each pixel once.
                 mask.gaps(0).for_each(|gap| {
                     for covered in &mut found[gap] {
                         assert!(!std::mem::replace(covered, true));

@@ -1,4 +1,4 @@
-//! The data that every stage takes: planes, the mask, windows, the camera.
+//! Data shared by all stages: planes, the mask, windows, the camera.
 
 mod builder;
 mod confidence;
@@ -53,8 +53,8 @@ use std::collections::BTreeMap;
 
 /// A surface seen from one viewpoint, with the picture made of it.
 ///
-/// All planes have the size of the data window. Outside the mask their samples have no meaning,
-/// apart from colour and alpha, which are the picture and are carried through everywhere.
+/// All planes have the size of the data window. Outside the mask their samples are undefined, except for colour and
+/// alpha, which are the picture and are kept everywhere.
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// The pixels that the planes hold.
@@ -63,65 +63,65 @@ pub struct Frame {
     pub display_window: Window,
     /// Width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// Where a surface was seen.
+    /// The pixels that show a surface.
     pub mask: Mask,
     /// View-space unit normals.
     pub normal: Vector3Planes,
-    /// Length of the normals before they were made unit length: below 1 where a filter mixed unlike
-    /// normals. `None` where nothing was filtered.
+    /// Length of the normals before normalisation: below 1 where a filter mixed different normals. `None` if nothing
+    /// was filtered.
     pub normal_length: Option<Plane>,
-    /// Confidence, 0..1, that a pixel shows a single surface: less out of focus, in motion, in fur or fog. Engines ignore it;
-    /// the command line blends results with the frame's own picture by it. `None` where it is 1 everywhere, or was not
+    /// Confidence, 0..1, that a pixel shows a single surface: lower in defocus, motion blur, fur or fog. Engines ignore
+    /// it; the command line blends results with the frame's own picture by it. `None` if it is 1 everywhere, or was not
     /// computed.
     pub confidence: Option<Plane>,
-    /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] says along what.
+    /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] gives the direction it is measured
+    /// in.
     pub depth: Option<Plane>,
-    /// Alpha or ambient occlusion, 0..1, which replaces depth in the search for silhouettes.
+    /// Alpha or ambient occlusion, 0..1, used in place of depth for silhouettes.
     pub occlusion: Option<Plane>,
     /// Importance: the share, 0..1, of the diffusion that each pixel gets.
     pub importance: Option<Plane>,
     /// Strength of the effect, 0..1. Engines ignore it; the command line blends results with the frame's own picture by it.
     pub strength: Option<Plane>,
-    /// Where strokes go that curvature does not lead, on objects that have a direction of their own: x and y are the unit
-    /// vector at twice its angle, z is 1 where it is upright on the surface; all 0 where it is that of the whole drawing.
+    /// Stroke directions where curvature gives none, for objects with a direction of their own: x and y are the unit
+    /// vector at twice its angle, z is 1 for upright on the surface; all 0 for the drawing's general direction.
     pub stroke_fallback: Option<Vector3Planes>,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
-    /// Albedo, scene-linear, where a layer or file holds it.
+    /// Albedo, scene-linear, from a layer or file if there is one.
     pub albedo: Option<ColorPlanes>,
     /// Coverage of the picture, 0..1; colour is premultiplied by it.
     pub alpha: Option<Plane>,
-    /// The light layers that add up to the picture, where they exist and were requested.
+    /// The light layers that add up to the picture, if present and requested.
     pub light: LightLayers,
-    /// The camera, where it is known.
+    /// The camera, if known.
     pub camera: Option<Camera>,
     /// Facts about the file that the frame was read from.
     pub source: Source,
 }
 
-/// Facts about the file that a frame was read from: what outputs must preserve, and how precise the samples are.
+/// Facts about the file that a frame was read from: data that outputs must preserve, and the precision of samples.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Source {
-    /// Full names of all layers in the file, those not read included.
+    /// Full names of all layers in the file, including those not read.
     pub layers: Vec<String>,
     /// Attributes of the file's first part, as text.
     pub attributes: BTreeMap<String, String>,
-    /// Weights of linear red, green and blue in luminance, where the file names its primaries.
+    /// Weights of linear red, green and blue in luminance, if the file names its primaries.
     pub luminance_weights: Option<[f32; 3]>,
     /// The kind of depth.
     pub depth_kind: DepthKind,
-    /// Largest rounding error of a component of the normals as they were stored: 1/255 for 8 bits, 0
-    /// for 32-bit floats.
+    /// Largest rounding error of a component of the normals as stored: 1/255 for 8 bits, 0 for 32-bit floats.
     pub normal_rounding: f32,
 }
 
 impl Frame {
-    /// Weights of linear red, green and blue in the luminance of the picture: those of its primaries, or of Rec. 709.
+    /// Weights of linear red, green and blue in the picture's luminance: those of its primaries, or of Rec. 709.
     pub fn luminance_weights(&self) -> [f32; 3] {
         self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
     }
 
-    /// A frame that has only view-space unit normals, within `mask`: square pixels, all of them shown.
+    /// A frame with view-space unit normals only, within `mask`: square pixels, all of them shown.
     pub fn of_normals(normal: Vector3Planes, mask: Mask) -> Self {
         let window = Window::from_size(mask.width(), mask.height());
         Self {
@@ -159,7 +159,7 @@ impl Frame {
         }
     }
 
-    /// The frame with this mask, and every plane replaced by `plane` of it.
+    /// The frame with this mask, and `plane` applied to every plane.
     fn with_planes(&self, mask: Mask, plane: impl Fn(&Plane) -> Plane + Copy) -> Frame {
         let colors = |c: &ColorPlanes| ColorPlanes {
             r: plane(&c.r),

@@ -2,11 +2,12 @@
 
 use super::{Camera, DepthKind, Frame, Plane, SightLines, Vector2Planes};
 
-/// The motion where none is known: it leads out of every picture.
+/// Marks unknown motion: it leads outside every picture.
 pub const AWAY: f32 = 1e9;
 
-/// The motion in a static world whose camera moves: from where the camera `before` saw the point that is seen now. [`AWAY`] where it was behind the eye, and outside the mask. `None` without
-/// depth that is a distance, or without a camera.
+/// The motion in a static world with a moving camera: from the position where the camera `before` saw the point that is
+/// seen now. [`AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without depth that is
+/// a distance.
 pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
     let (depth, camera, kind) = (
         frame.depth.as_ref()?,
@@ -70,12 +71,12 @@ mod tests {
                 cy: 3.0,
             },
         };
-        // Eye 0.1 to the right and 0.2 up, a wall 5 away: 100 * 0.1 / 5 = 2 px to the left, 4 px down.
+        // Eye 0.1 to the right and 0.2 up, wall 5 away: 100 * 0.1 / 5 = 2 px to the left, 4 px down.
         let frame = wall_at(5.0, at(DVec3::new(0.1, 0.2, 0.0)));
         let motion = static_world_motion(&frame, &at(DVec3::ZERO)).unwrap();
         assert!(motion.x.samples().iter().all(|x| (x + 2.0).abs() < 1e-4));
         assert!(motion.y.samples().iter().all(|y| (y + 4.0).abs() < 1e-4));
-        // One that was beyond the wall saw nothing of it.
+        // A camera beyond the wall saw nothing of it.
         let beyond = at(DVec3::new(0.0, 0.0, -6.0));
         let motion = static_world_motion(&frame, &beyond).unwrap();
         assert!(motion.x.samples().iter().all(|x| *x == AWAY));

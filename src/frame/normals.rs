@@ -1,16 +1,16 @@
-//! From stored components to unit normals in view space: encoding, flipped axes, length, turn.
+//! From stored components to unit normals in view space: encoding, flipped axes, length, rotation.
 
 use super::{Camera, Flip, NormalEncoding, NormalSpace, Plane, Vector3Planes};
 use glam::{Mat3, Vec3};
 
-/// Normals shorter than this before they are made unit length have no direction.
+/// Shorter normals, before normalisation, have no direction.
 pub(crate) const MIN_LENGTH: f32 = 0.05;
 
 /// Decodes components and flips axes, in place.
 pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
     if encoding == NormalEncoding::Unsigned {
         for components in stored.components_mut() {
-            // Black is a pixel that was never written, not the direction (-1, -1, -1).
+            // Black marks a pixel that was never written, not the direction (-1, -1, -1).
             let unwritten = components.iter().all(|v| **v == 0.0);
             for v in components.into_iter().filter(|_| !unwritten) {
                 *v = 2.0 * *v - 1.0;
@@ -28,12 +28,12 @@ pub(crate) fn flip_axes(normal: &mut Vector3Planes, flip: Flip) {
         (&mut normal.z, flip.z),
     ];
     for (plane, _) in axes.into_iter().filter(|(_, flipped)| *flipped) {
-        // A subtraction, so that 0 stays 0 and does not become -0.
+        // Subtraction keeps 0 from becoming -0.
         plane.samples_mut().iter_mut().for_each(|v| *v = 0.0 - *v);
     }
 }
 
-/// Makes every covered normal a unit vector and every other one zero. Returns the lengths that the covered ones had.
+/// Normalises every covered normal and zeroes all others. Returns the original lengths of the covered ones.
 pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Plane {
     let mut lengths = Plane::filled(covered.width(), covered.height(), 0.0);
     let pixels = lengths.samples_mut().iter_mut().zip(covered.samples());
@@ -49,7 +49,7 @@ pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Pl
     lengths
 }
 
-/// Turns normals of a space to view space, in place.
+/// Rotates normals from their space to view space, in place.
 pub(crate) fn turn_to_view(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
     if space == NormalSpace::View {
         return;
@@ -89,7 +89,7 @@ mod tests {
         );
         let covered = Plane::from_samples(3, 1, vec![true, false, false]);
         let length = normalise(&mut stored, &covered);
-        // (0, 0.5, 0.8) with y turned round, of length 0.9434.
+        // (0, 0.5, 0.8) with y flipped, of length 0.9434.
         assert!((length.at(0, 0) - 0.943_4).abs() < 1e-4);
         assert!((stored.y.at(0, 0) + 0.53).abs() < 1e-3 && stored.x.at(0, 0).abs() < 1e-6);
         for x in 1..3 {

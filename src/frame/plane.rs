@@ -74,12 +74,12 @@ impl<T: Copy> Plane<T> {
         &self.samples[y * self.width..(y + 1) * self.width]
     }
 
-    /// Row `y`, left to right, to be written.
+    /// Row `y`, left to right, mutable.
     pub fn row_mut(&mut self, y: usize) -> &mut [T] {
         &mut self.samples[y * self.width..(y + 1) * self.width]
     }
 
-    /// The parts of the rows `rows` that lie in the columns `columns`, top to bottom.
+    /// The parts of the rows `rows` inside the columns `columns`, top to bottom.
     pub fn rows_within(
         &self,
         columns: Range<usize>,
@@ -93,7 +93,7 @@ impl<T: Copy> Plane<T> {
         &self.samples
     }
 
-    /// All samples, row after row, to be written.
+    /// All samples, row after row, mutable.
     pub fn samples_mut(&mut self) -> &mut [T] {
         &mut self.samples
     }
@@ -112,7 +112,7 @@ impl<T: Copy> Plane<T> {
         }
     }
 
-    /// Does `work(y, row)` on every row, rows in parallel.
+    /// Calls `work(y, row)` for every row, rows in parallel.
     pub(crate) fn each_row(&mut self, work: impl Fn(usize, &mut [T]) + Sync)
     where
         T: Send,
@@ -136,7 +136,7 @@ impl<T: Copy> Plane<T> {
         }
     }
 
-    /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` where it does not.
+    /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` elsewhere.
     pub fn moved(&self, from: Window, to: Window, outside: T) -> Plane<T> {
         let mut moved = Plane::filled(to.width(), to.height(), outside);
         let Some(both) = from.common(&to) else {
@@ -160,14 +160,14 @@ impl<T: Copy> Plane<T> {
             .expect("a plane is contiguous")
     }
 
-    /// The samples as an array indexed `[row, column]`, to be written.
+    /// The samples as a mutable array indexed `[row, column]`.
     pub fn view_mut(&mut self) -> ArrayViewMut2<'_, T> {
         ArrayViewMut2::from_shape((self.height, self.width), &mut self.samples)
             .expect("a plane is contiguous")
     }
 }
 
-/// Not generic in the work: rayon is compiled once for each type of sample.
+/// Not generic in `work`, so that rayon is compiled once per sample type.
 fn in_parallel<T: Send>(samples: &mut [T], width: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
     let rows = samples.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| work(y, row));
@@ -182,7 +182,7 @@ pub struct Vector2Planes {
     pub y: Plane,
 }
 
-/// A field of 3-vectors, one plane per component. Its space is that of the quantity it holds.
+/// A field of 3-vectors, one plane per component, in the space of the quantity it holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vector3Planes {
     /// First components.
@@ -194,7 +194,7 @@ pub struct Vector3Planes {
 }
 
 impl Vector3Planes {
-    /// The vectors of three planes, or of one whose value is that of all components.
+    /// The vectors of three planes, or of one plane used for all components.
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [x, y, z] = three(planes);
         Self { x, y, z }
@@ -213,7 +213,7 @@ impl Vector3Planes {
         x.zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z))
     }
 
-    /// The components of all vectors, row after row, to be written.
+    /// The components of all vectors, row after row, mutable.
     pub(crate) fn components_mut(&mut self) -> impl Iterator<Item = [&mut f32; 3]> {
         let [x, y, z] =
             [&mut self.x, &mut self.y, &mut self.z].map(|plane| plane.samples_mut().iter_mut());
@@ -261,7 +261,7 @@ impl CurvaturePlanes {
     }
 }
 
-/// Weights of linear red, green and blue in luminance, Rec. 709: where a file names no primaries.
+/// Weights of linear red, green and blue in luminance, Rec. 709: the default without primaries in the file.
 pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Scene-linear colour, one plane per primary, not clamped.
@@ -276,7 +276,7 @@ pub struct ColorPlanes {
 }
 
 impl ColorPlanes {
-    /// The colour of three planes, or of one that is grey.
+    /// The colour of three planes, or of one grey plane.
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [r, g, b] = three(planes);
         Self { r, g, b }
@@ -298,7 +298,7 @@ impl ColorPlanes {
     }
 }
 
-/// Three planes of one or three: a grey picture has three equal ones.
+/// Three planes from one or three: grey is repeated.
 fn three(mut planes: Vec<Plane>) -> [Plane; 3] {
     let third = planes.pop().expect("a layer has planes");
     match (planes.pop(), planes.pop()) {

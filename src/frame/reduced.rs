@@ -1,10 +1,10 @@
-//! Reducing a frame, for a quick preview.
+//! Reduction of a frame for a quick preview.
 
 use super::{Camera, Frame, Mask, Plane, Projection, Window};
 
 impl Frame {
-    /// The frame made of every `step`th pixel of every `step`th row, seen by the same camera. Nothing is filtered: what
-    /// is left keeps its values, and slopes stay slopes.
+    /// The frame made of every `step`th pixel of every `step`th row, seen by the same camera. Nothing is filtered:
+    /// remaining samples keep their values, and slopes are preserved.
     ///
     /// # Panics
     /// If `step` is 0.
@@ -37,7 +37,7 @@ fn of_every<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
 }
 
 impl Projection {
-    /// The projection onto pixels `step` times as large.
+    /// The projection for pixels `step` times as large.
     pub(super) fn of_pixels(self, step: f64) -> Self {
         match self {
             Self::Perspective { fx, fy, cx, cy } => Self::Perspective {

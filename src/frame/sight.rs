@@ -9,16 +9,16 @@ pub struct SightLines {
     projection: Projection,
 }
 
-/// Share of a unit tangent that must be seen across the sight line: less points at the eye.
+/// Minimum share of a unit tangent across the sight line: with less the tangent points at the eye.
 pub(crate) const MIN_SEEN: f64 = 1e-4;
 
 impl SightLines {
-    /// Those of a known projection.
+    /// The sight lines of a projection.
     pub fn new(projection: Projection) -> Self {
         Self { projection }
     }
 
-    /// Those of a frame: parallel ones where it has no camera.
+    /// The sight lines of a frame: parallel if it has no camera.
     pub fn of(frame: &Frame) -> Self {
         match frame.camera {
             Some(camera) => Self::new(camera.projection),
@@ -26,7 +26,7 @@ impl SightLines {
         }
     }
 
-    /// Parallel ones, for a picture without a camera: lengths are in pixel heights, and pixels
+    /// Parallel sight lines, for a picture without a camera: lengths are in pixel heights, and pixels are
     /// `pixel_aspect` wide.
     pub fn parallel(pixel_aspect: f32) -> Self {
         let (sy, cx, cy) = (1.0, 0.0, 0.0);
@@ -34,8 +34,8 @@ impl SightLines {
         Self::new(Projection::Orthographic { sx, sy, cx, cy })
     }
 
-    /// The sight line through picture position (`x`, `y`): where it starts, and its direction with
-    /// z = -1, along which depth counts.
+    /// The sight line through picture position (`x`, `y`): its origin, and its direction scaled to z = -1, along which
+    /// depth is measured.
     #[inline]
     pub fn line(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         match self.projection {
@@ -48,7 +48,7 @@ impl SightLines {
         }
     }
 
-    /// The point of view space at picture position (`x`, `y`) and depth `depth`.
+    /// The view-space point at picture position (`x`, `y`) and depth `depth`.
     #[inline]
     pub fn point(&self, x: f64, y: f64, depth: f64, kind: DepthKind) -> DVec3 {
         let (start, line) = self.line(x, y);
@@ -59,12 +59,12 @@ impl SightLines {
         start + depth * line
     }
 
-    /// From the surface seen at `from` with the normal `here` to that seen at `to` with the normal
-    /// `there`, when only normals are known: in perspective in units of the first one's depth.
+    /// The step from the surface seen at `from` with normal `here` to that seen at `to` with normal `there`, when only
+    /// normals are known; in perspective in units of the first one's depth.
     ///
-    /// The step is taken square to the sum of both normals: `(n + n') . (p' - p) = 0`. Where [LA]'s
-    /// tangent step, square to n alone, is of first order, this is of second, and it is exact on balls and
-    /// cylinders. `None` where the surface is seen from behind.
+    /// The step is perpendicular to the sum of both normals: `(n + n') . (p' - p) = 0`. [LA]'s tangent step,
+    /// perpendicular to n alone, is first order; this is second order, and exact on balls and cylinders. `None` if the
+    /// surface is seen from behind.
     #[inline]
     pub fn step(&self, from: DVec2, here: DVec3, to: DVec2, there: DVec3) -> Option<DVec3> {
         let normal = here + there;
@@ -87,7 +87,7 @@ impl SightLines {
 
     /// The unit tangent of a surface with the normal `normal`, at any point of the sight line through (`x`, `y`), that
     /// appears along `direction` in the picture, x right and y up: the inverse of
-    /// [`picture_direction`](Self::picture_direction). `None` where the surface is seen edge-on.
+    /// [`picture_direction`](Self::picture_direction). `None` if the surface is seen edge-on.
     #[inline]
     pub fn tangent(&self, x: f64, y: f64, direction: DVec2, normal: DVec3) -> Option<DVec3> {
         let (_, line) = self.line(x, y);
@@ -105,7 +105,7 @@ impl SightLines {
         }
     }
 
-    /// Height of a pixel over its width, both with the sign of their axis.
+    /// Height of a pixel over its width, signed by the directions of both axes.
     pub(crate) fn pixel_shape(&self) -> f64 {
         let (sx, sy) = self.pixels_per_unit();
         sy / sx
@@ -128,7 +128,7 @@ impl SightLines {
     #[inline]
     pub fn picture_direction(&self, x: f64, y: f64, tangent: DVec3) -> Option<DVec2> {
         let (_, line) = self.line(x, y);
-        // Moving along the sight line changes nothing: what is left of z is 0.
+        // Moving along the sight line does not change the position: cancel z.
         let across = (tangent + tangent.z * line).truncate();
         let least = MIN_SEEN * MIN_SEEN * line.length_squared();
         let is_seen = across.length_squared() > least;
@@ -205,7 +205,7 @@ mod tests {
             .unwrap();
         assert!(seen.distance(expected) < 1e-6);
         assert_eq!(sight.picture_direction(at.x, at.y, point.normalize()), None);
-        // And back: the tangent square to a normal that is seen so.
+        // And back: the tangent perpendicular to a normal, with this appearance.
         let normal = tangent.any_orthogonal_vector().normalize();
         let back = sight.tangent(at.x, at.y, seen, normal).unwrap();
         assert!(back.distance(tangent.normalize()) < 1e-9);

@@ -1,6 +1,6 @@
-// Sight lines, and how tangents are seen along them.
+// Sight lines, and the projection of tangents along them.
 
-// The direction of the sight line at a place in pixels from the corner of the picture, y down, scaled to z = -1.
+// The direction of the sight line at a position in pixels from the corner of the picture, y down, scaled to z = -1.
 fn line(place: vec2<f32>) -> vec3<f32> {
     let first = vec2<f32>(params.line_x, params.line_y);
     let step = vec2<f32>(params.line_x_step, params.line_y_step);
@@ -14,7 +14,7 @@ fn sight_lines_facing(line: vec3<f32>, normal: vec3<f32>) -> f32 {
 
 // The unit direction in the picture, y up, of a unit tangent; 0 where it points at the eye.
 fn picture_direction(line: vec3<f32>, tangent: vec3<f32>) -> vec2<f32> {
-    // Moving along the sight line changes nothing: what is left of z is 0.
+    // Moving along the sight line does not change the position: cancel z.
     let across = tangent.xy + tangent.z * line.xy;
     if !(dot(across, across) > MIN_SEEN * MIN_SEEN * dot(line, line)) {
         return vec2<f32>(0.0);

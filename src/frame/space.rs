@@ -9,13 +9,13 @@ use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// The space a normal map was written in.
+/// The space a normal map is stored in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NormalSpace {
     /// x right, y up, z toward the viewer.
     View,
-    /// The scene's own axes; a camera is needed to turn them to the view.
+    /// The scene's own axes; transforming to view space needs a camera.
     World,
 }
 
@@ -28,7 +28,7 @@ pub enum DepthKind {
     Planar,
     /// Distance along the sight line, from the eye.
     Ray,
-    /// A value that changes with distance, or distance too coarse for positions: it shows where depth jumps, not where
+    /// A value that varies with distance, or distance too coarse for positions: it shows where depth jumps, not where
     /// the surface is.
     Relative,
 }
@@ -43,7 +43,7 @@ impl std::fmt::Display for DepthKind {
     }
 }
 
-/// How view space projects onto the picture, in pixels of the display window.
+/// Projection of view space onto the picture, in pixels of the display window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "type")]
 pub enum Projection {
@@ -74,23 +74,23 @@ pub enum Projection {
 /// The pose of the viewer and the projection of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// World to view space: a rotation and a translation, no scale; mirrored where the world is left-handed.
+    /// World to view space: a rotation and a translation, without scale; mirrored for left-handed worlds.
     pub view_from_world: DAffine3,
     /// View space to pixels.
     pub projection: Projection,
 }
 
-/// Focal lengths, in pixels. With `PRINCIPAL_PX` slopes of sight lines stay below 1e9 and 1e9 times the size of a
-/// picture: squares of their squares fit single precision.
+/// Focal lengths in pixels. With `PRINCIPAL_PX` they keep slopes of sight lines below 1e9 and 1e9 times the size of a
+/// picture: fourth powers fit single precision.
 pub(crate) const FOCAL_PX: RangeInclusive<f64> = 0.01..=1e9;
-/// Pixels per unit of length of parallel projections: a picture of stars to one of atoms.
+/// Pixels per unit of length of parallel projections: from pictures of stars to pictures of atoms.
 pub(crate) const PIXELS_PER_UNIT: RangeInclusive<f64> = 1e-6..=1e9;
-/// Farthest the view axis is seen from the corner of the display window, in pixels.
+/// Largest distance of the view axis from the corner of the display window, in pixels.
 pub(crate) const PRINCIPAL_PX: f64 = 1e7;
-/// Farthest the eye is from the origin of the world along an axis, in scene units; depths end at 1e9.
+/// Largest distance of the eye from the world's origin along an axis, in scene units; depths end at 1e9.
 pub(crate) const PLACE: f64 = 1e12;
 
-/// A number of a camera outside the range that the stages' single precision holds.
+/// A camera parameter outside the range that stages can handle in single precision.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{}; {}", self.found(), self.remedy())]
 pub struct OutOfRange {
@@ -102,7 +102,7 @@ pub struct OutOfRange {
 }
 
 impl OutOfRange {
-    /// Which number, and what it is.
+    /// The parameter and its value.
     pub fn found(&self) -> String {
         format!("its {} is {}{}", self.name, short(self.value), self.unit)
     }
@@ -133,10 +133,10 @@ fn check(
     }
 }
 
-/// Refuses a place in the world that is too far from its origin.
+/// Refuses a world-space position too far from the origin.
 ///
 /// # Errors
-/// [`OutOfRange`] naming the first coordinate past `PLACE`.
+/// [`OutOfRange`] naming the first coordinate beyond `PLACE`.
 pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
     let coordinates = place.to_array().into_iter();
     let mut checked =
@@ -145,8 +145,8 @@ pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
 }
 
 impl Camera {
-    /// Refuses numbers that the stages' single precision does not hold: those outside `FOCAL_PX`,
-    /// `PIXELS_PER_UNIT`, `PRINCIPAL_PX` and `PLACE`.
+    /// Refuses parameters beyond the stages' single precision: those outside `FOCAL_PX`, `PIXELS_PER_UNIT`,
+    /// `PRINCIPAL_PX` and `PLACE`.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the first one.
@@ -161,7 +161,7 @@ impl Camera {
             }
         };
         for scale in scales {
-            // Recovered cameras may count an axis backward.
+            // Recovered cameras may have an axis of negative scale.
             check(name, scale.abs(), unit, &range)?;
         }
         for offset in [cx - f64::from(display.x0), cy - f64::from(display.y0)] {
@@ -194,11 +194,12 @@ impl Projection {
         }
     }
 
-    /// The direction to the eye from the surface seen at picture position (`x`, `y`), scaled so that
-    /// its z is 1; only its x and y are returned. Zero for an orthographic camera.
+    /// The direction to the eye from the surface seen at picture position (`x`, `y`), scaled to z = 1; only x and y are
+    /// returned. Zero for an orthographic camera.
     pub fn to_eye(&self, x: f64, y: f64) -> DVec2 {
         match *self {
-            // A view ray is (X, Y, -1) with X = (x - cx)/fx and Y = (cy - y)/fy; the eye lies against it.
+            // A view ray is (X, Y, -1) with X = (x - cx)/fx and Y = (cy - y)/fy; the eye lies in the opposite
+            // direction.
             Self::Perspective { fx, fy, cx, cy } => DVec2::new((cx - x) / fx, (y - cy) / fy),
             Self::Orthographic { .. } => DVec2::ZERO,
         }

@@ -1,13 +1,13 @@
-//! The scene that mirrors and lenses show: everything that traced rays can hit beyond the visible surface.
+//! The scene seen in mirrors and lenses: everything that traced rays can hit beyond the visible surface.
 
 use super::{Frame, Mask, Plane, Surroundings, Vector3Planes};
 use std::sync::Arc;
 
-/// The scene around the specular surfaces of a frame, as far as it is known. All but the surroundings is seen by the
-/// frame's own camera.
+/// The scene around the specular surfaces of a frame, as far as it is known. Everything except the surroundings is seen
+/// by the frame's own camera.
 #[derive(Debug, Clone, Default)]
 pub struct SpecularScene {
-    /// The specular pixels of the frame; `None`: all that are covered.
+    /// The specular pixels of the frame; `None` for all covered ones.
     pub mask: Option<Mask>,
     /// Back faces of transparent objects; their normals may point either way.
     pub back: Option<Frame>,
@@ -15,12 +15,12 @@ pub struct SpecularScene {
     pub behind: Option<Frame>,
     /// The surroundings of the specular object.
     pub surroundings: Option<Arc<Surroundings>>,
-    /// Where the bent sight line of each pixel ends, in view space; not finite where it is not known.
+    /// End of the bent sight line of each pixel, in view space; not finite where unknown.
     pub hit_position: Option<Vector3Planes>,
 }
 
 impl SpecularScene {
-    /// The specular pixels of `frame`; `None`: all that are covered.
+    /// The specular pixels of `frame`; `None` for all covered ones.
     pub fn mask_in(&self, frame: &Frame) -> Option<Mask> {
         let own = self.mask.as_ref()?;
         Some(Mask::new(Plane::from_fn(
@@ -39,7 +39,7 @@ impl SpecularScene {
 
 impl SpecularScene {
     /// Fills pixels of `frame` without a surface from [`behind`](SpecularScene::behind), so that both are drawn as one
-    /// picture. A colour with alpha is composited over the one behind; without alpha it is taken to show both already. The
+    /// picture. A colour with alpha is composited over the one behind; without alpha it is assumed to include both. The
     /// filled pixels are not specular.
     pub fn fill_from_behind(&mut self, frame: &mut Frame) {
         let Some(behind) = &self.behind else {
@@ -69,7 +69,7 @@ impl SpecularScene {
     }
 }
 
-/// The pixel of `behind` that shows what the pixel at (`x`, `y`) of `frame` shows.
+/// The pixel of `behind` at the position of pixel (`x`, `y`) of `frame`.
 fn pixel_of(behind: &Frame, frame: &Frame, x: usize, y: usize) -> Option<[usize; 2]> {
     let (own, other) = (frame.data_window, behind.data_window);
     let at = [own.x0 - other.x0 + x as i32, own.y0 - other.y0 + y as i32];
@@ -94,7 +94,7 @@ fn copy_shape(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [
     }
 }
 
-/// Colour over that of what lies behind.
+/// Composites colour over that of the scene behind.
 fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [usize; 2]) {
     let (Some(color), Some(alpha), Some(other)) =
         (&mut frame.color, &mut frame.alpha, &behind.color)

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-/// A step to one side this many times longer than that to the other leads to another surface.
+/// A step to one side this many times longer than the step to the other side leads to another surface.
 pub(crate) const SURFACE_JUMP: f64 = 3.0;
 
-/// How a point of a surface changes from pixel to pixel, from its neighbours' on both sides: half the way between
-/// them where the surface goes on to both, else the step to the one it goes on to. `None` without neighbours.
+/// How a point of a surface changes per pixel, from its neighbours on both sides: half the difference between them if
+/// the surface continues on both, else the step to the side where it continues. `None` without neighbours.
 #[inline]
 pub(crate) fn step_between(
     before: Option<DVec3>,

@@ -4,19 +4,19 @@ use super::{ColorPlanes, Vector3Planes};
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The surroundings of a point in every direction: an equirectangular map, its middle straight ahead (-z of
-/// the map's own space, y up) and its left and right edges behind.
+/// The surroundings of a point in every direction: an equirectangular map with its centre straight ahead (-z of the
+/// map's own space, y up) and its left and right edges behind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surroundings {
-    /// Where it was seen from, in world space.
+    /// The viewpoint, in world space.
     pub center: DVec3,
-    /// World space to the map's own.
+    /// Rotation from world space to the map's own space.
     pub map_from_world: DMat3,
-    /// Points of the surfaces in world space, from the centre; 0 where nothing is.
+    /// Points of the surfaces in world space, relative to the centre; 0 where there are none.
     pub points: Vector3Planes,
-    /// Unit normals in world space; 0 where nothing is.
+    /// Unit normals in world space; 0 where there are none.
     pub normal: Vector3Planes,
-    /// Largest rounding error of a component of the normals as they were stored.
+    /// Largest rounding error of a component of the normals as stored.
     pub normal_rounding: f32,
     /// The picture, scene-linear.
     pub color: Option<ColorPlanes>,
@@ -33,7 +33,7 @@ impl Surroundings {
         self.points.x.height()
     }
 
-    /// The position on the map, in pixels from its upper left corner, of a direction in world space of any length but 0.
+    /// The position on the map, in pixels from its upper left corner, of a non-zero world-space direction.
     #[inline]
     pub fn position(&self, world: DVec3) -> DVec2 {
         let to = self.map_from_world * world;
@@ -42,7 +42,7 @@ impl Surroundings {
         DVec2::new(across * self.width() as f64, down * self.height() as f64)
     }
 
-    /// The point of a pixel, from the centre; 0 where nothing is.
+    /// The point of a pixel, relative to the centre; 0 if there is none.
     #[inline]
     pub fn point_at(&self, x: usize, y: usize) -> DVec3 {
         self.points.at(x, y)
@@ -55,7 +55,7 @@ impl Surroundings {
     }
 }
 
-/// The unit direction, in the map's own space, of the middle of a pixel of an equirectangular map.
+/// The unit direction, in the map's own space, of a pixel centre of an equirectangular map.
 pub fn map_direction(x: usize, y: usize, width: usize, height: usize) -> DVec3 {
     let azimuth = ((x as f64 + 0.5) / width as f64 - 0.5) * TAU;
     let elevation = (0.5 - (y as f64 + 0.5) / height as f64) * PI;

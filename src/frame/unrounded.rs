@@ -1,36 +1,36 @@
-//! Normals of 8 bits without their quantisation steps.
+//! Removes quantisation steps from 8-bit normals.
 //!
-//! A gentle slope that is stored in codes is a stair: its treads are flat, and each riser is a ridge of curvature. What
-//! was stored lies within half a step of each code, and the smoothest such slope is chosen: smoothed over wide
+//! A gentle slope stored in codes is a staircase: its treads are flat, and each riser is a ridge of curvature. The
+//! original lies within half a step of each code, and the smoothest such slope is chosen: smoothed over wide
 //! neighbourhoods first and narrow ones last, never farther than half a step from the codes. A neighbourhood is left
-//! alone where its codes rise and fall by more than [`MOST_STEPS`]: there the rounding is noise already, which diffusion
-//! averages out, and texture is not a stair.
+//! unchanged where its codes rise and fall by more than [`MOST_STEPS`]: there rounding is noise, which diffusion
+//! averages out, and texture is no staircase.
 
 use super::{Plane, Vector3Planes};
 
-/// Halvings of the widest neighbourhoods, whose standard deviation is 13 pixels.
+/// Number of halvings for the widest neighbourhoods, whose standard deviation is 13 pixels.
 const LEVELS: usize = 4;
 
-/// How often each width is gone through. Errors of the curvature of gentle domes fall by half with the second time.
+/// Number of passes per width. The second pass halves curvature errors of gentle domes.
 const PASSES: usize = 2;
 
-/// Steps between codes, added up along a standard deviation of a neighbourhood, up to which it is smoothed in full, and
-/// twice of which not at all.
+/// Code steps, summed along one standard deviation of a neighbourhood, up to which it is smoothed in full; at twice as
+/// many it is not smoothed.
 const MOST_STEPS: f32 = 1.0;
 
-/// How many rows away a code may be on which another depends: each pass at level l takes in 5 2^l - 4 to halve, to
-/// smooth and to double.
+/// Number of rows within which a code can affect another: each pass at level l reads 5 2^l - 4 rows for halving,
+/// smoothing and doubling.
 pub(crate) const UNROUNDING_REACH: usize = PASSES * (5 * ((2 << LEVELS) - 2) - 4 * LEVELS) + 1;
 
-/// Halvings begin at multiples of this: rows read separately give the same where the first of them is one.
+/// Halvings start at multiples of this: rows read separately give the same result if the first one is a multiple.
 pub(crate) const UNROUNDING_PHASE: usize = 1 << LEVELS;
 
-/// Bytes that a pixel takes while it is gone through: three components, and of one of them the codes, the steps, and what
-/// a wide neighbourhood has.
+/// Working memory per pixel, in bytes: three components, and for one of them the codes, the steps and the wide
+/// neighbourhoods.
 pub(crate) const UNROUNDING_BYTES: usize = 7 * size_of::<f32>();
 
-/// Moves the components of vectors, stored in codes, to the smoothest field that is nowhere farther than `half_step`
-/// from them. Vectors of which all components are 0 were never written, and stay.
+/// Moves the components of quantised vectors to the smoothest field within `half_step` of them. Vectors with all
+/// components 0 were never written, and stay.
 pub(crate) fn unround(stored: &mut Vector3Planes, half_step: f32) {
     let unwritten: Vec<usize> = stored
         .vectors()
@@ -55,7 +55,7 @@ fn unround_plane(field: &mut Plane, half_step: f32) {
         steps.clone()
     });
     for level in (1..=LEVELS).rev() {
-        // What halving and doubling smooth by: 4^k for each k below the level, both ways.
+        // The variance is 4^k for each k below the level, in halving and again in doubling.
         let deviation = (2.0 * (4.0_f32.powi(level as i32) - 1.0) / 3.0).sqrt();
         let share = smoothed(&steps[level - 1])
             .map(|steps| (2.0 - deviation * steps / MOST_STEPS).clamp(0.0, 1.0));
@@ -74,8 +74,8 @@ fn unround_plane(field: &mut Plane, half_step: f32) {
     }
 }
 
-/// Moves a field by a share of its way to what wide neighbourhoods have, both given at every second sample of every
-/// second row, and kept within half a step of the codes.
+/// Moves a field by a share of the way toward the wide neighbourhoods' values, both given at every second sample of
+/// every second row, and limits it to half a step from the codes.
 fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32) {
     field.each_row(|y, row| {
         let [mut wide, mut share] = [vec![0.0; row.len()], vec![0.0; row.len()]];
@@ -83,14 +83,14 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
         double_row(halves[1], y, &mut share);
         let wide = wide.iter().zip(&share).zip(codes.row(y));
         for (sample, ((wide, share), code)) in row.iter_mut().zip(wide) {
-            // Not `clamp`, which has to look for bounds that are in disorder.
+            // Not `clamp`, which has to check the order of its bounds.
             let within = wide.min(code + half_step).max(code - half_step);
             *sample += share * (within - *sample);
         }
     });
 }
 
-/// How much a field changes from each pixel to the next ones, times `scale`.
+/// Sum of a field's changes from each pixel to the next ones, times `scale`.
 fn steps_of(field: &Plane, scale: f32) -> Plane {
     let mut steps = Plane::filled(field.width(), field.height(), 0.0);
     steps.each_row(|y, steps| {
@@ -106,7 +106,7 @@ fn steps_of(field: &Plane, scale: f32) -> Plane {
     steps
 }
 
-/// Twice a mean less its own mean: what the mean takes off a bend is given back.
+/// Twice a mean minus its own mean: restores the amount that the mean takes off a bend.
 fn without_bias(mean: &Plane) -> Plane {
     let mut twice = smoothed(mean);
     twice.each_row(|y, row| {
@@ -129,7 +129,7 @@ fn smoothed(plane: &Plane) -> Plane {
     smooth
 }
 
-/// Every second sample of every second row, smoothed by binomials of five first.
+/// Every second sample of every second row, after binomial smoothing over five.
 fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
     let mut half = Plane::filled(size[0], size[1], 0.0);
@@ -144,7 +144,7 @@ fn halved(plane: &Plane) -> Plane {
     half
 }
 
-/// A plane that was halved so many times as the first halving of the `whole` has it, doubled by the same binomials.
+/// A plane after this many halvings, upsampled by the same binomials to the first halving of the `whole`.
 fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
     (1..halvings).rev().fold(plane, |half, finer| {
         let size = [whole.width(), whole.height()].map(|length| length.div_ceil(1 << finer));
@@ -154,7 +154,7 @@ fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
     })
 }
 
-/// Row `y` of a plane of twice the size.
+/// Row `y` of the plane at twice the size.
 fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
     let column = match y % 2 {
         0 => weighted(half, y / 2, &[1.0, 6.0, 1.0].map(|w| w / 8.0)),
@@ -172,8 +172,8 @@ fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
     }
 }
 
-/// The weighted sum of the rows around row `y`, with as many samples more on each side as rows, and one; what lies beyond
-/// the plane is as its edge.
+/// The weighted sum of the rows around row `y`, padded by `N / 2` samples on the left and one more on the right; beyond
+/// the plane its edge is repeated.
 fn weighted<const N: usize>(plane: &Plane, y: usize, weights: &[f32; N]) -> Vec<f32> {
     let (width, reach) = (plane.width(), N / 2);
     let mut sum = vec![0.0; width + 2 * reach + 1];
@@ -202,7 +202,7 @@ mod tests {
         Vector3Planes { x, y, z }
     }
 
-    /// A ball of which a flat part is seen: its curvature is -2 / radius everywhere.
+    /// A flat section of a ball: its curvature is -2 / radius everywhere.
     fn dome(size: usize, radius: f64) -> Vector3Planes {
         Vector3Planes::from_fn(size, size, |x, y| {
             let [x, y] = [x, y].map(|i| (i as f64 + 0.5 - size as f64 / 2.0) / radius);
@@ -210,7 +210,7 @@ mod tests {
         })
     }
 
-    /// Root mean square of the error of the divergence of slopes over 9 pixels, away from the border.
+    /// Root mean square error of the divergence of slopes over 9 pixels, away from the border.
     fn curvature_error(found: &Vector3Planes, exact: &Vector3Planes) -> f64 {
         let slope = |n: DVec3| [-n.x / n.z, n.y / n.z];
         let divergence = |n: &Vector3Planes, x: usize, y: usize| {
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn a_dome_in_codes_keeps_a_fifth_of_the_error_of_its_curvature() {
-        // Treads of 8, 16, 24 and 31 pixels: a step of 2/255 is as far on the ball as radius * 2/255.
+        // Treads of 8, 16, 24 and 31 pixels: a step of 2/255 covers radius * 2/255 on the ball.
         for radius in [1000.0, 2000.0, 3000.0, 4000.0] {
             let exact = dome(320, radius);
             let codes = in_codes(&exact);
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn texture_stays_and_so_do_flat_pixels_and_those_never_written() {
-        // Bumps of 6 pixels that rise and fall by 20 codes.
+        // Bumps of 6 pixels that span 20 codes.
         let bumpy = Vector3Planes::from_fn(96, 80, |x, y| {
             let [x, y] = [x, y].map(|i| 0.08 * (i as f64 * std::f64::consts::TAU / 6.0).sin());
             DVec3::new(x, y, (1.0 - x * x - y * y).sqrt())

@@ -35,12 +35,12 @@ impl Window {
         }
     }
 
-    /// Number of columns; 0 where the corners are crossed.
+    /// Number of columns; 0 if the corners are crossed.
     pub fn width(&self) -> usize {
         (i64::from(self.x1) - i64::from(self.x0)).max(0) as usize
     }
 
-    /// Number of rows; 0 where the corners are crossed.
+    /// Number of rows; 0 if the corners are crossed.
     pub fn height(&self) -> usize {
         (i64::from(self.y1) - i64::from(self.y0)).max(0) as usize
     }
@@ -63,7 +63,7 @@ impl Window {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
-    /// The pixels that lie in both, if there are any.
+    /// The intersection, if there is one.
     pub fn common(&self, other: &Window) -> Option<Window> {
         let both = Window {
             x0: self.x0.max(other.x0),

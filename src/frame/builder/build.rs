@@ -1,4 +1,4 @@
-//! Decodes, turns and sanitises the samples that a builder was given.
+//! Decodes, transforms and sanitises the samples given to a builder.
 
 use super::FrameBuilder;
 use super::light::{colors, colors_of, finite};
@@ -13,20 +13,20 @@ use crate::frame::{
 use glam::DMat3;
 use std::ops::RangeInclusive;
 
-/// Width of a pixel over its height.
+/// Range of the pixel aspect ratio, width over height.
 pub(crate) const PIXEL_ASPECTS: RangeInclusive<f32> = 0.001..=1000.0;
 
-/// Largest difference of a camera's axes from unit length and right angles.
+/// Largest deviation of a camera's axes from unit length and right angles.
 const AXES_ERROR: f64 = 1e-4;
 
 impl FrameBuilder<'_> {
-    /// Copies the samples into a frame: normals decoded, of unit length and in view space, depth a distance that grows
+    /// Copies the samples into a frame: normals decoded, normalised and in view space, depth a distance that increases
     /// away from the viewer, both 0 where no surface was seen; colour without NaN or infinities.
     ///
     /// # Errors
-    /// [`Error::BadParameter`](crate::Error::BadParameter), with the name of the argument, for samples that do not fit
-    /// the size or have other channels than their layer takes, and for numbers outside their range; also without
-    /// normals, without the camera that positions take, and with two cameras that differ.
+    /// [`Error::BadParameter`](crate::Error::BadParameter), with the name of the argument, for samples that do not
+    /// match the size or have the wrong number of channels, and for numbers outside their range; also without normals,
+    /// for positions without a camera, and for two cameras that differ.
     pub fn build(self) -> Result<Frame> {
         let (data_window, display_window) = self.windows()?;
         let camera = self.known_camera(display_window)?;
@@ -37,7 +37,7 @@ impl FrameBuilder<'_> {
         let [x, y, z] = self.vector("normals", &stored.samples, &[3, 4])?;
         let mut normal = Vector3Planes { x, y, z };
         if stored.samples.is_coarse() {
-            // As stored they go from 0 to 1.
+            // As stored they range from 0 to 1.
             unround(&mut normal, 0.5 * stored.samples.rounding);
         }
         normals::decode(&mut normal, stored.encoding, stored.flip);
@@ -112,7 +112,7 @@ impl FrameBuilder<'_> {
         Ok((data, display))
     }
 
-    /// The camera, of whichever argument it came with.
+    /// The camera, from either argument that can give it.
     fn known_camera(&self, display: Window) -> Result<Option<Camera>> {
         let with_normals = self.normals.as_ref().and_then(|normals| normals.camera);
         if let (Some(own), Some(other)) = (self.camera, with_normals)
@@ -150,7 +150,7 @@ impl FrameBuilder<'_> {
         Ok((Some(colors_of(planes)), alpha))
     }
 
-    /// Depth as it was stored, and what it will measure.
+    /// Depth as stored, and its kind after decoding.
     fn stored_depth(&self) -> Result<(Option<Plane>, DepthKind)> {
         let Some((samples, stored)) = &self.depth else {
             return Ok((None, DepthKind::default()));
@@ -160,7 +160,7 @@ impl FrameBuilder<'_> {
         Ok((Some(plane), kind))
     }
 
-    /// Depth of positions; `mask` loses the pixels that have none.
+    /// Depth from positions; pixels without a position are removed from `mask`.
     fn depth_of(
         &self,
         position: &Samples,

@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Largest difference of a direction's length from 1.
 const LENGTH_ERROR: f32 = 1e-3;
 
-/// The light of a picture, as far as it was given.
+/// The given light layers of a picture.
 #[derive(Default)]
 pub(super) struct Light<'a> {
     pub(super) lobes: Vec<(Lobe, LobeLayer, Samples<'a>)>,
@@ -56,7 +56,7 @@ pub(super) fn colors(name: Name, samples: &Samples, size: Size) -> Result<ColorP
     Ok(colors_of(samples.planes(name, size, &[1, 3])?))
 }
 
-/// The colour of three planes, or of one that is grey, without NaN and infinities.
+/// The colour of three planes, or of one grey plane, without NaN and infinities.
 pub(super) fn colors_of(planes: Vec<Plane>) -> ColorPlanes {
     ColorPlanes::of(planes.into_iter().map(finite).collect())
 }

@@ -14,10 +14,10 @@ use glam::Vec3;
 use light::Light;
 use samples::Size;
 
-/// Normals in memory, and how they are stored: signed in -1..1 unless set otherwise, no axis flipped.
+/// Normals in memory, and their encoding: signed in -1..1 by default, no axis flipped.
 ///
-/// Of 3 channels x, y, z, or of 4, the last one ignored. They need not have unit length: below 1 they count as mixed
-/// by a filter. Zero, NaN and infinite ones show no surface.
+/// Three channels x, y, z; a fourth is ignored. They need not have unit length: shorter normals count as mixed by a
+/// filter. Zero, NaN and infinite ones mark pixels without surface.
 pub struct Normals<'a> {
     samples: Samples<'a>,
     space: NormalSpace,
@@ -38,7 +38,7 @@ impl<'a> Normals<'a> {
         }
     }
 
-    /// Normals in the space of the scene, which `camera` turns to view space. It becomes the frame's camera.
+    /// Normals in world space, which `camera` transforms to view space. It becomes the frame's camera.
     pub fn world(samples: impl Into<Samples<'a>>, camera: &Camera) -> Self {
         Self {
             space: NormalSpace::World,
@@ -47,7 +47,7 @@ impl<'a> Normals<'a> {
         }
     }
 
-    /// Stored as `(n + 1) / 2`, 0..1, as normal maps of integers are; black is no normal.
+    /// Stored as `(n + 1) / 2`, 0..1, as in integer normal maps; black is no normal.
     pub fn unsigned(self) -> Self {
         Self {
             encoding: NormalEncoding::Unsigned,
@@ -55,13 +55,13 @@ impl<'a> Normals<'a> {
         }
     }
 
-    /// Stored axes that are reversed: y of DirectX normal maps, z that points away from the viewer.
+    /// Reversed axes: y in DirectX normal maps, z if it points away from the viewer.
     pub fn flipped(self, flip: Flip) -> Self {
         Self { flip, ..self }
     }
 }
 
-/// Makes a [`Frame`] of borrowed samples: see [`Frame::builder`].
+/// Makes a [`Frame`] from borrowed samples: see [`Frame::builder`].
 #[must_use = "nothing is made before build()"]
 pub struct FrameBuilder<'a> {
     size: Size,
@@ -83,9 +83,9 @@ pub struct FrameBuilder<'a> {
 }
 
 impl Frame {
-    /// Starts a frame of `width` x `height` pixels from samples in memory. They are borrowed, of any layout that
-    /// [`Samples`] takes, and copied once by [`build`](FrameBuilder::build), which decodes, turns and sanitises them as
-    /// [`io::load`](crate::io::load) does those of files. Normals are required.
+    /// Starts a frame of `width` x `height` pixels from samples in memory. They are borrowed, in any layout that
+    /// [`Samples`] supports, and copied once by [`build`](FrameBuilder::build), which decodes, transforms and sanitises
+    /// them as [`io::load`](crate::io::load) does for files. Normals are required.
     ///
     /// ```
     /// use relievo::frame::{Frame, Normals, StoredDepth};
@@ -126,7 +126,7 @@ impl Frame {
 }
 
 impl<'a> FrameBuilder<'a> {
-    /// Normals. Without depth, mask and alpha the surface is where they have a direction.
+    /// Normals. Without depth, mask and alpha the surface is wherever they have a direction.
     pub fn normals(self, normals: Normals<'a>) -> Self {
         Self {
             normals: Some(normals),
@@ -134,9 +134,9 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Depth of any kind, 1 channel, in scene units where it is a distance. Outside the surface it is 0, negative,
-    /// 65504, 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::NormalizedNearIsOne`] do not mark it, so that
-    /// the mask or alpha has to. An inverse of half floats is too coarse for distances and taken as relative.
+    /// Depth of any kind, 1 channel, in scene units if it is a distance. Pixels without surface are 0, negative, 65504,
+    /// 1e9 or more, or not finite; [`StoredDepth::WhiteFar`] and [`StoredDepth::NormalizedNearIsOne`] do not mark them,
+    /// so the mask or alpha must. An inverse in half floats is too coarse for distances and counts as relative.
     pub fn depth(self, samples: impl Into<Samples<'a>>, stored: StoredDepth) -> Self {
         Self {
             depth: Some((samples.into(), stored)),
@@ -144,8 +144,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Positions in world space, 3 channels, in scene units: they give the depth where there is no other, and take a
-    /// camera. Of half floats it is relative, of floats along the view axis.
+    /// Positions in world space, 3 channels, in scene units: they give the depth if there is no other, and need a
+    /// camera. Depth from half floats is relative, from floats along the view axis.
     pub fn position(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             position: Some(samples.into()),
@@ -153,7 +153,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Coverage of the surface: covered above 0.5. 1 channel.
+    /// Coverage of the surface, 1 channel: covered above 0.5.
     pub fn mask(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             mask: Some(samples.into()),
@@ -161,7 +161,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// The picture, scene-linear: 1 channel (grey), 3, or 4 with coverage 0..1 by which the colour has been multiplied.
+    /// The picture, scene-linear: 1 channel (grey), 3, or 4 with coverage 0..1 by which the colour is premultiplied.
     /// NaN becomes 0, infinity 65504. Integers are refused.
     pub fn color(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
@@ -170,8 +170,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Coverage of the picture, 0..1, 1 channel; it overrides a fourth channel of the colour. Without a mask, and without
-    /// depth that shows coverage, the surface is where alpha is above 0.5.
+    /// Coverage of the picture, 0..1, 1 channel; it overrides a fourth channel of the colour. Without a mask, and
+    /// without depth that marks coverage, the surface is where alpha is above 0.5.
     pub fn alpha(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             alpha: Some(samples.into()),
@@ -187,8 +187,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: shows silhouettes where there is no depth. Without it, alpha
-    /// that varies is used instead.
+    /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: gives silhouettes without depth. Without it, varying alpha
+    /// is used instead.
     pub fn occlusion(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             occlusion: Some(samples.into()),
@@ -196,7 +196,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Importance: the share of the diffusion that each pixel gets, 0 (all detail stays) to 1, 1 channel.
+    /// Importance: the share of the diffusion that each pixel gets, 0 (keeps all detail) to 1, 1 channel.
     pub fn importance(self, samples: impl Into<Samples<'a>>) -> Self {
         Self {
             importance: Some(samples.into()),
@@ -204,8 +204,8 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// A layer of one lobe of the picture's light, scene-linear, 1 or 3 channels. The lobe's radiance is
-    /// `(direct + indirect) * color`; of the same layer given twice, the last counts.
+    /// A layer of one lobe of the picture's light, scene-linear, 1 or 3 channels. The lobe's radiance is `(direct +
+    /// indirect) * color`; if a layer is given twice, the last counts.
     pub fn lobe(mut self, lobe: Lobe, layer: LobeLayer, samples: impl Into<Samples<'a>>) -> Self {
         self.light.lobes.push((lobe, layer, samples.into()));
         self
@@ -226,19 +226,19 @@ impl<'a> FrameBuilder<'a> {
         self
     }
 
-    /// Ambient occlusion to be scaled by curvature as a part of the light, 1 where the surface is open, 1 channel.
+    /// Ambient occlusion to scale by curvature as part of the light, 1 where the surface is open, 1 channel.
     pub fn light_occlusion(mut self, samples: impl Into<Samples<'a>>) -> Self {
         self.light.occlusion = Some(samples.into());
         self
     }
 
-    /// The picture is itself ambient occlusion, and is scaled as such.
+    /// Marks the picture as ambient occlusion, to be scaled as such.
     pub fn picture_is_occlusion(mut self) -> Self {
         self.light.picture_is_occlusion = true;
         self
     }
 
-    /// The camera, in pixels of the picture's coordinates. [`Normals::world`] gives it too; two have to be equal.
+    /// The camera, in pixels of the picture's coordinates. [`Normals::world`] gives it too; two must be equal.
     pub fn camera(self, camera: &Camera) -> Self {
         Self {
             camera: Some(*camera),
@@ -246,7 +246,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Column and row of the first sample in the picture's coordinates, (0, 0) if not given: negative for overscan.
+    /// Column and row of the first sample in the picture's coordinates, (0, 0) by default; negative for overscan.
     pub fn origin(self, x: i32, y: i32) -> Self {
         Self {
             origin: [x, y],
@@ -254,7 +254,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// The pixels meant to be shown; those of the samples if not given.
+    /// The pixels meant to be shown; by default those of the samples.
     pub fn display_window(self, window: Window) -> Self {
         Self {
             display_window: Some(window),
@@ -262,7 +262,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Width of a pixel over its height, 0.001 to 1000; 1 if not given.
+    /// Width of a pixel over its height, 0.001 to 1000; 1 by default.
     pub fn pixel_aspect(self, aspect: f32) -> Self {
         Self {
             pixel_aspect: aspect,
@@ -270,8 +270,7 @@ impl<'a> FrameBuilder<'a> {
         }
     }
 
-    /// Weights of linear red, green and blue in luminance, of which none is negative and the sum is 1; those of Rec. 709
-    /// if not given.
+    /// Weights of linear red, green and blue in luminance, non-negative with sum 1; those of Rec. 709 by default.
     pub fn luminance_weights(self, weights: [f32; 3]) -> Self {
         Self {
             luminance_weights: Some(weights),

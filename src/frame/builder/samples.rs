@@ -1,4 +1,4 @@
-//! Borrowed samples of any layout and number type.
+//! Borrowed samples in any layout and number type.
 
 use crate::error::{Error, Result};
 use crate::frame::{Mask, Plane};
@@ -6,7 +6,7 @@ use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
 
 /// A type that samples are stored in: `f32`, `f16`, `u8`, `u16` or `bool`.
 ///
-/// Integers are read as 0 to 1, the largest one being 1; `true` is 1.
+/// Integers map to 0..1, with the largest one as 1; `true` is 1.
 pub trait Sample: Copy + stored::Stored {}
 
 impl<T: stored::Stored> Sample for T {}
@@ -14,12 +14,12 @@ impl<T: stored::Stored> Sample for T {}
 mod stored {
     use half::f16;
 
-    /// Keeps [`super::Sample`] closed, and converts.
+    /// Seals [`super::Sample`], and converts values.
     #[allow(unnameable_types, reason = "it seals `Sample`")]
     pub trait Stored: Copy {
-        /// Largest rounding error of a quantity from -1 to 1 stored in this type.
+        /// Largest rounding error of a value in -1..1 stored in this type.
         const ROUNDING: f32;
-        /// Whether 0 to 1 is all that it holds.
+        /// Whether it stores 0..1 only.
         const IS_INTEGER: bool;
         fn value(self) -> f32;
     }
@@ -66,37 +66,37 @@ mod stored {
     }
 }
 
-/// Where samples lie in a slice, counted in samples: that of channel `c` at column `x` of row `y` is number
-/// `first + y * row + x * column + c * channel`. Steps may be negative: rows that run up have `first` at the start of
-/// the last row and a negative `row`.
+/// Positions of samples in a slice, in samples: channel `c` at column `x` of row `y` is at index `first + y * row + x *
+/// column + c * channel`. Steps may be negative: for bottom-up rows `first` is the start of the last row and `row` is
+/// negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Strides {
     /// The first channel of the first pixel of the top row.
     pub first: usize,
-    /// From a row to the one below.
+    /// Step from a row to the one below.
     pub row: isize,
-    /// From a pixel to the one on its right.
+    /// Step from a pixel to the one on its right.
     pub column: isize,
-    /// From a channel to the next of the same pixel.
+    /// Step from a channel to the next of the same pixel.
     pub channel: isize,
     /// Number of channels, at least 1.
     pub channels: usize,
 }
 
-/// Borrowed samples of one layer, with one or more channels to a pixel.
+/// Borrowed samples of one layer, with one or more channels per pixel.
 ///
-/// Made of
-/// - a slice without gaps, row after row from the top, channels of a pixel side by side: `(&rgb[..]).into()`;
+/// Made from
+/// - a contiguous slice, row-major from the top, channels interleaved: `(&rgb[..]).into()`;
 /// - an array of such slices, one for each channel: `[&x[..], &y, &z].into()`;
-/// - an `ndarray` view, `[row, column]` or `[row, column, channel]`, with whatever strides it has; planes stacked as
-///   `[channel, row, column]` come in by `permuted_axes([1, 2, 0])`;
+/// - an `ndarray` view, `[row, column]` or `[row, column, channel]`, with any strides; for planes stacked as `[channel,
+///   row, column]` use `permuted_axes([1, 2, 0])`;
 /// - a [`Plane`] or a [`Mask`], or an array of planes;
-/// - a slice of any other layout by [`Samples::strided`]: padded rows, rows that run up, channels to be skipped.
+/// - a slice of any other layout by [`Samples::strided`]: padded rows, bottom-up rows, channels to skip.
 ///
-/// Whether they fit the frame is checked by [`FrameBuilder::build`](super::FrameBuilder::build).
+/// [`FrameBuilder::build`](super::FrameBuilder::build) checks that they match the frame.
 pub struct Samples<'a> {
     channels: Box<dyn Channels + 'a>,
-    /// Largest rounding error of a quantity from -1 to 1.
+    /// Largest rounding error of a value in -1..1.
     pub(super) rounding: f32,
     is_integer: bool,
 }
@@ -115,8 +115,8 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// One plane for each channel of the layer that messages call `name`; `accepted` are the numbers of channels that
-    /// it may have.
+    /// One plane per channel of the layer that messages call `name`; `accepted` lists the permitted numbers of
+    /// channels.
     pub(super) fn planes(&self, name: Name, size: Size, accepted: &[usize]) -> Result<Vec<Plane>> {
         let channels = self.channels.count(name, size, accepted)?;
         let planes = (0..channels).map(|channel| self.channels.plane(size, channels, channel));
@@ -128,17 +128,17 @@ impl<'a> Samples<'a> {
         Ok(self.planes(name, size, &[1])?.remove(0))
     }
 
-    /// Whether all are half floats.
+    /// Whether all samples are half floats.
     pub(super) fn is_half(&self) -> bool {
         !self.is_integer && self.rounding > 0.0
     }
 
-    /// Whether they are integers of 8 bits.
+    /// Whether all samples are 8-bit integers.
     pub(super) fn is_coarse(&self) -> bool {
         self.is_integer && self.rounding == <u8 as stored::Stored>::ROUNDING
     }
 
-    /// Refuses integers where linear light is wanted.
+    /// Refuses integers for linear light.
     pub(super) fn refuse_integers(&self, name: Name) -> Result<()> {
         if !self.is_integer {
             return Ok(());
@@ -151,7 +151,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// The argument that a message is about.
+/// The argument named in messages.
 pub(super) type Name = &'static str;
 
 /// Columns and rows.
@@ -165,21 +165,21 @@ pub(super) fn bad(name: Name, found: String, remedy: &str) -> Error {
     }
 }
 
-/// Samples whose type is no longer of interest.
+/// Samples with their type erased.
 trait Channels {
-    /// The number of channels, if all samples of a frame of this size are there.
+    /// The number of channels, if the samples cover a frame of this size.
     fn count(&self, name: Name, size: Size, accepted: &[usize]) -> Result<usize>;
     /// A channel of `channels`, as a plane.
     fn plane(&self, size: Size, channels: usize, channel: usize) -> Plane;
 }
 
 enum Layout<'a, T> {
-    /// Channels side by side, no gaps.
+    /// Interleaved channels, contiguous.
     Packed(&'a [T]),
-    /// A slice without gaps for each channel.
+    /// A contiguous slice per channel.
     Planes(Vec<&'a [T]>),
     Strided(&'a [T], Strides),
-    /// `[row, column]`, one for each channel.
+    /// `[row, column]`, one per channel.
     Views(Vec<ArrayView2<'a, T>>),
 }
 
@@ -273,7 +273,7 @@ impl<T: Sample> Channels for Layout<'_, T> {
 }
 
 impl Strides {
-    /// No gaps.
+    /// The contiguous layout.
     fn packed(width: usize, channels: usize) -> Self {
         Self {
             first: 0,
@@ -284,9 +284,9 @@ impl Strides {
         }
     }
 
-    /// Whether all samples of a frame lie in a slice of `length`.
+    /// Whether all samples of a frame lie within a slice of `length`.
     fn fit(&self, [width, height]: Size, length: usize) -> bool {
-        // The farthest samples lie in corners.
+        // The farthest samples are at corners.
         let steps = [
             (height, self.row),
             (width, self.column),
