@@ -10,11 +10,10 @@ use super::numbers::{milliseconds, rounded, scientific};
 use super::sweeps::solver::{ScaleSweep, SolverRow};
 use crate::params::{Method, Solver};
 
-/// Errors that settings are sought for, relative to the largest |g|.
+/// Error budgets to recommend settings for, relative to the largest |g|.
 pub(crate) const BUDGETS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// The cheapest row of `sweep` that can be asked for by flags and whose largest error of the gradient
-/// is within `budget`.
+/// The cheapest row of `sweep` that flags can select and whose largest gradient error is within `budget`.
 pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&SolverRow> {
     let good = sweep
         .rows
@@ -23,7 +22,7 @@ pub(crate) fn cheapest(sweep: &ScaleSweep, budget: f64) -> Option<&SolverRow> {
     good.min_by(|a, b| a.diffusion.min.total_cmp(&b.diffusion.min))
 }
 
-/// Cost and error of the settings asked for, and of a cheaper one that is enough: one sentence.
+/// One sentence on the cost and error of the given settings, and on a cheaper one that suffices.
 pub(crate) fn sentence(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
     let Some(asked) = sweep.rows.iter().find(|row| row.asked_for) else {
@@ -43,7 +42,7 @@ pub(crate) fn sentence(report: &Report) -> String {
         scientific(asked.gradient.max),
         rounded(asked.grey_levels),
     );
-    // Half a grey level cannot be seen; a setting that saves nothing is no advice.
+    // Errors below half a grey level are invisible; only a setting that saves time is recommended.
     let enough = |row: &&SolverRow| row.flags.is_some() && row.grey_levels < 0.5;
     let best = sweep
         .rows
@@ -66,7 +65,7 @@ pub(crate) fn sentence(report: &Report) -> String {
     }
 }
 
-/// How many samples of an environment are enough for the frame, and whether prefiltered maps serve.
+/// The number of environment samples that suffices for the frame, and whether prefiltered maps do.
 pub(crate) fn of_light(light: &LightReport) -> String {
     let subject = &light.subjects[0];
     if subject.on.covered == 0 {
@@ -101,16 +100,16 @@ pub(crate) fn of_light(light: &LightReport) -> String {
     )
 }
 
-/// Share of the pixels that a setting may lead astray beyond those that the most tried does: one in 200.
+/// Share of sight lines that a setting may miss beyond those missed by the most expensive one: one in 200.
 pub(crate) const ASTRAY: f64 = 0.005;
 
-/// The first of `rows`, cheapest first, that leads hardly more sight lines astray than the last.
+/// The first of `rows`, cheapest first, with hardly more stray sight lines than the last.
 pub(crate) fn enough_of(rows: &[MirrorRow]) -> Option<&MirrorRow> {
     let best = rows.last()?.astray();
     rows.iter().find(|row| row.astray() <= best + ASTRAY)
 }
 
-/// How many steps, refinements and rows of a map are enough for mirrors.
+/// The numbers of steps, refinements and map rows that suffice for mirrors.
 pub(crate) fn of_mirrors(mirrors: &MirrorReport) -> String {
     let MirrorReport {
         steps,
@@ -144,12 +143,12 @@ pub(crate) fn of_mirrors(mirrors: &MirrorReport) -> String {
     )
 }
 
-/// How light falls, in words.
+/// The lighting method in words.
 pub(crate) fn altered(method: Method) -> &'static str {
     if method.warps() { "warped" } else { "plain" }
 }
 
-/// The lit lobe in words.
+/// The lobe in words.
 pub(crate) fn noun(surface: LitMaterial) -> &'static str {
     match surface {
         LitMaterial::Lambert => "diffuse light",

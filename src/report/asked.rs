@@ -1,4 +1,4 @@
-//! The subject of a report: a frame, and how much is tried on it.
+//! The subject of a report: a frame, and the extent of the measurements.
 
 use crate::frame::{Frame, Mask};
 use crate::params::ShapeParams;
@@ -6,22 +6,22 @@ use crate::report::timing::Effort;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
-/// How much is tried.
+/// Extent of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
     /// All scales, scenes of 480x360.
     Full,
-    /// The scale asked for and one more, scenes of 320x240, fewer runs.
+    /// The given scale and one more, scenes of 320x240, fewer runs.
     Quick,
 }
 
-/// A frame that rows are measured on, or the part of it.
+/// The frame measured by some rows, or the part of it.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct On {
     pub name: String,
     pub width: usize,
     pub height: usize,
-    /// Pixels that show a surface.
+    /// Number of pixels that show a surface.
     pub covered: usize,
 }
 
@@ -43,14 +43,14 @@ impl Display for On {
     }
 }
 
-/// The frame of a report, and how it is measured.
+/// The frame of a report, and how to measure it.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
     pub(crate) name: &'a str,
     pub(crate) frame: &'a Frame,
     pub(crate) shape: ShapeParams,
     pub(crate) extent: Extent,
-    /// Hears what is measured next.
+    /// Called with the name of the next measurement.
     pub(crate) progress: &'a dyn Fn(&str),
 }
 
@@ -59,7 +59,7 @@ impl Asked<'_> {
         (self.progress)(&format!("{}: {next}", self.name));
     }
 
-    /// Runs of each measurement.
+    /// Number of runs per measurement.
     pub(super) fn effort(&self) -> Effort {
         match self.extent {
             Extent::Full => Effort::new(7, 250),

@@ -1,4 +1,4 @@
-//! Results of a device beside the CPU.
+//! Results of a device compared with the CPU.
 
 use super::asked::Asked;
 use super::gpu::{Device, ProductRow};
@@ -11,20 +11,20 @@ use serde::Serialize;
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum GpuReport {
-    /// The reason why none was measured.
+    /// Why there are no measurements.
     NotMeasured(String),
-    /// It was measured.
+    /// The measurements.
     Measured {
         device: String,
         is_software: bool,
-        /// How far its products are from the CPU's.
+        /// Differences of its products from the CPU's.
         products: Vec<ProductRow>,
-        /// New light and drawings.
+        /// Relit pictures and drawings.
         pictures: Vec<PictureRow>,
     },
 }
 
-/// The device in the end, and how far it is from the CPU.
+/// The device at the end of the report, and its differences from the CPU.
 pub(super) fn measured(
     device: &Device,
     asked: &Asked,

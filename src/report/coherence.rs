@@ -1,8 +1,9 @@
-//! Temporal coherence of drawings: each drawing of a sequence, moved with the surface, against the next, for strokes
-//! that lie still in the picture, for strokes that are carried along, and for lines along edges and inside surfaces.
+//! Temporal coherence of drawings: each drawing of a sequence, warped by the surface's motion, compared with the next,
+//! for strokes fixed in the picture, for strokes that move with the surface, and for lines along edges and inside
+//! surfaces.
 //!
-//! Moving a drawing blurs it, so even a perfect sequence has a difference. It is measured beside: a card of
-//! one tone and one direction, drawn by a texture that has moved as the frame did, against the card before.
+//! Warping blurs a drawing, so even a perfect sequence has a difference. As its measure, a card of one tone and one
+//! direction, drawn with a texture that moved like the frame, is compared with the previous card.
 
 use super::compare::covered;
 use super::engine::{Inputs, Outcome, SequenceInputs, Session, TextureCoordinates, painted};
@@ -19,49 +20,49 @@ use serde::Serialize;
 /// A frame of a sequence.
 #[derive(Debug)]
 pub struct MovingFrame {
-    /// Its number.
+    /// Frame number.
     pub number: i32,
     /// The frame.
     pub frame: Frame,
-    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up.
+    /// Motion of the surface seen at each pixel since the previous frame, in pixels, x right, y up.
     pub motion: Option<Vector2Planes>,
 }
 
-/// From one frame to the next: mean absolute differences of ink, 0..1, over the pixels seen in both.
+/// Mean absolute differences of ink, 0..1, from one frame to the next, over the pixels seen in both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CoherenceRow {
     /// Number of the later frame.
     pub frame: i32,
     /// Mean length of the motion, in pixels.
     pub motion_px: f64,
-    /// Share of the surface that was seen before.
+    /// Share of the surface that was also seen before.
     pub seen_before: f64,
-    /// Of strokes that lie still in the picture.
+    /// Difference for strokes fixed in the picture.
     pub still: f64,
-    /// Of strokes that move with the surface.
+    /// Difference for strokes that move with the surface.
     pub carried: f64,
-    /// Of the card: the cost of moving a drawing.
+    /// Difference for the card: the cost of warping a drawing.
     pub floor: f64,
-    /// Of lines along edges and inside surfaces, without strokes.
+    /// Difference for lines along edges and inside surfaces, without strokes.
     pub lines: f64,
-    /// Largest share of the drawing that one map of places has: 1 where strokes were only moved.
+    /// Largest share of the drawing that uses one coordinate map: 1 if strokes were only moved.
     pub oldest_share: f64,
 }
 
 /// The whole sequence.
 #[derive(Debug, Clone, Serialize)]
 pub struct Coherence {
-    /// Row by row.
+    /// One row per pair of frames.
     pub rows: Vec<CoherenceRow>,
     /// Mean of each difference over the rows: still, carried, floor, lines.
     pub means: [f64; 4],
 }
 
-/// Measures `frames`, taken one after another; frames without motion begin anew. `None` where no two
-/// frames follow each other with motion between.
+/// Measures consecutive `frames`; frames without motion start anew. `None` if no two consecutive frames are linked by
+/// motion.
 ///
 /// # Errors
-/// Those of making a frame, and [`crate::Error::BadParameter`] for parameters outside their range.
+/// Those of processing a frame, and [`crate::Error::BadParameter`] for parameters outside their range.
 pub fn measure(
     frames: impl Iterator<Item = Result<MovingFrame>>,
     shape: ShapeParams,
@@ -88,7 +89,7 @@ pub fn measure(
     Ok((!rows.is_empty()).then_some(Coherence { rows, means }))
 }
 
-/// A frame drawn in every way.
+/// A frame drawn in all ways.
 struct Drawn {
     frame: Frame,
     still: Plane,
@@ -102,14 +103,14 @@ struct SequenceDrawer {
     shape: ShapeParams,
     scaling: ScalingParams,
     line: LineParams,
-    /// How lines are drawn alone.
+    /// Parameters of the drawing with lines only.
     lines_alone: LineParams,
     lamp: Illumination,
 }
 
 impl SequenceDrawer {
     fn new(shape: ShapeParams) -> Self {
-        // Strokes and lines at their own size.
+        // Strokes and lines at scale 1.
         let own_size = LineParams {
             strokes: StrokeParams {
                 scale: StrokeScale::Factor(1.0),
@@ -173,7 +174,7 @@ impl SequenceDrawer {
         })
     }
 
-    /// The ink of lines alone; what their widths are fit to in the first frame holds for all.
+    /// The ink of lines only; levels for their widths come from the first frame.
     fn draw_lines(&mut self, frame: &Frame) -> Result<Plane> {
         let plan = self.plan(frame, ToneFrom::Picture, self.lines_alone)?;
         let outcome = self.session.run(&plan, frame, Inputs::default());
@@ -200,7 +201,7 @@ impl SequenceDrawer {
         Plan::hatch(available, self.shape, self.scaling, tone, line)
     }
 
-    /// Levels chosen from the first frame hold for all.
+    /// Keeps the levels chosen from the first frame.
     fn keep(&mut self, outcome: &Outcome) {
         let white = outcome.drawing.as_ref().map(|drawing| drawing.white_point);
         for (chosen, used) in [
@@ -248,14 +249,14 @@ impl SequenceDrawer {
         })
     }
 
-    /// The ink on a card, and where its texture lies.
+    /// The ink on a card, and the coordinates of its texture.
     fn draw_card(
         &self,
         card: &Frame,
         before: Option<(&TextureCoordinates, &Vector2Planes)>,
     ) -> Result<(Plane, TextureCoordinates)> {
         let mut line = self.line;
-        // Its picture is the tone itself.
+        // The picture is used as the tone.
         line.tone = painted();
         let available = Available::in_frame(card);
         let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
@@ -273,7 +274,7 @@ impl SequenceDrawer {
     }
 }
 
-/// A card of one tone that faces the viewer, with the outline and depth of `frame`.
+/// A card of one tone facing the viewer, with the outline and depth of `frame`.
 fn card(frame: &Frame, tone: f32) -> Frame {
     let flat = |value| Plane::filled(frame.mask.width(), frame.mask.height(), value);
     Frame {
@@ -296,17 +297,17 @@ fn mean(samples: &[f32], mask: &Mask) -> f64 {
     sum / mask.count().max(1) as f64
 }
 
-/// The way of the surface between two frames.
+/// The motion of the surface between two frames.
 struct Path<'a> {
     before: &'a Frame,
     frame: &'a Frame,
     motion: &'a Vector2Planes,
-    /// The pixels that are compared.
+    /// The pixels to compare.
     seen: &'a Mask,
 }
 
 impl Path<'_> {
-    /// Mean absolute difference between the ink `before`, moved as the surface did, and the ink `now`.
+    /// Mean absolute difference between the ink `before`, warped by the motion, and the ink `now`.
     fn difference(&self, before: &Plane, now: &Plane) -> f64 {
         let (then, here) = (self.before.data_window, self.frame.data_window);
         let (right, down) = (here.x0 - then.x0, here.y0 - then.y0);
@@ -319,7 +320,7 @@ impl Path<'_> {
     }
 }
 
-/// A plane between its pixels, linearly; its border goes on outside.
+/// Bilinear interpolation of a plane; outside, its border is repeated.
 fn between(plane: &Plane, x: f64, y: f64) -> f64 {
     let inside = |at: f64, length: usize| at.clamp(0.0, length as f64 - 1.0);
     let (x, y) = (inside(x, plane.width()), inside(y, plane.height()));

@@ -1,4 +1,4 @@
-//! Errors of a result, counted in every pixel.
+//! Errors of a result, over every pixel.
 
 use super::numbers::{rounded, scientific};
 use crate::frame::{Mask, Plane, Window};
@@ -6,30 +6,29 @@ use crate::quantile;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
-/// Errors of a field over the covered pixels, each relative to a scale that the caller names: for the
-/// gradient and its derivatives the largest |g| before diffusion.
+/// Errors of a field over the covered pixels, relative to a scale chosen by the caller: for the gradient and its
+/// derivatives the largest |g| before diffusion.
 ///
-/// A result that is not a finite number is infinitely wrong: it spoils the mean, as it should, and is
-/// counted.
+/// A non-finite result has an infinite error: it spoils the mean, as it should, and is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Errors {
     /// Mean.
     pub mean: f64,
-    /// 99 pixels in 100 stay below it.
+    /// The bound for 99 of 100 pixels.
     pub p99: f64,
     /// Largest.
     pub max: f64,
-    /// Samples that are NaN or infinite.
+    /// Number of samples that are NaN or infinite.
     pub non_finite: usize,
-    /// Pixels compared.
+    /// Number of pixels compared.
     pub pixels: usize,
-    /// Column and row of the largest error; `None` where nothing was compared.
+    /// Column and row of the largest error; `None` if nothing was compared.
     pub worst: Option<[i64; 2]>,
 }
 
 impl Errors {
-    /// The same errors with the worst pixel in the coordinates of `window`, from whose first
-    /// column and row it was counted.
+    /// The same errors with the worst pixel in the coordinates of `window` rather than relative to its first column and
+    /// row.
     pub(crate) fn in_window(self, window: Window) -> Self {
         let origin = [window.x0, window.y0].map(i64::from);
         Self {
@@ -47,10 +46,10 @@ impl Display for Errors {
     }
 }
 
-/// Compares the components of a field with their reference; a pixel counts by the worst of them.
+/// Compares the components of a field with their reference; the worst component of a pixel counts.
 ///
 /// # Panics
-/// If a plane is not of the mask's size.
+/// If a plane differs in size from the mask.
 pub(crate) fn compare<const N: usize>(
     found: [&Plane; N],
     exact: [&Plane<f64>; N],
@@ -77,9 +76,9 @@ pub(crate) fn compare_where<const N: usize>(
     tally.errors()
 }
 
-/// How far beyond `range`, [least, largest], the covered samples of `plane` reach, relative to `scale`.
+/// How far the covered samples of `plane` exceed `range`, [least, largest], relative to `scale`.
 ///
-/// Diffusion makes no new extremum; an expansion of it does, by its error.
+/// Exact diffusion makes no new extremum; an expansion does, by its error.
 pub(crate) fn overshoot(plane: &Plane, range: [f64; 2], mask: &Mask, scale: f64) -> f64 {
     let samples = plane.samples().iter().zip(mask.plane().samples());
     let beyond = |v: f64| (range[0] - v).max(v - range[1]);
@@ -113,7 +112,7 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// Errors gathered pixel by pixel.
+/// Errors collected pixel by pixel.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     errors: Vec<f64>,
@@ -137,7 +136,7 @@ impl Tally {
         self.errors.push(error);
     }
 
-    /// The error that a share, 0..1, of the pixels stay below; 0 where there are none.
+    /// The bound on the errors of a share, 0..1, of the pixels; 0 if there are none.
     pub(crate) fn quantile(&mut self, share: f64) -> f64 {
         quantile::bound(&mut self.errors, share).unwrap_or(0.0)
     }
@@ -147,7 +146,7 @@ impl Tally {
         self.errors.len()
     }
 
-    /// Their summary.
+    /// The summary.
     pub(crate) fn errors(mut self) -> Errors {
         let pixels = self.errors.len();
         let mean = self.errors.iter().sum::<f64>() / pixels.max(1) as f64;
@@ -168,7 +167,7 @@ impl Tally {
 pub(crate) struct Angles {
     /// Mean.
     pub mean: f64,
-    /// 95 in 100 stay below it.
+    /// The bound for 95 of 100 directions.
     pub p95: f64,
     /// Largest.
     pub max: f64,
@@ -199,7 +198,7 @@ mod tests {
 
     #[test]
     fn errors_of_known_values() {
-        // Errors 0, 1, .. 99 tenths of a scale of 10; the pixel (7, 0) is outside.
+        // Errors 0, 1, .. 99 tenths at a scale of 10; the pixel (7, 0) is outside.
         let found = Plane::from_fn(101, 1, |x, _| {
             if x == 7 {
                 1e9

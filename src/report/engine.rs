@@ -1,4 +1,4 @@
-//! The report's calls to the engine: a plan and its inputs in, planes and times out.
+//! Engine calls of the report: a plan and its inputs in, planes and times out.
 
 use super::timing::{self, Effort, Timed};
 use crate::Result;
@@ -14,7 +14,7 @@ use crate::params::{
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 pub(super) use crate::product::Product;
 
-/// New light on `frame` from `light`.
+/// The plan for relighting `frame` by `light`.
 pub(super) fn relight_plan(
     frame: &Frame,
     shape: ShapeParams,
@@ -25,7 +25,7 @@ pub(super) fn relight_plan(
     Plan::relight(available, shape, ScalingParams::default(), params, kinds)
 }
 
-/// A drawing in the tones of the picture.
+/// The plan for drawing in the tones of the picture.
 pub(super) fn hatch_plan(
     available: Available,
     shape: ShapeParams,
@@ -35,7 +35,7 @@ pub(super) fn hatch_plan(
     Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)
 }
 
-/// Tones as they are painted: 1 is paper.
+/// Tones taken directly from the picture: 1 is paper.
 pub(super) fn painted() -> ToneParams {
     ToneParams {
         white_point: Adaptive::Fixed(1.0),
@@ -53,7 +53,7 @@ pub(super) fn run(plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome>
     Engine::cpu().execute(plan, frame, inputs, &Run::new())
 }
 
-/// Runs plans in the memory of the runs before, as the frames of a sequence do.
+/// Runs plans in the memory of earlier runs, like the frames of a sequence.
 #[derive(Default)]
 pub(super) struct Session(Engine);
 
@@ -67,7 +67,7 @@ impl Session {
         outcome.expect("plans of reports are made for what they are run on")
     }
 
-    /// Runs `plan` once to warm up, then as often as `effort` says; the last outcome.
+    /// Runs `plan` once to warm up, then the number of times given by `effort`; returns the last outcome.
     pub(super) fn measure(
         &self,
         plan: &Plan,
@@ -76,7 +76,7 @@ impl Session {
         effort: Effort,
     ) -> (Outcome, Timed) {
         timing::measure_runs(&self.0, effort, || {
-            // Preparing an environment is timed, too.
+            // Preparation of the environment is timed too.
             self.0.forget_environment();
             self.run(plan, frame, inputs)
         })
@@ -87,7 +87,8 @@ impl Session {
         self.0.recycle(outcome);
     }
 
-    /// The directions that strokes follow along the larger curvature, where specular pixels show a scene on what they show.
+    /// The stroke directions along the larger curvature; where specular pixels show a scene, those of the surfaces
+    /// shown.
     ///
     /// # Panics
     /// If the plan was made for other inputs.
@@ -124,7 +125,7 @@ pub(super) struct Layers {
 
 impl Layers {
     /// # Panics
-    /// If the outcome is not of [`Goal::Layers`].
+    /// If the outcome does not belong to [`Goal::Layers`].
     pub(super) fn of(outcome: Outcome) -> Self {
         let gain = outcome.gain.unwrap_or(0.0);
         let shape = outcome.shape;

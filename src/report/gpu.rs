@@ -1,5 +1,5 @@
-//! A device beside the CPU: its times, with copies to and from it separate, its errors, and the differences of its
-//! products from the CPU's.
+//! A device compared with the CPU: its times, with copies to and from it separate, its errors, and the differences of
+//! its products from the CPU's.
 
 use super::engine::{
     Inputs, KERNELS, Outcome, Product, READ_BACK, RECORD, Session, UPLOAD, hatch_plan, relight_plan,
@@ -14,13 +14,14 @@ use serde::Serialize;
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
-/// Pixels times sweeps past which a setting that was not asked for is left out in software: a third of a second.
+/// Pixels times sweeps above which a setting that was not requested is skipped on software devices: a third of a
+/// second.
 const MOST_UPDATES_IN_SOFTWARE: usize = 4_000_000;
 
-/// Goals whose products are compared; so are those of new light and of drawings.
+/// Goals whose products are compared, besides relit pictures and drawings.
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 
-/// The light that new light is compared in.
+/// The light for comparing relit pictures.
 pub(crate) fn lamp() -> Illumination {
     Illumination {
         directional: vec![DirectionalLight::white([120.0, 40.0])],
@@ -28,39 +29,39 @@ pub(crate) fn lamp() -> Illumination {
     }
 }
 
-/// The device that a report measures beside the CPU.
+/// The device measured by a report.
 #[allow(
     dead_code,
     reason = "a build without devices measures none, and one with them knows of them"
 )]
 pub(crate) enum Device<'a> {
-    /// This build knows of none.
+    /// Built without device support.
     Unknown,
-    /// The reason why none is measured.
+    /// Why there are no measurements.
     NotMeasured(String),
-    /// It is measured.
+    /// Measured.
     Measured(Gpu<'a>),
 }
 
-/// Runs a plan, under these lights where it is for new light.
+/// Runs a plan, with these lights if it relights.
 pub(crate) type Run<'a> = &'a (dyn Fn(&Plan, &Frame, &Illumination) -> Result<Outcome> + 'a);
 
-/// A device to be measured.
+/// A device to measure.
 pub(crate) struct Gpu<'a> {
     pub name: String,
     pub is_software: bool,
-    /// Whether its failure fails the report; else it is left out.
+    /// Whether its failure fails the report; otherwise it is left out.
     pub is_required: bool,
     run: Run<'a>,
     failed: RefCell<Option<Error>>,
 }
 
-/// Times of a plan that a device ran several times.
+/// Times of a plan over several runs on a device.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct GpuTimed {
     #[serde(flatten)]
     pub parts: GpuParts,
-    /// All of it, with the recording of its commands.
+    /// Total time, including the recording of commands.
     pub whole: Times,
 }
 
@@ -69,7 +70,7 @@ pub(crate) struct GpuTimed {
 pub(crate) struct GpuParts {
     /// Copies to the device.
     pub upload: Times,
-    /// Its kernels, stage by stage, in order; all together where it has no clock for each.
+    /// Its kernels by stage, in order; all together on a device without a clock per stage.
     pub stages: Vec<StageTimes>,
     /// All kernels.
     pub compute: Times,
@@ -84,7 +85,7 @@ pub(crate) struct StageTimes {
     pub times: Times,
 }
 
-/// How far the products of one kind are from the CPU's.
+/// Difference of the products of one kind from the CPU's.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ProductRow {
     pub product: Product,
@@ -96,8 +97,8 @@ pub(crate) struct ProductRow {
 }
 
 impl<'a> Gpu<'a> {
-    /// A device of this name, on which `run` runs plans; an outcome's times are called as
-    /// [`crate::engine::device_times`] says.
+    /// A device of this name, with `run` to run plans; an outcome's timings are named as in
+    /// [`crate::engine::device_times`].
     #[cfg_attr(
         not(feature = "gpu"),
         allow(dead_code, reason = "a build without devices measures none")
@@ -112,7 +113,7 @@ impl<'a> Gpu<'a> {
         }
     }
 
-    /// Whether `plan`, which nobody asked for, takes no longer than it may.
+    /// Whether `plan`, which was not requested, is short enough.
     pub(crate) fn can_afford(&self, plan: &Plan, frame: &Frame) -> bool {
         let updates = plan.sweeps.count() * frame.mask.count();
         !self.is_software || updates <= MOST_UPDATES_IN_SOFTWARE
@@ -128,7 +129,7 @@ impl<'a> Gpu<'a> {
             .ok()
     }
 
-    /// Runs `plan` once to warm up, then as often as `effort` says.
+    /// Runs `plan` once to warm up, then the number of times given by `effort`.
     pub(crate) fn measure(
         &self,
         plan: &Plan,
@@ -142,14 +143,14 @@ impl<'a> Gpu<'a> {
         while runs.len() < 2 || runs.len() < effort.runs && start.elapsed() < effort.limit {
             runs.push(self.run(plan, frame, light)?.timings);
         }
-        // A run in strips, out of memory, is another run.
+        // A run in strips, after running out of memory, differs from the others.
         let names = |run: &timing::Timings| run.iter().map(|(name, _)| *name).collect::<Vec<_>>();
         let usual = names(&runs[runs.len() - 1]);
         runs.retain(|run| names(run) == usual);
         Some(GpuTimed::of(&runs))
     }
 
-    /// How far the products of frames are from the CPU's: each kind's largest difference.
+    /// Differences of the products of frames from the CPU's: the largest of each kind.
     pub(crate) fn products(
         &self,
         frames: &[(&str, &Frame, ShapeParams)],
@@ -170,10 +171,10 @@ impl<'a> Gpu<'a> {
         Ok(rows)
     }
 
-    /// Why it failed, if it did.
+    /// The reason of its failure, if it failed.
     ///
     /// # Errors
-    /// The failure of a device that is required.
+    /// The failure, if the device is required.
     pub(crate) fn failure(&self) -> Result<Option<String>> {
         match self.failed.take() {
             Some(error) if self.is_required => Err(error),
@@ -217,7 +218,7 @@ impl GpuParts {
         !self.stages.iter().any(|stage| stage.stage == KERNELS)
     }
 
-    /// The time of the diffusion; of all kernels where the device has no clock for each.
+    /// The time of the diffusion; of all kernels on a device without a clock per stage.
     pub(crate) fn diffusion(&self) -> Times {
         let mut stages = self.stages.iter();
         let diffusion = stages.find(|stage| stage.stage == "diffusion");
@@ -225,7 +226,7 @@ impl GpuParts {
     }
 }
 
-/// The frame with a picture to be enhanced: lit from the eye, in three colours.
+/// The frame with a picture for enhancement: lit from the eye, in three colours.
 pub(super) fn with_picture(frame: &Frame) -> Frame {
     let lit = |share: f32| frame.normal.z.map(|z| share * z.max(0.0));
     Frame {
@@ -260,7 +261,7 @@ fn run_on_cpu(plan: &Plan, frame: &Frame) -> Outcome {
     Session::default().run(plan, frame, Inputs::lit_by(&lamp()))
 }
 
-/// How far the products are apart that `plan` is for, of those that both backends made; infinitely where one is missing.
+/// Differences of the products of `plan` computed by both backends; infinite if one is missing.
 fn differences(
     plan: &Plan,
     found: &Outcome,
@@ -313,7 +314,7 @@ mod tests {
         Duration::from_millis(time)
     }
 
-    /// Runs plans on the CPU and names their times as a device does.
+    /// Runs plans on the CPU, with times named like those of a device.
     fn device(plan: &Plan, frame: &Frame, _: &Illumination) -> Result<Outcome> {
         let mut outcome = run_on_cpu(plan, frame);
         let times = [
@@ -356,7 +357,7 @@ mod tests {
         let frames = [("waves", &frame, ShapeParams::default())];
         let same = Gpu::new("test".into(), true, true, &device);
         let rows = same.products(&frames).unwrap();
-        // The trace is a step on the way to others: a run that ends in layers has the Hessian.
+        // The trace is only intermediate: a run that ends in layers has the Hessian.
         assert_eq!(rows.len(), Product::all().count() - 1);
         assert!(
             rows.iter()

@@ -1,9 +1,8 @@
-//! New light in double precision, one pixel and one light at a time: the reference of single-precision sums.
+//! Relighting in double precision, one pixel and one light at a time: the reference of single-precision sums.
 //!
-//! The papers' equations as printed, with the corrections that the kernels document, and
-//! sharing no code with them: directions are warped in stereographic coordinates by eigenvectors, the
-//! scaling is the printed fraction. It starts from the Hessian and the gain that the backend found, so
-//! that it shows the error of light alone.
+//! The papers' equations as printed, with the corrections documented in the kernels, and sharing no code with them:
+//! directions are warped in stereographic coordinates by eigenvectors, and the scaling is the printed fraction. It
+//! starts from the backend's Hessian and gain, so that it shows the error of lighting alone.
 
 use super::engine;
 use crate::error::Result;
@@ -15,7 +14,7 @@ use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// A pixel to be lit.
+/// A pixel to light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
     /// Unit normal.
@@ -28,28 +27,28 @@ pub struct Pixel {
     pub hessian: [f64; 3],
 }
 
-/// How light is reflected.
+/// Lighting parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings<'a> {
-    /// How it is altered.
+    /// Lighting method.
     pub method: Method,
     /// Strength of the warp: alpha of [LW], in pixels.
     pub alpha: f64,
     /// Gain of the mapped curvature, in pixels.
     pub gain: f64,
-    /// How it is scaled.
+    /// Radiance scaling.
     pub scaling: &'a ScalingParams,
     /// Material of the surface.
     pub material: &'a MaterialParams,
 }
 
-/// A light whose cosine with the normal is smaller than this in size may be on either side of the
-/// horizon in single precision, where lobes that know no cosine end in a step.
+/// A light with a smaller cosine to the normal, in magnitude, may be on either side of the horizon in single precision,
+/// where lobes without a cosine factor end in a step.
 pub const HORIZON: f64 = 1e-5;
 
 impl Pixel {
-    /// The pixel at column `x`, row `y`, of a frame with this [`fn@hessian`], the grain running at `grain_deg`
-    /// degrees in the picture.
+    /// The pixel at column `x`, row `y`, of a frame with this [`fn@hessian`], with the grain at `grain_deg` degrees in
+    /// the picture.
     pub fn of(
         frame: &Frame,
         hessian: &SymmetricPlanes,
@@ -74,7 +73,7 @@ impl Pixel {
     }
 }
 
-/// The Hessian that the backend finds and, when it lights, keeps to itself.
+/// The backend's Hessian, which relighting does not output.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -97,8 +96,7 @@ fn lambda(h: [f64; 3], alpha: f64) -> DMat2 {
     outer(u, factor(mean + spread)) + outer(u.perp(), factor(mean - spread))
 }
 
-/// The direction `l` warped by the matrix `lambda`, in stereographic coordinates as printed: of no
-/// meaning for -z.
+/// The direction `l` warped by the matrix `lambda`, in stereographic coordinates as printed: undefined for -z.
 pub(crate) fn warp(l: DVec3, lambda: DMat2) -> DVec3 {
     let p = lambda * (l.truncate() / (1.0 + l.z));
     let square = p.length_squared();
@@ -112,7 +110,7 @@ fn jacobian(l: DVec3, lambda: DMat2) -> f64 {
     ((1.0 + p.length_squared()) / (1.0 + q.length_squared())).powi(2) / lambda.determinant()
 }
 
-/// The scaling of intensity `d` ([RS] equation 3), as printed but for the sign of the exponent `x`.
+/// The scaling of intensity `d` ([RS] equation 3), as printed except for the sign of the exponent `x`.
 pub fn sigma(d: f64, x: f64, a: f64) -> f64 {
     let (d, e) = (d.clamp(0.0, 1.0), (-x).exp());
     (a * e + d * (1.0 - a - a * e)) / (a + d * (e - a - a * e))
@@ -129,13 +127,13 @@ fn kappa(h: [f64; 3], l: DVec3, gain: f64, anisotropy: f64) -> f64 {
     (-gain * along).tanh()
 }
 
-/// A light as one pixel meets it.
+/// A light incident at one pixel.
 struct IncidentLight {
     /// The unwarped direction.
     direction: DVec3,
-    /// Solid angle after warping over that before.
+    /// Ratio of solid angles after and before warping.
     weight: f64,
-    /// Its cosine with the normal, at most four times that of the light as it stands.
+    /// Its cosine with the normal, at most four times that of the light as given.
     cosine: f64,
 }
 
@@ -157,10 +155,10 @@ fn incident(pixel: &Pixel, light: DVec3, s: &Settings) -> IncidentLight {
     }
 }
 
-/// Diffuse and specular reflection of a light of 1 from `light`.
+/// Diffuse and specular reflection of a light of intensity 1 from `light`.
 ///
 /// # Panics
-/// For a mirror and for glass, which no light is summed on.
+/// For mirrors and glass, which are not lit by sums over lights.
 pub fn reflected(pixel: &Pixel, light: DVec3, s: &Settings) -> [f64; 2] {
     shone(pixel, &incident(pixel, light, s), s)
 }
@@ -225,13 +223,13 @@ fn lobes(pixel: &Pixel, incident: &IncidentLight, m: &MaterialParams) -> ([f64; 
     }
 }
 
-/// The colour of a white pixel under `lights`; `None` where one of them is so near its horizon that single
-/// precision may see it on the other side.
+/// The colour of a white pixel under `lights`; `None` if one of them is so close to its horizon that single precision
+/// may place it on the other side.
 pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[f64; 3]> {
     let gains = [s.material.diffuse_gain, s.material.specular()].map(f64::from);
     let mut sum = [0.0; 3];
     for light in lights {
-        // Directions are unit vectors to f32 rounding only.
+        // Directions are unit vectors only up to f32 rounding.
         let direction = light.to_light.as_dvec3().normalize();
         let incident = incident(pixel, direction, s);
         if incident.cosine.abs() < HORIZON {
@@ -246,8 +244,8 @@ pub fn lit(pixel: &Pixel, lights: &[DirectionalLight], s: &Settings) -> Option<[
     Some(sum)
 }
 
-/// The colours of some white pixels under `lights`, seen as `params` say under this gain; without those for which
-/// [`lit`] gives none.
+/// The colours of some white pixels under `lights`, with parameters `params` and this gain; without those for which
+/// [`lit`] returns none.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -275,8 +273,7 @@ pub(crate) fn lit_at(
     Ok(pixels.into_par_iter().filter_map(shown).collect())
 }
 
-/// Irradiance over pi at a surface with the unit normal `n`: every pixel of the map from its middle, by
-/// its solid angle.
+/// Irradiance over pi at a surface with unit normal `n`: a sum over all pixels of the map by solid angle.
 pub fn irradiance(environment: &Environment, n: DVec3) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for y in 0..environment.height() {
@@ -332,16 +329,16 @@ mod tests {
         for method in [Method::Plain, Method::Warp, Method::Scale, Method::Both] {
             close(reflected(&flat, light, &settings(method)), [0.5, 0.125]);
         }
-        // A ball of radius 20: alpha k = -1, lambda = tan(pi/4 - pi/24). The unwarped light lies at twice
-        // the angle whose tangent is tan(30 degrees) / lambda.
+        // A ball of radius 20: alpha k = -1, lambda = tan(pi/4 - pi/24). The unwarped light is at twice the angle whose
+        // tangent is tan(30 degrees) / lambda.
         let ball = pixel(DVec3::Z, [-0.05, 0.0, -0.05]);
         let factor = (5.0 * PI / 24.0).tan();
         let angle = 2.0 * ((PI / 6.0).tan() / factor).atan();
-        // Solid angle there over here: sin(a) da / (sin(b) db), with tan(a/2) = tan(b/2) / lambda.
+        // Ratio of solid angles there and here: sin(a) da / (sin(b) db), with tan(a/2) = tan(b/2) / lambda.
         let spread = angle.sin().powi(2) / (PI / 3.0).sin().powi(2);
         let expected = [spread * angle.cos(), spread * angle.cos().powi(3)];
         close(reflected(&ball, light, &settings(Method::Warp)), expected);
-        // gain x trace = -1, so x = tanh 1; at the invariant point nothing is scaled.
+        // gain x trace = -1, so x = tanh 1; the invariant point is not scaled.
         assert!((sigma(0.25, 1.0_f64.tanh(), 0.25) - 1.0).abs() < 1e-12);
         assert!((sigma(1.0, 1.5, 0.25) - 1.5_f64.exp()).abs() < 1e-12);
         let x = 1.0_f64.tanh();

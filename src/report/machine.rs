@@ -1,34 +1,33 @@
 //! Memory bandwidth and arithmetic rate of the machine.
 //!
-//! Both are measured in the rayon pool of the caller, in well under half a second, so that the time of
-//! a stage can be given as a share of the time that its data and its arithmetic take at best.
+//! Both are measured in the caller's rayon pool, in well under half a second, so that the time of a stage can be
+//! compared with the minimum for its data and its arithmetic.
 
 use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// The machine as measured.
+/// Measured rates of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Machine {
     /// Threads of the pool.
     pub threads: usize,
-    /// Bytes per second of a triad `a = b + s c` over arrays beyond any cache; 12 bytes an element, the
-    /// read of a line that is then overwritten not counted.
+    /// Bytes per second of a triad `a = b + s c` over arrays larger than any cache; 12 bytes per element, without the
+    /// read of a cache line that is then overwritten.
     pub bytes_per_second: f64,
-    /// Single-precision operations per second, a multiplication and an addition counting as two, from
-    /// registers, as this build of the program is vectorised.
+    /// Single-precision operations per second, with a multiplication and an addition counting as two, from registers,
+    /// as vectorised in this build.
     pub operations_per_second: f64,
-    /// One link of the arithmetic: fused, or a multiplication and an addition.
+    /// The operation of a link: fused, or a multiplication and an addition.
     pub multiply_add: &'static str,
 }
 
 /// Elements of each array of the triad: 3 x 64 MiB.
 const ELEMENTS: usize = 1 << 24;
-/// Elements that a task takes at once.
+/// Elements per task.
 const TASK: usize = 1 << 16;
-/// Independent chains of a thread: as many as there are registers to hide the latency in, two being
-/// left for the constants.
+/// Independent chains per thread: enough registers to hide the latency, leaving two for the constants.
 const LANES: usize = if cfg!(target_feature = "avx") { 96 } else { 48 };
 /// Links of each chain: about 10 ms on a core of 2.5 GHz.
 const LINKS: usize = 1 << 18;
@@ -93,7 +92,7 @@ fn arithmetic(threads: usize) -> f64 {
     (2 * LANES * LINKS * threads) as f64 / time.as_secs_f64()
 }
 
-/// Chains of `v = 0.999 v + 0.001` side by side.
+/// Parallel chains of `v = 0.999 v + 0.001`.
 fn chains(mut v: [f32; LANES]) -> [f32; LANES] {
     for _ in 0..LINKS {
         for v in &mut v {

@@ -17,7 +17,7 @@ use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use super::timing::Utilisation;
 use std::fmt::{self, Display};
 
-/// The whole page. Its pictures are looked for beside it.
+/// The whole page. Its pictures are expected next to it.
 pub(crate) fn page(report: &Report) -> String {
     let sections = [
         head(report),
@@ -42,7 +42,7 @@ pub(crate) fn page(report: &Report) -> String {
     sections.join("\n\n") + "\n"
 }
 
-/// A table: names of its columns, and a cell of each column in every row.
+/// A table: the names of its columns, and one cell per column in every row.
 struct Table {
     head: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -54,7 +54,7 @@ impl Table {
         Self { head, rows }
     }
 
-    /// Leaves out columns that are blank in every row.
+    /// Drops columns that are blank in every row.
     fn without_blank_columns(mut self) -> Self {
         let is_blank = |i: usize| self.rows.iter().all(|row| row[i].is_empty());
         for i in (0..self.head.len())
@@ -71,7 +71,7 @@ impl Table {
 
 impl Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A bar inside a cell would end it.
+        // Escapes bars, which would end a cell.
         let line = |cells: &[String]| cells.join("\0").replace('|', "\\|").replace('\0', " | ");
         writeln!(
             f,
@@ -86,7 +86,7 @@ impl Display for Table {
     }
 }
 
-/// A [`Table`] of `"name": cell` for each column, the cell made of a row.
+/// A [`Table`] with `"name": cell` for each column, where each cell is computed from a row.
 macro_rules! table {
     ($rows:expr, $row:pat_param => { $($name:literal: $cell:expr),+ $(,)? }) => {
         $crate::report::markdown::Table::new(
@@ -97,7 +97,7 @@ macro_rules! table {
 }
 use table;
 
-/// The value, or nothing where there is none.
+/// The value, or nothing.
 fn or_blank(value: Option<impl Display>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
@@ -215,7 +215,7 @@ fn solvers(sweep: &SceneSweep, title: &str, plot: &str) -> String {
 fn solver_table(scale: &ScaleSweep) -> String {
     let on_cpu = scale.rows.iter().map(|row| (row, ""));
     let on_gpu = scale.on_gpu.iter().map(|on_gpu| (&on_gpu.row, ", GPU"));
-    // A star inside the bold would not let it end.
+    // A star inside the bold text would break its markup.
     let mark = |row: &SolverRow| if row.asked_for { " \\*" } else { "" };
     let share = |row: &SolverRow, of: fn(Utilisation) -> f64| {
         or_blank(row.utilisation.map(of).map(percent))

@@ -1,8 +1,8 @@
 //! Error against run time of each setting, on a frame and on exact scenes.
 //!
-//! Everything is measured against a reference in double precision (`reference.rs`) that begins at the
-//! same input. Errors of slopes and of their derivatives are relative to the largest |g| before
-//! diffusion; times are of the stages, without reading and writing.
+//! Everything is measured against a reference in double precision (`reference.rs`) with the same input. Errors of
+//! slopes and of their derivatives are relative to the largest |g| before diffusion; times are of the stages, without
+//! reading and writing files.
 
 pub(crate) mod advice;
 mod asked;
@@ -43,7 +43,7 @@ use sweeps::solver::{SceneSweep, Subject};
 use sweeps::{directions, precision, rim, run, solver};
 use timing::{Times, Utilisation};
 
-/// A stage of the whole descriptor.
+/// A stage of the full descriptor.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct StageRow {
     pub stage: &'static str,
@@ -52,25 +52,25 @@ pub(crate) struct StageRow {
     pub utilisation: Option<Utilisation>,
 }
 
-/// Everything that was measured.
+/// All measurements.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Report {
     pub version: &'static str,
-    /// Whether the program was built with optimisation; times of one that was not mean little.
+    /// Whether this is an optimised build; times of others mean little.
     pub optimised: bool,
     pub machine: Machine,
-    /// How shape was asked to be found.
+    /// The given shape parameters.
     pub shape: ShapeParams,
-    /// Stages of a picture of the curvature, run or left out, and why.
+    /// Stages of a curvature picture, kept or dropped, and why.
     pub decisions: Vec<Decision>,
-    /// Stages of the whole descriptor on the frame.
+    /// Stages of the full descriptor on the frame.
     pub stages: Vec<StageRow>,
     /// Solvers and tolerances on the frame.
     pub frame: SceneSweep,
     pub scenes: Vec<SceneSweep>,
     pub runs: Vec<run::RunRow>,
     pub precision: Vec<precision::PrecisionRow>,
-    /// Step and rounding of the surface's own directions on an ellipsoid.
+    /// Step and rounding for the surface's own directions, on an ellipsoid.
     pub directions: directions::Sweep,
     /// Foreshortening and the floor of n_z on a ball.
     pub rim_of_ball: Vec<rim::BallRow>,
@@ -79,18 +79,18 @@ pub(crate) struct Report {
     pub light: light::LightReport,
     pub drawing: drawing::DrawingReport,
     pub mirrors: mirrors::MirrorReport,
-    /// A device beside the CPU; `None` in a build that knows of none.
+    /// A device compared with the CPU; `None` in a build without device support.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu: Option<GpuReport>,
-    /// Drawings of a sequence, where the report is of one; [`run`] leaves it open.
+    /// Drawings of a sequence, if the report covers one; not set by [`run`].
     pub coherence: Option<coherence::Coherence>,
     pub stability: Vec<CaseResult>,
 }
 
-/// Measures everything on the frame and on exact scenes, a device beside the CPU where there is one.
+/// Measures everything on the frame and on exact scenes, and a device compared with the CPU if there is one.
 ///
 /// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range, and those of a device that is required.
+/// [`crate::Error::BadParameter`] for a parameter outside its range, and those of a required device.
 pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
     let Asked {
         frame,
@@ -102,7 +102,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
     shape.validate()?;
     progress("the machine's bandwidth and arithmetic");
     let machine = Machine::measured();
-    // Without foreshortening no stage asks for the camera; a command would not even look for it.
+    // Without foreshortening no stage uses the camera; a command would not even look for one.
     let lean = Frame {
         camera: frame.camera.filter(|_| shape.foreshortening != 0.0),
         ..frame.clone()
@@ -151,7 +151,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
     })
 }
 
-/// Solvers and tolerances on the frame and on exact scenes, by the CPU and by the device.
+/// Solvers and tolerances on the frame and on exact scenes, for the CPU and for the device.
 fn sweeps(
     asked: &Asked,
     device: &Device,
@@ -222,7 +222,7 @@ fn scene_size(extent: Extent) -> (usize, usize) {
     }
 }
 
-/// The scale asked for first.
+/// The given scale first.
 fn frame_scales(asked_for: Scale, extent: Extent) -> Vec<Scale> {
     let more: &[Scale] = match extent {
         Extent::Full => &[
@@ -257,7 +257,7 @@ fn stages(asked: &Asked, machine: &Machine) -> Result<Vec<StageRow>> {
             .map(|work| Utilisation::of(work, covered, times, machine)),
     };
     let all = ("all", measured.whole);
-    // With one scale the stage of further ones does nothing, in no time.
+    // With one scale the stage for further ones takes no time.
     let at_work =
         |(stage, _): &(&'static str, Times)| *stage != "more-scales" || !plan.more_px.is_empty();
     let stages = measured.stages.into_iter().filter(at_work);

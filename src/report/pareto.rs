@@ -1,7 +1,7 @@
-//! The Pareto front: the settings that no other beats in both error and time.
+//! The Pareto front: settings that no other setting beats in both error and time.
 
-/// Whether each of `points`, [time, error], is on the front: no other is as fast and as good, and
-/// better in one of the two. Of two alike the first counts. A point with an infinite error is never.
+/// Whether each of `points`, [time, error], is on the front: no other is at least as good in both and better in one. Of
+/// equal points the first counts. A point with an infinite error never does.
 pub(crate) fn front(points: &[[f64; 2]]) -> Vec<bool> {
     let beats = |a: [f64; 2], b: [f64; 2], earlier: bool| {
         a[0] <= b[0] && a[1] <= b[1] && (a != b || earlier)
@@ -18,7 +18,7 @@ pub(crate) fn front(points: &[[f64; 2]]) -> Vec<bool> {
         .collect()
 }
 
-/// Marks the rows that are on the front by their `place`.
+/// Marks the rows on the front, by their `place`.
 pub(super) fn mark<R>(
     rows: &mut [R],
     place: impl Fn(&R) -> [f64; 2],

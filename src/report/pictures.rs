@@ -1,7 +1,7 @@
-//! New light and drawings by a device beside the CPU: errors and times.
+//! Relit pictures and drawings of a device compared with the CPU: errors and times.
 //!
-//! New light has a reference in double precision ([`super::light_reference`]), which starts from the Hessian and the
-//! gain that the CPU found. A drawing has none: the drawing of the device is compared with that of the CPU.
+//! Relighting has a reference in double precision ([`super::light_reference`]), which starts from the CPU's Hessian and
+//! gain. Drawings have none: the device's drawing is compared with the CPU's.
 
 use super::compare::{Errors, Tally, compare_where};
 use super::engine::{Inputs, Outcome, Session, hatch_plan, relight_plan};
@@ -20,7 +20,7 @@ use crate::params::{
 use crate::plan::{Available, Plan};
 use serde::Serialize;
 
-/// Pixels at which new light is compared, at the most.
+/// Maximum number of pixels at which relit pictures are compared.
 pub(super) const COMPARED: usize = 4096;
 
 /// The reference of errors.
@@ -33,36 +33,36 @@ pub(crate) enum Reference {
     Cpu,
 }
 
-/// A picture by the CPU.
+/// A picture from the CPU.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct OnCpu {
-    /// Its errors; `None` where it is the reference.
+    /// Its errors; `None` if it is the reference.
     pub errors: Option<Errors>,
     pub whole: Times,
 }
 
-/// A picture by a device.
+/// A picture from a device.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct OnGpu {
     pub errors: Errors,
-    /// Times of copies, kernels and all of it.
+    /// Times of copies, kernels and the total.
     #[serde(flatten)]
     pub timed: GpuTimed,
 }
 
-/// A picture by both.
+/// A picture from both.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct PictureRow {
     /// The picture in words.
     pub picture: String,
-    /// The reference of errors. Those of new light are of the worst channel, relative to the luminance that 98 pixels
-    /// in 100 of the reference stay below; those of drawings are of ink, 0..1.
+    /// The reference of errors. Errors of relit pictures are of the worst channel, relative to the reference's 98th
+    /// percentile of luminance; errors of drawings are of ink, 0..1.
     pub reference: Reference,
     pub on_cpu: OnCpu,
     pub on_gpu: OnGpu,
 }
 
-/// `frame` in new light and drawn, its shape found by `shape`; without those that the device failed at.
+/// Relit pictures and drawings of `frame`, with its shape found by `shape`; without those that failed on the device.
 pub(super) fn rows(
     gpu: &Gpu,
     frame: &Frame,
@@ -70,7 +70,7 @@ pub(super) fn rows(
     effort: Effort,
 ) -> Result<Vec<PictureRow>> {
     let bench = BothBackends { gpu, shape, effort };
-    // The reference has white, opaque surfaces.
+    // The reference is for white, opaque surfaces.
     let white = Frame {
         color: None,
         albedo: None,
@@ -103,7 +103,7 @@ struct BothBackends<'a> {
 }
 
 impl BothBackends<'_> {
-    /// A glossy surface under lights from one direction each.
+    /// A glossy surface under directional lights.
     fn relit(
         &self,
         picture: String,
@@ -152,7 +152,7 @@ impl BothBackends<'_> {
         let expected = ink(&expected).map(|plane| plane.map(f64::from));
         let errors = |outcome: &Outcome| {
             let exact = expected.each_ref();
-            // Contours lie outside the mask, too.
+            // Contours also lie outside the mask.
             compare_where(ink(outcome), exact, 1.0, |_, _| true).in_window(frame.data_window)
         };
         let on_gpu = self.on_gpu(&plan, frame, &Illumination::default(), errors);
@@ -232,9 +232,9 @@ mod tests {
             let errors = row.on_cpu.errors.unwrap();
             assert_eq!(row.reference, Reference::DoublePrecision);
             assert_eq!(row.on_gpu.errors, errors);
-            // Pixels that a light grazes have no reference.
+            // Pixels lit at grazing angles have no reference.
             assert!((2990..=3000).contains(&errors.pixels), "{errors:?}");
-            // Single precision, of a lobe that is a power of 32: 32 roundings of 2^-23.
+            // Single precision, for a lobe with exponent 32: 32 roundings of 2^-23.
             assert!(errors.max > 0.0 && errors.max < 4e-6, "{errors:?}");
         }
         assert_eq!(same[2].reference, Reference::Cpu);
@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(same[2].on_gpu.errors.max, 0.0);
         let off = rows_of(0.25);
         for (off, same) in off.iter().zip(&same).take(2) {
-            // All of green is off by a quarter, whatever white is; the CPU's is as it was.
+            // All of green is off by a quarter, relative to white; the CPU's errors are unchanged.
             let errors = off.on_gpu.errors;
             assert!(
                 errors.mean > 0.9 * errors.max && errors.max > 0.1,

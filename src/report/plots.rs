@@ -1,4 +1,4 @@
-//! The report's pictures, as SVG: each declared as panels of series of points.
+//! The report's pictures as SVG, each declared as panels of series of points.
 
 mod figure;
 mod sequence;
@@ -36,7 +36,7 @@ pub(super) fn of_scene(scene: &SceneSweep) -> String {
 
 /// Names of the plots of light: by number of lights, by equation.
 pub(super) fn of_light(subject: &Subject) -> [String; 2] {
-    // A frame is called by its file.
+    // A frame is named after its file.
     let name = match subject.on.name.contains('.') {
         true => "",
         false => &format!("{}-", subject.on.name),
@@ -44,7 +44,7 @@ pub(super) fn of_light(subject: &Subject) -> [String; 2] {
     ["lights", "equations"].map(|plot| format!("{name}{plot}.svg"))
 }
 
-/// Every plot with the name of its file.
+/// All plots, by file name.
 pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
     let scenes = report.scenes.iter();
     let mut plots: Vec<_> = scenes
@@ -70,7 +70,7 @@ pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
     plots
 }
 
-/// Largest error of the gradient against the time of diffusion, a panel per scale.
+/// Largest gradient error against diffusion time, one panel per scale.
 fn error_against_time(sweep: &SceneSweep) -> String {
     let mut legend = vec![
         ("Chebyshev, by tolerance (* asked for)", SERIES[0]),
@@ -91,7 +91,7 @@ fn error_against_time(sweep: &SceneSweep) -> String {
         }
     };
     let panel = |scale: &ScaleSweep| {
-        // The expansion's points lie to the left of the steps', and so do their labels.
+        // The expansion's points are left of the steps', so their labels are too.
         let solvers = [
             (Solver::Chebyshev, SERIES[0], HPos::Right),
             (Solver::Explicit, SERIES[1], HPos::Left),
@@ -121,7 +121,7 @@ fn error_against_time(sweep: &SceneSweep) -> String {
     figure(&title, &legend, axes, sweep.scales.iter().map(panel))
 }
 
-/// Mean error of the trace on a ball by n_z, a panel per foreshortening and a line per floor.
+/// Mean error of the trace on a ball by n_z, one panel per foreshortening and one line per floor.
 fn error_near_the_rim(rows: &[BallRow]) -> String {
     let names = FLOORS.map(|floor| format!("min_nz {floor}"));
     let legend: Vec<_> = names.iter().map(String::as_str).zip(SERIES).collect();
@@ -135,7 +135,7 @@ fn error_near_the_rim(rows: &[BallRow]) -> String {
         let series = rows.zip(styles).flat_map(|(row, (color, radius))| {
             let bands = BANDS.windows(2).zip(&row.bands);
             let points = bands.map(|(b, errors)| Point::new((b[0] * b[1]).sqrt(), errors.mean, ""));
-            // Where the floor lies; without foreshortening it takes no part.
+            // Position of the floor; without foreshortening it has no effect.
             let floor = f64::from(row.min_nz);
             let takes_part = foreshortening > 0.0 && BANDS[0] < floor && floor < bounds.end;
             let floor = takes_part.then(|| Point::new(floor, 1.0, ""));
@@ -153,7 +153,7 @@ fn error_near_the_rim(rows: &[BallRow]) -> String {
     figure(title, &legend, ["n_z", "mean relative error"], panels)
 }
 
-/// The error that 95 in 100 directions on an ellipsoid stay below, by step, a line per rounding of the normals.
+/// The 95th percentile of direction errors on an ellipsoid, by step, one line per rounding of the normals.
 fn error_against_step(sweep: &directions::Sweep) -> String {
     let legend = [
         ("float normals", SERIES[0]),
@@ -185,11 +185,11 @@ fn error_against_step(sweep: &directions::Sweep) -> String {
         ..Panel::new("95 % stay below", series)
     };
     let title = format!("{}: error of the directions of curvature by step", sweep.on);
-    // No two directions are more than 90 degrees apart.
+    // Directions are at most 90 degrees apart.
     figure_up_to(100.0, &title, &legend, ["step, px", "degrees"], [panel])
 }
 
-/// Axes of error of light against time.
+/// Axes of plots of lighting error against time.
 const LIGHT: [&str; 2] = ["lighting, ms", "error of 99 % / white"];
 
 fn sample(sample: &Sample) -> Point {
@@ -197,8 +197,7 @@ fn sample(sample: &Sample) -> Point {
     Point::new(1e3 * sample.relight.min, error, sample.count)
 }
 
-/// The error that 99 pixels in 100 stay below against the time of lighting, by number of lights; a panel per
-/// surface and method.
+/// The 99th percentile of errors against lighting time, by number of lights; one panel per material and method.
 fn error_against_lights(subject: &Subject) -> String {
     let panels = subject.samples.iter().map(|sweep| {
         let points = sweep.rows.iter().map(|row| Point {
@@ -213,7 +212,7 @@ fn error_against_lights(subject: &Subject) -> String {
     figure(&title, &legend, LIGHT, panels)
 }
 
-/// The same for warped light by either equation, a panel per surface.
+/// The same for warped light with either equation, one panel per material.
 fn both_equations(subject: &Subject) -> String {
     let legend = [
         ("equation 1: look-ups", SERIES[1]),
@@ -232,7 +231,7 @@ fn both_equations(subject: &Subject) -> String {
     figure(&title, &legend, LIGHT, panels)
 }
 
-/// Angle from full resolution against time, by pixels of the picture to one of the field; a panel per frame.
+/// Angle to full resolution against time, by cell size of the field; one panel per frame.
 fn error_of_directions(sweeps: &[field::Sweep]) -> String {
     let panels = sweeps.iter().map(|sweep| {
         let resolutions = &sweep.rows[..field::CELLS_PX.len()];
@@ -254,7 +253,7 @@ fn error_of_directions(sweeps: &[field::Sweep]) -> String {
     figure(title, &legend, axes, panels)
 }
 
-/// How well strokes follow the field and how far they run, by levels, a line per number of sets.
+/// How well strokes follow the field and how long they are, by levels, one line per number of sets.
 fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
     let names = strokes::SETS.map(|sets| match sets {
         1 => "1 set".to_string(),
@@ -279,14 +278,14 @@ fn strokes_by_levels(sweep: &strokes::Sweep) -> String {
 
 type SightLineError = fn(&MirrorRow) -> f64;
 
-/// Errors of a mirror's sight lines, by the names of their plots.
+/// Errors of a mirror's sight lines, by plot name.
 const SIGHT_LINES: [(&str, SightLineError); 3] = [
     ("astray, share of pixels", MirrorRow::astray),
     ("points, 95 %", |row| row.position.p95),
     ("points, median", |row| row.position.median),
 ];
 
-/// Sight lines gone astray and errors of the points found against time, a panel for each setting that is varied.
+/// Stray sight lines and errors of found points against time, one panel per varied setting.
 fn error_of_mirrors(mirrors: &MirrorReport) -> String {
     let legend = [0, 1, 2].map(|i| (SIGHT_LINES[i].0, SERIES[i]));
     let panels = mirrors.varied().map(|varied| {
@@ -309,8 +308,8 @@ fn error_of_mirrors(mirrors: &MirrorReport) -> String {
     figure(&title, &legend, ["specular-trace, ms", "error"], panels)
 }
 
-/// The largest error of each picture against the time of all its stages by both backends, a panel per picture. A
-/// picture that is the reference itself has no error to show.
+/// The largest error of each picture against its total time on both backends, one panel per picture. A picture that is
+/// the reference has no error to show.
 fn error_of_pictures(name: &str, rows: &[PictureRow]) -> String {
     let panels = rows.iter().map(|row| {
         let (cpu, gpu) = (&row.on_cpu, &row.on_gpu);
@@ -318,7 +317,7 @@ fn error_of_pictures(name: &str, rows: &[PictureRow]) -> String {
             .errors
             .map(|errors| Point::new(1e3 * cpu.whole.min, errors.max, ""));
         let on_gpu = Point::new(1e3 * gpu.timed.whole.min, gpu.errors.max, "");
-        // The device has the third colour, as beside the solvers.
+        // The device has the third colour, as in the plots of solvers.
         let series = [
             Series::new(SERIES[0], Marks::Discs(4), on_cpu.into_iter()),
             Series::new(SERIES[2], Marks::Discs(4), std::iter::once(on_gpu)),

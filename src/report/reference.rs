@@ -1,8 +1,8 @@
-//! The descriptor in double precision: what single-precision results are measured against.
+//! The descriptor in double precision: the reference for single-precision results.
 //!
 //! It starts from the frame alone (normals, depth or occlusion, mask), so an error of silhouettes, creases,
-//! conductance, gradient, diffusion or curvature shows as a difference. The formulas are written again, not
-//! shared with the kernels, for the same reason.
+//! conductance, gradient, diffusion or curvature shows as a difference. For the same reason the formulas are written
+//! anew, not shared with the kernels.
 
 use crate::frame::{Frame, Mask, Plane};
 use crate::params::{Scale, ShapeParams, SoftThreshold};
@@ -13,13 +13,13 @@ use rayon::prelude::*;
 /// A field of 2-vectors in double precision: x right, y up.
 pub(super) type Field = [Plane<f64>; 2];
 
-/// Tolerance of the reference's own expansion: far below what f32 can hold.
+/// Tolerance of the reference's own expansion: far below the precision of f32.
 const TOLERANCE: f64 = 1e-13;
 
-/// Steps past which the reference of steps is expanded too, so that any number of them ends soon.
+/// Steps above which the reference of steps is expanded too, which bounds its run time.
 const MOST_STEPS: u32 = 500;
 
-/// A weight, 0..1, and the range that single-precision rounding before its threshold can move it through.
+/// A weight, 0..1, and the range it can take when single-precision rounding moves the value before its threshold.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Weight {
     pub exact: f64,
@@ -34,7 +34,7 @@ impl Weight {
         most: 1.0,
     };
 
-    /// A linear ramp from 0 at `lo` to 1 at `hi`, a step where they are equal, of a value known to within `rounding`.
+    /// A linear ramp from 0 at `lo` to 1 at `hi`, or a step if they are equal, of a value known to within `rounding`.
     fn ramp(value: f64, rounding: f64, SoftThreshold { lo, hi }: SoftThreshold) -> Self {
         let (lo, hi) = (f64::from(lo), f64::from(hi));
         let at = |value: f64| match lo < hi {
@@ -45,7 +45,7 @@ impl Weight {
         Self { exact, least, most }
     }
 
-    /// What conducts beside the larger of two edge weights.
+    /// The conductance: 1 minus the larger of two edge weights.
     fn conductance(a: Self, b: Self) -> Self {
         Self {
             exact: 1.0 - a.exact.max(b.exact),
@@ -59,7 +59,7 @@ impl Weight {
 pub(super) struct Edges {
     pub silhouette: Plane<Weight>,
     pub crease: Plane<Weight>,
-    /// Conductance: what is left of 1 beside the larger of the two.
+    /// Conductance: 1 minus the larger of the two.
     pub conductance: Plane<Weight>,
 }
 
@@ -97,9 +97,9 @@ impl Edges {
 
     /// The conductance nearest to `found` that rounding allows.
     ///
-    /// The reference diffuses by this one: the ramp of a threshold multiplies the rounding of a logarithm a hundredfold,
-    /// and through a nearly closed pixel that would drown the errors of the solver. What goes beyond rounding is
-    /// not taken over, and shows in all that follows.
+    /// The reference diffuses with this one: the ramp of a threshold amplifies the rounding of a logarithm a
+    /// hundredfold, and through a nearly closed pixel that would drown the errors of the solver. Differences beyond
+    /// rounding are not adopted, and show in all later results.
     pub(super) fn conductance_near(&self, found: &Plane) -> Plane<f64> {
         Plane::from_fn(found.width(), found.height(), |x, y| {
             let Weight { least, most, .. } = self.conductance.at(x, y);
@@ -108,7 +108,7 @@ impl Edges {
     }
 }
 
-/// `value` of every covered pixel, the default elsewhere.
+/// `value` at every covered pixel, the default elsewhere.
 fn covered<T: Copy + Default + Send>(
     mask: &Mask,
     value: impl Fn(usize, usize) -> T + Sync,
@@ -131,11 +131,11 @@ fn is_border(mask: &Mask, x: usize, y: usize) -> bool {
 /// Spacing of single-precision numbers at 1.
 const EPSILON: f64 = f32::EPSILON as f64;
 
-/// 1 at the border of what is covered, else by the jump of `map` across the pixel: its Sobel slope times the two
-/// pixels between left and right.
+/// 1 at the border of the coverage, else by the jump of `map` across the pixel: its Sobel slope times the two pixels
+/// between left and right.
 ///
-/// Rounding: a value v of the map is off by one ulp at most, v EPSILON, and the sums of three on each side by
-/// 0.75 times as much; that twice, in both directions, is 2 sqrt(2) 1.75 < 5. The ramp adds that of its bounds.
+/// Rounding: a value v of the map is off by at most one ulp, v EPSILON, and the sums of three on each side by 0.75
+/// times as much; that twice, in both directions, is 2 sqrt(2) 1.75 < 5. The ramp adds that of its bounds.
 fn silhouette(
     map: &Plane<f64>,
     mask: &Mask,
@@ -157,8 +157,8 @@ fn silhouette(
     Weight::ramp(2.0 * f64::hypot(right, up) / 8.0, rounding, threshold)
 }
 
-/// By the largest angle between the pixel's normal and those of its four neighbours, and across the pixel, or by that
-/// between two normals whose mean is as short as the pixel's was before it was made unit length.
+/// By the largest angle between the pixel's normal and those of its four neighbours, and across the pixel, or by the
+/// angle between two normals whose mean is as short as the pixel's normal before normalisation.
 fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> Weight {
     let normal = |dx: i64, dy: i64| {
         let (i, j) = (x as i64 + dx, y as i64 + dy);
@@ -183,7 +183,8 @@ fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> We
         .as_ref()
         .map_or(1.0, |l| l.at(x, y).into());
     let within = 2.0 * f64::clamp(length, 0.0, 1.0).acos();
-    // Components of unit vectors are off by EPSILON at most; the smaller an angle, the less exact it is from its cosine.
+    // Components of unit vectors are off by at most EPSILON; the smaller an angle, the less precise it is when derived
+    // from its cosine.
     let rounding = match within > between {
         true => 4.0 * EPSILON / (0.5 * within).sin(),
         false => 8.0 * EPSILON,
@@ -192,7 +193,7 @@ fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> We
     Weight::ramp(angle, rounding, threshold_deg)
 }
 
-/// The depth gradient of every covered pixel, 0 elsewhere ([RS] section 4.1).
+/// The depth gradient at every covered pixel, 0 elsewhere ([RS] section 4.1).
 pub(super) fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
     let projection = frame.camera.map(|camera| camera.projection);
     let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);
@@ -218,7 +219,7 @@ pub(super) fn largest(field: &Field) -> f64 {
     pairs.fold(0.0, |largest: f64, (x, y)| largest.max(x.hypot(*y)))
 }
 
-/// Least and largest sample of `plane` inside `mask`; [0, 0] where there is none.
+/// Smallest and largest sample of `plane` inside `mask`; [0, 0] if there is none.
 pub(super) fn range(plane: &Plane<f64>, mask: &Mask) -> [f64; 2] {
     let covered = plane.samples().iter().zip(mask.plane().samples());
     let range = covered
@@ -269,7 +270,7 @@ impl Operator {
         }
     }
 
-    /// `combine(g, Lg, out)` of every pixel, written to `out`.
+    /// `combine(g, Lg, out)` for every pixel, stored in `out`.
     fn sweep(
         &self,
         out: &mut Plane<f64>,
@@ -307,12 +308,12 @@ impl Operator {
         now
     }
 
-    /// `exp(time L) g`, by an expansion within 1e-13 of the largest |g|.
+    /// `exp(time L) g`, by an expansion accurate to 1e-13 of the largest |g|.
     pub(super) fn exponential(&self, g: &Plane<f64>, time: f64) -> Plane<f64> {
         self.expanded(g, Spread::Time(time))
     }
 
-    /// `g` diffused by `spread`, by an expansion within 1e-13 of the largest |g|.
+    /// `g` diffused by `spread`, by an expansion accurate to 1e-13 of the largest |g|.
     fn expanded(&self, g: &Plane<f64>, spread: Spread) -> Plane<f64> {
         let a = coefficients(spread, TOLERANCE);
         let mut sum = g.map(|v| a[0] * v);
@@ -334,7 +335,7 @@ impl Operator {
         sum
     }
 
-    /// `field` diffused as `params` ask: exactly for a scale in pixels, in steps for a number of them.
+    /// `field` diffused according to `params`: exactly for a scale in pixels, in steps for a number of steps.
     pub(super) fn diffused(&self, field: &Field, params: &ShapeParams) -> Field {
         [0, 1].map(|axis: usize| match params.scale {
             Scale::Iterations(count) if count <= MOST_STEPS => {
@@ -349,20 +350,20 @@ impl Operator {
     }
 }
 
-/// Trace of the Hessian of every covered pixel: the divergence of the plane fitted to the 3x3
-/// gradients, weighted by conductance, as [`crate::shape::hessian`] defines it.
+/// Trace of the Hessian at every covered pixel: the divergence of the plane fitted to the 3x3 gradients, weighted by
+/// conductance, as defined in [`crate::shape::hessian`].
 pub(super) fn trace(field: &Field, conductance: &Plane<f64>, mask: &Mask) -> Plane<f64> {
     covered(mask, |x, y| divergence(field, conductance, x, y))
 }
 
-/// Keeps a fit to neighbours on one line solvable, as the kernel does.
+/// Regularises a fit to neighbours on one line, as in the kernel.
 const RIDGE: f64 = 1e-4;
 
 fn divergence(field: &Field, conductance: &Plane<f64>, x: usize, y: usize) -> f64 {
     let c = |x: usize, y: usize| conductance.at(x, y);
     let (w, h) = (conductance.width() as i64, conductance.height() as i64);
     let open_everywhere = around(x, y, w, h).all(|(_, _, i, j, _)| c(i, j) == 1.0);
-    // In the open the moments are exactly 8; what the ridge would add is not there.
+    // Away from edges the moments are exactly 8, without the contribution of the ridge.
     let ridge = if open_everywhere { 0.0 } else { RIDGE };
     let (mut xx, mut xy, mut yy) = (ridge, 0.0, ridge);
     let mut rise = [[0.0; 2]; 2];
@@ -383,7 +384,7 @@ fn divergence(field: &Field, conductance: &Plane<f64>, x: usize, y: usize) -> f6
     c(x, y) * (along_x + along_y)
 }
 
-/// The eight neighbours as (dx, dy up, column, row, Sobel's weight); beyond the border it is repeated.
+/// The eight neighbours as (dx, dy up, column, row, Sobel's weight); the border is repeated.
 fn around(
     x: usize,
     y: usize,
@@ -414,7 +415,7 @@ mod tests {
     const W: usize = 6;
     const H: usize = 5;
 
-    /// Conductances from open to closed, with a barrier that is not complete.
+    /// Conductances from open to closed, with an incomplete barrier.
     fn conductance() -> Plane<f64> {
         Plane::from_fn(W, H, |x, y| match (x, y) {
             (3, 0..=2) => 0.0,
@@ -427,7 +428,7 @@ mod tests {
         Plane::from_fn(W, H, |x, y| ((x * 7 + y * 13) % 11) as f64 / 5.0 - 1.0)
     }
 
-    /// The operator as a matrix, written down from its definition: sum c_ij (g_j - g_i).
+    /// The operator as a matrix, directly from its definition: sum c_ij (g_j - g_i).
     fn matrix() -> DMatrix<f64> {
         let c = conductance();
         let mut l = DMatrix::zeros(W * H, W * H);
@@ -452,7 +453,7 @@ mod tests {
 
     #[test]
     fn the_exponential_is_that_of_the_matrix() {
-        // By its eigenvectors: L is symmetric. Eigenvalues are known to 1e-15, which time multiplies.
+        // By its eigenvectors, since L is symmetric. Eigenvalues are known to 1e-15, which time multiplies.
         let eigen = matrix().symmetric_eigen();
         assert!(
             eigen
@@ -494,7 +495,7 @@ mod tests {
 
     #[test]
     fn many_short_steps_come_to_the_exponential() {
-        // The error of first-order steps is t dt |L|^2 / 2 at most: 2 * 1e-5 * 32.
+        // The error of first-order steps is at most t dt |L|^2 / 2: 2 * 1e-5 * 32.
         let operator = Operator::new(&conductance());
         let (stepped, exact) = (
             operator.steps(&start(), 200_000, 1e-5),
@@ -506,8 +507,8 @@ mod tests {
 
     #[test]
     fn the_trace_of_a_linear_field_is_its_divergence() {
-        // g = (0.3 x + 0.1 y, 0.1 x - 0.2 y), y up: 0.3 - 0.2, times the pixel's conductance. At the
-        // picture's border the repeated row halves a derivative, so only the inside is looked at.
+        // g = (0.3 x + 0.1 y, 0.1 x - 0.2 y), y up: 0.3 - 0.2, times the pixel's conductance. At the picture's border
+        // the repeated row halves a derivative, so only the interior is tested.
         let field = [(0.3, 0.1), (0.1, -0.2)]
             .map(|(a, b)| Plane::from_fn(7, 6, |x, y| a * x as f64 - b * y as f64));
         let open = trace(&field, &Plane::filled(7, 6, 1.0), &Mask::full(7, 6));
@@ -553,7 +554,7 @@ mod tests {
             assert!(x3 == 0.0 && (x4 - weight).abs() < 1e-4 && (x5 - x4).abs() < 1e-9);
             assert!((edges.conductance.at(4, 4).exact - (1.0 - weight)).abs() < 1e-4);
         }
-        // Between normals at an angle the ramp is that of the angle, whichever neighbour it is to.
+        // Between normals at an angle the weight is the ramp of that angle, for any neighbour.
         let bend = |degrees: f64| {
             let angle = |x: usize| if x < 5 { 0.0 } else { degrees.to_radians() };
             let plane = |of: &dyn Fn(f64) -> f64| Plane::from_fn(9, 9, |x, _| of(angle(x)) as f32);
@@ -579,7 +580,7 @@ mod tests {
 
     #[test]
     fn single_precision_stays_within_its_rounding() {
-        // By depth, by an occlusion map and by the border of the mask alone.
+        // By depth, by an occlusion map and by the border of the mask only.
         let frames = Scene::all(96, 72)
             .into_iter()
             .flat_map(|Scene { frame, .. }| {

@@ -1,7 +1,7 @@
-//! Run times of plans, and the share of the machine that they use.
+//! Run times of plans, and the share of the machine they use.
 //!
-//! Runs follow one another in the memory of those before: times are those of the second and later frames of
-//! a sequence. The first of a program takes longer, as the system has to hand out its memory.
+//! Runs reuse the memory of earlier ones, so times are those of the second and later frames of a sequence. The first
+//! run of a program takes longer, since the system has to provide its memory.
 
 use super::machine::Machine;
 use super::numbers::milliseconds;
@@ -16,22 +16,22 @@ use serde::Serialize;
 use std::fmt::{self, Display};
 use std::time::{Duration, Instant};
 
-/// Least and median of several runs, in seconds.
+/// Minimum and median of several runs, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Times {
-    /// Least.
+    /// Minimum.
     pub min: f64,
     /// Median.
     pub median: f64,
-    /// How many runs there were.
+    /// Number of runs.
     pub runs: usize,
 }
 
 impl Times {
-    /// Of runs that took so many seconds each.
+    /// From the seconds of each run.
     ///
     /// # Panics
-    /// If there was none.
+    /// If there are none.
     pub fn of(mut seconds: Vec<f64>) -> Self {
         let mut of = |share| quantile(&mut seconds, share, f64::total_cmp).expect("there are runs");
         Self {
@@ -41,7 +41,7 @@ impl Times {
         }
     }
 
-    /// Megapixels per second of the median.
+    /// Megapixels per second at the median.
     pub fn megapixels_per_second(&self, pixels: usize) -> f64 {
         pixels as f64 / 1e6 / self.median
     }
@@ -54,17 +54,17 @@ impl Display for Times {
     }
 }
 
-/// How often things are timed.
+/// Effort per measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Runs at the most, the warming one aside.
+    /// Maximum number of runs, without the warm-up.
     pub runs: usize,
-    /// Time per plan after which no further run is begun; two are always made.
+    /// Time per plan after which no further run starts; there are always at least two.
     pub limit: Duration,
 }
 
 impl Effort {
-    /// So many runs, or so many milliseconds.
+    /// At most this many runs, or about this many milliseconds.
     pub fn new(runs: usize, limit_ms: u64) -> Self {
         Self {
             runs,
@@ -73,7 +73,7 @@ impl Effort {
     }
 }
 
-/// Times of a plan that was run several times.
+/// Times of a plan over several runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timed {
     /// Time of each stage, in order.
@@ -83,10 +83,10 @@ pub struct Timed {
 }
 
 impl Timed {
-    /// Of runs of the same stages.
+    /// From runs of the same stages.
     ///
     /// # Panics
-    /// If there was none.
+    /// If there are none.
     pub(super) fn of(runs: &[Timings]) -> Self {
         let seconds = |run: &Timings, i: usize| run[i].1.as_secs_f64();
         let stage = |i: usize| Times::of(runs.iter().map(|run| seconds(run, i)).collect());
@@ -115,7 +115,7 @@ impl Timed {
 /// Times of the stages of one run.
 pub(super) type Timings = Vec<(&'static str, Duration)>;
 
-/// The plan for `goal`, of the shape of `frame`.
+/// The plan for `goal`, from the shape of `frame`.
 ///
 /// # Errors
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -128,7 +128,7 @@ pub(crate) fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan
     )
 }
 
-/// Runs `plan`, for shape, once to warm up, then as often as `effort` says.
+/// Runs a shape `plan` once to warm up, then the number of times given by `effort`.
 pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
     measure_with(RunOptions::default(), plan, frame, effort)
 }
@@ -144,13 +144,13 @@ pub(super) fn measure_with(
     measure_runs(&engine, effort, || of_shape(&engine, plan, frame))
 }
 
-/// The outcome of a plan that needs only the frame.
+/// The outcome of a plan without inputs beside the frame.
 fn of_shape(engine: &Engine, plan: &Plan, frame: &Frame) -> Outcome {
     let outcome = engine.execute(plan, frame, Inputs::default(), &Run::new());
     outcome.expect("plans of reports are made for what they are run on")
 }
 
-/// Runs `plans` in turn, round after round: a busy machine slows all of them alike.
+/// Runs `plans` in turn, round after round, so that load on the machine slows all of them alike.
 pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
     let engine = Engine::cpu();
     let run = |plan| of_shape(&engine, plan, frame);
@@ -174,7 +174,8 @@ pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> 
     runs.iter().map(|runs| Timed::of(runs)).collect()
 }
 
-/// Makes `run` once to warm up, then as often as `effort` says; the memory of all outcomes but the last goes back to `engine`.
+/// Calls `run` once to warm up, then the number of times given by `effort`; the memory of all outcomes but the last is
+/// recycled to `engine`.
 pub fn measure_runs(
     engine: &Engine,
     effort: Effort,
@@ -197,10 +198,9 @@ pub fn measure_runs(
 /// Utilisation of the machine by a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Utilisation {
-    /// Bytes that an ideal pass would move, per second.
+    /// Bytes per second that an ideal pass would move.
     pub bytes_per_second: f64,
-    /// The same as a share of the measured bandwidth. Above 1 where a frame, or a tile of it, stays in
-    /// a cache.
+    /// The same as a share of the measured bandwidth. Above 1 if a frame, or a tile of it, stays in a cache.
     pub of_bandwidth: f64,
     /// Operations per second.
     pub operations_per_second: f64,
@@ -209,7 +209,7 @@ pub(crate) struct Utilisation {
 }
 
 impl Utilisation {
-    /// `work` over `pixels` covered pixels in the least of `times`.
+    /// `work` over `pixels` covered pixels in the minimum of `times`.
     pub(crate) fn of(work: Work, pixels: usize, times: Times, machine: &Machine) -> Self {
         let per_second = |each: f64| each * pixels as f64 / times.min;
         let (bytes, operations) = (per_second(work.bytes), per_second(work.operations));
@@ -250,7 +250,7 @@ mod tests {
             bytes: 20.0,
             operations: 100.0,
         };
-        // 20 bytes times 1e5 pixels in 10 ms: 2e8 a second; 100 operations: 1e9.
+        // 20 bytes times 1e5 pixels in 10 ms: 2e8 per second; 100 operations: 1e9.
         let used = Utilisation::of(work, 100_000, times, &machine);
         assert!(
             (used.of_bandwidth - 0.2).abs() < 1e-12 && (used.of_arithmetic - 0.25).abs() < 1e-12

@@ -1,9 +1,8 @@
-//! Bytes and operations of an ideal pass, per covered pixel: the model behind the shares of bandwidth and
-//! arithmetic.
+//! Bytes and operations of an ideal pass, per covered pixel: the model for shares of bandwidth and arithmetic.
 //!
-//! Every plane that a stage needs is read once and every one that it makes is written once, 4 bytes a
-//! sample; neighbours come from the cache. Additions, multiplications, comparisons and square roots count
-//! as one operation, divisions as one, and a logarithm, power, sine or arc tangent as twenty.
+//! Every plane that a stage needs is read once and every plane it produces is written once, 4 bytes per sample;
+//! neighbours come from the cache. Additions, multiplications, comparisons, square roots and divisions count as one
+//! operation, and a logarithm, power, sine or arc tangent as twenty.
 
 use crate::params::ShapeParams;
 use crate::plan::{DiffusionSchedule, Recurrence};
@@ -23,10 +22,10 @@ const SAMPLE: f64 = 4.0;
 const FUNCTION: f64 = 20.0;
 /// Sobel's two derivatives: 4 additions and 2 multiplications each, a division, a difference.
 const SOBEL: f64 = 16.0;
-/// Flow into a sample: 4 differences, 4 products, 3 sums.
+/// Flux into a sample: 4 differences, 4 products, 3 sums.
 const FLUX: f64 = 11.0;
 
-/// The work of the stage that the backend times under `name`; `None` for one without a model.
+/// The work of the stage with the timing name `name`; `None` for a stage without a model.
 pub(crate) fn of_stage(
     name: &str,
     shape: &ShapeParams,
@@ -59,9 +58,9 @@ pub(crate) fn of_stage(
         "auto-gain" => planes(2, 0, 6.0),
         "display" => planes(2, 3, FUNCTION + 20.0),
         "radiance-scaling" => planes(4, 3, 2.0 * FUNCTION + 25.0),
-        // Of two lobes with direct light, indirect light and colour: 18 planes, the picture and the trace.
+        // For two lobes with direct light, indirect light and colour: 18 planes, the picture and the trace.
         "light-lobes" => planes(22, 3, 3.0 * FUNCTION + 90.0),
-        // Of two groups of one direction: 6 planes, the picture, the normal and the trace.
+        // For two groups of one direction: 6 planes, the picture, the normal and the trace.
         "light-groups" => planes(13, 3, 3.0 * FUNCTION + 70.0),
         "ambient-occlusion" => planes(5, 3, 2.0 * FUNCTION + 20.0),
         "auto-white" => planes(3, 0, 8.0),
@@ -69,8 +68,8 @@ pub(crate) fn of_stage(
     })
 }
 
-/// Gradient and conductance are read and the result is written once, whatever the number of sweeps:
-/// the rows in flight are in the cache. A link of the recurrence adds its term to the sum.
+/// Gradient and conductance are read and the result is written once, whatever the number of sweeps: the rows in flight
+/// are in the cache. A link of the recurrence adds its term to the sum.
 fn of_diffusion(sweeps: &DiffusionSchedule) -> Work {
     let operations = match sweeps.recurrence {
         Recurrence::Explicit(_) => FLUX + 2.0,
@@ -103,8 +102,8 @@ mod tests {
             let plan = timing::plan(Goal::Display, &frame, shape).unwrap();
             of_stage("diffusion", &shape, &plan.sweeps).unwrap()
         };
-        // g of two components in and out and the conductance: 5 planes of 4 bytes. Ten times two components
-        // of 11 operations for the flux, a product and a sum.
+        // g with two components in and out and the conductance: 5 planes of 4 bytes. Ten times two components with 11
+        // operations for the flux, a product and a sum.
         assert_eq!((work(10).bytes, work(10).operations), (20.0, 260.0));
         assert_eq!(work(20).operations, 520.0);
     }

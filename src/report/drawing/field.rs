@@ -1,4 +1,4 @@
-//! The field of directions: passes, and pixels of the picture to one of the field.
+//! The field of directions: number of passes, and resolution relative to the picture.
 
 use super::Card;
 use crate::Result;
@@ -15,24 +15,24 @@ use crate::report::timing::Times;
 use glam::DVec2;
 use serde::Serialize;
 
-/// Sides of the field's pixels that are tried, in pixels of the picture.
+/// Cell sizes of the field tried, in pixels of the picture.
 pub(crate) const CELLS_PX: [u32; 4] = [8, 4, 2, 1];
 
 /// Results of one setting.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct FieldRow {
-    /// How often directions are averaged.
+    /// Number of smoothing passes.
     pub passes: u32,
-    /// Side of a pixel of the field, in pixels of the picture.
+    /// Cell size of the field, in pixels of the picture.
     pub cell_px: u32,
-    /// From the field of full resolution averaged as often.
+    /// Angles to the field of full resolution with the same number of passes.
     pub from_full: Angles,
-    /// From the exact directions, where they are known.
+    /// Angles to the exact directions, if known.
     pub from_exact: Option<Angles>,
-    /// Mean turn from pixel to pixel, in degrees: how calm strokes are.
+    /// Mean turn per pixel, in degrees: a measure of how calm strokes are.
     pub turn: f64,
     pub stage: Times,
-    /// Whether no other resolution of as many passes is both faster and nearer to the full one.
+    /// Whether no other resolution with the same number of passes is both faster and closer to the full one.
     pub on_front: bool,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct FieldRow {
 pub(crate) struct Sweep {
     #[serde(flatten)]
     pub on: On,
-    /// The resolutions at the usual number of passes, then the passes at the usual resolution.
+    /// All resolutions at the default number of passes, then all passes at the default resolution.
     pub rows: Vec<FieldRow>,
 }
 
@@ -94,7 +94,7 @@ fn row(bench: &Card, params: FieldParams, exact: Option<&Scene>) -> Result<Field
     })
 }
 
-/// Mean angle between the directions of pixels side by side.
+/// Mean angle between the directions of neighbouring pixels.
 fn turn(bench: &Card, found: &Vector2Planes) -> f64 {
     let mask = &bench.card.mask;
     let mut tally = Tally::default();

@@ -1,6 +1,6 @@
 //! Drawings: error against time for levels, sets, passes and the field's resolution, and the accuracy of tones.
 //!
-//! A card is drawn: the surface of a frame in one even tone, so that the drawing shows strokes alone.
+//! The drawing is a card: the surface of a frame in one uniform tone, which isolates the strokes.
 
 pub(super) mod field;
 pub(super) mod strokes;
@@ -20,7 +20,7 @@ use crate::params::{
 use crate::plan::{Available, Plan};
 use serde::Serialize;
 
-/// Everything that was measured of drawings.
+/// All measurements of drawings.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct DrawingReport {
     pub fields: Vec<field::Sweep>,
@@ -68,10 +68,10 @@ pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
     })
 }
 
-/// The tone in which strokes show best.
+/// The tone that shows strokes best.
 const HALF: f32 = 0.5;
 
-/// A card, to be drawn again and again in the same memory.
+/// A card for repeated drawing in the same memory.
 struct Card {
     card: Frame,
     shape: ShapeParams,
@@ -80,7 +80,7 @@ struct Card {
 }
 
 impl Card {
-    /// The surface of `frame`, half dark.
+    /// The surface of `frame` in half tone.
     fn new(frame: &Frame, shape: ShapeParams, effort: Effort) -> Self {
         let mut bench = Self {
             card: frame.clone(),
@@ -92,7 +92,7 @@ impl Card {
         bench
     }
 
-    /// Gives the card another tone.
+    /// Sets the tone of the card.
     fn paint(&mut self, tone: f32) {
         let mask = &self.card.mask;
         let even = Plane::filled(mask.width(), mask.height(), tone);
@@ -109,7 +109,7 @@ impl Card {
         )))
     }
 
-    /// The same, and what the stages took.
+    /// The same, with the times of the stages.
     fn timed(&self, line: LineParams) -> Result<(Plane, Timed)> {
         let plan = self.plan(line)?;
         let inputs = Inputs::default();
@@ -128,7 +128,7 @@ impl Card {
         Ok(self.session.stroke_field(&plan, &self.card, inputs, &line))
     }
 
-    /// One family of strokes at their own size.
+    /// A single family of strokes at scale 1.
     fn plan(&self, line: LineParams) -> Result<Plan> {
         let line = LineParams {
             tone: painted(),

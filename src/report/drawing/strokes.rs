@@ -1,4 +1,4 @@
-//! Levels of angles and sets of them: how well strokes follow the field, how long they are, how even their
+//! Levels of angles and sets of levels: how well strokes follow the field, how long they are, and how uniform their
 //! tone is.
 
 use super::{Card, HALF};
@@ -15,9 +15,9 @@ use crate::report::timing::Times;
 use glam::DVec2;
 use serde::Serialize;
 
-/// Numbers of levels that are tried, the last as the limit of them all.
+/// Numbers of levels tried; the last one is the limit.
 pub(crate) const LEVELS: [u32; 8] = [4, 8, 12, 16, 24, 36, 72, MAX_LEVELS];
-/// Numbers of sets that are tried.
+/// Numbers of sets tried.
 pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 
 /// Results of one setting.
@@ -25,12 +25,11 @@ pub(crate) const SETS: [u32; 3] = [1, 2, 4];
 pub(crate) struct StrokeRow {
     pub levels: u32,
     pub sets: u32,
-    /// From strokes, as they are drawn, to the field.
+    /// Angles between the strokes as drawn and the field.
     pub from_field: Angles,
-    /// How alike ink is farther along the field, by a sixth of a stroke, as a share of that of straight
-    /// strokes.
+    /// Correlation of ink with that a sixth of a stroke farther along the field, relative to straight strokes.
     pub unbroken: f64,
-    /// Root mean square of the error of tone, 0..1, over some two strokes' distances.
+    /// Root mean square error of tone, 0..1, averaged over about two stroke spacings.
     pub blotches: f64,
     pub stage: Times,
 }
@@ -40,16 +39,16 @@ pub(crate) struct StrokeRow {
 pub(crate) struct Sweep {
     #[serde(flatten)]
     pub on: On,
-    /// Pixels compared: those whose surroundings are all covered.
+    /// Number of pixels compared, with fully covered neighbourhoods.
     pub pixels: usize,
-    /// [`StrokeRow::blotches`] of straight strokes: the share of chance.
+    /// [`StrokeRow::blotches`] of straight strokes: the part due to chance.
     pub straight_blotches: f64,
     /// By sets, then by levels.
     pub rows: Vec<StrokeRow>,
 }
 
-/// How far around, in pixels, directions of strokes and tones are averaged: three times, which makes a bell of
-/// this deviation.
+/// Radius in pixels for averaging stroke directions and tones: three box filters, approximately a Gaussian of this
+/// standard deviation.
 const AROUND_PX: usize = 8;
 
 pub(super) fn sweep(name: &str, bench: &Card) -> Result<Sweep> {
@@ -100,7 +99,7 @@ fn straight(bench: &Card) -> Result<[f64; 2]> {
     Ok([likeness(&ink, &field, &inner), blotches(&ink, &inner)])
 }
 
-/// Pixels around which everything is covered as far as means reach.
+/// Pixels whose neighbourhood is covered as far as the averages reach.
 fn inner(mask: &Mask) -> Mask {
     let covered = Plane::from_fn(mask.width(), mask.height(), |x, y| {
         f32::from(u8::from(mask.at(x, y)))
@@ -114,16 +113,16 @@ fn inner(mask: &Mask) -> Mask {
     }))
 }
 
-/// The directions along which ink changes least.
+/// The directions along which ink varies least.
 fn strokes_of(ink: &Plane) -> Vector2Planes {
-    // Between next neighbours differences of thin lines favour some angles.
+    // Differences of adjacent pixels on thin lines are biased toward some angles.
     let soft = bell(ink, 2);
     let (width, height) = (ink.width(), ink.height());
     let at = |x: isize, y: isize| {
         let inside = |at: isize, length: usize| at.clamp(0, length as isize - 1) as usize;
         soft.at(inside(x, width), inside(y, height))
     };
-    // Of fourth order: the plain difference falls short by a tenth where lines are six pixels apart.
+    // Fourth order: central differences are too small by a tenth for lines six pixels apart.
     let slope = |x: usize, y: usize| {
         let (x, y) = (x as isize, y as isize);
         let rise = |of: &dyn Fn(isize) -> f32| 8.0 * (of(1) - of(-1)) - (of(2) - of(-2));
@@ -137,7 +136,7 @@ fn strokes_of(ink: &Plane) -> Vector2Planes {
     let twice_product = tensor(|[x, y]| 2.0 * x * y);
     let along = |x: usize, y: usize| {
         let twice = f32::atan2(twice_product.at(x, y), difference.at(x, y));
-        // Across the direction of most change.
+        // Perpendicular to the direction of most change.
         let most = 0.5 * twice;
         [-most.sin(), most.cos()]
     };
@@ -178,7 +177,7 @@ fn likeness(ink: &Plane, field: &Vector2Planes, inner: &Mask) -> f64 {
     }
 }
 
-/// The pixel so many steps of a pixel along the field; `None` past the end of `inner`.
+/// The pixel this many pixel steps along the field; `None` outside `inner`.
 fn followed(
     field: &Vector2Planes,
     inner: &Mask,
@@ -206,7 +205,8 @@ fn blotches(ink: &Plane, inner: &Mask) -> f64 {
     (squares.sum::<f64>() / inner.count().max(1) as f64).sqrt()
 }
 
-/// Means over squares of `2 radius + 1`, three times: a bell whose deviation is about the radius. Borders go on.
+/// Three box filters of width `2 radius + 1`: approximately a Gaussian whose standard deviation is the radius. Borders
+/// are repeated.
 fn bell(plane: &Plane, radius: usize) -> Plane {
     (0..3).fold(plane.clone(), |plane, _| {
         turned(&along_rows(&turned(&along_rows(&plane, radius)), radius))
@@ -261,10 +261,10 @@ mod tests {
             assert_eq!(inner.count(), (200 - 48) * (150 - 48));
             let angles = between(&strokes_of(&ink), &field, &inner);
             assert!(angles.max < 1.0, "{degrees}: {angles:?}");
-            // Rounding to whole pixels moves by half of one at most: an error of 0.3 px, root mean square, is 17
-            // degrees of a wave of 6.
+            // Rounding to whole pixels moves by at most half of one: a root mean square error of 0.3 px is 17 degrees
+            // of a wave of 6.
             assert!(likeness(&ink, &field, &inner) > 0.9, "{degrees}");
-            // Waves of 6 pixels are gone over 8, and their mean is a half.
+            // Waves of 6 pixels average out over 8, to a mean of a half.
             assert!(blotches(&ink, &inner) < 1e-3);
         }
     }
@@ -273,7 +273,7 @@ mod tests {
     fn ink_across_the_field_is_no_stroke() {
         let (zero, one) = (Plane::filled(200, 150, 0.0), Plane::filled(200, 150, 1.0));
         let up = Vector2Planes { x: zero, y: one };
-        // Of waves of 7 pixels the 10th on is 3/7 of a turn on.
+        // Waves of 7 pixels: the 10th pixel on is 3/7 of a turn on.
         let ink = Plane::from_fn(200, 150, |_, y| {
             (y as f32 * std::f32::consts::TAU / 7.0).sin()
         });

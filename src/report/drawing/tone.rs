@@ -1,4 +1,4 @@
-//! How true tones are: a flat card drawn in one tone.
+//! Accuracy of tones: a flat card drawn in one tone.
 
 use super::Card;
 use crate::Result;
@@ -7,10 +7,10 @@ use crate::report::scenes::Scene;
 use crate::report::timing::Effort;
 use serde::Serialize;
 
-/// Tones that are tried, from black to white.
+/// Tones tried, from black to white.
 pub(crate) const TONES: [f32; 9] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0];
 
-/// Degrees at which strokes are laid: on a level, and by different shares between levels.
+/// Stroke angles in degrees: on a level, and at several positions between levels.
 pub(crate) const ANGLES: [f32; 5] = [0.0, 33.75, 39.0, 95.6, 177.0];
 
 /// The card's size: several periods of the texture.
@@ -20,7 +20,7 @@ const CARD: [usize; 2] = [640, 480];
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct ToneRow {
     pub style: Style,
-    /// The tone asked for: 1 is paper.
+    /// The target tone: 1 is paper.
     pub tone: f32,
     /// The mean tone drawn, over all angles.
     pub drawn: f64,

@@ -1,4 +1,4 @@
-//! Cost of lighting by the number of lights, and by the share of the frame that is covered.
+//! Cost of lighting by the number of lights, and by the covered share of the frame.
 
 use super::lit::LitFrame;
 use super::lit::bare;
@@ -19,14 +19,14 @@ pub(crate) const COUNTS: [usize; 6] = [1, 4, 16, 64, 256, 1024];
 pub(crate) struct CostRow {
     pub lights: usize,
     pub relight: Times,
-    /// Nanoseconds per covered pixel and light, of all threads together.
+    /// Nanoseconds per covered pixel and light, over all threads together.
     pub nanoseconds: f64,
 }
 
 /// A straight line through times.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Line {
-    /// Seconds without any light.
+    /// Time in seconds without lights.
     pub start: f64,
     /// Seconds per light.
     pub slope: f64,
@@ -35,10 +35,10 @@ pub(crate) struct Line {
     pub r_squared: f64,
 }
 
-/// Cost of a part of the frame.
+/// Cost with part of the frame covered.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct CoveredRow {
-    /// Share of the frame that is covered.
+    /// Covered share of the frame.
     pub share: f64,
     pub pixels: usize,
     pub relight: Times,
@@ -52,15 +52,14 @@ pub(crate) struct Cost {
     pub width: usize,
     pub height: usize,
     pub rows: Vec<CostRow>,
-    /// The least-squares line through the least times.
+    /// The least-squares line through the minimum times.
     pub line: Line,
-    /// Lights of the rows below.
+    /// Number of lights of the rows below.
     pub lights: usize,
     pub covered: Vec<CoveredRow>,
 }
 
-/// Lights `frame`, all of it covered, by ever more lights, and by [`AUTO_SAMPLES`] with less and less of it
-/// covered.
+/// Lights the fully covered `frame` by increasing numbers of lights, then by [`AUTO_SAMPLES`] with decreasing coverage.
 pub(crate) fn measured(frame: &Frame, environment: &Environment, effort: Effort) -> Result<Cost> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let time = |frame: &Frame, lights: usize| -> Result<(Times, f64)> {
@@ -110,7 +109,7 @@ fn params() -> RelightParams {
     }
 }
 
-/// Lights that together are 1.
+/// Uniform lights with a total of 1.
 fn even(count: usize) -> Illumination {
     let lights = uniform_directions(count).into_iter();
     Illumination {
@@ -124,7 +123,7 @@ fn even(count: usize) -> Illumination {
     }
 }
 
-/// The frame with a disc in its middle covered that takes `share` of it; all of it for 1.
+/// The frame covered by a central disc that takes `share` of it; fully for 1.
 fn covered_in_part(frame: &Frame, share: f64) -> Frame {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let radius = (share * (width * height) as f64 / std::f64::consts::PI).sqrt();
@@ -138,7 +137,7 @@ fn covered_in_part(frame: &Frame, share: f64) -> Frame {
     }
 }
 
-/// The line of least squares through `points`, of which no two share their first coordinate.
+/// The least-squares line through `points` with distinct first coordinates.
 fn line(points: &[[f64; 2]]) -> Line {
     let count = points.len() as f64;
     let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / count;

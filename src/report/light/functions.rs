@@ -1,8 +1,8 @@
-//! The crate's elementary functions beside those of the standard library: errors over a dense sweep, and
-//! time per number of a loop over a row.
+//! The crate's elementary functions compared with the standard library's: errors over a dense sweep, and time per
+//! number in a loop over a row.
 //!
-//! Ours run in the widest vectors that the machine has, as the stages do; those of the standard library
-//! are calls, one number at a time, whatever the vectors.
+//! The crate's functions run in the widest vectors of the machine, as in the stages; those of the standard library are
+//! scalar calls on any machine.
 
 use crate::fast_math::Function;
 use crate::report::asked::Extent;
@@ -17,32 +17,32 @@ use std::time::{Duration, Instant};
 pub(crate) struct Measured {
     /// Largest error relative to the exact value, where that is a normal number.
     pub relative: f64,
-    /// Largest error in distances between neighbouring f32.
+    /// Largest error in units of the distance between neighbouring f32.
     pub ulp: f64,
-    /// Nanoseconds per number, least of several runs.
+    /// Nanoseconds per number, minimum of several runs.
     pub nanoseconds: f64,
 }
 
-/// One function, ours and the standard library's.
+/// One function, of the crate and of the standard library.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct FunctionRow {
     pub name: &'static str,
     pub domain: [f32; 2],
-    /// Arguments tried: that many f32, evenly spaced in the order of f32.
+    /// Number of arguments tried: f32 evenly spaced in their order.
     pub arguments: usize,
     pub fast: Measured,
     pub std: Measured,
 }
 
-/// The vectors that ours run in.
+/// The vectors used by the crate's functions.
 pub(crate) fn vectors() -> String {
     format!("{} bits", engine::vector_bits())
 }
 
-/// Length of the row that is timed: in the first-level cache.
+/// Length of the timed row, within the first-level cache.
 const ROW: usize = 2048;
 
-/// The exponent that `pow` is tried with: that of a display.
+/// The exponent for testing `pow`: that of a display.
 const EXPONENT: f32 = 2.2;
 
 /// Every function.
@@ -116,7 +116,7 @@ fn measured_of(
     }
 }
 
-/// About `count` numbers of `domain`, both ends among them, evenly spaced in the order of f32.
+/// About `count` numbers of `domain`, both ends included, evenly spaced in the order of f32.
 fn sweep([from, to]: [f32; 2], count: usize) -> Vec<f32> {
     let [first, last] = [from, to].map(ordered);
     let steps = count.max(2) as i64 - 1;
@@ -124,7 +124,7 @@ fn sweep([from, to]: [f32; 2], count: usize) -> Vec<f32> {
     (0..=steps).map(at).collect()
 }
 
-/// The place of `x` among all f32.
+/// The rank of `x` among all f32.
 fn ordered(x: f32) -> i64 {
     let size = i64::from(x.abs().to_bits());
     if x.is_sign_negative() { -size } else { size }
@@ -152,7 +152,7 @@ fn errors(arguments: &[f32], found: &[f32], exact: impl Fn(f64) -> f64) -> (f64,
     worst
 }
 
-/// Nanoseconds per number: the least of as many rounds as fit into `limit`, three at least.
+/// Nanoseconds per number: the minimum over as many rounds as fit into `limit`, at least three.
 fn time(inputs: &[f32], limit: Duration, map: impl Fn(&mut [f32], &[f32])) -> f64 {
     let mut out = vec![0.0; inputs.len()];
     let start = Instant::now();
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn errors_of_known_functions() {
-        // One distance off, of 2^-23 between 1 and 2.
+        // One ulp off, 2^-23 between 1 and 2.
         let off = [1.5_f32, 1.75].map(|x| f32::from_bits(x.to_bits() + 1));
         let (relative, ulp) = errors(&[1.5, 1.75], &off, |x| x);
         assert!((ulp - 1.0).abs() < 1e-9, "{ulp}");

@@ -1,4 +1,4 @@
-//! Pictures under the report's environment, timed, and compared with one under many lights.
+//! Pictures under the report's environment, timed, and compared with a reference under many lights.
 
 use crate::Result;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
@@ -16,8 +16,7 @@ use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
 use serde::Serialize;
 
-/// White of one material with gains of 1, no ambient light and an unscaled environment: a formula
-/// gives its picture.
+/// A white material with gains of 1, no ambient light and an unscaled environment: its picture has a closed form.
 pub(crate) fn bare(material: Material, method: Method) -> RelightParams {
     let base = RelightParams::default();
     RelightParams {
@@ -35,19 +34,18 @@ pub(crate) fn bare(material: Material, method: Method) -> RelightParams {
     }
 }
 
-/// The materials that are tried.
+/// The materials tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum LitMaterial {
     /// White and diffuse.
     Lambert,
-    /// Phong's lobe alone, of exponent eta = 32, (eta + 1) / 2 times as bright as it comes: a constant
-    /// environment then shows as itself.
+    /// Only Phong's lobe, with exponent eta = 32, times (eta + 1) / 2: it shows a constant environment unchanged.
     Glossy,
 }
 
 impl LitMaterial {
-    /// Both.
+    /// Both materials.
     pub(crate) const ALL: [Self; 2] = [Self::Lambert, Self::Glossy];
 
     /// The parameters of relighting it.
@@ -74,7 +72,7 @@ impl LitMaterial {
     }
 }
 
-/// A frame under an environment, to be lit again and again in the same memory.
+/// A frame under an environment, for repeated lighting in the same memory.
 pub(crate) struct LitFrame<'a> {
     pub frame: &'a Frame,
     shape: ShapeParams,
@@ -83,17 +81,17 @@ pub(crate) struct LitFrame<'a> {
     session: Session,
 }
 
-/// A picture, and what it took.
+/// A picture and its times.
 pub(crate) struct Picture {
     pub color: ColorPlanes,
-    /// Time of lighting, its environment being ready.
+    /// Time of lighting with a prepared environment.
     pub relight: Times,
-    /// Time of making the environment ready: once for a sequence.
+    /// Time of preparing the environment: once per sequence.
     pub environment: Option<Times>,
 }
 
 impl<'a> LitFrame<'a> {
-    /// The bench of `frame`, whose shape is found by `shape`.
+    /// The bench for `frame`, with its shape found by `shape`.
     pub(crate) fn new(
         frame: &'a Frame,
         shape: ShapeParams,
@@ -138,22 +136,22 @@ impl<'a> LitFrame<'a> {
     }
 }
 
-/// A picture under many lights that others are compared with.
+/// A picture under many lights, for comparison.
 pub(crate) struct Reference {
     pub surface: LitMaterial,
     pub method: Method,
     planes: [Plane<f64>; 3],
-    /// The luminance that 98 pixels in 100 stay below: errors are relative to it.
+    /// The 98th percentile of luminance, which errors are relative to.
     pub white: f64,
     pub relight: Times,
-    /// Largest error of its own sums against double precision, at some pixels, relative to the same.
+    /// Largest error of its own sums against double precision, at some pixels, relative to `white`.
     pub rounding: f64,
 }
 
-/// The references of both surfaces, plain and warped.
+/// The references of both materials, plain and warped.
 pub(crate) struct References(Vec<Reference>);
 
-/// Pixels at which a reference is checked against double precision.
+/// Number of pixels at which a reference is checked against double precision.
 const CHECKED: usize = 16;
 
 impl References {
@@ -190,7 +188,7 @@ impl References {
         &self.0
     }
 
-    /// That of one surface and method.
+    /// The reference of one material and method.
     pub(crate) fn of(&self, surface: LitMaterial, method: Method) -> &Reference {
         let mut all = self.0.iter();
         let found = all.find(|r| (r.surface, r.method) == (surface, method));
@@ -198,12 +196,12 @@ impl References {
     }
 }
 
-/// The luminance that 98 covered pixels in 100 stay below; 1 where nothing is lit.
+/// The 98th percentile of luminance over covered pixels; 1 if nothing is lit.
 fn white_of([r, g, b]: &[Plane<f64>; 3], mask: &Mask) -> f64 {
     white(covered(mask).map(|[x, y]| [r, g, b].map(|plane| plane.at(x, y))))
 }
 
-/// The luminance that 98 colours in 100 stay below; 1 where nothing is lit.
+/// The 98th percentile of luminance over colours; 1 if nothing is lit.
 pub(crate) fn white(colors: impl Iterator<Item = [f64; 3]>) -> f64 {
     let [wr, wg, wb] = REC709_LUMINANCE.map(f64::from);
     let mut tally = Tally::default();
@@ -224,14 +222,14 @@ fn rounding(bench: &LitFrame, params: RelightParams, light: &Illumination) -> Re
     let color = outcome.color.as_ref().expect("light makes a picture");
     let gain = outcome.gain.unwrap_or(0.0);
     let pixels = some_covered(&bench.frame.mask, CHECKED);
-    // Of so many lights one may be on the horizon, where the glossy lobe ends in a step.
+    // One of so many lights may be on the horizon, where the glossy lobe ends in a step.
     let lights = &light.directional;
     let exact = lit_at(pixels, bench.frame, bench.shape, &params, gain, lights)?;
     let off = exact.iter().map(|(at, exact)| off(color, *at, *exact));
     Ok(off.fold(0.0, f64::max))
 }
 
-/// How far a picture is off at a pixel, in its worst channel.
+/// The error of a picture at a pixel, in its worst channel.
 pub(crate) fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f64 {
     let found = [&color.r, &color.g, &color.b].map(|plane| f64::from(plane.at(x, y)));
     (0..3)
@@ -239,24 +237,24 @@ pub(crate) fn off(color: &ColorPlanes, [x, y]: [usize; 2], exact: [f64; 3]) -> f
         .fold(0.0, larger)
 }
 
-/// Up to `count` covered pixels, spread evenly in the order of rows.
+/// Up to `count` covered pixels, evenly spread in row order.
 pub(crate) fn some_covered(mask: &Mask, count: usize) -> Vec<[usize; 2]> {
     let step = mask.count().div_ceil(count.max(1)).max(1);
     covered(mask).skip(step / 2).step_by(step).collect()
 }
 
-/// How far a picture is from its reference.
+/// The difference of a picture from its reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Difference {
     /// Errors of the worst channel, relative to the reference's 98th percentile of luminance.
     pub errors: Errors,
-    /// 99 pixels in 100 stay below it, in steps of 8 bits, where that luminance shows as white.
+    /// The 99th percentile in 8-bit steps, with that luminance as white.
     pub grey_p99: f64,
     pub grey_max: f64,
 }
 
 impl Reference {
-    /// How far `color` is from it.
+    /// The difference of `color` from the reference.
     pub(crate) fn difference(&self, color: &ColorPlanes, frame: &Frame) -> Difference {
         let (mask, found) = (&frame.mask, [&color.r, &color.g, &color.b]);
         let exact = self.planes.each_ref();
@@ -277,7 +275,7 @@ impl Reference {
     }
 }
 
-/// The curve of sRGB, from linear 0..1 to shown 0..1 (IEC 61966-2-1).
+/// The sRGB curve, from linear 0..1 to encoded 0..1 (IEC 61966-2-1).
 fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear

@@ -1,9 +1,9 @@
-//! Light: error against time for the number of samples of an environment, for both equations of light
-//! warping and for prefiltered maps; the errors and times of the elementary functions; cost by lights.
+//! Light: error against time for the number of samples of an environment, for both equations of light warping and for
+//! prefiltered maps; errors and times of the elementary functions; cost by number of lights.
 //!
-//! Everything is seen under one environment that is a formula ([`environment()`]), so that there is nothing to load
-//! and nothing random. The reference is a picture under `REFERENCE_LIGHTS` even lights
-//! ([LW] equation 2 where it is warped), itself checked against double precision ([`super::light_reference`]).
+//! Everything uses one environment given by a formula ([`environment()`]), without files or randomness. The reference
+//! is a picture under `REFERENCE_LIGHTS` evenly spread lights ([LW] equation 2 for warping), itself checked against
+//! double precision ([`super::light_reference`]).
 
 pub(crate) mod cost;
 pub(crate) mod functions;
@@ -21,16 +21,16 @@ use crate::params::ShapeParams;
 use lit::LitFrame;
 use serde::Serialize;
 
-/// Even lights of the reference.
+/// Number of lights of the reference.
 pub(crate) const REFERENCE_LIGHTS: usize = 16_384;
 
-/// Below sight: a step of 8 bits of the luminance that shows as white.
+/// Invisible difference: one 8-bit step of the luminance that shows as white.
 pub(crate) const ENOUGH: f64 = 1.0 / 255.0;
 
 /// Results of one frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Subject {
-    /// The part that was lit, around the middle of the covered pixels.
+    /// The part that was lit, around the centre of the covered pixels.
     #[serde(flatten)]
     pub on: On,
     pub samples: Vec<samples::Sweep>,
@@ -38,7 +38,7 @@ pub(crate) struct Subject {
     pub prefiltered: Vec<samples::Prefiltered>,
 }
 
-/// Everything that was measured of light.
+/// All measurements of light.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LightReport {
     pub environment: &'static str,
@@ -110,8 +110,8 @@ fn subject(
     })
 }
 
-/// At most `most` columns and rows of `frame` around the middle of the covered pixels, without pictures:
-/// surfaces are white.
+/// At most `most` columns and rows of `frame` around the centre of the covered pixels, without pictures: surfaces are
+/// white.
 pub(super) fn middle(frame: &Frame, most: [usize; 2]) -> Frame {
     let (mask, data) = (&frame.mask, frame.data_window);
     let [mut sum_x, mut sum_y] = [0, 0];
@@ -140,12 +140,12 @@ mod tests {
 
     #[test]
     fn the_middle_is_that_of_what_is_covered() {
-        // A ball around 240, 180 fills 0.9 of 360: all of a part of 100 by 80 in its middle is covered.
+        // A ball around 240, 180 fills 0.9 of 360, so a central part of 100 by 80 is fully covered.
         let frame = Scene::ball(480, 360).frame;
         let part = middle(&frame, [100, 80]);
         assert_eq!((part.mask.width(), part.mask.height()), (100, 80));
         assert_eq!(part.mask.count(), 8000);
-        // Its middle lies at 240.3, 179.8: in pixel 239.8, 179.3 as they are counted.
+        // Its centre is at 240.3, 179.8: in pixel 239.8, 179.3 in pixel-centre coordinates.
         assert_eq!((part.data_window.x0, part.data_window.y0), (189, 139));
         let whole = middle(&frame, [1000, 1000]);
         assert_eq!(whole.mask.count(), frame.mask.count());

@@ -1,4 +1,4 @@
-//! Light from an environment by samples, by either equation of light warping, and by prefiltered maps.
+//! Light from an environment by samples, with either equation of light warping, and by prefiltered maps.
 
 use super::ENOUGH;
 use super::lit::{Difference, LitFrame, LitMaterial, Reference, References};
@@ -8,12 +8,12 @@ use crate::report::pareto;
 use crate::report::timing::Times;
 use serde::Serialize;
 
-/// Numbers tried: powers of four, and the number of the paper's pictures.
+/// Numbers of samples tried: powers of four, and the number in the paper's pictures.
 const COUNTS: [u32; 8] = [1, 4, 16, 54, 64, 256, 1024, 4096];
-/// Numbers tried by both equations.
+/// Numbers tried for both equations.
 const COUNTS_OF_EQUATIONS: [u32; 5] = [16, 64, 256, 1024, 4096];
 
-/// One number of samples.
+/// Results of one number of samples.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Sample {
     pub count: u32,
@@ -21,18 +21,18 @@ pub(crate) struct Sample {
     pub relight: Times,
 }
 
-/// One number of lights.
+/// Results of one number of lights.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct SampleRow {
     #[serde(flatten)]
     pub sample: Sample,
-    /// Time of the median cut, once for a sequence.
+    /// Time of the median cut, once per sequence.
     pub cut: Times,
-    /// Whether no other number is both faster and better in 99 pixels of 100.
+    /// Whether no other number is both faster and more accurate for 99 of 100 pixels.
     pub on_front: bool,
 }
 
-/// All numbers for one surface and method.
+/// All numbers for one material and method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Sweep {
     pub surface: LitMaterial,
@@ -40,13 +40,13 @@ pub(crate) struct Sweep {
     pub reference: Times,
     /// Largest error of the reference's sums against double precision.
     pub reference_rounding: f64,
-    /// By growing number.
+    /// By increasing number.
     pub rows: Vec<SampleRow>,
-    /// The fewest lights that are [`ENOUGH`] in 99 pixels of 100.
+    /// The fewest lights that reach [`ENOUGH`] for 99 of 100 pixels.
     pub enough: Option<u32>,
 }
 
-/// A sample, and the time of preparing its environment.
+/// A sample, and the preparation time of its environment.
 fn sample(
     bench: &LitFrame,
     reference: &Reference,
@@ -91,17 +91,17 @@ pub(super) fn sweeps(bench: &LitFrame, references: &References) -> Result<Vec<Sw
     references.all().iter().map(sweep).collect()
 }
 
-/// Both equations of light warping for one surface.
+/// Both equations of light warping for one material.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Equations {
     pub surface: LitMaterial,
-    /// Every look-up of even directions warped ([LW] equation 1).
+    /// Even directions with every look-up warped ([LW] equation 1).
     pub lookups: Vec<Sample>,
-    /// Lights by median cut, unwarped and weighed by the Jacobian (equation 2).
+    /// Lights by median cut, unwarped and weighted by the Jacobian (equation 2).
     pub lights: Vec<Sample>,
 }
 
-/// Tries equation 1 against the references, up to `most` look-ups; `samples` hold the results of equation 2.
+/// Measures equation 1 against the references, up to `most` look-ups; `samples` hold the results of equation 2.
 pub(super) fn equations(
     bench: &LitFrame,
     references: &References,
@@ -127,24 +127,24 @@ pub(super) fn equations(
     equations.collect()
 }
 
-/// A prefiltered map in place of a sum.
+/// A prefiltered map instead of a sum.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Prefiltered {
     pub surface: LitMaterial,
-    /// How light is altered: where it is warped, the one look-up is.
+    /// The lighting method; warping applies to the single look-up.
     pub method: Method,
     pub difference: Difference,
-    /// Time of filtering, once for a sequence.
+    /// Time of filtering, once per sequence.
     pub prefilter: Times,
-    /// Time of lighting: a look-up per pixel.
+    /// Time of lighting with one look-up per pixel.
     pub relight: Times,
     /// Time of the reference's sum.
     pub reference: Times,
-    /// Whether the difference is [`ENOUGH`] in 99 pixels of 100.
+    /// Whether the difference reaches [`ENOUGH`] for 99 of 100 pixels.
     pub serves: bool,
 }
 
-/// Prefiltered maps for both surfaces, plain and warped.
+/// Prefiltered maps for both materials, plain and warped.
 pub(super) fn prefiltered(bench: &LitFrame, references: &References) -> Result<Vec<Prefiltered>> {
     let rows = references.all().iter().map(|reference| {
         let (sample, prefilter) = sample(bench, reference, WarpBy::Lookups, 0)?;

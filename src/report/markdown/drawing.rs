@@ -1,4 +1,4 @@
-//! Drawings on the page.
+//! The page's section on drawings.
 
 use super::{bold_if, percent, percent_to_a_tenth, table};
 use crate::params::{FieldParams, MAX_LEVELS, StrokeParams};

@@ -1,4 +1,4 @@
-//! The device beside the CPU on the page.
+//! The page's section on the device compared with the CPU.
 
 use super::{or_blank, place, table, yes_or};
 use crate::report::Report;
@@ -9,7 +9,7 @@ use crate::report::pictures::{COMPARED, PictureRow, Reference};
 use crate::report::plots::PICTURES;
 use crate::report::sweeps::solver::GpuRow;
 
-/// The section; empty in a build without devices.
+/// The section; empty in a build without device support.
 pub(super) fn section(report: &Report) -> String {
     let (device, is_software, products, rows) = match &report.gpu {
         None => return String::new(),
@@ -36,7 +36,7 @@ pub(super) fn section(report: &Report) -> String {
     )
 }
 
-/// Rows of the device, with the names of their frame and their scale.
+/// Rows of the device, with the names of their frame and scale.
 fn rows(report: &Report) -> impl Iterator<Item = (&str, &str, &GpuRow)> {
     let sweeps = std::iter::once(&report.frame).chain(&report.scenes);
     let scales = sweeps.flat_map(|sweep| sweep.scales.iter().map(|s| (sweep.on.name.as_str(), s)));
@@ -77,7 +77,7 @@ fn times(report: &Report) -> String {
     table.to_string()
 }
 
-/// Times and errors of new light and of drawings.
+/// Times and errors of relit pictures and drawings.
 fn pictures(rows: &[PictureRow]) -> String {
     if rows.is_empty() {
         return String::new();

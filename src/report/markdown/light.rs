@@ -1,4 +1,4 @@
-//! Light on the page.
+//! The page's section on light.
 
 use super::{bold_if, percent, place, table, yes_or};
 use crate::report::advice::{altered, noun, of_light};

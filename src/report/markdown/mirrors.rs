@@ -1,4 +1,4 @@
-//! Mirrors on the page.
+//! The page's section on mirrors.
 
 use super::{percent_to_a_tenth, table};
 use crate::report::advice::of_mirrors;
@@ -33,7 +33,7 @@ pub(super) fn section(mirrors: &MirrorReport) -> String {
     )
 }
 
-/// A table for each setting that is varied, by whose name its first column goes.
+/// A table for each varied setting, which names its first column.
 fn tables(mirrors: &MirrorReport) -> String {
     let spread = |spread: &Spread, word: fn(f64) -> String| {
         [spread.median, spread.p95].map(word).join(" / ")

@@ -1,4 +1,4 @@
-//! The drawings of a sequence on the page.
+//! The page's section on drawings of a sequence.
 
 use super::{percent, table};
 use crate::report::coherence::{Coherence, CoherenceRow};

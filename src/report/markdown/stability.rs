@@ -1,4 +1,4 @@
-//! Stiff and extreme cases on the page.
+//! The page's section on stiff and extreme cases.
 
 use super::{bold_if, table};
 use crate::report::stability::{Bounds, CaseResult, Verdict};

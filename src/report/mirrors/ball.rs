@@ -1,4 +1,4 @@
-//! A mirror ball in the middle of the room, and the points that its pixels show, exactly.
+//! A mirror ball in the middle of the room, and the exact points shown by its pixels.
 
 use super::room::{CENTER, Hit, RoomSurface, hit};
 use crate::frame::{
@@ -10,20 +10,21 @@ use std::f64::consts::FRAC_PI_4;
 /// Radius of the ball, the unit of all lengths.
 const RADIUS: f64 = 1.0;
 
-/// Cosine between normal and sight line from which on pixels are compared. Nearer to the rim of the ball neighbours show
-/// distant points, and directions are off by the size of pixels, however they are traced.
+/// Minimum cosine between normal and sight line for pixels to compare. Near the rim of the ball neighbouring pixels
+/// show distant points, and directions err by the size of pixels however they are traced.
 pub(crate) const FACING: f64 = 0.3;
 
-/// Focal length over the width of the picture: the ball, of radius 1 at a distance of 4, takes 3/4 of it.
+/// Focal length over the picture's width: the ball, of radius 1 at a distance of 4, fills 3/4 of it.
 const FOCAL: f64 = 1.5;
 
-/// The point of the room that a pixel shows. Pixels are compared whose normal and sight line have a cosine of at least [`FACING`].
+/// The point of the room shown by a pixel. Pixels are compared if the cosine between their normal and sight line is at
+/// least [`FACING`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shown {
     pub(super) hit: Hit,
-    /// Whether the map of the room shows it too.
+    /// Whether the map of the room also shows it.
     pub(super) in_map: bool,
-    /// The direction in the picture, unit, x right, y up, that strokes take there: [`Hit::tangent`] as the ball shows it.
+    /// The stroke direction in the picture, a unit vector, x right, y up: [`Hit::tangent`] as reflected by the ball.
     /// `None` within [`EDGE_PX`] of the edge of a surface.
     pub(super) direction: Option<DVec2>,
 }
@@ -34,7 +35,7 @@ impl Shown {
     }
 }
 
-/// The ball in so many pixels each way.
+/// The ball in `size` by `size` pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ball {
     pub(super) size: usize,
@@ -54,7 +55,7 @@ impl Ball {
         }
     }
 
-    /// The unit sight line through a place of the picture, and where it meets the ball.
+    /// The unit sight line through a position in the picture, and its intersection with the ball.
     fn on_ball(self, at: DVec2) -> Option<(DVec3, DVec3)> {
         let (start, line) = SightLines::new(self.camera().projection).line(at.x, at.y);
         let direction = line.normalize();
@@ -64,14 +65,14 @@ impl Ball {
         (square > 0.0).then(|| (direction, start + (-along - square.sqrt()) * direction))
     }
 
-    /// The end of the sight line through a place of the picture, mirrored at the normal.
+    /// The hit of the sight line through a position in the picture, mirrored at the normal.
     fn hit(self, at: DVec2) -> Option<Hit> {
         let (sight, point) = self.on_ball(at)?;
         let normal = (point - CENTER) / RADIUS;
         Some(hit(point, sight.reflect(normal)))
     }
 
-    /// The point that a pixel shows, if it is compared.
+    /// The point shown by a pixel, if it is compared.
     pub(super) fn shown(self, x: usize, y: usize) -> Option<Shown> {
         let at = middle(x, y);
         let (sight, point) = self.on_ball(at)?;
@@ -87,15 +88,15 @@ impl Ball {
         })
     }
 
-    /// Whether all that lies around a place shows the same surface.
+    /// Whether everything around a position shows the same surface.
     fn is_inside(self, at: DVec2, surface: RoomSurface) -> bool {
         let around = (0..8).map(|k| EDGE_PX * DVec2::from_angle(f64::from(k) * FRAC_PI_4));
         let mut ends = around.map(|offset| self.hit(at + offset));
         ends.all(|hit| hit.is_some_and(|hit| hit.surface == surface))
     }
 
-    /// The direction in the picture of the tangent at the point hit. With J = (dP/dx, dP/dy) that is where J w is along
-    /// the tangent: w = (J^T J)^-1 J^T V up to length, by differences over [`STEP_PX`] to both sides.
+    /// The direction in the picture of the tangent at the hit point. With J = (dP/dx, dP/dy) it is the w for which J w
+    /// is along the tangent: w = (J^T J)^-1 J^T V up to length, by central differences over [`STEP_PX`].
     fn direction(self, at: DVec2, here: &Hit) -> Option<DVec2> {
         if !self.is_inside(at, here.surface) {
             return None;
@@ -113,7 +114,7 @@ impl Ball {
         DVec2::new(bb * a - ab * b, aa * b - ab * a).try_normalize()
     }
 
-    /// The ball in an even tone, a half.
+    /// The ball in a uniform half tone.
     pub(super) fn frame(self) -> Frame {
         let size = self.size;
         let plane = |value: &dyn Fn(DVec3) -> f64| {
@@ -139,15 +140,15 @@ impl Ball {
     }
 }
 
-/// How far from the edges of surfaces directions are compared. Pixels on edges have none of their own, whatever was traced:
-/// they take their neighbours'. Edges are a pixel wide to each side.
+/// Distance from edges of surfaces beyond which directions are compared. Pixels on edges have no direction of their
+/// own, whatever was traced: they take their neighbours'. Edges are a pixel wide to each side.
 pub(crate) const EDGE_PX: f64 = 2.0;
 
-/// Half the difference in pixels over which slopes are taken: errors of the second order, and those of rounding over
-/// it, are both below 1e-8 of the distances that the ball shows.
+/// Half step in pixels for central differences: the second-order error, and rounding divided by the step, are both
+/// below 1e-8 of the distances shown by the ball.
 const STEP_PX: f64 = 1e-4;
 
-/// Two points no farther apart than this are one.
+/// Points no farther apart than this are identical.
 const IN_MAP: f64 = 1e-9;
 
 fn middle(x: usize, y: usize) -> DVec2 {
@@ -160,8 +161,8 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_ball_shows_what_lies_behind_the_viewer() {
-        // The sight line toward the middle of the ball falls square on it and goes back through the eye, to the wall at
-        // z = -4 + 6 = 2: the middle times -1/2, (-0.025, 0.05, 2).
+        // The sight line toward the centre of the ball hits it at a right angle and returns through the eye, to the
+        // wall at z = -4 + 6 = 2: the centre times -1/2, (-0.025, 0.05, 2).
         let ball = Ball { size: 2000 };
         let at = DVec2::splat(1000.0) + 3000.0 / 4.0 * DVec2::new(0.05, 0.1);
         let found = ball.hit(at).expect("the ball is there");
@@ -180,7 +181,7 @@ mod tests {
             let count = all.iter().filter(seen).count();
             assert!(count > 20, "{surface:?}: {count}");
         }
-        // Strokes have a direction inside of surfaces: of walls nearly everywhere, of thick columns.
+        // Strokes have a direction inside surfaces: almost everywhere on walls, and on thick columns.
         let directed = |surface: RoomSurface| {
             let shows = |shown: &&Shown| shown.hit.surface == surface && shown.direction.is_some();
             all.iter().filter(shows).count()

@@ -1,4 +1,4 @@
-//! The ball traced by one setting after another.
+//! The ball traced with one setting after another.
 
 use super::ball::{Ball, Shown};
 use super::room;
@@ -19,14 +19,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Rows of the map where they are not varied.
+/// Rows of the map when they are not varied.
 pub(super) const USUAL_MAP_HEIGHT: usize = 256;
 
-/// Half of all errors stay below the median, 95 in 100 below the other.
+/// The median of errors, and the bound for 95 of 100.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Spread {
     pub median: f64,
-    /// 95 in 100 stay below it.
+    /// The bound for 95 of 100.
     pub p95: f64,
 }
 
@@ -39,10 +39,10 @@ impl Spread {
     }
 }
 
-/// How a ball is traced.
+/// Settings for tracing a ball.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(crate) struct Setting {
-    /// Search for the ends of sight lines.
+    /// Search for the hits of sight lines.
     pub search: SearchParams,
     /// Rows of the map; it has twice as many columns.
     pub map_height: usize,
@@ -61,40 +61,40 @@ impl Default for Setting {
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct MirrorRow {
     pub setting: Setting,
-    /// Share of the pixels whose sight line is found to end on something seen.
+    /// Share of the pixels whose sight line is found to hit something visible.
     pub found: f64,
-    /// Share of the pixels where that is another surface than the exact one.
+    /// Share of the pixels where the surface found is not the exact one.
     pub wrong_surface: f64,
-    /// Share of the pixels that show a column where it is not found.
+    /// Share of the pixels showing a column that was not found.
     pub columns_missed: f64,
-    /// From the exact points to those found, relative to their distance from the middle of the room.
+    /// Distance between exact and found points, relative to their distance from the centre of the room.
     pub position: Spread,
-    /// The same where the exact point is on a column.
+    /// The same for exact points on columns.
     pub position_on_columns: Spread,
-    /// From the exact directions of strokes to those found, in degrees, farther than [`EDGE_PX`](super::EDGE_PX) from edges; 90 where none
-    /// is found.
+    /// Angle between exact and found stroke directions, in degrees, farther than [`EDGE_PX`](super::EDGE_PX) from
+    /// edges; 90 if none is found.
     pub direction: Spread,
-    /// The same on columns, where the map's own curvature leads strokes.
+    /// The same on columns, where strokes follow the curvature of the map.
     pub direction_on_columns: Spread,
     /// Time of the stage that traces specular pixels.
     pub stage: Times,
 }
 
 impl MirrorRow {
-    /// Share of the pixels whose sight line is not found to end on the right surface.
+    /// Share of the pixels whose sight line is not found to hit the right surface.
     pub(crate) fn astray(&self) -> f64 {
         1.0 - self.found + self.wrong_surface
     }
 }
 
-/// The ball, to be traced again and again in the same memory.
+/// The ball, for repeated tracing in the same memory.
 pub(super) struct MirrorBench {
     frame: Frame,
-    /// Contents of its pixels, by column and row.
+    /// Points shown by its pixels, by column and row.
     pub(super) shown: Vec<([usize; 2], Shown)>,
     effort: Effort,
     session: Session,
-    /// The room by the map that was last asked for.
+    /// The room with the map requested last.
     around: (usize, SpecularScene),
     /// Rows measured so far.
     known: Vec<MirrorRow>,
@@ -114,7 +114,7 @@ impl MirrorBench {
         }
     }
 
-    /// A row for each setting; known ones are not measured again.
+    /// A row for each setting; settings measured earlier are reused.
     pub(super) fn rows(&mut self, settings: &[Setting]) -> Result<Vec<MirrorRow>> {
         let mut rows = Vec::new();
         for setting in settings {
@@ -156,7 +156,7 @@ impl MirrorBench {
         })
     }
 
-    /// Where sight lines are found to end.
+    /// The hits of sight lines.
     fn ends(&self, specular: &SpecularParams) -> Ends {
         let tracer = Tracer::new(&self.frame, &self.around.1, specular);
         let tracer = tracer.expect("the ball has depth and a camera");
@@ -174,8 +174,8 @@ impl MirrorBench {
         ends.shares()
     }
 
-    /// From exact directions of strokes to those of the field, of full resolution and not averaged: on all surfaces, and
-    /// on columns.
+    /// Angles between exact stroke directions and those of the field, at full resolution and without smoothing: on all
+    /// surfaces, and on columns.
     fn directions(&self, specular: SpecularParams) -> Result<[Spread; 2]> {
         let line = LineParams {
             field: FieldParams {
@@ -233,7 +233,7 @@ impl MirrorBench {
     }
 }
 
-/// Ends of sight lines: counts of pixels, then shares.
+/// Hits of sight lines: counts of pixels, then shares.
 #[derive(Default)]
 struct Ends {
     pixels: f64,

@@ -1,8 +1,8 @@
-//! Mirrors and lenses: error against time for the steps of the search, its refinements and the resolution of the map
-//! of the surroundings.
+//! Mirrors and lenses: error against time for the steps of the search, its refinements and the resolution of the map of
+//! the surroundings.
 //!
-//! The mirror image of a room in a ball is known exactly (`ball`, `room`): where sight lines end, and which way strokes
-//! go there.
+//! The mirror image of a room in a ball is known exactly (`ball`, `room`): the hits of sight lines, and the stroke
+//! directions there.
 
 mod ball;
 pub(super) mod bench;
@@ -19,30 +19,29 @@ use ball::{Ball, Shown};
 use bench::{MirrorBench, MirrorRow, Setting};
 use serde::Serialize;
 
-/// Steps of the search that are tried. They are those of half a turn; a mirrored ray turns by a quarter of one at most, and
-/// takes 4 of 8.
+/// Search steps tried, counted over half a turn; a mirrored ray covers at most a quarter turn, so it takes 4 of 8.
 pub(super) const STEPS: [u32; 6] = [8, 16, 32, 64, 128, 256];
-/// Refinements that are tried.
+/// Refinements tried.
 pub(super) const REFINEMENTS: [u32; 4] = [1, 2, 4, 12];
-/// Rows of the map that are tried.
+/// Rows of the map tried.
 pub(super) const MAP_HEIGHTS: [usize; 6] = [16, 32, 64, 128, 256, 512];
-/// Everything that was measured of mirrors.
+/// All measurements of mirrors.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct MirrorReport {
     pub about: &'static str,
     pub size: usize,
-    /// Pixels compared: those that face the viewer ([`FACING`]) and show what the map shows too.
+    /// Number of pixels compared: those facing the viewer ([`FACING`]) that show points also shown by the map.
     pub pixels: usize,
-    /// Pixels of them that show a column.
+    /// Number of those that show a column.
     pub pixels_of_columns: usize,
-    /// Share of the facing pixels that are left out: they show points that are hidden from the middle of the room.
+    /// Share of the facing pixels left out, because they show points hidden from the centre of the room.
     pub hidden: f64,
     pub steps: Vec<MirrorRow>,
     pub refinements: Vec<MirrorRow>,
     pub map_heights: Vec<MirrorRow>,
 }
 
-/// Rows by one setting.
+/// Rows for one varied setting.
 pub(crate) struct Varied<'a> {
     pub(crate) name: &'static str,
     pub(crate) rows: &'a [MirrorRow],

@@ -1,25 +1,24 @@
-//! A room with columns, exactly: where rays end, and its map.
+//! An exact room with columns: where rays end, and its map.
 //!
-//! View space is world space. The room is a box, its walls square to the axes; columns stand in it from
-//! the floor to the ceiling. Everything is planes and round tubes, and every ray is met by a formula in double
-//! precision.
+//! View space equals world space. The room is a box with walls perpendicular to the axes; columns stand in it from
+//! floor to ceiling. All surfaces are planes and circular cylinders, intersected by formula in double precision.
 
 use crate::frame::{Plane, Surroundings, Vector3Planes, map_direction};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles};
 
-/// The middle of the ball and of the room, from the eye; the map of the room is seen from here.
+/// The centre of the ball and of the room, from the eye; the map of the room is seen from here.
 pub(super) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);
 
-/// From the middle of the room to its walls: x, y, z.
+/// Distances from the centre of the room to its walls: x, y, z.
 const ROOM: DVec3 = DVec3::new(5.0, 2.0, 6.0);
 
-/// A column: where its axis stands, x and z from the middle of the room, and its radius.
+/// A column: position of its axis, x and z from the centre of the room, and radius.
 struct Column {
     at: DVec2,
     radius: f64,
 }
 
-/// From the middle of the room they are 23, 11, 4.6 and 2.3 degrees wide.
+/// Seen from the centre of the room they are 23, 11, 4.6 and 2.3 degrees wide.
 const COLUMNS: [Column; 4] = [
     Column {
         at: DVec2::new(1.8, 1.8),
@@ -46,13 +45,13 @@ pub(crate) const ABOUT: &str = "a mirror ball of radius 1 in a room of 10 x 4 x 
 /// A surface of the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RoomSurface {
-    /// The two walls square to an axis.
+    /// The two walls perpendicular to an axis.
     Wall(usize),
     /// A column.
     Column(usize),
 }
 
-/// Where a ray ends.
+/// The end of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
     pub(super) point: DVec3,
@@ -76,8 +75,8 @@ impl Hit {
         }
     }
 
-    /// The direction that strokes follow: around columns, that of their curvature; on walls x, or y where they are square
-    /// to x, crossed with the normal ([`crate::params::Fallback::Surface`]).
+    /// The stroke direction: around columns, by their curvature; on walls the cross product of x, or of y for walls
+    /// perpendicular to x, with the normal ([`crate::params::Fallback::Surface`]).
     pub(super) fn tangent(&self) -> DVec3 {
         let normal = self.normal();
         match self.surface {
@@ -87,7 +86,7 @@ impl Hit {
     }
 }
 
-/// Distance of a point from the middle of the room.
+/// Distance of a point from the centre of the room.
 pub(super) fn from_center(point: DVec3) -> f64 {
     point.distance(CENTER)
 }
@@ -113,10 +112,10 @@ pub(super) fn nearest_surface(point: DVec3) -> RoomSurface {
     nearest.expect("a room has walls").1
 }
 
-/// Where a ray from inside the room, outside the columns, ends: at the nearest of all surfaces ahead.
+/// The end of a ray from inside the room, outside the columns: on the nearest surface ahead.
 pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
     let from = start - CENTER;
-    // side = from + t direction along each axis, toward the wall ahead.
+    // side = start + t direction along each axis, toward the wall ahead.
     let wall = |axis: usize| {
         let side = ROOM[axis].copysign(direction[axis]);
         (
@@ -124,7 +123,7 @@ pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
             RoomSurface::Wall(axis),
         )
     };
-    // |f + t d|^2 = r^2 across the axis, the nearer root: with a = d.d, b = f.d and c = f.f - r^2, t = c / (-b + root).
+    // |f + t d|^2 = r^2 across the axis, smaller root: with a = d.d, b = f.d and c = f.f - r^2, t = c / (-b + root).
     let column = |i: usize| {
         let Column { at, radius } = COLUMNS[i];
         let (f, d) = (from.xz() - at, direction.xz());
@@ -149,7 +148,7 @@ pub(super) fn hit(start: DVec3, direction: DVec3) -> Hit {
     }
 }
 
-/// The map of the room from its middle, `height` rows of it.
+/// The map of the room from its centre, with `height` rows.
 pub(super) fn surroundings(height: usize) -> Surroundings {
     let width = 2 * height;
     let all = Plane::from_fn(width, height, |x, y| {
@@ -179,14 +178,14 @@ mod tests {
 
     #[test]
     fn rays_end_at_the_nearest_surface() {
-        // From the middle along x: the wall at 5. At the first column, 1.8 root 2 = 2.5456 away: its radius less.
+        // From the centre along x: the wall at 5. Toward the first column, 1.8 root 2 = 2.5456 away: its radius less.
         let wall = hit(CENTER, DVec3::X);
         assert_eq!(wall.surface, RoomSurface::Wall(0));
         assert!((from_center(wall.point) - 5.0).abs() < 1e-12);
         let column = hit(CENTER, DVec3::new(1.0, 0.0, 1.0).normalize());
         assert_eq!(column.surface, RoomSurface::Column(0));
         assert!((from_center(column.point) - (1.8 * 2.0_f64.sqrt() - 0.5)).abs() < 1e-12);
-        // Its normal leads back to the middle; strokes go around it, level.
+        // Its normal points back to the centre; strokes run around it horizontally.
         let back = -DVec3::new(0.5, 0.0, 0.5).normalize();
         assert!(column.normal().distance(back) < 1e-12);
         assert!(column.tangent().cross(DVec3::new(1.0, 0.0, -1.0)).length() < 1e-12);

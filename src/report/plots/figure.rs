@@ -16,7 +16,7 @@ pub(super) const INK: RGBColor = RGBColor(40, 44, 52);
 pub(super) const FAINT: RGBColor = RGBColor(120, 126, 136);
 pub(super) const GRID: RGBColor = RGBColor(232, 234, 238);
 pub(super) const FRONT: RGBColor = RGBColor(240, 196, 60);
-/// Colours that the colour-blind can distinguish (Okabe and Ito), in the order of the series.
+/// Colours distinguishable with colour blindness (Okabe and Ito), in the order of the series.
 pub(super) const SERIES: [RGBColor; 4] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -32,9 +32,9 @@ const HEADER: u32 = 70;
 pub(super) struct Point {
     /// Cost and error.
     pub(super) place: (f64, f64),
-    /// Text beside it, left out where it would fall on that of another point.
+    /// Text beside it, omitted where it would overlap another label.
     pub(super) label: String,
-    /// Whether the label is never left out.
+    /// Whether the label is always drawn.
     pub(super) is_marked: bool,
     /// Whether it is on the Pareto front.
     pub(super) on_front: bool,
@@ -49,7 +49,7 @@ impl Point {
         }
     }
 
-    /// Whether it has a place on logarithmic axes.
+    /// Whether it can be placed on logarithmic axes.
     fn is_drawable(&self) -> bool {
         let (x, y) = self.place;
         x > 0.0 && y > 0.0 && y.is_finite()
@@ -58,12 +58,12 @@ impl Point {
 
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Marks {
-    /// Discs of a radius along a line.
+    /// Discs of this radius along a line.
     Discs(i32),
     /// Rings along a dashed line.
     Rings,
     Triangles,
-    /// A dashed line from the bottom to the top of the panel at every point.
+    /// A dashed vertical line across the panel at every point.
     Uprights,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Points with labels at their right.
+    /// Points with labels on their right.
     pub(super) fn new(color: RGBColor, marks: Marks, points: impl Iterator<Item = Point>) -> Self {
         Self {
             color,
@@ -91,11 +91,11 @@ impl Series {
 pub(super) struct Panel {
     pub(super) caption: String,
     pub(super) series: Vec<Series>,
-    /// The horizontal axis where it is not the range of the points, and its ticks.
+    /// The horizontal axis and its ticks, if other than the range of the points.
     pub(super) x: Option<(Range<f64>, Vec<f64>)>,
 }
 
-/// Panels over one range of errors, with the names of both axes.
+/// Panels with a common range of errors, and the names of both axes.
 pub(super) fn figure(
     title: &str,
     legend: &Legend,
@@ -105,7 +105,7 @@ pub(super) fn figure(
     figure_up_to(f64::INFINITY, title, legend, axes, panels)
 }
 
-/// [`figure`] of errors that never exceed `most`.
+/// [`figure`] for errors up to `most`.
 pub(super) fn figure_up_to(
     most: f64,
     title: &str,
@@ -139,7 +139,7 @@ impl Panel {
         }
     }
 
-    /// Every point that has an error.
+    /// All points with an error.
     fn points(&self) -> impl Iterator<Item = &Point> {
         let series = self.series.iter().filter(|s| s.marks != Marks::Uprights);
         series.flat_map(|series| &series.points)
@@ -237,7 +237,7 @@ impl Series {
     }
 }
 
-/// The points whose labels do not fall on one before.
+/// The points whose labels do not overlap an earlier one.
 fn labelled(points: &[Point]) -> Vec<&Point> {
     let mut kept: Vec<&Point> = Vec::new();
     for point in points.iter().filter(|point| !point.label.is_empty()) {
@@ -293,13 +293,13 @@ fn draw_header(area: &Area, title: &str, legend: &Legend) -> Drawn {
     for (name, color) in legend {
         area.draw(&Rectangle::new([(x, 46), (x + 22, 52)], color.filled()))?;
         area.draw(&Text::new((*name).to_string(), (x + 28, 42), text(14, INK)))?;
-        // Letters of 14 pixels are 7 to 8 wide.
+        // 14-pixel letters are 7 to 8 pixels wide.
         x += 28 + 8 * name.len() as i32 + 18;
     }
     Ok(())
 }
 
-/// The whole powers of ten around `values`.
+/// The range of powers of ten that encloses `values`.
 fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     let finite = values.filter(|v| v.is_finite() && *v > 0.0);
     let (lo, hi) = finite.fold((f64::INFINITY, 0.0_f64), |(lo, hi), v| {
@@ -311,11 +311,11 @@ fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     10_f64.powf(lo.log10().floor())..10_f64.powf((hi.log10() + 0.15).ceil())
 }
 
-/// The multiples `of` of powers of ten that lie in `range`.
+/// The multiples `of` of powers of ten within `range`.
 pub(super) fn ticks(range: &Range<f64>, of: &[f64]) -> Vec<f64> {
     let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
     let all = decades.flat_map(|e| of.iter().map(move |m| m * 10_f64.powi(e)));
-    // The bounds are powers of ten themselves, met up to rounding.
+    // The bounds are powers of ten, up to rounding.
     all.filter(|v| range.start * (1.0 - 1e-9) <= *v && *v <= range.end * (1.0 + 1e-9))
         .collect()
 }
@@ -329,7 +329,7 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// A tick as a power of ten, 10⁻³; others as they are.
+/// A tick as a power of ten, 10⁻³; other values unchanged.
 fn power_of_ten(value: f64) -> String {
     let exponent = value.log10();
     if (exponent - exponent.round()).abs() > 1e-6 {

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 type Difference = fn(&CoherenceRow) -> f64;
 
-/// Differences of a row, and what the plot calls them.
+/// Differences of a row, and their names in the plot.
 const LINES: [(&str, Difference); 4] = [
     ("still in the picture", |row| row.still),
     ("carried", |row| row.carried),
@@ -14,7 +14,7 @@ const LINES: [(&str, Difference); 4] = [
     ("lines", |row| row.lines),
 ];
 
-/// Mean differences of ink by frame, a line for each form and the floor.
+/// Mean differences of ink by frame, one line per kind and one for the floor.
 pub(super) fn difference_by_frame(coherence: &Coherence) -> String {
     let rows = &coherence.rows;
     let legend: Vec<_> = LINES.iter().map(|(name, _)| *name).zip(SERIES).collect();

@@ -1,9 +1,9 @@
-//! The environment of the report: a formula, so that there is nothing to load and nothing random.
+//! The environment of the report, given by a formula: no files, and nothing random.
 
 use crate::light::environment::Environment;
 use glam::Vec3;
 
-/// Columns of the environment: about 6 pixels for each light of the report's reference.
+/// Columns of the environment: about 6 pixels per light of the report's reference.
 const COLUMNS: usize = 512;
 
 /// The environment in words.
@@ -17,7 +17,7 @@ pub fn environment() -> Environment {
     Environment::from_fn(COLUMNS, COLUMNS / 2, |x, y| {
         let direction = blank.direction(x, y);
         let glow = (0.5 + 0.5 * direction.dot(side)).powi(4);
-        // 1 - cos is half the square of the angle: a bell of 0.05 radians' deviation.
+        // 1 - cos is half the squared angle: a Gaussian of 0.05 radians' standard deviation.
         let disc = 80.0 * ((direction.dot(sun) - 1.0) / (0.05 * 0.05)).exp();
         let up = 0.1 * (1.0 + direction.y);
         [

@@ -1,34 +1,33 @@
 //! Scenes whose depth, normals and curvature are known in closed form.
 //!
-//! View space: x right, y up, z toward the viewer, the eye at the origin. Lengths are in pixels: an
-//! orthographic scene has one pixel per unit, a perspective one has it at a distance of the focal
-//! length.
+//! View space: x right, y up, z toward the viewer, the eye at the origin. Lengths are in pixels: an orthographic scene
+//! has one pixel per unit, a perspective one has it at a distance of the focal length.
 //!
-//! All that is asked of a scene follows from the value, gradient and second derivatives of its
-//! surfaces' functions, by the rules derived below.
+//! All quantities of a scene follow from the value, gradient and second derivatives of its surfaces' functions, by the
+//! rules derived below.
 
 use super::surfaces::{DISTANCE, Surface};
 use crate::frame::{Camera, ColorPlanes, Frame, Mask, Plane, Projection, Vector3Planes};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Which of several surfaces is seen.
+/// Which of several surfaces is visible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// The nearest along the sight line: separate things.
+    /// The nearest along the sight line, for separate objects.
     Nearest,
-    /// The farthest: the faces of one convex body, which a sight line enters at the last of them.
+    /// The farthest, for the faces of one convex body, which a sight line enters at the last of them.
     Farthest,
 }
 
-/// Surfaces and the projection they are seen in.
+/// Surfaces and their projection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactScene {
-    /// The surface.
+    /// The surfaces.
     pub surfaces: Vec<Surface>,
-    /// Which of it is seen.
+    /// Which of them is visible.
     pub seen: Seen,
-    /// How it is seen; pixels are square.
+    /// The projection; pixels are square.
     pub projection: Projection,
 }
 
@@ -69,7 +68,7 @@ pub struct ObjectCurvatures {
     pub v: DVec3,
 }
 
-/// The surface point seen at one position of the picture.
+/// The surface point seen at one position in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exact {
     /// Index of the surface seen.
@@ -83,8 +82,8 @@ pub struct Exact {
     /// Height toward the viewer in pixels, up to a constant: `-depth` in orthographic projection,
     /// `-focal ln(depth)` in perspective.
     pub height: f64,
-    /// Gradient of the height per pixel, y up. In either projection this is the depth gradient with a
-    /// foreshortening of 1: `-(n_x, n_y) / (n . v)`, v the direction to the eye scaled to `v_z = 1`.
+    /// Gradient of the height per pixel, y up. In either projection this is the depth gradient with a foreshortening of
+    /// 1: `-(n_x, n_y) / (n . v)`, v the direction to the eye scaled to `v_z = 1`.
     pub gradient: DVec2,
     /// Second derivatives of the height per pixel, y up.
     pub hessian: Symmetric,
@@ -98,8 +97,8 @@ impl Symmetric {
         self.xx + self.yy
     }
 
-    /// Eigenvalues and direction: with m the mean of the diagonal and (c, s) = ((xx - yy)/2, xy), the
-    /// matrix is m + [c s; s -c], a stretch by q = |(c, s)| along half the angle of (c, s).
+    /// Eigenvalues and direction: with m the mean of the diagonal and (c, s) = ((xx - yy)/2, xy), the matrix is m + [c
+    /// s; s -c], a stretch by q = |(c, s)| along half the angle of (c, s).
     pub fn principal(&self) -> Principal {
         let m = 0.5 * (self.xx + self.yy);
         let c = 0.5 * (self.xx - self.yy);
@@ -127,7 +126,7 @@ impl ExactScene {
         }
     }
 
-    /// The scene with its shapes at this distance from the eye instead of [`DISTANCE`].
+    /// The scene with its shapes at this distance from the eye rather than [`DISTANCE`].
     pub fn at_distance(mut self, distance: f64) -> Self {
         for surface in &mut self.surfaces {
             *surface = surface.moved(DVec3::new(0.0, 0.0, DISTANCE - distance));
@@ -135,7 +134,7 @@ impl ExactScene {
         self
     }
 
-    /// The scene in perspective instead, with the same view axis, at about the same size.
+    /// The scene in perspective, with the same view axis, at about the same size.
     pub fn in_perspective(self) -> Self {
         let projection = match self.projection {
             Projection::Orthographic { sx, sy, cx, cy } => Projection::Perspective {
@@ -149,7 +148,7 @@ impl ExactScene {
         Self { projection, ..self }
     }
 
-    /// A ball of radius `near` in front of, and over part of, one of radius `far` to its upper right.
+    /// A ball of radius `near` in front of, and partly covering, one of radius `far` to its upper right.
     pub fn two_balls(near: f64, far: f64, cx: f64, cy: f64) -> Self {
         let mut scene = Self::orthographic(
             Surface::ball(near).moved(DVec3::new(-0.7 * near, -0.4 * near, 1.5 * near)),
@@ -162,12 +161,12 @@ impl ExactScene {
         scene
     }
 
-    /// Three square faces that meet in a corner on the view axis: of a block, pointing at the viewer,
-    /// or of a room, away from them. `roll` turns it about the view axis; at 0 one edge runs straight
-    /// down (block) or up (room). All normals have `n_z = 1/sqrt(3)`.
+    /// Three square faces that meet in a corner on the view axis: of a block pointing at the viewer, or of a room,
+    /// pointing away. `roll` rotates it about the view axis; at 0 one edge runs straight down (block) or up (room). All
+    /// normals have `n_z = 1/sqrt(3)`.
     pub fn box_corner(block: bool, roll: f64, cx: f64, cy: f64) -> Self {
-        // Three unit vectors at right angles that make equal angles with z: z/sqrt(3) plus a third
-        // of a turn each in the picture, sqrt(2/3) long.
+        // Three perpendicular unit vectors at equal angles to z: z/sqrt(3) plus vectors of length sqrt(2/3) in the
+        // picture, a third of a turn apart.
         let face = |i: u32| {
             let turn = DVec2::from_angle(roll + PI / 2.0 + f64::from(i) * 2.0 * PI / 3.0);
             let tilt = turn * (2.0_f64 / 3.0).sqrt();
@@ -180,7 +179,7 @@ impl ExactScene {
         }
     }
 
-    /// The scene in a mirror: as `mirrored` makes of a frame `width` pixels wide.
+    /// The mirrored scene, matching `mirrored` for a frame `width` pixels wide.
     pub fn mirrored(&self, width: usize) -> Self {
         let width = width as f64;
         Self {
@@ -213,8 +212,8 @@ impl ExactScene {
         x
     }
 
-    /// Origin and direction of the sight line through (`x`, `y`), the direction's z being -1: the
-    /// parameter along it is the depth.
+    /// Origin and direction of the sight line through (`x`, `y`), with the direction's z = -1, so that the parameter
+    /// along it is the depth.
     fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let s = self.scale();
         match self.projection {
@@ -246,7 +245,7 @@ impl ExactScene {
         }?;
         let point = origin + depth * direction;
         let (gradient, second) = self.surfaces[surface].derivatives(point);
-        // The normal is F's gradient, turned to the side the sight line comes from.
+        // The normal is F's gradient, oriented toward the origin of the sight line.
         let outward = gradient * -gradient.dot(direction).signum();
         let normal = outward.normalize();
         let scale = self.scale();
@@ -284,7 +283,7 @@ impl ExactScene {
             depth,
             normal,
             height,
-            // Positions and height both count pixels: slopes stay, bends are per pixel.
+            // Positions and height are both in pixels: slopes are unchanged, second derivatives are per pixel.
             gradient: slope,
             hessian: Symmetric {
                 xx: bend.xx / scale,
@@ -302,9 +301,8 @@ impl ExactScene {
         Some(-n.truncate() * facing.powf(-foreshortening))
     }
 
-    /// The derivatives `[d g_x/dx, d g_x/dy, d g_y/dx, d g_y/dy]` per pixel, y up, of the
-    /// foreshortened depth gradient, by five-point differences: good to about nine digits.
-    /// `None` where the five points do not lie on one surface.
+    /// The derivatives `[d g_x/dx, d g_x/dy, d g_y/dx, d g_y/dy]` per pixel, y up, of the foreshortened depth gradient,
+    /// by five-point differences: accurate to about nine digits. `None` if the five points do not lie on one surface.
     pub fn depth_gradient_jacobian(&self, x: f64, y: f64, foreshortening: f64) -> Option<[f64; 4]> {
         let here = self.exact_at(x, y)?.surface;
         let g = |x: f64, y: f64| {
@@ -374,11 +372,11 @@ fn graph(first: DVec3, second: DMat3) -> (DVec2, Symmetric) {
     (slope, bend)
 }
 
-/// Curvatures of F = 0 whose gradient points to the viewer's side.
+/// Curvatures of F = 0, whose gradient points to the viewer's side.
 ///
-/// Over its tangent plane the surface is a graph w(t) along the normal with no slope, so the line
-/// above leaves w_ij = -F_ij / |F'|: the second derivatives of F in a tangent basis, negative where
-/// F grows outward as a ball's does.
+/// Over its tangent plane the surface is a graph w(t) along the normal with zero slope, so the equation above reduces
+/// to w_ij = -F_ij / |F'|: the second derivatives of F in a tangent basis, negative where F grows outward, as on a
+/// ball.
 fn object_curvatures(gradient: DVec3, second: DMat3) -> ObjectCurvatures {
     let length = gradient.length();
     let (a, b) = (gradient / length).any_orthonormal_pair();
@@ -397,15 +395,15 @@ fn object_curvatures(gradient: DVec3, second: DMat3) -> ObjectCurvatures {
     }
 }
 
-/// The derivative at 0 of `f`, whose error is of fourth order in the step.
+/// The derivative of `f` at 0, with an error of fourth order in the step.
 pub fn five_point(f: impl Fn(f64) -> Option<DVec2>) -> Option<DVec2> {
     const STEP: f64 = 5e-3;
     let (one, two) = (f(STEP)? - f(-STEP)?, f(2.0 * STEP)? - f(-2.0 * STEP)?);
     Some((8.0 * one - two) / (12.0 * STEP))
 }
 
-/// Trace of the gradient of `g = -(n_x, n_y) / n_z^f` on a ball of radius `radius` in orthographic
-/// projection, where the normal's z is `n_z`.
+/// Trace of the gradient of `g = -(n_x, n_y) / n_z^f` on a ball of radius `radius` in orthographic projection, at the
+/// normal z component `n_z`.
 ///
 /// On the ball n = (x, y, z)/R with z = sqrt(R^2 - x^2 - y^2), so g = -(x, y) R^(f-1) z^-f. Its
 /// divergence is -R^(f-1) [2 z^-f + (x, y) . grad z^-f], and grad z = -(x, y)/z turns the last term

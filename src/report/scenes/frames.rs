@@ -1,4 +1,4 @@
-//! Frames made by hand, sample by sample.
+//! Frames defined sample by sample.
 
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub(crate) fn gentle(x: usize, y: usize) -> Vec3 {
     Vec3::new(0.3 * (x as f32).sin(), 0.2 * (y as f32).cos(), 1.0).normalize()
 }
 
-/// Numbers that look random and are the same in every run, 0..1.
+/// Deterministic pseudo-random numbers, 0..1.
 pub fn noise(x: usize, y: usize, channel: u32) -> f32 {
     let seed = (x as u32).wrapping_mul(0x9e37_79b9)
         ^ (y as u32).wrapping_mul(0x85eb_ca6b)
@@ -28,7 +28,7 @@ pub fn noise(x: usize, y: usize, channel: u32) -> f32 {
     (mixed ^ (mixed >> 15)) as f32 / u32::MAX as f32
 }
 
-/// Unit normals all ways, the viewer's side and the other.
+/// Unit normals in all directions, including away from the viewer.
 pub(crate) fn rough(x: usize, y: usize) -> Vec3 {
     Vec3::from_array([1, 2, 3].map(|c| 2.0 * noise(x, y, c) - 1.0)).normalize_or(Vec3::Z)
 }
@@ -43,7 +43,7 @@ pub fn normals(width: usize, height: usize, at: impl Fn(usize, usize) -> Vec3) -
     }
 }
 
-/// A frame covered only where `covered` says.
+/// The frame covered only where `covered` is true.
 pub fn masked(frame: Frame, covered: impl FnMut(usize, usize) -> bool) -> Frame {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     Frame {
@@ -52,7 +52,7 @@ pub fn masked(frame: Frame, covered: impl FnMut(usize, usize) -> bool) -> Frame 
     }
 }
 
-/// The frame with a picture of one grey.
+/// The frame with a uniform grey picture.
 pub fn grey(frame: Frame, tone: f32) -> Frame {
     let even = Plane::filled(frame.mask.width(), frame.mask.height(), tone);
     Frame {

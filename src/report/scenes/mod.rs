@@ -1,8 +1,7 @@
-//! Small scenes with known answers: those that the report measures, and the analytic surfaces they are made of.
+//! Small scenes with known answers: those measured by the report, and the analytic surfaces they are made of.
 //!
-//! All that are measured are orthographic, one unit a pixel. Where there is a closed form of the curvature after
-//! diffusion it gives the error of the whole method, grid and all, beside which the error of a solver is to be
-//! judged.
+//! All measured scenes are orthographic, one unit per pixel. A closed form of the curvature after diffusion, where
+//! there is one, gives the error of the whole method, including the grid, as a yardstick for the error of a solver.
 
 pub(crate) mod environment;
 pub mod exact;
@@ -18,15 +17,15 @@ use crate::params::ShapeParams;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// A scene with what is known of it.
+/// A scene with its known answers.
 pub struct Scene {
-    /// Its name, that of its files.
+    /// Its name, also used for files.
     pub name: &'static str,
     /// Description, in a sentence.
     pub about: &'static str,
     /// The frame.
     pub frame: Frame,
-    /// The foreshortening it is to be analysed with.
+    /// The foreshortening to analyse it with.
     pub foreshortening: f32,
     truth: Truth,
 }
@@ -35,7 +34,7 @@ pub struct Scene {
 enum Truth {
     /// Waves `h = a cos(kx) cos(ky)`: the trace is `-2 a k^2 cos cos e^(-2 k^2 t)`.
     Waves,
-    /// A ball at foreshortening 0: the gradient is linear, which diffusion leaves alone; -2/R.
+    /// A ball at foreshortening 0: the gradient is linear, and unchanged by diffusion; -2/R.
     Ball { radius: f64 },
     /// An ellipsoid: its own directions of curvature, without diffusion.
     Ellipsoid(ExactScene),
@@ -51,7 +50,7 @@ pub const HEIGHT: f64 = 5.0;
 const DISTANCE: f64 = 2000.0;
 
 impl Scene {
-    /// How its shape is found, but for the scale.
+    /// The parameters for finding its shape, except for the scale.
     pub(super) fn shape(&self, tolerance: f32) -> ShapeParams {
         ShapeParams {
             foreshortening: self.foreshortening,
@@ -85,7 +84,7 @@ impl Scene {
         }
     }
 
-    /// A plane that faces the viewer, the whole picture covered.
+    /// A plane facing the viewer, the whole picture covered.
     pub fn plane(width: usize, height: usize) -> Self {
         Self {
             name: "plane",
@@ -96,7 +95,7 @@ impl Scene {
         }
     }
 
-    /// A ball that fills nine tenths of the picture's lesser side.
+    /// A ball that fills nine tenths of the picture's shorter side.
     pub fn ball(width: usize, height: usize) -> Self {
         let radius = 0.45 * width.min(height) as f64;
         let ball = off_the_grid(Surface::ball(radius), width, height);
@@ -109,8 +108,8 @@ impl Scene {
         }
     }
 
-    /// An ellipsoid of half axes 1, 0.7 and 0.5, tilted, as large as the ball of [`Scene::ball`]. Without
-    /// depth: its directions are to be found from normals.
+    /// A tilted ellipsoid with half axes 1, 0.7 and 0.5, as large as the ball of [`Scene::ball`]. Without depth, so
+    /// that directions come from normals.
     pub fn ellipsoid(width: usize, height: usize) -> Self {
         let half_axes = DVec3::new(1.0, 0.7, 0.5) * 0.45 * width.min(height) as f64;
         let tilt = DMat3::from_rotation_z(0.5)
@@ -129,8 +128,8 @@ impl Scene {
         }
     }
 
-    /// Overlapping shallow caps and roofs at many depths: steps and creases everywhere, conductances
-    /// from 0 to 1, some jumping between the two in a pixel.
+    /// Overlapping shallow caps and roofs at many depths: steps and creases everywhere, conductances from 0 to 1, some
+    /// changing from one to the other within a pixel.
     pub fn barriers(width: usize, height: usize) -> Self {
         let pieces = pieces(width as f64, height as f64);
         let at = |x: usize, y: usize| {
@@ -147,21 +146,21 @@ impl Scene {
         }
     }
 
-    /// The unit direction in the picture, y up, of the surface's own curvature larger in size, at column
-    /// `x`, row `y`. `None` where it is not known, where the two curvatures differ by less than a tenth of
-    /// the larger, and where n_z is below 0.35.
+    /// The unit direction in the picture, y up, of the surface's own larger curvature by magnitude, at column `x`, row
+    /// `y`. `None` where it is unknown, where the two curvatures differ by less than a tenth of the larger, and where
+    /// n_z is below 0.35.
     pub fn exact_direction(&self, x: usize, y: usize) -> Option<DVec2> {
         let Truth::Ellipsoid(scene) = &self.truth else {
             return None;
         };
         let exact = scene.exact(x, y)?;
-        // Negative where convex: k_v is the larger in size.
+        // Negative where convex, so k_v is the larger in magnitude.
         let bent = exact.object_curvatures;
         let differ = bent.k_u - bent.k_v > 0.1 * -bent.k_v;
         (exact.normal.z > 0.35 && differ).then(|| bent.v.truncate().normalize())
     }
 
-    /// A strip of a ball of 4000 pixels radius across its rim: columns of every n_z from 0 to 0.67.
+    /// A strip across the rim of a ball with a radius of 4000 pixels: columns of every n_z from 0 to 0.67.
     pub fn rim() -> Self {
         let ball = ExactScene::orthographic(Surface::ball(RIM_RADIUS), RIM_RADIUS + 4.0, 16.5);
         Self {
@@ -173,8 +172,8 @@ impl Scene {
         }
     }
 
-    /// The trace of the Hessian at column `x`, row `y` after diffusion over `time`; `None` where it is
-    /// not known, or where a border is within five sigmas.
+    /// The trace of the Hessian at column `x`, row `y` after diffusion over `time`; `None` where it is unknown, or
+    /// where a border is within five sigmas.
     pub fn exact_trace(&self, x: usize, y: usize, time: f64) -> Option<f64> {
         let margin = 2.0 + 5.0 * (2.0 * time).sqrt();
         let (w, h) = (
@@ -196,7 +195,7 @@ impl Scene {
     }
 }
 
-/// The surface at the distance of the scenes, near the middle of the picture but off the grid.
+/// The surface at the distance of the scenes, near the centre of the picture but off the pixel grid.
 fn off_the_grid(surface: Surface, width: usize, height: usize) -> ExactScene {
     let [cx, cy] = [width, height].map(|size| 0.5 * size as f64);
     ExactScene::orthographic(surface, cx + 0.3, cy - 0.2).at_distance(DISTANCE)
@@ -212,7 +211,7 @@ fn bare(scene: &ExactScene, width: usize, height: usize) -> Frame {
 /// Radius of the ball of [`Scene::rim`].
 pub(crate) const RIM_RADIUS: f64 = 4000.0;
 
-/// Sine and cosine of a wave at the middle of the pixel `i`.
+/// Sine and cosine of a wave at the centre of pixel `i`.
 fn wave_at(i: usize) -> (f64, f64) {
     (WAVE * (i as f64 + 0.5)).sin_cos()
 }
@@ -243,12 +242,12 @@ struct Piece {
     y: f64,
     reach: f64,
     depth: f64,
-    /// Direction across the ridge of a roof; `None` is a cap.
+    /// Direction across the ridge of a roof; `None` for a cap.
     across: Option<f64>,
 }
 
 impl Piece {
-    /// Normal and depth where it covers (`x`, `y`), rows running down.
+    /// Normal and depth if it covers (`x`, `y`), rows running down.
     fn at(&self, x: f64, y: f64) -> Option<(DVec3, f64)> {
         let (dx, dy) = (x - self.x, self.y - y);
         if dx.hypot(dy) > self.reach {
@@ -269,8 +268,8 @@ impl Piece {
     }
 }
 
-/// A ground and 90 pieces on it, scattered by irrational steps, each a few per cent of the distance
-/// above the next: silhouettes that are faint, half and full.
+/// A ground and 90 pieces on it, scattered by irrational steps, each a few per cent of the distance above the next:
+/// silhouettes that are faint, half and full.
 fn pieces(width: f64, height: f64) -> Vec<Piece> {
     let ground = Piece {
         x: 0.5 * width,
@@ -290,7 +289,7 @@ fn pieces(width: f64, height: f64) -> Vec<Piece> {
     std::iter::once(ground).chain(scattered).collect()
 }
 
-/// The angle between two directions that are the same as their opposites; 90 degrees for none.
+/// The angle between two directions, opposites being equal; 90 degrees if one is missing.
 pub fn angle_deg(found: DVec2, exact: DVec2) -> f64 {
     if found == DVec2::ZERO {
         return 90.0;
@@ -305,7 +304,7 @@ mod tests {
 
     #[test]
     fn known_traces_of_a_ball() {
-        // METHODS: at n_z .5 and .1, f = 0: 2 / R; f = 1: 10 / R and 1010 / R.
+        // Expected from the closed form at n_z .5 and .1, f = 0: 2 / R; f = 1: 10 / R and 1010 / R.
         for (nz, f, times) in [
             (0.5, 0.0, 2.0),
             (0.1, 0.0, 2.0),
@@ -321,8 +320,8 @@ mod tests {
 
     #[test]
     fn normals_turn_along_the_ellipsoid_s_directions() {
-        // Along a line of curvature the normal turns by the curvature, along the line itself (Rodrigues);
-        // by central differences over a hundredth of a pixel.
+        // Along a line of curvature the normal turns by the curvature, along the line itself (Rodrigues); by central
+        // differences over a hundredth of a pixel.
         let scene = Scene::ellipsoid(120, 100);
         let Truth::Ellipsoid(exact) = &scene.truth else {
             panic!("no ellipsoid");
@@ -384,7 +383,7 @@ mod tests {
                     checked += 1;
                 }
             }
-            // The strip is all steeper than 1 in its first 118 columns.
+            // All of the strip is steeper than 1 in its first 118 columns.
             assert!(
                 checked > 300 || scene.name == "rim",
                 "{}: {checked}",

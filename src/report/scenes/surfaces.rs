@@ -1,17 +1,17 @@
-//! Surfaces as the zero sets of functions whose gradient and second derivatives are written down.
+//! Surfaces as zero sets of functions with explicit gradients and second derivatives.
 //!
-//! Shapes stand on the view axis, [`DISTANCE`] from the eye, unless moved.
+//! Shapes are on the view axis, [`DISTANCE`] from the eye, unless moved.
 
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// How far from the eye the shapes stand.
+/// Distance of the shapes from the eye.
 pub const DISTANCE: f64 = 400.0;
 
-/// No step of a ray toward a surface is smaller, in pixels.
+/// Smallest step of a ray toward a surface, in pixels.
 const LEAST_STEP: f64 = 0.01;
 
-/// A surface, seen from its outside.
+/// A surface, seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Surface {
     /// `normal . (p - point) = 0`.
@@ -34,9 +34,9 @@ pub enum Surface {
     },
     /// Points at distance `tube` from a circle of radius `ring` around `axis` (unit).
     Torus {
-        /// The middle of the circle.
+        /// The centre of the circle.
         center: DVec3,
-        /// Square to its plane.
+        /// Perpendicular to its plane.
         axis: DVec3,
         /// Radius of the circle.
         ring: f64,
@@ -45,11 +45,11 @@ pub enum Surface {
     },
     /// `z = base + amplitude sin(wave . (x, y))`; `wave` in radians per unit.
     SineRelief {
-        /// z of the middle.
+        /// z of the mean level.
         base: f64,
         /// Half the height of the waves.
         amplitude: f64,
-        /// Across the crests.
+        /// Wave vector, perpendicular to the crests.
         wave: DVec2,
     },
 }
@@ -59,7 +59,7 @@ fn middle() -> DVec3 {
 }
 
 impl Surface {
-    /// A plane through the middle that faces along `normal`.
+    /// A plane through the centre, facing along `normal`.
     pub fn plane(normal: DVec3) -> Self {
         Self::Plane {
             point: middle(),
@@ -74,8 +74,8 @@ impl Surface {
 
     /// An ellipsoid with its half-axes along the columns of the rotation `turn`.
     ///
-    /// In its own axes it is `sum (q_i / r_i)^2 - 1`. Times the smallest squared half-axis, so that
-    /// a ball's form is the identity.
+    /// In its own axes it is `sum (q_i / r_i)^2 - 1`, multiplied by the smallest squared half-axis, so that a ball's
+    /// form is the identity.
     pub fn ellipsoid(half_axes: DVec3, turn: DMat3) -> Self {
         let unit = half_axes.min_element().powi(2);
         let own = DMat3::from_diagonal(unit / (half_axes * half_axes));
@@ -87,7 +87,7 @@ impl Surface {
         }
     }
 
-    /// An endless cylinder around `axis`: the squared distance to the axis is `q . (1 - a a^T) q`.
+    /// An infinite cylinder around `axis`: the squared distance to the axis is `q . (1 - a a^T) q`.
     pub fn cylinder(radius: f64, axis: DVec3) -> Self {
         let a = axis.normalize();
         Self::Quadric {
@@ -98,7 +98,7 @@ impl Surface {
         }
     }
 
-    /// The graph `z = (k_u u^2 + k_v v^2) / 2`, u at `angle` from x: a saddle where the signs differ.
+    /// The graph `z = (k_u u^2 + k_v v^2) / 2`, u at `angle` from x: a saddle if the signs differ.
     ///
     /// F = 2 z - (k_u u^2 + k_v v^2), whose gradient points to the viewer.
     pub fn saddle(k_u: f64, k_v: f64, angle: f64) -> Self {
@@ -122,7 +122,7 @@ impl Surface {
         }
     }
 
-    /// Parallel waves of the given height and length, their crests across the direction `angle`.
+    /// Parallel waves of the given amplitude and wavelength, varying along the direction `angle`.
     pub fn sine_relief(amplitude: f64, wavelength: f64, angle: f64) -> Self {
         Self::SineRelief {
             base: -DISTANCE,
@@ -234,9 +234,9 @@ impl Surface {
                 let q = p - center;
                 q.dot(form * q) + 2.0 * linear.dot(q) + constant
             }
-            // A point at height a above the ring's plane and distance rho from the axis lies on the
-            // tube where (rho - R)^2 + a^2 = r^2, that is |q|^2 + R^2 - r^2 = 2 R rho; squared, so
-            // that no root is left: (|q|^2 + R^2 - r^2)^2 - 4 R^2 (|q|^2 - a^2).
+            // A point at height a above the ring's plane and distance rho from the axis is on the tube if (rho - R)^2 +
+            // a^2 = r^2, that is |q|^2 + R^2 - r^2 = 2 R rho; squared to remove the root: (|q|^2 + R^2 - r^2)^2 - 4 R^2
+            // (|q|^2 - a^2).
             Self::Torus {
                 center,
                 axis,
@@ -265,8 +265,8 @@ impl Surface {
                 linear,
                 ..
             } => (2.0 * (form * (p - center) + linear), form * 2.0),
-            // d(s^2) = 2 s ds with ds = 2 q, so the gradient is 4 s q - 8 R^2 (q - (q . a) a), and
-            // once more: 4 s + 8 q q^T - 8 R^2 (1 - a a^T).
+            // d(s^2) = 2 s ds with ds = 2 q, so the gradient is 4 s q - 8 R^2 (q - (q . a) a), and the second
+            // derivatives are 4 s + 8 q q^T - 8 R^2 (1 - a a^T).
             Self::Torus {
                 center,
                 axis,
@@ -295,15 +295,15 @@ impl Surface {
         }
     }
 
-    /// The first `t > 0` at which `origin + t direction` meets the surface.
+    /// The first `t > 0` at which `origin + t direction` hits the surface.
     pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         match *self {
             Self::Plane { point, normal } => {
                 let t = normal.dot(point - origin) / normal.dot(direction);
                 (t.is_finite() && t > 0.0).then_some(t)
             }
-            // F along the ray is a t^2 + 2 b t + c. Both roots come from w = -(b + sign(b) sqrt(b^2 - ac)),
-            // which never cancels, as w/a and c/w; where a is 0 the first is infinite and drops out.
+            // F along the ray is a t^2 + 2 b t + c. Both roots come from w = -(b + sign(b) sqrt(b^2 - ac)), which never
+            // cancels, as w/a and c/w; if a is 0 the first is infinite and drops out.
             Self::Quadric {
                 center,
                 form,
@@ -322,7 +322,7 @@ impl Surface {
                     .filter(|t| t.is_finite() && *t > 0.0)
                     .min_by(f64::total_cmp)
             }
-            // Only the part of the ray inside the ball around the torus can meet it.
+            // Only the part of the ray inside the ball around the torus can hit it.
             Self::Torus {
                 center,
                 axis,
@@ -340,7 +340,8 @@ impl Surface {
                 };
                 self.first_crossing(origin, direction, [-b / a - half, -b / a + half], clearance)
             }
-            // No steeper than amplitude times wave number: the distance is a share of the difference in height.
+            // The slope is at most amplitude times wave number: the distance is bounded by a share of the height
+            // difference.
             Self::SineRelief {
                 base,
                 amplitude,
@@ -354,9 +355,9 @@ impl Surface {
         }
     }
 
-    /// The first `t` between the ends at which F turns from positive to negative, stepped up to by the `clearance`, at
-    /// most the distance to the surface, and then halved down to the last bit. Two crossings within [`LEAST_STEP`]
-    /// are missed: grazing rays, within some millionth of a pixel of an outline.
+    /// The first `t` between the ends at which F turns from positive to negative, approached in steps of the
+    /// `clearance`, a lower bound of the distance to the surface, and then bisected to the last bit. Two crossings
+    /// within [`LEAST_STEP`] are missed: grazing rays, within about a millionth of a pixel of an outline.
     fn first_crossing(
         &self,
         origin: DVec3,

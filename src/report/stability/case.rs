@@ -3,7 +3,7 @@
 use super::{Case, Expected, Verdict};
 use crate::Result;
 
-/// A table of cases, one to a row.
+/// A table of cases, one per row.
 macro_rules! cases {
     ($($case:expr;)*) => { vec![$($case),*] };
 }

@@ -1,4 +1,4 @@
-//! The list of cases: everything that shape analysis could stumble over, and what light and drawings add.
+//! The list of cases: everything that could break shape analysis, followed by those of light and drawings.
 
 use super::case::{case, cases};
 use super::frames::{
@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use Expected::{Bounded, Refused, Warned};
 
-/// Every case, in the order of the report.
+/// All cases, in the order of the report.
 pub(crate) fn all() -> Vec<Case> {
     let groups = [
         normal_cases(),
@@ -27,7 +27,7 @@ pub(crate) fn all() -> Vec<Case> {
     groups.into_iter().flatten().collect()
 }
 
-/// A frame straight into the backend.
+/// A frame passed directly to the backend.
 fn straight(
     name: &'static str,
     done: &'static str,
@@ -37,7 +37,7 @@ fn straight(
     case(name, done, Bounded, move || judged(&frame(), shape, &[]))
 }
 
-/// Normals and depth through an EXR file, as a renderer's would come.
+/// Normals and depth through an EXR file, like a renderer's.
 fn from_file(
     name: &'static str,
     done: &'static str,
@@ -50,7 +50,7 @@ fn from_file(
     })
 }
 
-/// The viewer's height field: the setting that has most to lose.
+/// The viewer's height field, the most fragile setting.
 fn steep() -> ShapeParams {
     ShapeParams {
         foreshortening: 1.0,
@@ -204,9 +204,9 @@ fn time_cases() -> Vec<Case> {
     }
 }
 
-/// The stiffest field there is: slopes that turn round from pixel to pixel.
+/// The stiffest possible field: slopes that reverse from pixel to pixel.
 fn checkerboard() -> Frame {
-    // 23 degrees from pixel to pixel: no crease.
+    // 23 degrees from pixel to pixel: not a crease.
     let frame = with_normals(|x, y| {
         let side = if (x + y) % 2 == 0 { 0.2 } else { -0.2 };
         Vec3::new(side, 0.0, 0.96_f32.sqrt())

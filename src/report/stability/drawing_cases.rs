@@ -1,4 +1,4 @@
-//! The list of cases, continued: everything that a drawing could stumble over.
+//! The list of cases, continued: everything that could break a drawing.
 
 use super::case::{case, cases};
 use super::frames::random;
@@ -15,7 +15,7 @@ use crate::report::engine;
 use crate::report::scenes::Scene;
 use crate::report::scenes::frames::{grey, masked};
 
-/// Every case of a drawing.
+/// All cases of drawings.
 pub(super) fn all() -> Vec<Case> {
     let settings = settings().into_iter().map(Setting::case).collect();
     [surfaces(), tones(), sizes(), settings, refusals()]
@@ -24,7 +24,7 @@ pub(super) fn all() -> Vec<Case> {
         .collect()
 }
 
-/// Any ink, for half tones of few strokes on little paper.
+/// Any ink, for half tones with few strokes on a small picture.
 const ANY: [f64; 2] = [0.0, 1.0];
 /// Ink of a half tone over many strokes.
 const HALF: [f64; 2] = [0.47, 0.53];
@@ -51,7 +51,7 @@ fn drawn(
     })
 }
 
-/// Crossed strokes, since more can go wrong with two families than with one; tone is the picture itself.
+/// Crossed strokes, since two families can fail in more ways than one; the picture is the tone.
 fn crossed() -> LineParams {
     LineParams {
         directions: StrokeDirections::Both,
@@ -111,7 +111,7 @@ fn sizes() -> Vec<Case> {
     }
 }
 
-/// A setting with the surface that shows it.
+/// A setting and the surface that exercises it.
 struct Setting {
     name: &'static str,
     done: &'static str,
@@ -176,7 +176,7 @@ fn refusals() -> Vec<Case> {
     }
 }
 
-/// Draws `frame` in the tone of its picture and holds the ink of its strokes against `bounds`.
+/// Draws `frame` in the tone of its picture, and checks the ink of its strokes against `bounds`.
 fn judged(frame: &Frame, line: LineParams, bounds: [f64; 2]) -> Result<Verdict> {
     let plan = Plan::hatch(
         Available::in_frame(frame),

@@ -1,4 +1,4 @@
-//! Every stiff and extreme case of the report ends as it declares; none in a NaN or a panic.
+//! Runs every stiff and extreme case of the report: each ends as declared, none in a NaN or a panic.
 
 use super::{Expected, Verdict, all};
 
@@ -10,7 +10,7 @@ fn every_case_ends_as_declared() {
     }
     let wrong: Vec<_> = results.iter().filter(|r| !r.as_expected).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    // A list that shrank would pass in silence.
+    // A shortened list would pass silently.
     assert!(results.len() >= 100, "only {} cases", results.len());
     let count = |expected| results.iter().filter(|r| r.expected == expected).count();
     assert!(count(Expected::Warned) >= 4 && count(Expected::Refused) >= 12);
@@ -44,8 +44,8 @@ fn unstable_steps_are_refused_with_the_reason() {
     assert!(refused >= 4, "only {refused} cases");
 }
 
-/// At the very limit a checkerboard turns round with every step and is not made smaller by the middle of
-/// the picture: bounded, and far from gone.
+/// At the stability limit a checkerboard reverses with every step and does not decay at the centre of the picture: it
+/// stays bounded, and far from gone.
 #[test]
 fn at_the_limit_a_checkerboard_hardly_decays() {
     let cases = all();

@@ -1,4 +1,4 @@
-//! The small frames that the cases are made of: straight, and through a file.
+//! The small frames of the cases: in memory, and through a file.
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, NormalSpace, Plane};
@@ -26,8 +26,8 @@ pub(super) fn with_depth(at: impl FnMut(usize, usize) -> f32) -> Frame {
     }
 }
 
-/// A rough surface whose conductance is what `open` says: 1, or 0 where a normal is so short that a
-/// filter must have mixed unlike ones.
+/// A rough surface with the conductance given by `open`: 1, or 0 by a normal so short that a filter must have mixed
+/// different ones.
 pub(super) fn with_conductance(open: impl Fn(usize, usize) -> bool) -> Frame {
     let frame = relief(29, 23);
     let length = Plane::from_fn(29, 23, |x, y| if open(x, y) { 1.0 } else { 0.1 });
@@ -37,7 +37,7 @@ pub(super) fn with_conductance(open: impl Fn(usize, usize) -> bool) -> Frame {
     }
 }
 
-/// A relief of random unit normals, the far side too.
+/// A relief of random unit normals, including those facing away.
 pub(super) fn random(width: usize, height: usize) -> impl Fn() -> Frame {
     move || Frame {
         normal: normals(width, height, rough),
@@ -45,7 +45,7 @@ pub(super) fn random(width: usize, height: usize) -> impl Fn() -> Frame {
     }
 }
 
-/// A ball, or where `bend` is negative a bowl.
+/// A ball, or a bowl if `bend` is negative.
 pub(super) fn ball(bend: f32) -> Frame {
     with_normals(move |x, y| {
         Vec3::new(bend * (x as f32 - 14.0), bend * (11.0 - y as f32), 0.7).normalize()
@@ -60,7 +60,7 @@ pub(super) fn cylinder() -> Frame {
     })
 }
 
-/// The frame as it is read from an EXR that holds its normals, depth and picture as floats.
+/// The frame as loaded from an EXR with its normals, depth and picture as floats.
 pub(super) fn through_a_file(frame: &Frame) -> Result<Loaded> {
     let channel = |name: &str, plane| OutputChannel {
         name: name.into(),

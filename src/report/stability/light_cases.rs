@@ -1,4 +1,4 @@
-//! The list of cases, continued: everything that light could stumble over.
+//! The list of cases, continued: everything that could break light.
 
 use super::case::{case, cases};
 use super::frames::{ball, cylinder, random, through_a_file, with_normals};
@@ -14,7 +14,7 @@ use crate::params::{
 use crate::report::scenes::frames::{gentle, masked, relief};
 use glam::Vec3;
 
-/// Every case of light.
+/// All cases of light.
 pub(super) fn all() -> Vec<Case> {
     let groups = [
         light_cases(),
@@ -36,7 +36,7 @@ fn lit(
     case(name, done, Expected::Lit, move || judged(&frame(), &asked))
 }
 
-/// Light of 1 from above the upper left.
+/// Light of intensity 1 from the upper left.
 fn usual() -> Illumination {
     from(Vec3::new(-0.6, 0.6, 0.53))
 }
@@ -113,7 +113,7 @@ fn material_cases() -> Vec<Case> {
     }
 }
 
-/// A dim sky in which one pixel is `spot`.
+/// A dim sky with one pixel of value `spot`.
 fn spotted(spot: f32) -> Illumination {
     let map = Environment::from_fn(64, 32, |x, y| match (x, y) {
         (50, 9) => [spot; 3],
@@ -206,7 +206,7 @@ fn scaling_cases() -> Vec<Case> {
     }
 }
 
-/// A relief with a grey picture, of which one pixel is `spot`.
+/// A relief with a grey picture and one pixel of value `spot`.
 fn pictured(spot: f32) -> Frame {
     let grey = Plane::from_fn(29, 23, |x, y| match (x, y) {
         (14, 11) => spot,

@@ -1,4 +1,4 @@
-//! Pictures under new light against the most that all their lights together can give.
+//! Relit pictures compared with an upper bound for all their lights together.
 
 use super::{Verdict, largest};
 use crate::Result;
@@ -12,7 +12,7 @@ use crate::report::engine;
 use crate::report::light::lit::bare;
 use crate::report::timing;
 
-/// The parameters of a case; others have their defaults.
+/// The parameters of a case; others are at their defaults.
 #[derive(Clone)]
 pub(super) struct Asked {
     pub(super) shape: ShapeParams,
@@ -24,7 +24,7 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    /// White of some material under `light`, without ambient light.
+    /// A white `material` under `light`, without ambient light.
     pub(super) fn of(material: Material, method: Method, light: Illumination) -> Self {
         Self {
             shape: ShapeParams::default(),
@@ -40,8 +40,8 @@ impl Asked {
 
     /// The largest value that a picture may have.
     ///
-    /// What arrives, times what a lobe, a Jacobian (9 at most), a scaling (e^gamma, its exponent ending at 60)
-    /// and a contrast (3) make of it at most.
+    /// The arriving light times the maxima of a lobe, a Jacobian (9), a scaling (e^gamma, with the exponent limited to
+    /// 60) and a contrast (3).
     fn bound(&self, frame: &Frame) -> f64 {
         if self.dark {
             return 0.0;
@@ -64,7 +64,7 @@ impl Asked {
         self.arriving() * factors.iter().product::<f64>()
     }
 
-    /// The sum of all intensities. Radiance of at most R all around is 4 pi R / pi of it.
+    /// The sum of all intensities. Radiance of at most R from everywhere adds up to 4 pi R / pi.
     fn arriving(&self) -> f64 {
         let brightest = |rgb: [f32; 3]| f64::from(rgb.into_iter().fold(0.0, f32::max));
         let lights = self.light.directional.iter();
@@ -77,8 +77,8 @@ impl Asked {
         lights + around
     }
 
-    /// Both lobes at their largest: each 1 but for the coat of Ashikhmin and Shirley, whose
-    /// `n.l / (h.e max(n.l, n.e))` is at most 1 / h.e, and `h.e >= (n.l + n.e) / 2` as n.h is at most 1.
+    /// The maxima of both lobes: 1 each, except for the coat of Ashikhmin and Shirley, whose `n.l / (h.e max(n.l,
+    /// n.e))` is at most 1 / h.e, and `h.e >= (n.l + n.e) / 2` since n.h is at most 1.
     fn largest_lobes(&self, frame: &Frame) -> f64 {
         let m = &self.relight.material;
         if m.material != Material::AshikhminShirley {
@@ -87,7 +87,7 @@ impl Asked {
         let covered = frame.mask.plane().samples().iter();
         let facing = frame.normal.z.samples().iter().zip(covered);
         let facing = facing.filter(|&(_, &covered)| covered).map(|(nz, _)| *nz);
-        // The kernels let h.e be no less than a millionth.
+        // The kernels limit h.e to at least a millionth.
         let least = f64::from(facing.fold(1.0, f32::min)).max(2e-6);
         let [nu, nv] = m.coat.map(f64::from);
         28.0 / 23.0 + ((nu + 1.0) * (nv + 1.0)).sqrt() / 8.0 * 2.0 / least
@@ -97,7 +97,7 @@ impl Asked {
 /// Rounding of single precision over 1e5 lights.
 const ROUNDING: f64 = 1e-3;
 
-/// Lights `frame` as asked for and holds the picture against its bound.
+/// Lights `frame` with the given parameters, and checks the picture against its bound.
 pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
     let plan = Plan::relight(
         Available::in_frame(frame),
@@ -111,7 +111,7 @@ pub(super) fn judged(frame: &Frame, asked: &Asked) -> Result<Verdict> {
     Ok(held(color, asked.bound(frame)))
 }
 
-/// Scales the picture of `frame` and holds it against its brightest pixel, times e^gamma.
+/// Scales the picture of `frame`, and checks it against its brightest pixel times e^gamma.
 pub(super) fn judged_picture(frame: &Frame, warnings: &[String]) -> Result<Verdict> {
     let plan = timing::plan(Goal::Enhance, frame, ShapeParams::default())?;
     let outcome = engine::run(&plan, frame, Inputs::default())?;
@@ -136,13 +136,13 @@ fn brightest(color: &ColorPlanes) -> f64 {
         .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
 
-/// A picture from 0 to `bound`.
+/// Verdict on a picture that must be within 0 and `bound`.
 fn held(color: &ColorPlanes, bound: f64) -> Verdict {
     let least = |plane: &Plane| plane.samples().iter().copied().fold(0.0, f32::min);
     let darkest = [&color.r, &color.g, &color.b].map(least);
     let darkest = darkest.into_iter().fold(0.0, f32::min);
     let largest = brightest(color);
-    // A NaN is not within any bound.
+    // NaN is within no bound.
     if largest <= bound && bound.is_finite() && darkest >= 0.0 {
         Verdict::Lit { largest, bound }
     } else {

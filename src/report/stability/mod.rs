@@ -1,5 +1,5 @@
-//! Stiff and extreme cases, run live: each is bounded, warned of or refused, as it declares, and none
-//! gives a NaN or a panic.
+//! Stiff and extreme cases, run live: each is bounded, warned about or refused, as declared, and none gives a NaN or a
+//! panic.
 
 mod case;
 mod cases;
@@ -26,24 +26,24 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Expected {
-    /// A result within its bounds, nothing to be said.
+    /// A result within its bounds, without a message.
     Bounded,
-    /// A picture under new light within its bound, nothing to be said.
+    /// A relit picture within its bound, without a message.
     Lit,
-    /// A drawing of as much ink as its tone asks for, nothing to be said.
+    /// A drawing with the ink that its tone requires, without a message.
     Drawn,
-    /// A result within its bounds, and a word to the user.
+    /// A result within its bounds, and a warning.
     Warned,
-    /// No result, but the reason.
+    /// No result, but a reason.
     Refused,
 }
 
-/// The largest values of a result and what they may be at most.
+/// The largest values of a result, and their upper bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Bounds {
     /// Largest |g_x| or |g_y| after diffusion.
     pub slope: f64,
-    /// The largest one before it: diffusion makes no new extremum; with the solver's tolerance.
+    /// The largest before diffusion, which makes no new extremum, plus the solver's tolerance.
     pub slope_bound: f64,
     /// Largest |trace| per pixel.
     pub trace: f64,
@@ -53,49 +53,48 @@ pub(crate) struct Bounds {
 
 /// The result of a case.
 ///
-/// The bound of the trace: a fitted plane is a weighted mean of planes through the pixel and two
-/// neighbours. Such a plane solves two equations in offsets of -1, 0 and 1 whose determinant is 1 at least,
-/// so each derivative is at most the sum of two differences, four times the largest slope; the trace
-/// is two derivatives.
+/// The bound of the trace: a fitted plane is a weighted mean of planes through the pixel and two neighbours. Such a
+/// plane solves two equations in offsets of -1, 0 and 1 whose determinant is at least 1, so each derivative is at most
+/// the sum of two differences, four times the largest slope; the trace is the sum of two derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "outcome", rename_all = "lowercase")]
 pub(crate) enum Verdict {
-    /// Every value is a number within its bounds.
+    /// Every value is finite and within its bounds.
     Bounded(Bounds),
-    /// Every value of a picture is a number from 0 to its bound.
+    /// Every value of a picture is finite and between 0 and its bound.
     Lit {
         /// The largest value.
         largest: f64,
-        /// The most that all light together can give.
+        /// The upper bound for all light together.
         bound: f64,
     },
     /// Every value of a drawing is a share of ink, 0 to 1, and their mean is within its bounds.
     Drawn {
-        /// The mean over what is covered.
+        /// The mean over the covered pixels.
         ink: f64,
         /// The range allowed.
         bounds: [f64; 2],
     },
-    /// A picture within its bound, and with a word to the user.
+    /// A picture within its bound, with a warning.
     #[serde(rename = "warned")]
     WarnedPicture {
-        /// The message to the user.
+        /// The warning.
         message: String,
         /// The largest value.
         largest: f64,
         /// The largest value allowed.
         bound: f64,
     },
-    /// Every value of a descriptor is a number within its bounds, and with a word to the user.
+    /// Every value of a descriptor is finite and within its bounds, with a warning.
     Warned {
-        /// The message to the user.
+        /// The warning.
         message: String,
         /// The values.
         bounds: Bounds,
     },
     /// No result.
     Refused {
-        /// The reason given.
+        /// The reason.
         message: String,
     },
     /// A bug: a NaN, a value out of bounds, a panic.
@@ -106,7 +105,7 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// Whether it is what was expected.
+    /// Whether it matches the expected result.
     pub(crate) fn is(&self, expected: Expected) -> bool {
         match self {
             Self::Bounded(_) => expected == Expected::Bounded,
@@ -141,12 +140,12 @@ pub(crate) struct CaseResult {
     pub expected: Expected,
     /// The result.
     pub verdict: Verdict,
-    /// Whether that is what was expected.
+    /// Whether it matches the expected result.
     pub as_expected: bool,
 }
 
 impl Case {
-    /// Runs the case; a panic is a failure of the case alone.
+    /// Runs the case; a panic fails only this case.
     pub(crate) fn run(&self) -> CaseResult {
         let verdict = match catch_unwind(AssertUnwindSafe(&self.run)) {
             Ok(Ok(verdict)) => verdict,
@@ -171,7 +170,7 @@ impl Case {
     }
 }
 
-/// A parameter or input that is turned away is a refusal; a disk that fails is a failure.
+/// A rejected parameter or input is a refusal; a failing disk is a failure.
 fn refusal(error: Error) -> Verdict {
     match error {
         Error::Io { .. } => Verdict::Failed {
@@ -186,7 +185,7 @@ fn refusal(error: Error) -> Verdict {
 /// Rounding of single precision over thousands of sweeps, relative to the largest slope.
 const ROUNDING: f64 = 1e-4;
 
-/// Runs every goal of shape analysis over `frame` and holds all planes against their bounds.
+/// Runs every goal of shape analysis over `frame`, and checks all planes against their bounds.
 fn judged(frame: &Frame, shape: ShapeParams, warnings: &[String]) -> Result<Verdict> {
     let display = engine::run(
         &timing::plan(Goal::Display, frame, shape)?,
@@ -244,7 +243,7 @@ fn judged(frame: &Frame, shape: ShapeParams, warnings: &[String]) -> Result<Verd
         ("slope", bounds.slope, bounds.slope_bound),
         ("trace", bounds.trace, bounds.trace_bound),
     ];
-    // A NaN is not within any bound.
+    // NaN is within no bound.
     let within = |value: f64, bound: f64| value <= bound && bound.is_finite();
     let wrong = unit
         .chain(curved)
@@ -277,7 +276,7 @@ fn steepest_start(frame: &Frame, shape: &ShapeParams) -> f64 {
     leaning.fold(0.0, |m: f64, (n, _)| m.max(f64::from(n.abs()))) * shape.largest_slope()
 }
 
-/// The largest size of a sample; NaN or infinite if one is.
+/// The largest magnitude of a sample; NaN or infinite if one is.
 fn largest(plane: &Plane) -> f64 {
     let sizes = plane.samples().iter().map(|v| f64::from(v.abs()));
     sizes.fold(0.0, |m, v| {
@@ -310,7 +309,7 @@ mod tests {
             largest(&Plane::from_samples(3, 1, vec![1.0, -3.0, 2.0])),
             3.0
         );
-        // Normals that io would never let pass, straight into the backend.
+        // Normals that `io` would never let through, passed directly to the backend.
         let mut frame = relief(9, 9);
         frame.normal.x.row_mut(4)[4] = f32::NAN;
         let verdict = judged(&frame, ShapeParams::default(), &[]).unwrap();

@@ -1,4 +1,4 @@
-//! The solvers against diffusion in double precision, on scenes full of barriers.
+//! The solvers compared with diffusion in double precision, on scenes full of barriers.
 
 use super::Measuring;
 use crate::frame::{Plane, Vector2Planes};
@@ -13,8 +13,7 @@ use crate::shape::chebyshev::{Spread, coefficients};
 /// Rounding of single precision over hundreds of sweeps, relative to the largest slope.
 const ROUNDING: f64 = 3e-6;
 
-/// As an object, where slopes are at most 1 and the tolerance is spent in full, and as the viewer's
-/// height field.
+/// As an object, where slopes are at most 1 and the tolerance is fully used, and as the viewer's height field.
 fn shapes() -> [ShapeParams; 2] {
     [0.0, 1.0].map(|foreshortening| ShapeParams {
         foreshortening,
@@ -62,7 +61,7 @@ fn the_default_tolerance_holds_against_the_exponential() {
                     scene.name
                 );
                 assert!(error < 1e-4, "{}, f {f}, t {time}: {error}", scene.name);
-                // What leaves the range is an error: diffusion itself makes no new extremum.
+                // Overshoot is an error: diffusion itself makes no new extremum.
                 assert!(
                     overshoot <= error + 1e-7,
                     "{}, f {f}, t {time}: {overshoot}",
@@ -86,7 +85,7 @@ fn explicit_steps_are_met_to_a_tenth_of_the_tolerance() {
                 let [error, _] = measured(&measuring, &scene, shape);
                 let f = shape.foreshortening;
                 println!("{}, f {f}, {count} steps: {error:.1e}", scene.name);
-                // A tenth of the default tolerance, 1e-4: steps have one exact answer.
+                // A tenth of the default tolerance, 1e-4, since steps have one exact result.
                 assert!(
                     error < 1e-5,
                     "{}, f {f}, {count} steps: {error}",
@@ -115,8 +114,8 @@ fn explicit_steps_in_single_precision_are_those_in_double() {
     }
 }
 
-/// The bound that needs no look at a pixel: the sum of all |a_k| past the degree, and what was added to
-/// keep the mean. It holds for the root mean square.
+/// The a priori bound: the sum of all |a_k| beyond the degree, plus the correction that preserves the mean. It holds
+/// for the root mean square.
 fn bound(spread: Spread, tolerance: f64) -> f64 {
     let kept = coefficients(spread, tolerance);
     let all = coefficients(spread, 1e-14);
@@ -128,7 +127,7 @@ fn bound(spread: Spread, tolerance: f64) -> f64 {
     tail + (kept[0] - all[0]).abs()
 }
 
-/// Root mean squares of a component's error and of the component before diffusion.
+/// Root mean squares of a component's error, and of the component before diffusion.
 fn rms(found: &Plane, exact: &Plane<f64>, start: &Plane<f64>) -> [f64; 2] {
     let squares = found.samples().iter().zip(exact.samples());
     let error: f64 = squares.map(|(f, e)| (f64::from(*f) - e).powi(2)).sum();
@@ -169,12 +168,12 @@ fn the_error_promised_is_the_error_made() {
             println!(
                 "t {time}, tolerance {tolerance:.0e}: {max:.1e}, {ratio:.2} of the bound of {bound:.1e}"
             );
-            // The largest error may pass the bound where waves meet, never the tolerance.
+            // The largest error may exceed the bound where waves meet, but never the tolerance.
             assert!(max <= allowed + ROUNDING, "t {time}, {tolerance}: {max}");
             assert!(ratio > 0.05, "t {time}, {tolerance}: {bound} for {max}");
             largest_ratio = largest_ratio.max(ratio);
         }
     }
-    // A degree chosen far too high would pass everything above but this.
+    // A degree chosen far too high would pass everything above except this.
     assert!(largest_ratio > 0.2, "{largest_ratio}");
 }

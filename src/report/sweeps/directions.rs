@@ -1,5 +1,4 @@
-//! Directions of the surface's own curvature: how far apart normals are compared, and how they are
-//! rounded.
+//! Directions of the surface's own curvature: the distance between the normals compared, and their rounding.
 
 use super::precision::{Stored, rounded};
 use crate::Result;
@@ -15,16 +14,16 @@ use crate::report::timing::{self, Effort, Times, measure};
 use glam::DVec2;
 use serde::Serialize;
 
-/// Steps tried, in pixels, beside the automatic one.
+/// Steps tried, in pixels, besides the automatic one.
 pub(crate) const STEPS_PX: [u8; 5] = [1, 2, 4, 8, 16];
 
 /// Results of one step for normals of one rounding.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct DirectionRow {
     pub stored: Stored,
-    /// The step asked for, in pixels; `None` is the automatic one.
+    /// The given step, in pixels; `None` for the automatic one.
     pub step_px: Option<u8>,
-    /// The least and the greatest step taken, in pixels.
+    /// The smallest and largest step used, in pixels.
     pub steps_px: [usize; 2],
     /// Errors.
     #[serde(flatten)]
@@ -39,7 +38,7 @@ pub(crate) struct Sweep {
     #[serde(flatten)]
     pub on: On,
     pub about: String,
-    /// Pixels compared: those whose direction is known.
+    /// Number of pixels compared, with known directions.
     pub pixels: usize,
     pub rows: Vec<DirectionRow>,
 }
@@ -81,7 +80,7 @@ pub(crate) fn sweep(scene: &Scene, effort: Effort) -> Result<Sweep> {
     Ok(sweep)
 }
 
-/// Angles in degrees between found and exact directions, wherever these are known.
+/// Angles in degrees between found and exact directions, where these are known.
 fn angles(scene: &Scene, found: &Vector2Planes) -> Tally {
     let mut tally = Tally::default();
     for [x, y] in pixels(&found.x) {

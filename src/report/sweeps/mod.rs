@@ -1,4 +1,4 @@
-//! Sweeps: one file per parameter that is varied, the others fixed as requested.
+//! Sweeps: one file per varied parameter, with the others fixed as given.
 
 #[cfg(test)]
 mod accuracy;
@@ -31,21 +31,21 @@ pub(crate) struct EdgeErrors {
 pub(crate) struct Measuring<'a> {
     /// The frame.
     pub frame: &'a Frame,
-    /// How its shape is found, but for what a sweep varies.
+    /// The parameters for finding its shape, except for the one that a sweep varies.
     pub shape: ShapeParams,
-    /// Errors of the edge weights that the engine found.
+    /// Errors of the engine's edge weights.
     pub(crate) edges: EdgeErrors,
-    /// Conductance that the reference diffuses by.
+    /// Conductance used by the reference's diffusion.
     pub conductance: Plane<f64>,
     /// The gradient before diffusion.
     pub gradient: Field,
-    /// Its largest length: all errors of a slope are relative to it.
+    /// Its largest length, which all errors of slopes are relative to.
     pub steepest: f64,
     operator: Operator,
 }
 
 impl<'a> Measuring<'a> {
-    /// The reference of `frame`, beside the edges that the engine finds.
+    /// The reference of `frame`, for the engine's edges.
     ///
     /// # Errors
     /// [`crate::Error::BadParameter`] for a parameter outside its range.
@@ -61,7 +61,7 @@ impl<'a> Measuring<'a> {
         ))
     }
 
-    /// The reference of `frame` beside edges that were found somehow.
+    /// The reference of `frame`, for edges from any source.
     fn beside(found: &Layers, frame: &'a Frame, shape: ShapeParams) -> Self {
         let edges = Edges::of(frame, &shape);
         let conductance = edges.conductance_near(&found.conductance);
@@ -80,7 +80,7 @@ impl<'a> Measuring<'a> {
                 conductance: errors(&found.conductance, &edges.conductance),
             },
             operator: Operator::new(&conductance),
-            // A frame without slopes has no errors of them either.
+            // Without slopes there are no errors of slopes either.
             steepest: if steepest > 0.0 { steepest } else { 1.0 },
             conductance,
             gradient,
@@ -133,8 +133,8 @@ mod tests {
     use crate::params::SoftThreshold;
     use crate::report::scenes::Scene;
 
-    /// Largest errors of silhouette, crease and conductance, gradient and trace, of shape found as `found` asks and
-    /// judged as `asked` does.
+    /// Largest errors of silhouette, crease and conductance, gradient and trace, for shape computed with `found` and
+    /// judged against `asked`.
     fn errors(frame: &Frame, found: ShapeParams, asked: ShapeParams) -> [f64; 5] {
         let layers = engine::layers(frame, found).unwrap();
         let measuring = Measuring::beside(&layers, frame, asked);
@@ -180,7 +180,7 @@ mod tests {
         };
         for (kind, planted) in [(0, silhouettes), (1, creases)] {
             let seen = errors(&scene.frame, planted, asked);
-            // The weight itself, conductance, gradient and trace; not the other weight.
+            // The weight itself, conductance, gradient and trace, but not the other weight.
             for i in [kind, 2, 3, 4] {
                 assert!(seen[i] > 30.0 * limits[i], "{kind}: {seen:?}");
             }
@@ -196,13 +196,13 @@ mod tests {
             ..ShapeParams::default()
         };
         let mut layers = engine::layers(&scene.frame, shape).unwrap();
-        // Squared, as the formula of another paper has it.
+        // Squared, as in another paper's formula.
         layers.conductance = layers.conductance.map(|c| c * c);
         let measuring = Measuring::beside(&layers, &scene.frame, shape);
         let right = Measuring::new(&scene.frame, shape).unwrap();
         assert!(measuring.edges.conductance.max > 0.2);
         assert_eq!(measuring.edges.silhouette, right.edges.silhouette);
-        // What the error did to the gradient is measured from the conductance that it should have been.
+        // The effect of the error on the gradient is measured relative to the correct conductance.
         let squared = layers.conductance.map(f64::from);
         let wrong = Operator::new(&squared).diffused(&measuring.gradient, &shape);
         let wrong = wrong.map(|plane| plane.map(|v| v as f32));

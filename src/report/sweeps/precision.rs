@@ -1,4 +1,4 @@
-//! Input precision: half floats and bytes in place of floats.
+//! Input precision: half floats and bytes instead of floats.
 
 use super::{Measuring, named};
 use crate::Result;
@@ -9,19 +9,19 @@ use crate::report::engine::layers;
 use half::f16;
 use serde::Serialize;
 
-/// How samples were rounded.
+/// Rounding of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Stored {
-    /// As they came.
+    /// Unrounded.
     Float,
     /// 16-bit floats, normals and depth.
     Half,
-    /// Normals as bytes of (n + 1) / 2, depth as it came.
+    /// Normals as bytes of (n + 1) / 2, depth unrounded.
     Byte,
 }
 
-/// Results of rounded input against those of the input as it came.
+/// Results with rounded input compared with unrounded input.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct PrecisionRow {
     pub frame: String,
@@ -31,12 +31,12 @@ pub(crate) struct PrecisionRow {
     pub gradient: Errors,
     /// Change of the trace per pixel, relative to the same.
     pub trace: Errors,
-    /// Pixels that rounding took from the mask or whose conductance it changed by more than one half.
+    /// Number of pixels that rounding removed from the mask, or whose conductance it changed by more than one half.
     pub edges_moved: usize,
 }
 
-/// Compares float, half and byte input at the undiffused and at the asked-for scale with the reference
-/// in double precision of the input as it came.
+/// Compares float, half and byte input, at the undiffused and the given scale, with the double-precision reference for
+/// unrounded input.
 pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<PrecisionRow>> {
     let measuring = Measuring::new(frame, shape)?;
     let mut scales = vec![Scale::Iterations(0)];
@@ -55,7 +55,7 @@ pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec
                 let after = f64::from(found.conductance.at(x, y));
                 !rounded.mask.at(x, y) || (before - after).abs() > 0.5
             };
-            // An edge that moves is counted; it is no error of a slope.
+            // A moved edge is counted separately; it is not an error of a slope.
             let kept = |x: usize, y: usize| frame.mask.at(x, y) && !moved(x, y);
             let [gx, gy] = &gradient;
             let steepest = measuring.steepest;
@@ -80,11 +80,11 @@ pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec
 }
 
 impl Stored {
-    /// Every way, from the finest.
+    /// All roundings, finest first.
     pub(crate) const ALL: [Self; 3] = [Self::Float, Self::Half, Self::Byte];
 
-    /// Largest rounding error of a component of a normal: half a step between bytes, or between half floats
-    /// just below 1.
+    /// Largest rounding error of a component of a normal: half a step between bytes, or between half floats just below
+    /// 1.
     fn normal_rounding(self) -> f32 {
         match self {
             Self::Float => 0.0,
@@ -94,7 +94,7 @@ impl Stored {
     }
 }
 
-/// The frame as it would be read, had it been stored so.
+/// The frame as it would be loaded after storage with this rounding.
 pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
     let (normal, length) = match stored {
         Stored::Float => return frame.clone(),
@@ -105,7 +105,7 @@ pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
         Stored::Half => depth.map(|v| f16::from_f32(v).to_f32()),
         Stored::Float | Stored::Byte => depth.clone(),
     });
-    // A distance beyond half floats is a hole in the mask.
+    // A distance beyond the range of half floats is a hole in the mask.
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let covered = |x, y| {
         let known = depth
@@ -119,14 +119,14 @@ pub(crate) fn rounded(frame: &Frame, stored: Stored) -> Frame {
         source,
         mask: Mask::new(Plane::from_fn(width, height, covered)),
         normal,
-        // As io does: the length of an encoded normal is rounding, not filtering.
+        // As in `io`: the length of an encoded normal is rounding, not filtering.
         normal_length: (stored == Stored::Half).then_some(length),
         depth,
         ..frame.clone()
     }
 }
 
-/// The normals as stored through `round` and made unit length again, and the lengths they had.
+/// The normals after `round` and normalisation, and their original lengths.
 fn rounded_normals(frame: &Frame, round: impl Fn(f32) -> f32) -> (Vector3Planes, Plane) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let stored = |x: usize, y: usize| {
@@ -164,7 +164,7 @@ mod tests {
                 .gradient
         };
         assert!(at(Stored::Float).max < 1e-6, "{:?}", at(Stored::Float));
-        // Half floats near 1 are 2^-11 from the next: half of it per component, and z may add as much.
+        // Half floats near 1 are 2^-11 apart: half of that per component, and z may add as much.
         assert!(
             (1e-4..5e-4).contains(&at(Stored::Half).max),
             "{:?}",

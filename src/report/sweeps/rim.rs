@@ -1,5 +1,4 @@
-//! Foreshortening and the floor of n_z near silhouettes: on a ball whose answer is known in closed form,
-//! and on the frame itself.
+//! Foreshortening and the floor of n_z near silhouettes: on a ball with a closed-form answer, and on the frame itself.
 
 use super::Measuring;
 use crate::Result;
@@ -16,7 +15,7 @@ use serde::Serialize;
 pub(crate) const FORESHORTENINGS: [f32; 4] = [0.0, 0.4, 1.0, 2.0];
 /// Floors of n_z tried.
 pub(crate) const FLOORS: [f32; 4] = [0.02, 0.05, 0.1, 0.2];
-/// Bands of n_z, from the rim inward; neighbours share a bound.
+/// Bands of n_z, from the rim inward; adjacent bands share a bound.
 pub(crate) const BANDS: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.35, 0.6];
 
 /// Error on the ball by band of n_z.
@@ -28,21 +27,21 @@ pub(crate) struct BallRow {
     pub bands: Vec<Errors>,
 }
 
-/// Results of a pair of the two on the frame.
+/// Results of one pair of foreshortening and floor on the frame.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct FrameRow {
     pub foreshortening: f32,
     pub min_nz: f32,
     pub steepest: f64,
-    /// Applications of the operator within the tolerance.
+    /// Applications of the operator needed for the tolerance.
     pub applications: usize,
     /// Error of the diffused gradient, relative to the largest |g|.
     pub gradient: Errors,
-    /// How far it leaves the range it had before diffusion, relative to the same.
+    /// How far it exceeds its range before diffusion, relative to the same.
     pub overshoot: f64,
 }
 
-/// Every pair of a foreshortening and a floor.
+/// All pairs of a foreshortening and a floor.
 fn pairs() -> impl Iterator<Item = (f32, f32)> {
     FORESHORTENINGS
         .into_iter()
@@ -62,7 +61,7 @@ pub(crate) fn on_ball() -> Result<Vec<BallRow>> {
             };
             let found = layers(&frame, shape)?;
             let mut tallies: Vec<_> = BANDS[1..].iter().map(|_| Tally::default()).collect();
-            // The rim's own pixels are a silhouette, flat by decree; the picture's border repeats its rows.
+            // The rim's own pixels are a silhouette, and flat by definition; at the picture's border rows repeat.
             for (x, y) in (1..32).flat_map(|y| (1..1023).map(move |x| (x, y))) {
                 let nz = f64::from(frame.normal.z.at(x, y));
                 let band = BANDS.windows(2).position(|b| b[0] <= nz && nz < b[1]);
@@ -81,8 +80,8 @@ pub(crate) fn on_ball() -> Result<Vec<BallRow>> {
         .collect()
 }
 
-/// Errors on `frame` at the scale and tolerance of `shape`, expanded: the steeper the slopes, the more
-/// an expansion has to hold.
+/// Errors on `frame` at the scale and tolerance of `shape`, by expansion: the steeper the slopes, the tighter its
+/// relative tolerance.
 pub(crate) fn on_frame(frame: &Frame, shape: &ShapeParams) -> Result<Vec<FrameRow>> {
     let scale = Scale::Sigma(shape.scale_px() as f32);
     pairs()
@@ -130,13 +129,13 @@ mod tests {
                     let truncation = (1.0 + f).powi(4) / (RIM_RADIUS * band[0].powi(2)).powi(2);
                     assert!(errors.max < truncation + 0.02, "{row:?} {band:?}");
                 }
-                // Wholly under the floor the slope grows like n_xy alone: by far too little.
+                // Entirely below the floor the slope grows only like n_xy: by far too little.
                 if band[1] <= 0.8 * f64::from(row.min_nz) && row.foreshortening >= 1.0 {
                     assert!(errors.mean > 0.5, "{row:?} {band:?}");
                 }
             }
         }
-        // Without foreshortening there is no floor: n_z takes no part.
+        // Without foreshortening the floor has no effect.
         let spread: Vec<_> = rows[..4].iter().map(|row| row.bands[0].mean).collect();
         assert!(spread.iter().all(|&e| e == spread[0]));
     }

@@ -1,4 +1,4 @@
-//! Ways of running: they change the time and must not change a bit of the result.
+//! Run options: they change the time and must not change a bit of the result.
 
 use crate::Result;
 use crate::frame::Frame;
@@ -10,21 +10,21 @@ use crate::report::timing::{self, Effort, Timed, Times, measure, measure_with};
 use serde::Serialize;
 use std::num::NonZeroUsize;
 
-/// One way of running.
+/// Results of one set of run options.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct RunRow {
     pub dimension: &'static str,
     pub value: String,
     pub scale: String,
-    /// Time of all stages up to a picture of the curvature.
+    /// Time of all stages of a curvature picture.
     pub whole: Times,
-    /// How often faster than the first row of the dimension.
+    /// Speed relative to the first row of the table.
     pub speedup: f64,
-    /// Whether the answer is, bit for bit, that of the first row.
+    /// Whether the result equals that of the first row, bit for bit.
     pub same_bits: bool,
 }
 
-/// Runs `frame` as `shape` asks with 1, 2, 4.. threads, up to those of the caller's pool.
+/// Runs `frame` with `shape` on 1, 2, 4.. threads, up to those of the caller's pool.
 pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Result<Vec<RunRow>> {
     let plan = timing::plan(Goal::Display, frame, shape)?;
     let counts = thread_counts(rayon::current_num_threads());
@@ -34,14 +34,13 @@ pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Resu
     Ok(rows("threads", shape.scale, measured.collect()))
 }
 
-/// Sides in pixels of the square tiles tried beside the default and the whole frame.
+/// Sides in pixels of the square tiles tried besides the default and the whole frame.
 const TILE_SIDES: [usize; 3] = [64, 256, 512];
-/// Sweeps per pass tried beside the default.
+/// Sweeps per pass tried besides the default.
 const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 64];
 
-/// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest
-/// of `scales` whose sweeps are not too many for a sweep of settings: few sweeps are done in one pass.
-/// The default comes first.
+/// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest of `scales`
+/// within the limit on sweeps: a few sweeps take only one pass. The default comes first.
 pub(crate) fn tiles_and_passes(
     frame: &Frame,
     shape: ShapeParams,
@@ -59,7 +58,7 @@ pub(crate) fn tiles_and_passes(
     Ok(all)
 }
 
-/// The scale of most sweeps within the limit, and its plan; the first scale where none is.
+/// The scale with most sweeps within the limit, and its plan; the first scale if there is none.
 fn most_sweeps(frame: &Frame, shape: ShapeParams, scales: &[Scale]) -> Result<(Scale, Plan)> {
     let plan = |scale| timing::plan(Goal::Display, frame, ShapeParams { scale, ..shape });
     let mut most = (shape.scale, plan(shape.scale)?);
@@ -73,7 +72,7 @@ fn most_sweeps(frame: &Frame, shape: ShapeParams, scales: &[Scale]) -> Result<(S
     Ok(most)
 }
 
-/// The default tile, squares that do not hold the whole frame, and the whole frame.
+/// The default tile, squares smaller than the frame, and the whole frame.
 fn tile_options(width: usize, height: usize) -> Vec<(String, RunOptions)> {
     let default = RunOptions::default();
     let part = TILE_SIDES
@@ -96,7 +95,7 @@ fn tile_options(width: usize, height: usize) -> Vec<(String, RunOptions)> {
     tiles.enumerate().map(named).collect()
 }
 
-/// The default number of sweeps per pass and others.
+/// The default number of sweeps per pass, and others.
 fn pass_options() -> Vec<(String, RunOptions)> {
     let default = RunOptions::default();
     let others = SWEEPS_PER_PASS.into_iter().filter_map(NonZeroUsize::new);
@@ -110,7 +109,7 @@ fn pass_options() -> Vec<(String, RunOptions)> {
         .collect()
 }
 
-/// Results of a way of running.
+/// Results of a run.
 type Measured = (Outcome, Timed);
 
 /// Powers of two below `available`, and `available` itself.
@@ -123,7 +122,7 @@ fn thread_counts(available: usize) -> Vec<usize> {
 }
 
 fn with_threads(count: usize, plan: &Plan, frame: &Frame, effort: Effort) -> Option<Measured> {
-    // A system that grants no more threads leaves the row out.
+    // If the system grants no more threads the row is left out.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(count)
         .build()
@@ -131,7 +130,7 @@ fn with_threads(count: usize, plan: &Plan, frame: &Frame, effort: Effort) -> Opt
     Some(pool.install(|| measure(plan, frame, effort)))
 }
 
-/// The table of one dimension from what its values gave.
+/// The table of one option, from the results of its values.
 fn rows(
     dimension: &'static str,
     scale: Scale,
@@ -156,7 +155,7 @@ fn rows(
     measured.iter().map(row).collect()
 }
 
-/// The bits of the picture that was made and of the gradient it was made from.
+/// The bits of the resulting picture and of the gradient it is based on.
 fn bits(outcome: &Outcome) -> Vec<u32> {
     let color = outcome.color.iter().flat_map(|c| [&c.r, &c.g, &c.b]);
     let gradient = outcome.shape.gradient.iter().flat_map(|g| [&g.x, &g.y]);

@@ -1,4 +1,4 @@
-//! Solver against tolerance and length of step, at several scales.
+//! Solver against tolerance and step length, at several scales.
 
 use super::{EdgeErrors, Measuring, named};
 use crate::Result;
@@ -18,24 +18,24 @@ use serde::Serialize;
 
 /// Tolerances tried.
 const TOLERANCES: [f32; 6] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
-/// Lengths of an explicit step tried where the scale is given in pixels, so that all end alike.
+/// Lengths of explicit steps tried for scales given in pixels, which all reach the same time.
 const TIME_STEPS: [f32; 3] = [0.25, 0.2, 0.1];
 
-/// Pixels times sweeps past which a setting is left out unless it was asked for: 580 sweeps at 1080p.
+/// Pixels times sweeps above which a setting is skipped unless requested: 580 sweeps at 1080p.
 const MOST_UPDATES: usize = 1_200_000_000;
 
 /// Results of one setting.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct SolverRow {
-    /// The solver that was run: where explicit steps are fewer and as good, they stand in.
+    /// The solver that ran: explicit steps take over where fewer of them give the same result.
     pub solver: Solver,
-    /// Its tolerance or length of step, in words.
+    /// Its tolerance or step length, in words.
     pub setting: String,
-    /// The flags that choose it; `None` where none do.
+    /// The flags that select it; `None` if none do.
     pub flags: Option<String>,
-    /// Whether it was asked for.
+    /// Whether it was requested.
     pub asked_for: bool,
-    /// How often the operator is applied.
+    /// Number of applications of the operator.
     pub applications: usize,
     /// The largest error allowed, relative to the largest |g|; `None` for explicit steps.
     pub allowed: Option<f64>,
@@ -43,28 +43,27 @@ pub(crate) struct SolverRow {
     pub gradient: Errors,
     /// Error of the trace per pixel, relative to the same.
     pub trace: Errors,
-    /// How far the gradient leaves the range that it had before diffusion, relative to the same.
+    /// How far the gradient exceeds its range before diffusion, relative to the same.
     pub overshoot: f64,
-    /// Largest error of the curvature picture that this makes, in steps of 8 bits.
+    /// Largest resulting error of the curvature picture, in 8-bit steps.
     pub grey_levels: f64,
-    /// Largest and mean difference of the trace from the closed form, relative to the same, where
-    /// there is one.
+    /// Largest and mean difference of the trace from the closed form, relative to the same, if there is one.
     pub against_closed_form: Option<Errors>,
     pub diffusion: Times,
-    /// Time of all stages up to a picture of the curvature.
+    /// Time of all stages of a curvature picture.
     pub whole: Times,
     /// Megapixels of the frame per second, all stages.
     pub megapixels_per_second: f64,
-    /// Share of the machine that the diffusion uses; `None` on a device.
+    /// Share of the machine used by the diffusion; `None` on a device.
     pub utilisation: Option<Utilisation>,
-    /// Whether no other row of the scale is both faster and better.
+    /// Whether no other row of the scale is both faster and more accurate.
     pub on_front: bool,
 }
 
 /// Errors and times of a setting on a device.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct GpuRow {
-    /// As those of the CPU.
+    /// The same columns as for the CPU.
     #[serde(flatten)]
     pub row: SolverRow,
     #[serde(flatten)]
@@ -78,10 +77,10 @@ pub(crate) struct ScaleSweep {
     pub flag: String,
     pub sigma_px: f64,
     pub rows: Vec<SolverRow>,
-    /// Those of a device, where one was measured.
+    /// Rows of a device, if one was measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub on_gpu: Vec<GpuRow>,
-    /// Settings left out for their time.
+    /// Settings skipped for their run time.
     pub left_out: Vec<String>,
 }
 
@@ -96,10 +95,10 @@ pub(crate) struct SceneSweep {
     pub scales: Vec<ScaleSweep>,
 }
 
-/// A closed form of the trace: column, row, time to value.
+/// A closed form of the trace: column, row and time to value.
 pub(crate) type ClosedForm<'a> = &'a dyn Fn(usize, usize, f64) -> Option<f64>;
 
-/// A frame to be swept.
+/// The frame of a sweep.
 pub(crate) struct Subject<'a> {
     pub name: &'a str,
     /// Its contents in words.
@@ -108,11 +107,11 @@ pub(crate) struct Subject<'a> {
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
-    /// A device to be measured beside the CPU.
+    /// A device to measure in comparison with the CPU.
     pub gpu: Option<&'a Gpu<'a>>,
 }
 
-/// Tries every solver and setting at each of `scales`.
+/// Measures every solver and setting at each of `scales`.
 pub(crate) fn sweep(
     subject: &Subject,
     scales: &[Scale],
@@ -162,7 +161,7 @@ fn sweep_scale(
     let mut left_out = Vec::new();
     for shape in settings(&shape) {
         let plan = timing::plan(Goal::Display, subject.frame, shape)?;
-        // Coarse tolerances can end at the same degree, fine ones at the steps themselves.
+        // Coarse tolerances can give the same degree, fine ones the steps themselves.
         if tried.iter().any(|(_, other)| other.sweeps == plan.sweeps) {
             continue;
         }
@@ -201,16 +200,16 @@ fn sweep_scale(
     })
 }
 
-/// Whether `plan` takes no longer than a setting of a sweep may.
+/// Whether `plan` is short enough for a sweep.
 pub(crate) fn is_affordable(plan: &Plan, frame: &Frame) -> bool {
     plan.sweeps.count() * frame.mask.count() <= MOST_UPDATES
 }
 
-/// The settings tried at the scale of `shape`, with the one asked for.
+/// The settings tried at the scale of `shape`, including the requested one.
 fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     let asked_for = [shape.time_step];
     let time_steps: &[f32] = match shape.scale {
-        // The number of steps is the answer: another length would be another question.
+        // A number of steps implies their length: another length would give another result.
         Scale::Iterations(_) => &asked_for,
         Scale::Sigma(_) => &TIME_STEPS,
     };
@@ -231,7 +230,7 @@ fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     all
 }
 
-/// Both solvers, this one first.
+/// Both solvers, `solver` first.
 fn by_turns(solver: Solver) -> [Solver; 2] {
     match solver {
         Solver::Chebyshev => [Solver::Chebyshev, Solver::Explicit],
@@ -239,7 +238,7 @@ fn by_turns(solver: Solver) -> [Solver; 2] {
     }
 }
 
-/// The reference of every setting of one scale.
+/// The reference for all settings of one scale.
 struct Truth<'a> {
     measuring: &'a Measuring<'a>,
     gradient: super::Field,
@@ -266,7 +265,7 @@ impl Truth<'_> {
         Ok(row)
     }
 
-    /// The device by the solver asked for, and by the other one.
+    /// The device with the requested solver, and with the other one.
     fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
         let frame = self.measuring.frame;
         let mut rows: Vec<GpuRow> = Vec::new();
@@ -327,7 +326,7 @@ impl Truth<'_> {
                 .gradient_errors(&found.gradient, &self.gradient),
             trace: trace.in_window(frame.data_window),
             overshoot: self.measuring.overshoot(&found.gradient),
-            // The mapped curvature, -1..1 over 255 steps, changes by the gain times the trace at most.
+            // The mapped curvature, -1..1 over 255 steps, changes by at most the gain times the trace.
             grey_levels: 127.5 * f64::from(found.gain) * trace.max * steepest,
             against_closed_form: self.closed_form.and_then(|exact| {
                 let errors = self.against(exact, &found_trace, shape.diffusion_time());
