@@ -1,4 +1,4 @@
-//! Flags of parameters, made from their table, and flags as they are typed.
+//! Flags of parameters, generated from the parameter table, and flags as typed.
 
 use crate::error::{Error, Result};
 use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Style, check_scales, table};

@@ -140,7 +140,7 @@ impl Invocation {
     }
 }
 
-/// What is needed from a partial command line, as far as clap can parse it alone.
+/// Facts needed from a partial command line, as far as clap can parse it alone.
 #[derive(Default)]
 struct Given {
     /// Ids of the arguments that were typed.

@@ -42,7 +42,7 @@ pub(crate) struct RoleArgs {
     /// leaves one out. May be given several times.
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
-    /// Where a surface is seen, above one half: a layer of IN or a file. Elsewhere normals have no meaning.
+    /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
     #[arg(long, value_name = "NAME|FILE")]
     coverage: Option<String>,
     /// Space of the normals.
@@ -65,7 +65,7 @@ pub(crate) struct RoleArgs {
     /// still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
-    /// Camera as JSON: world_to_camera and focal_px, or what the README lists.
+    /// Camera as JSON: world_to_camera and focal_px, or other keys listed in the README.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! Arguments for the scene that mirrors and lenses show.
+//! Arguments for the scene seen in mirrors and lenses.
 
 use super::sequence::numbered;
 use crate::io::SpecularInputs;
@@ -6,35 +6,34 @@ use crate::params::{Bend, Material, Params, SpecularParams};
 use clap::Args;
 use std::path::PathBuf;
 
-/// What mirrors and lenses show.
+/// Arguments for the scene seen in mirrors and lenses.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Mirrors and lenses")]
 pub(crate) struct SpecularFlags {
-    /// Which pixels are mirrors or lenses, above one half: a layer of IN or a file; all that are covered where it
-    /// is not given.
+    /// Pixels of mirrors or lenses, above one half: a layer of IN or a file; all covered pixels if not given.
     #[arg(long, value_name = "NAME|FILE")]
     specular_mask: Option<String>,
-    /// Back faces of a lens, normals and depth by the same camera: sight lines are refracted twice, by --ior.
+    /// Back faces of a lens, normals and depth from the same camera: sight lines are refracted twice, by --ior.
     #[arg(long, value_name = "FILE")]
     back: Option<PathBuf>,
-    /// The scene without its mirrors and lenses, by the same camera: depth, and normals and colour if any.
+    /// The scene without its mirrors and lenses, from the same camera: depth, and normals and colour if any.
     #[arg(long, value_name = "FILE")]
     behind: Option<PathBuf>,
-    /// All directions around the mirror or lens, equirectangular: positions (or distances), and normals and colour
-    /// if any.
+    /// The view in all directions around the mirror or lens, equirectangular: positions (or distances), and normals and
+    /// colour if any.
     #[arg(long, value_name = "FILE")]
     surroundings: Option<PathBuf>,
-    /// Where surroundings without positions were seen from: a camera file with world_to_camera.
+    /// Viewpoint of surroundings without positions: a camera file with world_to_camera.
     #[arg(long, value_name = "FILE")]
     surroundings_camera: Option<PathBuf>,
-    /// World-space points that mirrored or refracted sight lines meet, where the renderer writes them: a layer of
-    /// IN or a file. Nothing is searched for then.
+    /// World-space points hit by mirrored or refracted sight lines, if the renderer writes them: a layer of IN or a
+    /// file. No search is made then.
     #[arg(long, value_name = "NAME|FILE")]
     hit_position: Option<String>,
 }
 
 impl SpecularFlags {
-    /// Which files and layers are named.
+    /// The layers and files named.
     pub(crate) fn inputs(&self) -> SpecularInputs {
         SpecularInputs {
             mask: self.specular_mask.clone(),
@@ -46,7 +45,7 @@ impl SpecularFlags {
         }
     }
 
-    /// How sight lines go on: refracted where back faces are named or the material is glass, else mirrored.
+    /// The bend of sight lines: refracted if back faces are named or the material is glass, else mirrored.
     pub(super) fn params(&self, params: &Params) -> SpecularParams {
         let material = &params.relight.material;
         let is_glass = self.back.is_some() || material.material == Material::Glass;
@@ -61,7 +60,7 @@ impl SpecularFlags {
         }
     }
 
-    /// Every input that is a file of its own.
+    /// Every input that is a separate file.
     pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
         let named = [&self.specular_mask, &self.hit_position];
         let named = named.into_iter().flatten().map(PathBuf::from);
@@ -78,7 +77,7 @@ impl SpecularFlags {
             .into_iter()
     }
 
-    /// The same with the names of one frame of a sequence.
+    /// These arguments for one frame of a sequence.
     pub(crate) fn of_frame(&self, frame: Option<i32>) -> Self {
         let mut one = self.clone();
         if let Some(frame) = frame {
@@ -87,7 +86,7 @@ impl SpecularFlags {
         one
     }
 
-    /// Gives every layer and file the name that `name` makes of its own.
+    /// Replaces every layer and file name by `name` of it.
     fn rename(&mut self, name: impl Fn(&str) -> String) {
         let layers = [&mut self.specular_mask, &mut self.hit_position];
         for own in layers.into_iter().flatten() {

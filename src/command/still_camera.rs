@@ -7,21 +7,22 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// Cameras whose view axes, rolls included, are farther apart have moved; recovered by positions, in radians.
+/// Larger angles between cameras, in radians, rolls included, mean that the camera moves; for cameras recovered from
+/// positions.
 const TURN_BY_POSITIONS: f64 = 2e-4;
-/// The same recovered by depth and normals, which determine it less well.
+/// The same for cameras recovered from depth and normals, which determine it less well.
 const TURN_BY_DEPTH: f64 = 1e-2;
-/// Lenses that differ by a larger share have zoomed, by the same ways.
+/// Larger relative differences of focal length mean a zoom; for the same two sources.
 const ZOOM_BY_POSITIONS: f64 = 1e-3;
 const ZOOM_BY_DEPTH: f64 = 0.1;
-/// An eye that is farther away, as a share of the distance to what it sees, has moved.
+/// Larger shifts of the eye, relative to the distance of the surface, mean that the camera moves.
 const SHIFT: f64 = 1e-3;
 
-/// A camera as the command line has it: JSON.
+/// A camera in its command-line form: JSON.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StillCamera(pub(super) KnownCamera);
 
-/// The camera as it is written.
+/// The camera in its serialised form.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
@@ -65,7 +66,7 @@ impl FromStr for StillCamera {
     }
 }
 
-/// The camera of all frames whose cameras, with a distance that they see, these are; `None` where it moves or zooms.
+/// The common camera of all frames, given their cameras and surface distances; `None` if it moves or zooms.
 pub(super) fn of_all(cameras: &[(KnownCamera, f64)]) -> Option<StillCamera> {
     let &(middle, distance) = cameras.get(cameras.len() / 2)?;
     let all_stand = cameras
@@ -147,7 +148,7 @@ mod tests {
         assert!(!all(camera(0.101, DVec3::X, 900.0, true)));
         assert!(!all(camera(0.1, DVec3::X, 905.0, true)));
         assert!(!all(camera(0.1, DVec3::X, 900.0, false)));
-        // One frame does not show whether it moves.
+        // A single frame does not show whether the camera moves.
         assert!(of_all(&[(still, 5.0)]).is_none());
         // Depth and normals determine turns less well: half a degree may be noise.
         let by_depth = camera(0.1, DVec3::ZERO, 900.0, false);

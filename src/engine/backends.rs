@@ -1,4 +1,4 @@
-//! The engine: runs plans on the CPU, or on a GPU where one was asked for or found.
+//! The engine: runs plans on the CPU, or on a GPU that was requested or found.
 
 use crate::engine::cpu;
 #[cfg(feature = "gpu")]

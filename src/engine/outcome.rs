@@ -71,7 +71,7 @@ shape_products! {
     Crease: crease of Plane;
     /// Conductance, 0..1; 0 outside the mask.
     Conductance: conductance of Plane;
-    /// Depth gradient at the scale asked for, y up.
+    /// Depth gradient at the requested scale, y up.
     Gradient: gradient of Vector2Planes;
     /// Trace of the Hessian, per pixel; convex is negative.
     Trace: trace of Plane;

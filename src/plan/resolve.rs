@@ -16,7 +16,7 @@ use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The result a run is asked for.
+/// The result requested from a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Goal {

@@ -379,7 +379,7 @@ impl View {
         ordered.is_some_and(|ordered| !ordered.is_met) || self.saving > 0 || probes
     }
 
-    /// Writes the recipe of what is shown.
+    /// Writes the recipe of the shown picture.
     pub fn save_recipe(&mut self, path: &Path) {
         self.save(Save::Recipe, path);
     }

@@ -1,10 +1,10 @@
-//! Passes over the frame: rows in parallel, columns that hold no surface skipped.
+//! Passes over the frame: rows in parallel, skipping columns without surface.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Mask, Plane};
 use rayon::prelude::*;
 
-/// Rows that one task takes at the least: enough work to be worth handing out.
+/// Minimum number of rows per task, to be worth scheduling.
 pub(crate) const ROWS_PER_TASK: usize = 8;
 
 /// Planes of `row(y)(x)` where covered, 0 elsewhere.
@@ -23,8 +23,8 @@ pub(crate) fn map_covered<const N: usize, Sample: Fn(usize) -> [f32; N]>(
     })
 }
 
-/// Planes whose rows are filled by `fill(y, rows)`, which has to write all that is covered; 0 elsewhere. Rows that come
-/// after the run was cancelled are left out.
+/// Planes whose rows are filled by `fill(y, rows)`, which must write all covered samples; 0 elsewhere. Rows that start
+/// after the run was cancelled are skipped.
 pub(crate) fn map_rows<const N: usize>(
     mask: &Mask,
     memory: &Memory,
@@ -35,7 +35,7 @@ pub(crate) fn map_rows<const N: usize>(
     planes
 }
 
-/// Rayon's part of [`map_rows`], compiled once for all that fills.
+/// Rayon's part of [`map_rows`], compiled once for all fill functions.
 fn each_row<const N: usize>(
     planes: &mut [Plane; N],
     mask: &Mask,
@@ -50,7 +50,7 @@ fn each_row<const N: usize>(
         .for_each(|(y, rows)| fill(y, rows));
 }
 
-/// The rows of several planes of one size, gathered by row.
+/// The rows of several planes of equal size, grouped by row.
 fn rows_of<const N: usize>(planes: &mut [Plane; N]) -> Vec<[&mut [f32]; N]> {
     let width = planes[0].width();
     let mut rows = planes

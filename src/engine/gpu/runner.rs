@@ -455,7 +455,7 @@ fn put_layers(
     }
 }
 
-/// Bytes per row of the widest plane that `plan` makes of `frame`: vectors of two; wider ones for layers only.
+/// Bytes per row of the widest plane that `plan` computes for `frame`: vectors of two; wider ones for layers only.
 fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
     let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
     let widest = match plan.wants(Product::Curvature) || has_layers {

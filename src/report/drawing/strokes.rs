@@ -122,7 +122,7 @@ fn strokes_of(ink: &Plane) -> Vector2Planes {
         let inside = |at: isize, length: usize| at.clamp(0, length as isize - 1) as usize;
         soft.at(inside(x, width), inside(y, height))
     };
-    // Fourth order: central differences are too small by a tenth for lines six pixels apart.
+    // Fourth order: central differences are too small by a sixth for lines six pixels apart.
     let slope = |x: usize, y: usize| {
         let (x, y) = (x as isize, y as isize);
         let rise = |of: &dyn Fn(isize) -> f32| 8.0 * (of(1) - of(-1)) - (of(2) - of(-2));

@@ -58,7 +58,7 @@ pub(crate) fn tiles_and_passes(
     Ok(all)
 }
 
-/// The scale with most sweeps within the limit, and its plan; the first scale if there is none.
+/// The scale with most sweeps within the limit, and its plan; that of `shape` if there is none.
 fn most_sweeps(frame: &Frame, shape: ShapeParams, scales: &[Scale]) -> Result<(Scale, Plan)> {
     let plan = |scale| timing::plan(Goal::Display, frame, ShapeParams { scale, ..shape });
     let mut most = (shape.scale, plan(shape.scale)?);

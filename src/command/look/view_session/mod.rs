@@ -1,4 +1,4 @@
-//! The frame in hand, and pictures made of it by one look after another.
+//! The open frame, and pictures made of it with successive looks.
 
 mod reading;
 
