@@ -17,8 +17,8 @@ pub enum Levels<const COUNT: usize> {
 }
 
 /// Levels of shape-showing tones: median luminance; centre and spread of the picture's brightness in stops about it,
-/// and the same for the key light; then brightness, in spreads, at the percentiles 0, 2, 5, 10, 20, 30 to 80, 95 and
-/// 100 of pixels that show form.
+/// and the same for the key light; then brightness, in spreads, at the percentiles 0, 2, 5, 10, 20 and so on to 80, 95
+/// and 100 of pixels that show form.
 pub type ToneLevels = Levels<18>;
 
 /// Levels for widths of interior lines: the strength, in radians of normal turn over the picture, from which lines have

@@ -40,8 +40,8 @@ impl Asked {
 
     /// The largest value that a picture may have.
     ///
-    /// The arriving light times the maxima of a lobe, a Jacobian (9), a scaling (e^gamma, with the exponent limited to
-    /// 60) and a contrast (3).
+    /// The arriving light times the maxima of a lobe, a Jacobian (9), a contrast (3) and a scaling (e^gamma, with the
+    /// exponent limited to 60).
     fn bound(&self, frame: &Frame) -> f64 {
         if self.dark {
             return 0.0;
