@@ -51,7 +51,7 @@
 //! per pixel, or per pixel of a [reference height](params::ShapeParams::reference_height). In the
 //! Hessian and its eigenvalues convex is **negative** ([LW]); the mapped curvature kappa in -1..1 is
 //! **positive** where convex ([RS]), and [`shape::curvature::mapped_curvature`] is the only place where
-//! the sign turns. Directions are modulo pi.
+//! the sign flips. Directions are modulo pi.
 //!
 //! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. The public functions of
 //! [`shape`], [`light`] and [`line`] take one pixel's samples and can be called from any renderer. [`trace`] follows sight

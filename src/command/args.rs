@@ -129,34 +129,34 @@ pub(crate) struct OutputArgs {
         required_unless_present = "save_recipe"
     )]
     pub(crate) output: Option<PathBuf>,
-    /// EXR: append a part to the input's own bytes; encode its first part anew with our channels, for readers that
-    /// see no other; or write the results alone.
+    /// EXR: keep the input's bytes and append a part; write channels into its re-encoded first part, for readers that
+    /// see no other; or write the results only.
     #[arg(long, value_name = "WHAT", default_value = "keep")]
     pub(crate) layers: LayersArg,
-    /// EXR: names of our layers: full ones, which Blender and others show, as in relievo.CurvatureKappa.V, or short ones,
-    /// as in curvature.kappa.
+    /// EXR: names of our layers: full, shown by Blender and others, as in relievo.CurvatureKappa.V, or short, as in
+    /// curvature.kappa.
     #[arg(long, value_name = "WHICH", default_value = "full")]
     pub(crate) layer_names: LayerNames,
-    /// EXR: only these of our layers or channels, as in kappa,curvature.mean; * and ? stand for any letters. All where not
-    /// given.
+    /// EXR: write only these of our layers or channels, as in kappa,curvature.mean; * and ? match any letters. All by
+    /// default.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) write: Vec<String>,
-    /// EXR: compression of the part that is written; with --layers channels that of the input is kept.
+    /// EXR: compression of the written part; --layers channels keeps that of the input.
     #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
-    /// Pictures: from scene-linear to display.
+    /// Pictures: mapping from scene-linear to display.
     #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(super) view_transform: ViewTransform,
-    /// JPEG: quality, 1 to 100; 95 where not given.
+    /// JPEG: quality, 1 to 100; 95 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: Option<u8>,
     /// Refuse to replace a file.
     #[arg(long, conflicts_with = "force")]
     pub(crate) no_clobber: bool,
-    /// Replace files that are write-protected too.
+    /// Replace write-protected files too.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -221,7 +221,7 @@ pub(crate) struct ComputeArgs {
     /// kernels.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
     pub(crate) backend: BackendArg,
-    /// Threads; all cores where not given.
+    /// Threads; all cores by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
     pub(crate) threads: Option<u16>,
 }
@@ -232,7 +232,7 @@ pub(crate) struct ComputeArgs {
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) compute: ComputeArgs,
-    /// Memory that may be used: 2G, 500M, or auto for six tenths of what is free; photos then go in strips from 1.5G on.
+    /// Memory limit: 2G, 500M, or auto for six tenths of what is free; photos are then processed in strips from 1.5G on.
     #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
     pub(crate) max_memory: MaxMemory,
     /// Write the settings of this command line, and the automatic choices, as a recipe.

@@ -39,7 +39,7 @@ pub(crate) enum Command {
     /// Bring out the shape in the shading that a picture already has.
     #[command(after_help = ENHANCE_EXAMPLES)]
     Enhance(EnhanceArgs),
-    /// Light the surface anew: lights, an environment or a lit sphere, bent and scaled by curvature.
+    /// Relight the surface: lights, an environment or a lit sphere, bent and scaled by curvature.
     #[command(after_help = RELIGHT_EXAMPLES)]
     Relight(Box<RelightArgs>),
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.

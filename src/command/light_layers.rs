@@ -22,9 +22,9 @@ pub(crate) struct LightLayerFlags {
     /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     albedo: Option<String>,
-    /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees
-    /// counterclockwise from the right of the picture, and from the picture plane toward the viewer.
-    /// Again for another group, or for another direction of one: an area light is a set of them.
+    /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees counterclockwise
+    /// from the right of the picture, and degrees from the picture plane toward the viewer. Repeatable, for other
+    /// groups or further directions of one: an area light is a set of directions.
     #[arg(long, value_name = "NAME=AZ,EL")]
     light_group: Vec<GroupDirection>,
 }

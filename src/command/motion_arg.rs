@@ -7,9 +7,9 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub(crate) struct MotionArg {
-    /// Motion, by which strokes move with the surface: a layer of IN or a file. Its sign and unit are those by which a
-    /// frame leads to the one before, or else previous minus current in pixels, y up. Where not given it is looked for,
-    /// and taken from depth and camera where there is none; none lets strokes lie still in the picture.
+    /// Motion that strokes follow: a layer of IN or a file. By default it is searched for, else computed from depth and
+    /// camera; none keeps strokes fixed in the picture. Its sign and unit are those that lead a frame to the previous
+    /// one, or else previous minus current in pixels, y up.
     #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
     motion: Option<String>,
 }

@@ -183,7 +183,7 @@ params! {
     relations ShapeParams::relations;
 }
 
-/// Thresholds whose square fits single precision.
+/// Thresholds well within single precision.
 const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 
 /// Longer steps leave the local shape they should describe.

@@ -5,9 +5,9 @@
 //! that access storage, workgroup or private memory are orchestration, and those of integers only are addressing: they
 //! differ between backends, and `tests/backends` compares their pictures.
 //!
-//! Both twins get the same values: random ones, hostile ones, and those at and beside which the function branches. The
-//! results must be equal, with all NaNs identified and both zeros identified, unless an entry of the table states why
-//! not.
+//! Both twins get the same values: random ones, hostile ones, and the thresholds of the function with their neighbours.
+//! The results must be equal, with all NaNs identified and both zeros identified, unless an entry of the table states
+//! why not.
 //!
 //! This runs only with the feature `gpu`, which brings the kernels and naga, the parser of WGSL.
 
