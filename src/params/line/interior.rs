@@ -12,7 +12,7 @@ params! {
     ///
     /// Lengths are relative to the size of the picture, the root of its area.
     pub struct InteriorParams in Contours {
-        /// Amount of lines inside surfaces: scales their minimum visibility and their total length.
+        /// Amount of lines inside surfaces: divides the strength that a line needs, and multiplies their total length.
         ///
         /// Below 1 only the strongest remain; high values draw every ripple.
         detail: f32 = 1.0, flag: "--line-detail", form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);

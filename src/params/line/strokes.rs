@@ -261,8 +261,8 @@ params! {
         /// Random seed: each gives another drawing.
         seed: u64 = 1, flag: "--seed", form: "N";
         /// When to optimise an SVG for a pen plotter: each line is followed by the nearest one, from its nearer end,
-        /// bends under a tenth of a pixel are left out, and each width of each kind of line gets a layer; the run
-        /// reports the distance travelled with the pen up.
+        /// bends under a tenth of a pixel are left out, and each width of each kind of line gets a layer; the SVG
+        /// states the distance travelled with the pen up.
         plotter: Plotter = Plotter::Auto, flag: "--plotter", form: "WHEN";
         /// Quantisation levels of stroke directions: more levels follow the form better, with shorter strokes.
         ///
