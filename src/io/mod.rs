@@ -37,6 +37,7 @@ mod role_planes;
 pub mod roles;
 mod samples_of_layers;
 pub mod sequence;
+mod silhouettes;
 mod sources;
 mod specular;
 pub mod srgb;
