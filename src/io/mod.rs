@@ -60,6 +60,7 @@ pub use inputs::Needs;
 pub(crate) use load::InputFiles;
 pub use load::{Loaded, load};
 pub(crate) use nearest::likest;
+pub use objects::ObjectSurvey;
 pub use specular::{SpecularInputs, load_specular};
 pub(crate) use surroundings::surroundings_bytes;
-pub use survey::{LayerSurvey, ObjectSurvey, PartSurvey, RoleSurvey, Survey, survey};
+pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
