@@ -234,12 +234,9 @@ mod tests {
         // A pixel of the left side that its surface covers by half.
         outline.z.row_mut(9)[11] = 0.5;
         let half = |x: usize, y: usize| (x, y) == (11, 9);
-        let scenes: [(&dyn Fn(usize, usize) -> bool, &Vector3Planes); 3] = [
-            (&clusters(6), &facing()),
-            (&slit, &facing()),
-            (&half, &outline),
-        ];
-        for (is_hole, normal) in scenes {
+        let is_hole: [&dyn Fn(usize, usize) -> bool; 3] = [&clusters(6), &slit, &half];
+        let normals = [facing(), facing(), outline];
+        for (is_hole, normal) in is_hole.into_iter().zip(&normals) {
             let stored = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
                 true => 0.0,
                 false => slope(x, y),
