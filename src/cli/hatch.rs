@@ -44,7 +44,6 @@ pub(super) struct HatchInputs {
 const BYTES_PER_PIXEL: u64 = 160;
 
 /// What a frame takes from the one before.
-#[derive(Default)]
 struct SequenceState {
     steps: Steps,
     /// Where the texture of strokes lay.
@@ -95,7 +94,10 @@ impl FrameCommand for HatchArgs {
             engine: self.relight.work.run.compute.backend.engine()?,
             looks,
             surroundings: Mutex::default(),
-            course: Mutex::default(),
+            course: Mutex::new(SequenceState {
+                steps: Steps::new(self.motion.convention()),
+                coordinates: None,
+            }),
         })
     }
 

@@ -206,9 +206,17 @@ fn wrapped(line: &str) -> Vec<String> {
 
 /// The names in one layer of Cryptomatte, as many in a line as fit.
 fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
-    let mut lines = vec![format!("    {}", survey.layer)];
+    let unnamed = match survey.shares.is_empty() {
+        true => "",
+        false => " without a manifest, the largest by their hashes",
+    };
+    let mut lines = vec![format!("    {}{unnamed}", survey.layer)];
     let mut line = String::new();
-    for name in &survey.names {
+    for (i, name) in survey.names.iter().enumerate() {
+        let name = &match survey.shares.get(i) {
+            Some(share) => format!("{name} ({:.1} %)", 100.0 * share),
+            None => name.clone(),
+        };
         if !line.is_empty() && line.len() + name.len() + 2 > WIDTH - 6 {
             lines.push(format!("      {line},"));
             line.clear();
@@ -218,7 +226,7 @@ fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
         line += name;
     }
     let last = match survey.names.is_empty() {
-        true => "(no manifest names them)",
+        true => "(no manifest names them, and their samples cannot be read)",
         false => &line,
     };
     lines.push(format!("      {last}"));

@@ -64,7 +64,7 @@ pub(super) fn finding(inputs: &Inputs) -> Result<Option<Finding>> {
         subject: "motion".into(),
         conclusion: verdict.conclusion,
         evidence: format!("against frame {number}: {}", verdict.evidence),
-        flag,
+        flag: verdict.flags.unwrap_or(flag),
     }))
 }
 

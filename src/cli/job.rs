@@ -1,7 +1,7 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
 use super::message;
-use super::output::{ReadyOutput, color_channels};
+use super::output::{ReadyOutput, attributes, color_channels};
 use super::run_log::RunLog;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
@@ -283,8 +283,9 @@ impl<'a> Job<'a> {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.guard(done, &results)?;
             let recipe = self.recipe(&done.chosen());
+            let attributes = attributes(&self.work, &done.loaded, recipe);
             let args = &self.work.output;
-            for warning in args.write_exr(output, &done.loaded, &channels, recipe)? {
+            for warning in args.write_exr(output, &done.loaded, &channels, attributes)? {
                 self.say_once("warning", &warning, true);
             }
             Ok(Whites::default())

@@ -2,12 +2,14 @@
 
 use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
 use crate::io::Loaded;
-use crate::io::motion::{FrameBefore, MotionLayers, MotionVerdict};
+use crate::io::motion::{FrameBefore, MotionConvention, MotionLayers, MotionVerdict};
 
 /// What has to be kept of a frame to know how the next one moved.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     before: Option<Before>,
+    /// How the layer that is named is read, where a flag says so.
+    convention: Option<MotionConvention>,
     /// How layers of motion are read, once frames have shown it.
     verdict: Option<MotionVerdict>,
 }
@@ -21,6 +23,14 @@ struct Before {
 }
 
 impl Steps {
+    /// Before the first frame; `convention` overrules what frames show.
+    pub(super) fn new(convention: Option<MotionConvention>) -> Self {
+        Self {
+            convention,
+            ..Self::default()
+        }
+    }
+
     /// Whether there was a frame before, so that motion means something.
     pub(super) fn has_begun(&self) -> bool {
         self.before.is_some()
@@ -36,10 +46,8 @@ impl Steps {
     ) -> Option<Vector2Planes> {
         let camera = loaded.frame.camera;
         let layers = loaded.motion.take();
-        let is_open = self
-            .verdict
-            .as_ref()
-            .is_none_or(|verdict| !verdict.is_settled);
+        let is_settled = |verdict: &MotionVerdict| verdict.is_settled;
+        let is_open = self.convention.is_none() && !self.verdict.as_ref().is_some_and(is_settled);
         let now = Before {
             number,
             camera,
@@ -52,6 +60,9 @@ impl Steps {
         let step = i64::from(number) - i64::from(before.number);
         let step = u32::try_from(step).unwrap_or(1).max(1);
         let of_layers = layers.and_then(|layers| {
+            if let Some(convention) = self.convention {
+                return Some(layers.given(convention));
+            }
             if let Some(seen) = &before.seen {
                 let verdict = layers.judge(&loaded.frame, seen, step, still.as_ref());
                 self.learn(verdict, &layers, &say);

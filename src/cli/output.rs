@@ -1,15 +1,15 @@
 //! From planes to the output file.
 
-use crate::command::args::{LayersArg, OutputArgs};
+use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
 use crate::command::layer_names::PART;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
-use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter};
+use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter, X_DENSITY};
 use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
-use crate::params::Params;
+use crate::params::{Params, PixelSize};
 use std::io::{Seek, Write};
 use std::path::Path;
 use wildmatch::WildMatch;
@@ -21,6 +21,26 @@ const RECIPE_ATTRIBUTE: &str = "relievo.recipe";
 pub(super) struct ReadyOutput<'a> {
     pub(super) path: &'a Path,
     pub(super) replace: Replace,
+}
+
+/// The attributes of the part that our results make: the program, the recipe, and pixels per inch where a flag gives them, or
+/// the size of a pixel on what it shows.
+pub(super) fn attributes(
+    work: &WorkArgs,
+    loaded: &Loaded,
+    recipe: String,
+) -> Vec<(String, String)> {
+    let of_pixels = |size: PixelSize| size.dpi() * loaded.enlarged as f32;
+    let printed = work.dpi(&loaded.frame).map(|[across, _]| across);
+    let density = printed.or(work.flags.params.pixel_size.map(of_pixels));
+    let density = density.map(|density| (X_DENSITY.into(), density.to_string()));
+    [
+        ("software".into(), software()),
+        (RECIPE_ATTRIBUTE.into(), recipe),
+    ]
+    .into_iter()
+    .chain(density)
+    .collect()
 }
 
 impl OutputArgs {
@@ -110,7 +130,7 @@ impl OutputArgs {
         loaded: &Loaded,
         window: Window,
         channels: Vec<(String, OutputType)>,
-        recipe: String,
+        attributes: Vec<(String, String)>,
     ) -> PartDescription {
         let named = channels.into_iter();
         let channels = named
@@ -122,10 +142,7 @@ impl OutputArgs {
             display_window: loaded.frame.display_window,
             pixel_aspect: loaded.frame.pixel_aspect,
             channels,
-            attributes: vec![
-                ("software".into(), software()),
-                (RECIPE_ATTRIBUTE.into(), recipe),
-            ],
+            attributes,
             chromaticities: loaded.chromaticities,
             compression: self.compression,
         }
@@ -167,11 +184,11 @@ impl OutputArgs {
         ReadyOutput { path, replace }: ReadyOutput,
         loaded: &Loaded,
         channels: &[OutputChannel],
-        recipe: String,
+        attributes: Vec<(String, String)>,
     ) -> Result<Vec<String>> {
         let named = channels.iter().map(|c| (c.name.clone(), c.sample_type));
         let window = loaded.frame.data_window;
-        let part = self.part(loaded, window, named.collect(), recipe);
+        let part = self.part(loaded, window, named.collect(), attributes);
         let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
         let mut said = Vec::new();
         write_atomically(path, replace, |w| {

@@ -104,7 +104,7 @@ fn coherence(
     frames: &[i32],
     shape: ShapeParams,
 ) -> Result<Option<coherence::Coherence>> {
-    let mut steps = Steps::default();
+    let mut steps = Steps::new(args.motion.convention());
     let said = RefCell::new(BTreeSet::new());
     let say_once = |text: &str| {
         if said.borrow_mut().insert(text.to_string()) {

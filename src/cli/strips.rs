@@ -1,7 +1,7 @@
 //! Pictures that do not fit in memory: read, processed and written strip by strip.
 
 use super::job::{Job, Timings};
-use super::output::ReadyOutput;
+use super::output::{ReadyOutput, attributes};
 use super::progress::strips_bar;
 use crate::command::args::BackendArg;
 use crate::command::chosen::Chosen;
@@ -401,7 +401,8 @@ fn write_exr<W: StripWork>(
 ) -> Result<()> {
     let names = channels.iter().map(|c| (c.name.clone(), c.sample_type));
     let args = &job.work.output;
-    let part = args.part(sample, source.whole, names.collect(), recipe);
+    let attributes = attributes(&job.work, sample, recipe);
+    let part = args.part(sample, source.whole, names.collect(), attributes);
     write_atomically(path, replace, |w| {
         let (mut writer, warnings) = args.part_writer(sample, w, path, &part)?;
         warnings.iter().for_each(|warning| job.warn(warning));

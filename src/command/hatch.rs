@@ -52,6 +52,13 @@ impl HatchArgs {
         let mut line = self.params();
         if is_svg(work) {
             in_lines(&mut line.strokes)?;
+            if work.flags.params.mix < 1.0 {
+                return Err(Error::BadParameter {
+                    name: "--mix",
+                    found: "takes a share of ink, and the lines of an SVG are there or not".into(),
+                    remedy: "leave it out, or write a .png".into(),
+                });
+            }
         } else {
             refuse_grey(work.output.kind()?, line.strokes.ink)?;
         }

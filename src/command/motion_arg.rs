@@ -1,6 +1,7 @@
 //! The argument that names the motion between the frames of a sequence.
 
 use super::sequence::numbered;
+use crate::io::motion::MotionConvention;
 use clap::Args;
 
 /// The motion between frames.
@@ -12,12 +13,42 @@ pub(crate) struct MotionArg {
     /// one, or else previous minus current in pixels, y up.
     #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
     motion: Option<String>,
+    /// How the layer that --motion names is read, whatever frames show: back to the frame before or forward from it, y up or
+    /// down, and its unit: pixels, half-frame (pixels over half a frame), pictures (widths and heights), half-pictures,
+    /// half-pictures-0-1, 2048-0-1 (2048 pixels, both stored as 0..1). Words left out are those of back,up,pixels.
+    #[arg(
+        long,
+        value_name = "WORDS",
+        default_value = "auto",
+        requires = "motion"
+    )]
+    motion_convention: ConventionArg,
+}
+
+/// A convention that was given, or `auto`.
+#[derive(Debug, Clone, Copy)]
+struct ConventionArg(Option<MotionConvention>);
+
+impl std::str::FromStr for ConventionArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self(None)),
+            words => words.parse().map(|convention| Self(Some(convention))),
+        }
+    }
 }
 
 impl MotionArg {
     /// Whether strokes move with the surface.
     pub(crate) fn moves(&self) -> bool {
         self.motion.as_deref() != Some("none")
+    }
+
+    /// The convention of motion, where it was given.
+    pub(crate) fn convention(&self) -> Option<MotionConvention> {
+        self.motion_convention.0
     }
 
     /// The named layer or file of motion, for one frame.

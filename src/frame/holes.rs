@@ -1,4 +1,4 @@
-//! Filling of isolated missing depth samples inside a surface.
+//! Filling of missing depth samples inside a surface, single or a few pixels wide.
 //!
 //! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth sometimes writes the depth of
 //! the background, or none: every such pixel would be surrounded by silhouettes.
@@ -12,8 +12,11 @@ use rayon::prelude::*;
 /// Number of passes over the depth: filled samples allow filling their neighbours.
 const PASSES: usize = 4;
 
+/// Width in pixels of the widest cluster of missing samples that is filled.
+const WIDEST: usize = 3;
+
 /// Number of rows and columns within which a sample can affect the filling of another.
-pub(crate) const HOLE_REACH: usize = PASSES;
+pub(crate) const HOLE_REACH: usize = PASSES * WIDEST;
 
 /// Two depths belong to one surface if their relative difference is below this.
 const SAME_SURFACE: f32 = 0.05;
@@ -21,8 +24,16 @@ const SAME_SURFACE: f32 = 0.05;
 /// Cosine of the largest angle between normals of one surface at neighbouring pixels: 25 degrees.
 const SAME_DIRECTION: f64 = 0.9;
 
-/// Minimum number of the four pairs of opposite neighbours that must show the surface.
+/// Minimum number of the four pairs of opposite neighbours that must show the surface; all four where neighbours are
+/// missing too.
 const FEWEST_PAIRS: usize = 2;
+
+/// Minimum number of the eight neighbours that must lie on the sample's side of a fold: more than beside a straight
+/// outline.
+const FEWEST_BESIDE: i32 = 4;
+
+/// Minimum length of the sample's normal relative to the mean length of its neighbours' normals.
+const WHOLE: f64 = 0.8;
 
 /// One neighbour of each pair of opposite ones, as offsets in columns and rows.
 const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
@@ -30,7 +41,8 @@ const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 /// Fills samples of `depth`, in distances, that are missing or lie behind the surface shown by all their neighbours,
 /// where there is a normal. Returns the number filled.
 ///
-/// On a plane in perspective, the depth between opposite neighbours at depths a and b is 2 / (1/a + 1/b).
+/// In perspective, the inverse depth of a plane is linear in the picture: between neighbours of depths a and b, i and j
+/// pixels away, the depth is (i + j) / (j / a + i / b).
 pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     let mut filled = 0;
     for _ in 0..PASSES {
@@ -65,51 +77,101 @@ fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize;
         if !above[x - 1..=x + 1].iter().copied().any(is_distance) {
             continue;
         }
-        if let Some(surface) = surface_at(depth, x, y)
-            && (!is_distance(here) || here > nearest * surface)
-            && is_smooth(normal, x, y)
-        {
-            found.push(([x, y], surface));
-        }
+        let surface = match is_distance(here) {
+            // Beyond neighbours of the same depth a gap may lie, through which it is seen.
+            true => surface_at(depth, normal, [x, y], 1).filter(|surface| here > nearest * surface),
+            false => surface_at(depth, normal, [x, y], 1)
+                .or_else(|| surface_at(depth, normal, [x, y], WIDEST))
+                .or_else(|| side_of_fold(depth, normal, [x, y])),
+        };
+        found.extend(surface.map(|surface| ([x, y], surface)));
     }
     found
 }
 
-/// The depth of the surface shown by opposite neighbours, if enough pairs do and all agree.
-fn surface_at(depth: &Plane, x: usize, y: usize) -> Option<f32> {
-    let at = |[dx, dy]: [isize; 2]| {
-        let sample = depth.at(x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-        is_distance(sample).then_some(sample)
+/// The depth of the surface shown by opposite neighbours, if enough pairs do, all agree, and the sample's normal
+/// resembles theirs. Across missing samples, neighbours may be up to `most` pixels away.
+fn surface_at(
+    depth: &Plane,
+    normal: &Vector3Planes,
+    [x, y]: [usize; 2],
+    most: usize,
+) -> Option<f32> {
+    let here = direction(normal, x, y)?;
+    // Steps to a neighbour and its inverse depth; zeros if it is too far, `None` if it shows another surface.
+    let neighbour = |[dx, dy]: [isize; 2]| -> Option<(usize, f32)> {
+        let (mut column, mut row) = (x, y);
+        for steps in 1..=most {
+            column = column.wrapping_add_signed(dx);
+            row = row.wrapping_add_signed(dy);
+            if column >= depth.width() || row >= depth.height() {
+                break;
+            }
+            let is_same = |n: DVec3| n.dot(here) > SAME_DIRECTION;
+            if !direction(normal, column, row).is_none_or(is_same) {
+                return None;
+            }
+            let sample = depth.at(column, row);
+            if is_distance(sample) {
+                return Some((steps, sample.recip()));
+            }
+        }
+        Some((0, 0.0))
     };
-    let pairs = OPPOSITE.iter().filter_map(|&[dx, dy]| {
-        let (a, b) = (at([dx, dy])?, at([-dx, -dy])?);
-        Some(2.0 / (1.0 / a + 1.0 / b))
-    });
-    let (mut count, mut sum) = (0, 0.0);
-    let (mut least, mut most) = (f32::INFINITY, 0.0f32);
-    for between in pairs {
-        count += 1;
-        sum += between;
-        (least, most) = (least.min(between), most.max(between));
+    let (mut count, mut sum, mut farthest) = (0, 0.0, 0);
+    let (mut least, mut most_found) = (f32::INFINITY, 0.0f32);
+    for [dx, dy] in OPPOSITE {
+        let ((i, a), (j, b)) = (neighbour([dx, dy])?, neighbour([-dx, -dy])?);
+        farthest = farthest.max(i).max(j);
+        if i > 0 && j > 0 {
+            let between = (i + j) as f32 / (j as f32 * a + i as f32 * b);
+            (least, most_found) = (least.min(between), most_found.max(between));
+            count += 1;
+            sum += between;
+        }
     }
-    let agree = most <= (1.0 + SAME_SURFACE) * least;
-    (count >= FEWEST_PAIRS && agree).then(|| sum / count as f32)
+    let agree = most_found <= (1.0 + SAME_SURFACE) * least;
+    let fewest = if farthest > 1 {
+        OPPOSITE.len()
+    } else {
+        FEWEST_PAIRS
+    };
+    (count >= fewest && agree).then(|| sum / count as f32)
 }
 
-/// Whether a normal has a direction, shared approximately by all around it.
-fn is_smooth(normal: &Vector3Planes, x: usize, y: usize) -> bool {
-    let has_direction = |n: &DVec3| n.is_finite() && n.length() > f64::from(MIN_LENGTH);
-    let unit = |dx: isize, dy: isize| {
-        let n = normal.at(x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-        has_direction(&n).then(|| n.normalize())
-    };
-    let Some(here) = unit(0, 0) else {
-        return false;
-    };
+/// The mean depth of the neighbours whose normals resemble the pixel's, if enough of them agree and other neighbours
+/// differ. At an outline that ends within the pixel its normal is shorter than theirs: such a pixel is not filled.
+fn side_of_fold(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
+    let here = direction(normal, x, y)?;
     let around = OPPOSITE
         .iter()
-        .flat_map(|&[dx, dy]| [unit(dx, dy), unit(-dx, -dy)]);
-    around.flatten().all(|n| n.dot(here) > SAME_DIRECTION)
+        .flat_map(|&[dx, dy]| [[dx, dy], [-dx, -dy]])
+        .map(|[dx, dy]| [x.wrapping_add_signed(dx), y.wrapping_add_signed(dy)]);
+    let (mut count, mut has_unlike) = (0, false);
+    let (mut inverse, mut length) = (0.0, 0.0);
+    let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+    for [column, row] in around {
+        let sample = depth.at(column, row);
+        match direction(normal, column, row) {
+            Some(n) if n.dot(here) <= SAME_DIRECTION => has_unlike = true,
+            Some(_) if is_distance(sample) => {
+                count += 1;
+                inverse += sample.recip();
+                length += normal.at(column, row).length();
+                (least, most) = (least.min(sample), most.max(sample));
+            }
+            _ => {}
+        }
+    }
+    let is_whole = normal.at(x, y).length() * f64::from(count) > WHOLE * length;
+    let agree = most <= (1.0 + SAME_SURFACE) * least;
+    (has_unlike && count >= FEWEST_BESIDE && is_whole && agree).then(|| count as f32 / inverse)
+}
+
+/// The unit normal of a pixel, where it has one.
+fn direction(normal: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
+    let n = normal.at(x, y);
+    (n.is_finite() && n.length() > f64::from(MIN_LENGTH)).then(|| n.normalize())
 }
 
 #[cfg(test)]
@@ -149,6 +211,67 @@ mod tests {
                     assert!(error.abs() < 1e-5, "{behind} at {x}, {y}: {error}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn clusters_are_filled_where_the_surface_goes_on_all_around() {
+        let clusters = |side: usize| {
+            move |x: usize, y: usize| x % 8 >= 8 - side && y % 8 >= 8 - side && x < 17 && y < 17
+        };
+        for side in 1..=WIDEST {
+            let is_hole = clusters(side);
+            let mut depth = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
+                true => f32::INFINITY,
+                false => slope(x, y),
+            });
+            assert_eq!(fill(&mut depth, &facing()), 4 * side * side);
+            for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+                let error = depth.at(x, y) / slope(x, y) - 1.0;
+                assert!(error.abs() < 1e-5, "{side} at {x}, {y}: {error}");
+            }
+        }
+        // Larger ones, stripes, and those at the end of a normal stay.
+        let slit = |x: usize, _: usize| (9..11).contains(&x);
+        let mut outline = folded();
+        // A pixel of the left side that its surface covers by half.
+        outline.z.row_mut(9)[11] = 0.5;
+        let half = |x: usize, y: usize| (x, y) == (11, 9);
+        let is_hole: [&dyn Fn(usize, usize) -> bool; 3] = [&clusters(6), &slit, &half];
+        let normals = [facing(), facing(), outline];
+        for (is_hole, normal) in is_hole.into_iter().zip(&normals) {
+            let stored = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
+                true => 0.0,
+                false => slope(x, y),
+            });
+            let mut depth = stored.clone();
+            assert_eq!(fill(&mut depth, normal), 0);
+            assert_eq!(depth.samples(), stored.samples());
+        }
+    }
+
+    /// Normals that turn by 53 degrees between columns 11 and 12.
+    fn folded() -> Vector3Planes {
+        let mut normal = facing();
+        for y in 0..SIZE {
+            normal.x.row_mut(y)[12..].fill(0.8);
+            normal.z.row_mut(y)[12..].fill(0.6);
+        }
+        normal
+    }
+
+    #[test]
+    fn beside_a_fold_neighbours_on_the_same_side_are_taken() {
+        let depth_of = |x: usize| if x < 12 { 5.0 } else { 5.1 };
+        let is_hole = |x: usize, y: usize| (11..13).contains(&x) && y % 4 == 2;
+        let mut depth = Plane::from_fn(SIZE, SIZE, |x, y| match is_hole(x, y) {
+            true => f32::INFINITY,
+            false => depth_of(x),
+        });
+        assert_eq!(fill(&mut depth, &folded()), 12);
+        for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+            let error = depth.at(x, y) / depth_of(x) - 1.0;
+            assert!(error.abs() < 1e-6, "at {x}, {y}: {error}");
         }
     }
 

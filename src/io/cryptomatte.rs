@@ -175,6 +175,29 @@ pub(super) fn coverage(planes: &[Plane], numbers: &[u32]) -> Plane {
     covered
 }
 
+/// The `most` numbers that cover most, with their shares of all pixels, 0..1, the largest first, from planes as
+/// [`Cryptomatte::channels`] names them.
+pub(super) fn largest(planes: &[Plane], most: usize) -> Vec<(u32, f64)> {
+    let (ranks, _) = planes.as_chunks::<2>();
+    let mut sums: BTreeMap<u32, f64> = BTreeMap::new();
+    for [number, share] in ranks {
+        let samples = number.samples().iter().zip(share.samples());
+        for (number, share) in
+            samples.filter(|(number, share)| number.to_bits() != 0 && **share > 0.0)
+        {
+            *sums.entry(number.to_bits()).or_default() += f64::from(*share);
+        }
+    }
+    let pixels = planes[0].samples().len().max(1) as f64;
+    let mut shares: Vec<_> = sums
+        .into_iter()
+        .map(|(number, sum)| (number, sum / pixels))
+        .collect();
+    shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    shares.truncate(most);
+    shares
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,5 +229,12 @@ mod tests {
         assert_eq!(of(&[a]), [0.5, 0.25, 0.0]);
         assert_eq!(of(&[a, b]), [0.75, 1.0, 0.0]);
         assert_eq!(of(&[]), [0.0; 3]);
+        // 0.5 and 0.25 of three pixels, and 0.75 and 0.25; the last share has no object.
+        let numbers = [b, a].map(f32::to_bits);
+        assert_eq!(
+            largest(&planes, 9),
+            [(numbers[0], 1.0 / 3.0), (numbers[1], 0.25)]
+        );
+        assert_eq!(largest(&planes, 1), [(numbers[0], 1.0 / 3.0)]);
     }
 }

@@ -10,6 +10,7 @@ use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::{is_reversed, judge_normal_space};
+use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::frame::coverage;
 use crate::frame::depth::{is_distance, to_distances};
@@ -98,6 +99,7 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
         layers,
         covered: &covered,
         raw: &raw,
+        range: range.most - range.least,
     };
     let implied = match hinted {
         Some(StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne) => Some(Way::Toward),
@@ -161,6 +163,8 @@ struct Judged<'a> {
     covered: &'a Mask,
     /// Depth as stored, 0 where it is none.
     raw: &'a Plane,
+    /// The largest less the smallest of it.
+    range: f32,
 }
 
 impl Judged<'_> {
@@ -175,8 +179,8 @@ impl Judged<'_> {
     /// Which way depth goes, why, and the camera that was found for it.
     ///
     /// Depth that falls beside normals with x reversed leans as depth that rises beside normals with y reversed, and the
-    /// other way round. Where it comes to that, the way is the `implied` one; where none is, y is taken to be reversed, as
-    /// in all that DirectX uses, and hardly anything reverses x.
+    /// other way round. Where it comes to that, the way is the `implied` one; where none is, the one that outlines show;
+    /// else y is taken to be reversed, as in all that DirectX uses, and hardly anything reverses x.
     fn way(
         &self,
         implied: Option<Way>,
@@ -196,16 +200,16 @@ impl Judged<'_> {
         let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
         let reversed = [y, x].map(way_of);
-        let is_implied = |way: &Way| implied == Some(*way);
         // Half a picture of floor leans with depth whichever way one of the axes goes.
         let off = |angle: f64| angle.min(180.0 - angle);
         let as_is = way_of(as_is).filter(|_| !is_reversed(off(as_is), off(y)));
-        let view = as_is
-            .or(reversed.into_iter().flatten().find(is_implied))
-            .or(reversed.into_iter().flatten().next())
-            .filter(|_| faces);
-        if view.is_some() {
-            return Ok((view, "the normals lean toward what is far", None));
+        let leaning = "the normals lean toward what is far";
+        let mut view = as_is.map(|way| (way, leaning));
+        if view.is_none() && faces {
+            view = self.way_of_reversed(reversed, implied, leaning);
+        }
+        if let Some((way, why)) = view.filter(|_| faces) {
+            return Ok((Some(way), why, None));
         }
         let mut search = CameraSearch::new(self.layers.inputs, &surface);
         if let Some(camera) = search.placed(self.layers.normal)? {
@@ -233,6 +237,33 @@ impl Judged<'_> {
             "the normals, turned to fit, lean toward what is far",
             None,
         ))
+    }
+
+    /// Which way depth goes, and why, where it leans along the normals with y reversed if it goes the first way of `reversed`, with
+    /// x reversed if it goes the second.
+    fn way_of_reversed(
+        &self,
+        reversed: [Option<Way>; 2],
+        implied: Option<Way>,
+        leaning: &'static str,
+    ) -> Option<(Way, &'static str)> {
+        let [y, x] = reversed;
+        if let Some(way) = implied.filter(|_| reversed.contains(&implied)) {
+            return Some((way, leaning));
+        }
+        let (normal, depth) = (self.layers.normal, Some((self.raw, self.range)));
+        let outlines = Silhouettes::of(normal, self.covered, depth);
+        let shows = |way: Option<Way>, axes| {
+            outlines
+                .agree(way? == Way::Away, axes)
+                .filter(|agree| *agree)
+        };
+        let why = "the normals lean toward what is far, and point outward at outlines";
+        match (shows(y, [false, true]), shows(x, [true, false])) {
+            (Some(_), None) => Some((y?, why)),
+            (None, Some(_)) => Some((x?, why)),
+            _ => Some((y.or(x)?, leaning)),
+        }
     }
 
     /// The angle left between normals and depth by the camera recovered from them, in degrees.

@@ -9,11 +9,26 @@ use crate::error::{Error, Result};
 use crate::frame::{Plane, Vector3Planes, Window};
 use crate::params::{Fallback, ObjectAngle};
 use glam::{Vec2, Vec3};
+use serde::Serialize;
 use std::path::Path;
 use wildmatch::WildMatch;
 
 /// How many names a message lists.
 const LISTED: usize = 8;
+
+/// Most bytes of samples that are read for a survey.
+const MOST_SURVEYED: usize = 256 << 20;
+
+/// A layer of Cryptomatte.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObjectSurvey {
+    /// Its name.
+    pub layer: String,
+    /// Names of its objects; where no manifest has them, `#` and the hashes of the largest ones.
+    pub names: Vec<String>,
+    /// Shares of the picture that those of these hashes cover, 0..1; empty where there are names.
+    pub shares: Vec<f64>,
+}
 
 /// What was chosen: names with `*` and `?` for any letters, or numbers of objects or materials; those after a `!` are left
 /// out.
@@ -30,12 +45,43 @@ enum ObjectSource<'a> {
     Index(Match, f32),
 }
 
-/// The layers of Cryptomatte, with the names of their objects.
-pub(super) fn names(file: &ExrFile) -> Vec<(String, Vec<String>)> {
+/// The layers of Cryptomatte, with the names of their objects; where no manifest has them, the numbers of the largest ones as
+/// `--object` takes them, with their shares of the picture, or of as much of its middle as is read.
+pub(super) fn surveyed(file: &ExrFile) -> Vec<ObjectSurvey> {
     let layers = cryptomatte::layers(file).into_iter();
-    layers
-        .map(|layer| (layer.layer, layer.manifest.into_keys().collect()))
-        .collect()
+    let survey = layers.map(|layer| {
+        let mut names: Vec<_> = layer.manifest.keys().cloned().collect();
+        let mut shares = Vec::new();
+        if names.is_empty() {
+            (names, shares) = largest(file, &layer)
+                .into_iter()
+                .map(|(number, share)| (format!("#{number:08x}"), share))
+                .unzip();
+        }
+        ObjectSurvey {
+            layer: layer.layer,
+            names,
+            shares,
+        }
+    });
+    survey.collect()
+}
+
+/// The numbers of the largest objects of a layer and their shares; none where its samples are damaged.
+fn largest(file: &ExrFile, layer: &Cryptomatte) -> Vec<(u32, f64)> {
+    let (channels, window) = (layer.channels(), layer.window(file));
+    let row = size_of::<f32>() * channels.len() * window.width();
+    let rows = (MOST_SURVEYED / row.max(1)).clamp(1, window.height().max(1));
+    let first = (window.height().saturating_sub(rows)) / 2;
+    let last = (first + rows).min(window.height());
+    if layer.spoilt(file).is_some() {
+        return Vec::new();
+    }
+    let planes = file.read_rows(&channels, first..last);
+    planes.map_or_else(
+        |_| Vec::new(),
+        |planes| cryptomatte::largest(&planes, LISTED),
+    )
 }
 
 /// Refuses a layer for a mask that holds the numbers of objects.

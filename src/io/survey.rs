@@ -1,8 +1,8 @@
-//! What is in a file, for `inspect`: headers and names, and pixels only where names give no roles.
+//! What is in a file, for `inspect`: headers and names, and pixels only where names give no roles or objects have no names.
 
 use super::exr::{ExrFile, SampleType};
 use super::numbers::NUMBERED;
-use super::objects;
+use super::objects::{self, ObjectSurvey};
 use super::opened::{Opened, layers_of};
 use super::roles::{self, Match, Role};
 use crate::error::Result;
@@ -25,17 +25,8 @@ pub struct Survey {
     pub parts: Vec<PartSurvey>,
     /// Which layer plays which role, by name, or by numbers where no name says so.
     pub roles: Vec<RoleSurvey>,
-    /// The objects that Cryptomatte names, layer by layer.
+    /// The objects of Cryptomatte, layer by layer.
     pub objects: Vec<ObjectSurvey>,
-}
-
-/// A layer of Cryptomatte.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ObjectSurvey {
-    /// Its name.
-    pub layer: String,
-    /// Names of its objects; none where they are in no manifest.
-    pub names: Vec<String>,
 }
 
 /// One part of a file.
@@ -73,7 +64,7 @@ pub struct RoleSurvey {
     pub channels: Vec<String>,
 }
 
-/// Looks into the file at `path`; pixels are read only where layers have names that mean nothing. Roles are those of the layers of `view`,
+/// Looks into the file at `path`; pixels are read only where layers have names that mean nothing, and of Cryptomatte without a manifest. Roles are those of the layers of `view`,
 /// or of the default one.
 ///
 /// # Errors
@@ -92,10 +83,7 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             pixel_aspect: file.pixel_aspect,
             views: views.clone(),
             view: view.clone(),
-            objects: objects::names(file)
-                .into_iter()
-                .map(|(layer, names)| ObjectSurvey { layer, names })
-                .collect(),
+            objects: objects::surveyed(file),
             parts: {
                 let all = layers_of(file);
                 let parts = 0..file.parts.len();

@@ -6,6 +6,7 @@ use super::inputs::{Flip, Inputs};
 use super::integrability::Curl;
 use super::names::Hint;
 use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
+use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
 use crate::frame::normals;
@@ -72,7 +73,12 @@ pub(super) fn turn_to_view(
     }
     let mut warnings = Vec::new();
     if reading.leaves_y_open(normals, inputs) && surface.mask.count() > 0 {
-        warnings.extend(reading.settle_y(&mut normals, Curl::of(normal, surface.mask)));
+        let outlines = Silhouettes::of(normal, surface.mask, None);
+        warnings.extend(reading.settle_axes(
+            &mut normals,
+            Curl::of(normal, surface.mask),
+            outlines.reversed(None),
+        ));
     }
     findings.push(reading.finding(normals, inputs));
     normals.turn(normal, camera.as_ref());
@@ -300,13 +306,38 @@ impl Reading {
             && !self.is_given
     }
 
-    /// Turns y round where the curl of the slopes shows that it points down; a warning where they do not show it.
-    fn settle_y(&mut self, normals: &mut NormalReading, curl: Curl) -> Option<String> {
+    /// Turns axes round where the curl of the slopes, and outlines, show that they are reversed; a warning where neither
+    /// does, or where it is x, which is rare.
+    fn settle_axes(
+        &mut self,
+        normals: &mut NormalReading,
+        curl: Curl,
+        outlines: [Option<bool>; 2],
+    ) -> Option<String> {
         let why = curl.reason();
         self.reason = format!("{}; {why}", self.reason);
         let points_down = curl.y_points_down();
-        normals.flip.y |= points_down == Some(true);
-        let is_open = points_down.is_none() && !curl.is_flat();
+        let shown = shown_by(points_down, outlines);
+        let [x, y] = shown.unwrap_or([false, points_down == Some(true)]);
+        if shown.is_some() {
+            self.reason += "; at outlines ";
+            self.reason += match [x, y] {
+                [false, false] => "normals point outward",
+                [true, false] => "normals point outward with x reversed",
+                [false, true] => "normals point outward with y reversed",
+                [true, true] => "normals point outward with both reversed",
+            };
+        }
+        normals.flip.x |= x;
+        normals.flip.y |= y;
+        if x {
+            return Some(format!(
+                "normals: {}; a hollow form looks the same: say --normal-flip {} if it is one",
+                self.reason,
+                if y { "none" } else { "y" },
+            ));
+        }
+        let is_open = shown.is_none() && points_down.is_none() && !curl.is_flat();
         is_open.then(|| {
             format!(
                 "normals: {why}; taken to point up (OpenGL): say --normal-flip y if green points down (DirectX), else \
@@ -336,6 +367,16 @@ impl Reading {
             flag,
         }
     }
+}
+
+/// Whether x and y are reversed, as `outlines` show it; `None` where they show too little, or the curl contradicts them, which
+/// tells whether one of the two is, or both or neither.
+fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Option<[bool; 2]> {
+    let [Some(x), Some(y)] = outlines else {
+        return None;
+    };
+    let agrees = one_is_reversed.is_none_or(|one| one == (x != y));
+    agrees.then_some([x, y])
 }
 
 /// World-space normals that nothing can turn; says what was tried to find a camera.

@@ -81,12 +81,14 @@ fn an_svg_holds_lines_in_millimetres() {
     // One pen for all strokes without pressure.
     let page = written("--pressure 0 --contours off --interior off");
     assert_eq!(page.matches("<g stroke-width").count(), 1);
-    for flags in ["--style pencil", "--style ."] {
+    let texture = "--style is a texture, and an SVG holds lines";
+    for (flags, found) in [
+        ("--style pencil", texture),
+        ("--style .", texture),
+        ("--mix 0.5", "--mix takes a share of ink"),
+    ] {
         let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o other.svg"));
-        assert!(
-            ran.error(2)
-                .contains("--style is a texture, and an SVG holds lines")
-        );
+        assert!(ran.error(2).contains(found), "{flags}");
         assert!(!desk.path().join("other.svg").exists());
     }
 }

@@ -111,6 +111,12 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert_eq!(second, third);
     assert_eq!(third, alone);
 
+    // A flag overrules what the frames show and the name says: they go the other way.
+    let forward = "--motion ViewLayer.Vector --motion-convention forward -o forward.%04d.png";
+    hatch(desk.path(), &format!("{sequence} {tone} {forward}")).ended(0);
+    let [second, third] = ["forward.0002.png", "forward.0003.png"].map(|n| drawing(desk.path(), n));
+    assert!(is_moved(&second, &third));
+
     // Named by layer; a frame left out: twice the motion, said once.
     let gap = "in.####.exr --frames 1-3x2 --tone picture";
     let named = "--motion ViewLayer.Vector -o gap.####.png";
@@ -165,6 +171,10 @@ fn what_is_no_sequence_is_refused_in_one_line() {
         ("in.####.exr --frames 2-1 -o a.%d.png", "backward"),
         ("in.####.exr --frames all -o a.%d.png", "no list of frames"),
         ("in.0001.exr --motion none -o a.png", "--frames"),
+        (
+            "in.####.exr --frames 1-2 --motion v --motion-convention world -o a.%d.png",
+            "render it in pixels",
+        ),
         ("in.####.exr --frames 1 -o in.####.exr", "is the input"),
         (
             "in.####.exr --frames 1 --timings t.json -o a.####.png",

@@ -1,7 +1,7 @@
 //! A bar of a round length on pictures, and the resolution that goes with it.
 
 use super::inputs::write_planes;
-use crate::common::program::relievo;
+use crate::common::program::{fixture, relievo};
 use relievo::frame::Plane;
 use relievo::io::photo::Photo;
 use relievo::io::picture::ViewTransform;
@@ -92,6 +92,21 @@ fn the_resolution_is_that_of_the_pixels_unless_it_is_given() {
     assert_eq!(per_metre("--pixel-size 0.05mm --dpi 300"), Some(11_811));
     // Nobody prints a field in its own size.
     assert_eq!(per_metre("--pixel-size 2m"), None);
+    // Of an EXR in its standard attribute, in each way that layers may be written.
+    for (flags, density) in [
+        ("--pixel-size 0.05mm --layers results", 508.0f32),
+        ("--pixel-size 0.05mm --dpi 300 --layers channels", 300.0),
+    ] {
+        let words = format!(
+            "enhance {} -q -o out.exr {flags}",
+            fixture("gears.exr").display()
+        );
+        relievo(desk.path(), &words).done();
+        let bytes = std::fs::read(desk.path().join("out.exr")).unwrap();
+        let attribute = [b"xDensity\0float\0\x04\0\0\0", &density.to_le_bytes()[..]].concat();
+        let is_there = bytes.windows(attribute.len()).any(|w| w == attribute);
+        assert!(is_there, "{flags}");
+    }
     let refused = |flags: &str, code| {
         let words = format!("enhance in.png --normal n.png -o out.png {flags}");
         relievo(desk.path(), &words).refused(code)

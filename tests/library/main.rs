@@ -17,6 +17,7 @@ mod layer_names;
 mod light_layers;
 mod live;
 mod normal_rays;
+mod outlines;
 mod points;
 mod relight;
 mod resolution;

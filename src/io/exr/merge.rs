@@ -11,8 +11,7 @@ use super::read::PartBlocks;
 use super::rows::HeldRows;
 use super::sink::ChunkSink;
 use super::write::{
-    PartDescription, ReadyPart, Source, channel_entry, check_attribute_name, sorted_channels,
-    typed_header,
+    PartDescription, ReadyPart, Source, channel_entry, set_added, sorted_channels, typed_header,
 };
 use super::{ExrFile, OutputCompression};
 use crate::error::{Error, Result};
@@ -114,10 +113,7 @@ fn ready(
     attributes.remove("tiles");
     attributes.set_text("type", "scanlineimage");
     attributes.set("lineOrder", "lineOrder", vec![0]);
-    for (name, text) in &added.attributes {
-        check_attribute_name(name)?;
-        attributes.set_text(name, text);
-    }
+    set_added(&mut attributes, added)?;
     let (list, sources) = merged_channels(input, part, added)?;
     attributes.set("channels", "chlist", list);
     // The number of chunks follows from the rest.

@@ -31,6 +31,7 @@ pub use compression::OutputCompression;
 pub use merge::Merged;
 pub use part::{Channel, ChannelId, Part, SampleType};
 pub use rows::RowReader;
+pub(crate) use write::X_DENSITY;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
 pub use writer::{PartWriter, add_channels, append_part, write_results};
 

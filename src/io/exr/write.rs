@@ -10,6 +10,8 @@ use ::exr::meta::header::Header;
 use std::path::Path;
 
 pub(super) const VERSION: u32 = 2;
+/// OpenEXR's standard attribute of pixels per inch along x.
+pub(crate) const X_DENSITY: &str = "xDensity";
 /// Attributes that describe the part and are not free to be given.
 const RESERVED: [&str; 20] = [
     "channels",
@@ -47,7 +49,7 @@ pub struct OutputPart<'a> {
     pub pixel_aspect: f32,
     /// What is stored, in any order.
     pub channels: Vec<OutputChannel<'a>>,
-    /// More text attributes by name, such as "software".
+    /// More text attributes by name, such as "software"; `xDensity`, pixels per inch, is stored as a number.
     pub attributes: Vec<(String, String)>,
     /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
     pub chromaticities: Option<[f32; 8]>,
@@ -90,7 +92,7 @@ pub struct PartDescription {
     pub pixel_aspect: f32,
     /// Full name and type of each channel, in the order in which their planes will be given.
     pub channels: Vec<(String, OutputType)>,
-    /// More text attributes by name, such as "software".
+    /// More text attributes by name, such as "software"; `xDensity`, pixels per inch, is stored as a number.
     pub attributes: Vec<(String, String)>,
     /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
     pub chromaticities: Option<[f32; 8]>,
@@ -235,11 +237,20 @@ fn attributes_of(part: &PartDescription, order: &[usize]) -> Result<Attributes> 
     if let Some(chromaticities) = part.chromaticities {
         attributes.set_floats("chromaticities", "chromaticities", &chromaticities);
     }
+    set_added(&mut attributes, part)?;
+    Ok(attributes)
+}
+
+/// Sets the attributes that are added to those a part has by itself.
+pub(super) fn set_added(attributes: &mut Attributes, part: &PartDescription) -> Result<()> {
     for (name, text) in &part.attributes {
         check_attribute_name(name)?;
-        attributes.set_text(name, text);
+        match text.parse::<f32>() {
+            Ok(density) if name == X_DENSITY => attributes.set_floats(name, "float", &[density]),
+            _ => attributes.set_text(name, text),
+        }
     }
-    Ok(attributes)
+    Ok(())
 }
 
 pub(super) fn check_attribute_name(name: &str) -> Result<()> {

@@ -2,6 +2,7 @@
 
 use crate::frame::Window;
 use std::fmt;
+use std::str::FromStr;
 
 /// Which way motion leads in time, as far as its sign tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,6 +60,18 @@ impl MotionUnit {
         }
     }
 
+    /// The name that `--motion-convention` gives it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Pixels => "pixels",
+            Self::PixelsOfHalfAFrame => "half-frame",
+            Self::Pictures => "pictures",
+            Self::HalfPictures => "half-pictures",
+            Self::EncodedHalfPictures => "half-pictures-0-1",
+            Self::Encoded2048 => "2048-0-1",
+        }
+    }
+
     fn words(self) -> &'static str {
         match self {
             Self::Pixels => "in pixels",
@@ -75,7 +88,7 @@ impl MotionUnit {
 
 /// How two channels hold motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct MotionConvention {
+pub(crate) struct MotionConvention {
     /// Which way it leads in time.
     lead: Lead,
     /// Whether y points up.
@@ -117,6 +130,49 @@ impl MotionConvention {
             sign * pixels[0] * (stored[0] - rest),
             up * pixels[1] * (stored[1] - rest),
         ]
+    }
+}
+
+impl MotionConvention {
+    /// The value of `--motion-convention` that is read as this.
+    pub(super) fn flag(self) -> String {
+        let lead = match self.lead {
+            Lead::Back => "back",
+            Lead::Ahead => "forward",
+        };
+        let y = if self.y_is_up { "up" } else { "down" };
+        format!("{lead},{y},{}", self.unit.name())
+    }
+}
+
+impl FromStr for MotionConvention {
+    type Err = String;
+
+    /// Reads words with commas between, in any order; where one is left out it is that of [`Self::BACK`].
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut convention = Self::BACK;
+        for word in text.split(',').map(str::trim) {
+            match word {
+                "back" => convention.lead = Lead::Back,
+                "forward" => convention.lead = Lead::Ahead,
+                "up" => convention.y_is_up = true,
+                "down" => convention.y_is_up = false,
+                "world" => {
+                    return Err(
+                        "motion in world space is not read: render it in pixels of the picture"
+                            .into(),
+                    );
+                }
+                unit => {
+                    let named = MotionUnit::ALL.into_iter().find(|u| u.name() == unit);
+                    convention.unit = named.ok_or_else(|| {
+                        let units = MotionUnit::ALL.map(MotionUnit::name).join(", ");
+                        format!("expected auto, or of back or forward, up or down, and a unit ({units}), as in forward,down,pixels")
+                    })?;
+                }
+            }
+        }
+        Ok(convention)
     }
 }
 
@@ -176,5 +232,15 @@ mod tests {
                 "{convention}: {x} {y}"
             );
         }
+    }
+
+    #[test]
+    fn every_convention_is_read_from_its_flag() {
+        for convention in MotionConvention::all() {
+            assert_eq!(convention.flag().parse(), Ok(convention));
+        }
+        assert_eq!("pixels".parse(), Ok(MotionConvention::BACK));
+        let refused = "world".parse::<MotionConvention>().unwrap_err();
+        assert!(refused.contains("render it in pixels"), "{refused}");
     }
 }

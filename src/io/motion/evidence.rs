@@ -69,6 +69,8 @@ pub struct MotionVerdict {
     pub conclusion: String,
     /// From which numbers.
     pub evidence: String,
+    /// The flags that read the layer so; `None` where none was found.
+    pub flags: Option<String>,
 }
 
 impl MotionVerdict {
@@ -137,6 +139,7 @@ fn verdict(
         is_still,
         conclusion: "no layer that is known to lead to the frame before".into(),
         evidence,
+        flags: None,
     };
     let Some(least) = ways.iter().map(Way::mean).min_by(f64::total_cmp) else {
         return undecided(true, "nothing can be compared".into());
@@ -149,7 +152,10 @@ fn verdict(
         return undecided(true, "nothing can be compared".into());
     };
     let label = &layers.pairs[best.pair].label;
-    if let Err((is_still, why)) = beats_stillness(best, label, stands, world) {
+    if let Err((is_still, mut why)) = beats_stillness(best, label, stands, world) {
+        if layers.pairs[best.pair].has_third && !is_still {
+            why += "; three numbers may be motion in world space, which is not read: render it in pixels of the picture";
+        }
         return undecided(is_still, why);
     }
     let rivals = ways.iter().filter(|way| way.pair == best.pair);
@@ -183,6 +189,7 @@ fn verdict(
         is_still: false,
         conclusion: format!("{label}, {}", best.convention),
         evidence: than_still + &than_other,
+        flags: Some(layers.flags(best.pair, best.convention)),
     }
 }
 

@@ -135,6 +135,11 @@ fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
     PAIRS.into_iter().filter_map(pair).collect()
 }
 
+/// Whether the layer that `source` was found in has three components, as motion in world space has.
+pub(super) fn has_third(source: &RoleSource) -> bool {
+    layer_of(source).is_some_and(|layer| layer.components.len() == 3)
+}
+
 /// What the name of the layer says of its numbers, where that is the same whoever wrote it.
 pub(super) fn convention_by_name(source: &RoleSource) -> Option<MotionConvention> {
     let (layer, found) = (layer_of(source)?, source.found()?);

@@ -7,9 +7,9 @@ mod convention;
 mod evidence;
 mod layers;
 
-use convention::MotionConvention;
+pub(crate) use convention::MotionConvention;
 pub use evidence::{FrameBefore, MotionVerdict};
-use layers::convention_by_name;
+use layers::{convention_by_name, has_third};
 pub(super) use layers::{means_motion, motion_sources};
 
 use super::sources::RoleSource;
@@ -27,6 +27,10 @@ pub struct MotionLayers {
 pub(super) struct MotionPair {
     /// The layer and its channels, for messages.
     pub(super) label: String,
+    /// The layer or file that `--motion` names.
+    layer: String,
+    /// Whether the layer has a third number beside these, and no fourth.
+    has_third: bool,
     /// What its name says that it holds, where that is the same whoever wrote it.
     by_name: Option<MotionConvention>,
     pub(super) x: Plane,
@@ -49,6 +53,8 @@ impl MotionLayers {
             let given = (is_given && index == 0).then_some(MotionConvention::BACK);
             Some(MotionPair {
                 label: source.channel_names(),
+                layer: source.label().to_string(),
+                has_third: has_third(source),
                 by_name: given.or_else(|| convention_by_name(source)),
                 x,
                 y,
@@ -79,6 +85,24 @@ impl MotionLayers {
     fn named(&self) -> Option<(usize, MotionConvention)> {
         let mut pairs = self.pairs.iter().enumerate();
         pairs.find_map(|(index, pair)| Some((index, pair.by_name?)))
+    }
+
+    /// The same of the first layer, read by a convention that was given.
+    pub(crate) fn given(&self, convention: MotionConvention) -> Vector2Planes {
+        self.come(0, convention)
+    }
+
+    /// The flags by which a pair is read so.
+    fn flags(&self, pair: usize, convention: MotionConvention) -> String {
+        let layer = &self.pairs[pair].layer;
+        let first = self.pairs.iter().position(|pair| pair.layer == *layer);
+        match first == Some(pair) {
+            true => format!(
+                "--motion \"{layer}\" --motion-convention {}",
+                convention.flag()
+            ),
+            false => format!("--motion \"{layer}\""),
+        }
     }
 
     /// How far the surface has come since the frame before, by one pair read in one way.

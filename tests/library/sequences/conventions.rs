@@ -230,6 +230,18 @@ fn what_frames_do_not_show_is_not_guessed() {
     );
     let verdict = verdict.unwrap();
     assert!(!verdict.is_found() && !verdict.is_still, "{verdict:?}");
+    // Three numbers that lead nowhere in the picture may do so in the world.
+    let third = ("velocity.z", &(|_, _| 1.0) as &dyn Fn(f64, f64) -> f64);
+    let (_, verdict) = judged(
+        &pan,
+        &[
+            ("velocity.x", &|_, _| 5.0),
+            ("velocity.y", &|_, _| 9.0),
+            third,
+        ],
+    );
+    let evidence = verdict.unwrap().evidence;
+    assert!(evidence.contains("world space"), "{evidence}");
     // It stands still, and the layer says that it moves.
     let (layers, verdict) = judged(
         &|_, _| [0.0; 2],

@@ -5,6 +5,7 @@ mod conventions;
 mod distortion;
 mod measured;
 mod rendered;
+mod wheel;
 
 use crate::common::cpu;
 use relievo::engine::{Drawing, Inputs, SequenceInputs, TextureCoordinates};

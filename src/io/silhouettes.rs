@@ -1,0 +1,159 @@
+//! Which way x and y of a normal map point, by outlines: a surface turns away from the viewer at its outline, so that steep normals
+//! there point outward, off the surface that is in front.
+//!
+//! Where depth jumps, which of the two sides is in front depends on the sense of depth. Where coverage ends it is the covered side.
+//! One outline alone can mislead, as a floor leans up everywhere; so an axis counts only if steep normals agree at outlines on both
+//! sides of surfaces, the right and the left, or the upper and the lower.
+//!
+//! What this cannot see: hollow forms, such as a bowl from above, turn inward at their outlines.
+
+use crate::frame::{Mask, Plane, Vector3Planes};
+
+/// Rows, and columns, that are looked through, at most.
+const LINES: usize = 256;
+/// A unit normal is steep along an axis from this component on.
+const STEEP: f64 = 0.5;
+/// Fewest steep normals on either side.
+const FEWEST: usize = 16;
+/// Share of them that agree.
+const AGREE: f64 = 0.8;
+/// Depth jumps where it changes by this many times the slope on either side ...
+const JUMP: f32 = 9.0;
+/// ... and by this share of its range.
+const JUMP_OF_RANGE: f32 = 0.01;
+
+/// Steep normals at outlines, by how they point.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Silhouettes {
+    /// At the end of coverage.
+    ends: Votes,
+    /// At jumps of depth, on the side of the smaller numbers.
+    lower: Votes,
+    /// The same, on the side of the larger numbers.
+    higher: Votes,
+}
+
+/// Counts of steep normals by axis, by whether outward is along it or against, and by whether they point inward or outward.
+#[derive(Debug, Clone, Copy, Default)]
+struct Votes([[[usize; 2]; 2]; 2]);
+
+impl Votes {
+    fn add(&mut self, axis: usize, is_along: bool, component: f64) {
+        if component.abs() >= STEEP {
+            let is_outward = (component > 0.0) == is_along;
+            self.0[axis][usize::from(is_along)][usize::from(is_outward)] += 1;
+        }
+    }
+
+    fn and(mut self, other: Self) -> Self {
+        let counts = self.0.as_flattened_mut().as_flattened_mut();
+        for (own, more) in counts.iter_mut().zip(other.0.as_flattened().as_flattened()) {
+            *own += more;
+        }
+        self
+    }
+
+    /// Whether normals point inward along an axis; `None` where both sides do not show the same.
+    fn points_inward(&self, axis: usize) -> Option<bool> {
+        let side = |[inward, outward]: [usize; 2]| {
+            let (all, most) = (inward + outward, inward.max(outward));
+            let shows = all >= FEWEST && most as f64 >= AGREE * all as f64;
+            shows.then_some(inward > outward)
+        };
+        let [against, along] = self.0[axis].map(side);
+        against.filter(|_| against == along)
+    }
+}
+
+impl Silhouettes {
+    /// Looks at unit normals of view space where coverage ends and where `depth`, of the range `range`, jumps.
+    pub(super) fn of(normal: &Vector3Planes, mask: &Mask, depth: Option<(&Plane, f32)>) -> Self {
+        let (width, height) = (mask.width(), mask.height());
+        let mut found = Self::default();
+        let mut scan = |axis: usize, length: usize, at: &dyn Fn(usize) -> [usize; 2]| {
+            let line = Line {
+                length,
+                is_covered: &|i| mask.at(at(i)[0], at(i)[1]),
+                normal: &|i| normal.at(at(i)[0], at(i)[1])[axis],
+                depth: &|i| depth.map(|(depth, range)| (depth.at(at(i)[0], at(i)[1]), range)),
+            };
+            line.scan(&mut found, axis);
+        };
+        for y in (0..height).step_by(height.div_ceil(LINES).max(1)) {
+            scan(0, width, &|i| [i, y]);
+        }
+        for x in (0..width).step_by(width.div_ceil(LINES).max(1)) {
+            // Upward, as y of normals.
+            scan(1, height, &|i| [x, height - 1 - i]);
+        }
+        found
+    }
+
+    /// Which of x and y are reversed, as far as outlines show it: by those of coverage alone, or also by jumps of depth that
+    /// rises away from the viewer, or falls.
+    pub(super) fn reversed(&self, rises: Option<bool>) -> [Option<bool>; 2] {
+        let votes = match rises {
+            Some(true) => self.ends.and(self.lower),
+            Some(false) => self.ends.and(self.higher),
+            None => self.ends,
+        };
+        [0, 1].map(|axis| votes.points_inward(axis))
+    }
+
+    /// Whether outlines show these axes reversed, of depth that rises or falls; `None` where they show too little.
+    pub(super) fn agree(&self, rises: bool, axes: [bool; 2]) -> Option<bool> {
+        let shown = self.reversed(Some(rises));
+        let mut pairs = shown.iter().zip(axes);
+        shown
+            .iter()
+            .any(Option::is_some)
+            .then(|| pairs.all(|(shown, axis)| shown.is_none_or(|shown| shown == axis)))
+    }
+}
+
+/// A row or a column of the picture, along an axis of its normals.
+struct Line<'a> {
+    length: usize,
+    is_covered: &'a dyn Fn(usize) -> bool,
+    normal: &'a dyn Fn(usize) -> f64,
+    /// Depth, and its range.
+    depth: &'a dyn Fn(usize) -> Option<(f32, f32)>,
+}
+
+impl Line<'_> {
+    fn scan(&self, found: &mut Silhouettes, axis: usize) {
+        // The sample beside an outline may be a mean over both sides: the next one is looked at.
+        for i in 3..(self.length + 1).saturating_sub(3) {
+            let covered = [i - 3, i - 2, i - 1, i, i + 1, i + 2].map(self.is_covered);
+            match covered {
+                [_, true, true, false, false, _] => {
+                    found.ends.add(axis, true, (self.normal)(i - 2));
+                }
+                [_, false, false, true, true, _] => {
+                    found.ends.add(axis, false, (self.normal)(i + 1));
+                }
+                [true, true, true, true, true, true] => self.jump(i, found, axis),
+                _ => {}
+            }
+        }
+    }
+
+    /// Adds the normals on both sides if depth jumps beside sample `i`.
+    fn jump(&self, i: usize, found: &mut Silhouettes, axis: usize) {
+        let at = [i - 3, i - 2, i + 1, i + 2].map(|i| (self.depth)(i));
+        let [Some((a, range)), Some((b, _)), Some((c, _)), Some((d, _))] = at else {
+            return;
+        };
+        let slope = (b - a).abs().max((d - c).abs());
+        // What is not a number is no jump.
+        if (c - b).abs() > JUMP_OF_RANGE * range && (c - b).abs() > JUMP * slope {
+            let [before, after] = [i - 2, i + 1].map(|i| (self.normal)(i));
+            let (lower, higher) = match b < c {
+                true => (&mut found.lower, &mut found.higher),
+                false => (&mut found.higher, &mut found.lower),
+            };
+            lower.add(axis, true, before);
+            higher.add(axis, false, after);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Axes of normals and the sense of depth by outlines, where slopes leave two readings open.
+
+use crate::common::exr::Part;
+use relievo::frame::{Mask, Plane, Vector3Planes};
+use relievo::io::inputs::{Flip, Inputs, NONE, StoredDepth};
+use relievo::io::{Loaded, Needs, load};
+use std::path::Path;
+
+/// Normals and depth in view space.
+struct Scene {
+    normal: Vector3Planes,
+    mask: Mask,
+    depth: Plane,
+}
+
+/// A ball of 30 pixels before a wall, without perspective.
+fn ball() -> Scene {
+    let height = |x: usize, y: usize| {
+        let (dx, dy) = (x as f64 - 47.5, 39.5 - y as f64);
+        (900.0 - dx * dx - dy * dy, dx, dy)
+    };
+    let normal = Vector3Planes::from_fn(96, 80, |x, y| match height(x, y) {
+        (square, dx, dy) if square > 0.0 => glam::DVec3::new(dx, dy, square.sqrt()) / 30.0,
+        _ => glam::DVec3::Z,
+    });
+    let depth = Plane::from_fn(96, 80, |x, y| {
+        let (square, ..) = height(x, y);
+        100.0 - square.max(0.0).sqrt() as f32 - if square > 0.0 { 60.0 } else { 0.0 }
+    });
+    Scene {
+        normal,
+        mask: Mask::full(96, 80),
+        depth,
+    }
+}
+
+/// The bust of the fixtures.
+fn bust() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/bust.exr");
+    let inputs = Inputs {
+        picture: path,
+        ..Inputs::default()
+    };
+    let frame = load(&inputs, Needs::default()).unwrap().frame;
+    Scene {
+        normal: frame.normal,
+        mask: frame.mask,
+        depth: frame.depth.unwrap(),
+    }
+}
+
+fn axes(flip: Flip) -> [f32; 3] {
+    [flip.x, flip.y, flip.z].map(|reversed| if reversed { -1.0 } else { 1.0 })
+}
+
+/// The scene as read with these axes reversed, and with depth as greys of no name, white far or near, or without depth.
+fn read(scene: &Scene, flip: Flip, depth: Option<StoredDepth>) -> Loaded {
+    let Scene { normal, mask, .. } = scene;
+    let signs = axes(flip);
+    let stored: Vec<_> = [&normal.x, &normal.y, &normal.z]
+        .into_iter()
+        .zip(signs)
+        .map(|(plane, sign)| plane.map(|n| sign * n))
+        .collect();
+    let seen = || {
+        let samples = scene.depth.samples().iter();
+        let pairs = samples.zip(mask.plane().samples());
+        pairs.filter(|(_, covered)| **covered).map(|(d, _)| *d)
+    };
+    let (near, far) = (seen().fold(f32::MAX, f32::min), seen().fold(0.0, f32::max));
+    let grey = Plane::from_fn(mask.width(), mask.height(), |x, y| {
+        let share = match mask.at(x, y) {
+            true => (scene.depth.at(x, y) - near) / (far - near),
+            false => 1.0,
+        };
+        match depth {
+            Some(StoredDepth::NormalizedNearIsOne) => 1.0 - share,
+            _ => share,
+        }
+    });
+    let desk = tempfile::tempdir().unwrap();
+    let path = desk.path().join("scene.exr");
+    let names = ["N.X", "N.Y", "N.Z", "grey.V"];
+    Part::of(names.into_iter().zip(stored.iter().chain([&grey]))).write(&path);
+    let inputs = Inputs {
+        picture: path,
+        depth: Some(depth.map_or(NONE, |_| "grey").into()),
+        ..Inputs::default()
+    };
+    load(&inputs, Needs::default()).unwrap()
+}
+
+const X: Flip = Flip {
+    x: true,
+    ..Flip::NONE
+};
+const Y: Flip = Flip {
+    y: true,
+    ..Flip::NONE
+};
+
+#[test]
+fn the_side_that_turns_outward_is_in_front() {
+    for (name, scene) in [("ball", ball()), ("bust", bust())] {
+        for flip in [Flip::NONE, X, Y] {
+            for depth in [StoredDepth::WhiteFar, StoredDepth::NormalizedNearIsOne] {
+                let loaded = read(&scene, flip, Some(depth));
+                // Greys that a lens explains are read as distances, or as one over them, and then x reversed as a left-handed
+                // world whose camera is recovered to some degrees.
+                let falls = match loaded.conventions.depth_kind.unwrap() {
+                    StoredDepth::NormalizedNearIsOne | StoredDepth::Inverse => true,
+                    StoredDepth::WhiteFar | StoredDepth::Planar => false,
+                    other => panic!("{name}: {other}"),
+                };
+                assert_eq!(falls, depth == StoredDepth::NormalizedNearIsOne, "{name}");
+                let (mut cosines, mut count) = (0.0, 0);
+                for y in 0..scene.mask.height() {
+                    for x in (0..scene.mask.width()).filter(|&x| loaded.frame.mask.at(x, y)) {
+                        cosines += loaded.frame.normal.at(x, y).dot(scene.normal.at(x, y));
+                        count += 1;
+                    }
+                }
+                let mean = cosines / f64::from(count);
+                assert!(mean > 0.99, "{name}, {flip} reversed: {mean}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_depth_outlines_and_curl_tell_x_from_y() {
+    let scene = bust();
+    for flip in [Flip::NONE, X, Y, X.and(Y)] {
+        let loaded = read(&scene, flip, None);
+        assert_eq!(loaded.conventions.normal_flip, flip);
+        // A bowl with y reversed looks as a dome with x reversed.
+        let warned = loaded
+            .warnings
+            .iter()
+            .any(|text| text.contains("hollow form"));
+        assert_eq!(warned, flip.x, "{:?}", loaded.warnings);
+    }
+    // What ends on all sides but bends nowhere shows nothing.
+    let mut flat = ball();
+    flat.normal = Vector3Planes::from_fn(96, 80, |x, y| match x.min(y) > 8 && x.max(y) < 60 {
+        true => glam::DVec3::Z,
+        false => glam::DVec3::ZERO,
+    });
+    let loaded = read(&flat, X, None);
+    assert_eq!(loaded.conventions.normal_flip, Flip::NONE);
+}
