@@ -1,6 +1,7 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
-use super::{Camera, Frame, Mask, Plane, Window};
+use super::{Camera, Frame, Mask, Plane, Vector3Planes, Window};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Samples are of one surface where neither is nearer than this share of the other's depth.
@@ -49,8 +50,14 @@ impl Frame {
                 projection: camera.projection.of_pixels(factor.recip()),
                 ..camera
             }),
+            // An edge within a pixel is spread over several, and found among them.
+            normal_length: None,
             ..self.with_planes(mask, plane)
         };
+        if let Some(Vector3Planes { x, y, z }) = self.normals_of_one_surface() {
+            let [x, y, z] = [x, y, z].map(|of_one| plane(&of_one));
+            frame.normal = Vector3Planes { x, y, z };
+        }
         for [x, y, z] in frame.normal.components_mut() {
             let length = (*x * *x + *y * *y + *z * *z).sqrt();
             if length > 0.0 {
@@ -84,15 +91,53 @@ impl Frame {
         Some(samples)
     }
 
+    /// The normals, with those beside a jump of depth, where a filter mixes two surfaces, taken from the pixels around them
+    /// that are of the same surface and beside no jump; `None` without depth. Enlarged, a mixed pixel would be a bend.
+    fn normals_of_one_surface(&self) -> Option<Vector3Planes> {
+        let depth = self.depth.as_ref()?;
+        let (width, height) = (depth.width(), depth.height());
+        let is_same = |[x, y]: [usize; 2], [i, k]: [usize; 2]| {
+            !self.mask.at(i, k) || is_one_surface(depth.at(x, y), depth.at(i, k))
+        };
+        let is_beside = samples(width, height, |x, y| {
+            let mut beside = around_pixel([x, y], [width, height], 1);
+            self.mask.at(x, y) && !beside.all(|at| is_same([x, y], at))
+        });
+        let normals = samples(width, height, |x, y| {
+            let own = self.normal.at(x, y).as_vec3();
+            if !is_beside.at(x, y) {
+                return own;
+            }
+            let mut sum = Vec3::ZERO;
+            for [i, k] in around_pixel([x, y], [width, height], 2) {
+                if self.mask.at(i, k) && !is_beside.at(i, k) && is_same([x, y], [i, k]) {
+                    sum += self.normal.at(i, k).as_vec3();
+                }
+            }
+            if sum == Vec3::ZERO {
+                own
+            } else {
+                sum.normalize()
+            }
+        });
+        Some(Vector3Planes {
+            x: normals.map(|n| n.x),
+            y: normals.map(|n| n.y),
+            z: normals.map(|n| n.z),
+        })
+    }
+
     /// Takes the weight from samples of other surfaces than the one that has most of it.
     fn keep_one_surface(&self, samples: &mut [([usize; 2], f32); 4]) {
         let Some(depth) = &self.depth else {
             return;
         };
         let depths = samples.map(|([x, y], _)| depth.at(x, y));
-        let is_same = |a: f32, b: f32| a.min(b) >= SAME * a.max(b);
         let of_surface = |of: f32| -> f32 {
-            let same = samples.iter().zip(depths).filter(|&(_, d)| is_same(of, d));
+            let same = samples
+                .iter()
+                .zip(depths)
+                .filter(|&(_, d)| is_one_surface(of, d));
             same.map(|((_, weight), _)| weight).sum()
         };
         let weights = depths.map(of_surface);
@@ -104,11 +149,35 @@ impl Frame {
             return;
         };
         for ((_, weight), depth) in samples.iter_mut().zip(depths) {
-            if !is_same(kept, depth) {
+            if !is_one_surface(kept, depth) {
                 *weight = 0.0;
             }
         }
     }
+}
+
+/// Whether samples at these depths are of one surface.
+fn is_one_surface(a: f32, b: f32) -> bool {
+    a.min(b) >= SAME * a.max(b)
+}
+
+/// The pixels of a plane of this `size` around one, itself left out, that are no more than so many `steps` across and down
+/// away in all.
+fn around_pixel(
+    [x, y]: [usize; 2],
+    size: [usize; 2],
+    steps: u32,
+) -> impl Iterator<Item = [usize; 2]> {
+    let near = (-1..=1).flat_map(|down: i32| (-1..=1).map(move |across: i32| [across, down]));
+    let near =
+        near.filter(move |[a, d]| (1..=steps).contains(&(a.unsigned_abs() + d.unsigned_abs())));
+    let places = near.map(move |[a, d]| {
+        [
+            x.wrapping_add_signed(a as isize),
+            y.wrapping_add_signed(d as isize),
+        ]
+    });
+    places.filter(move |[x, y]| *x < size[0] && *y < size[1])
 }
 
 /// The two samples about a place along a side, and the share of the second.
@@ -178,13 +247,14 @@ fn samples<T: Copy + Default + Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Vector3Planes;
     use glam::DVec3;
 
-    /// Two planes, one at depth 1 on the left of column 4 and one at depth 2.
+    /// Two planes, one at depth 1 on the left of column 4 and one at depth 2; a filter mixed their normals where they meet.
     fn step() -> Frame {
+        let left = DVec3::new(0.6, 0.0, 0.8);
         let normal = Vector3Planes::from_fn(8, 4, |x, _| match x {
-            0..4 => DVec3::new(0.6, 0.0, 0.8),
+            0..3 => left,
+            3..5 => (left + DVec3::Z).normalize(),
             _ => DVec3::Z,
         });
         let mask = Mask::new(Plane::from_fn(8, 4, |x, _| x > 0));
