@@ -1,7 +1,6 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
 use super::{Camera, Frame, Mask, Plane, Vector3Planes, Window};
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// Samples are of one surface where neither is nearer than this share of the other's depth.
@@ -9,7 +8,9 @@ const SAME: f32 = 0.965;
 
 impl Frame {
     /// The frame enlarged `factor` times in both directions, in whole pixels, seen by the same camera: samples are
-    /// interpolated within surfaces, whose borders stay sharp.
+    /// interpolated within surfaces, whose borders stay sharp. Beside a jump of depth, where a filter mixes two surfaces,
+    /// normals are those of the pixels around that are of the same surface. Lengths of filtered normals tell of the share
+    /// of an edge that an enlarged pixel has.
     ///
     /// # Panics
     /// If `factor` is less than 1.
@@ -50,13 +51,18 @@ impl Frame {
                 projection: camera.projection.of_pixels(factor.recip()),
                 ..camera
             }),
-            // An edge within a pixel is spread over several, and found among them.
-            normal_length: None,
             ..self.with_planes(mask, plane)
         };
-        if let Some(Vector3Planes { x, y, z }) = self.normals_of_one_surface() {
-            let [x, y, z] = [x, y, z].map(|of_one| plane(&of_one));
+        if let Some(is_mixed) = self.beside_jumps() {
+            let unmixed = |mixed: &Plane| plane(&self.of_one_surface(mixed, &is_mixed));
+            let Vector3Planes { x, y, z } = &self.normal;
+            let [x, y, z] = [x, y, z].map(unmixed);
             frame.normal = Vector3Planes { x, y, z };
+            frame.normal_length = self.normal_length.as_ref().map(unmixed);
+        }
+        // An edge within a pixel is spread over several.
+        for length in frame.normal_length.iter_mut().flat_map(Plane::samples_mut) {
+            *length = (length.clamp(0.0, 1.0).acos() / factor as f32).cos();
         }
         for [x, y, z] in frame.normal.components_mut() {
             let length = (*x * *x + *y * *y + *z * *z).sqrt();
@@ -91,40 +97,44 @@ impl Frame {
         Some(samples)
     }
 
-    /// The normals, with those beside a jump of depth, where a filter mixes two surfaces, taken from the pixels around them
-    /// that are of the same surface and beside no jump; `None` without depth. Enlarged, a mixed pixel would be a bend.
-    fn normals_of_one_surface(&self) -> Option<Vector3Planes> {
+    /// Which pixels are beside a jump of depth, where a filter mixes two surfaces; `None` without depth.
+    fn beside_jumps(&self) -> Option<Plane<bool>> {
         let depth = self.depth.as_ref()?;
-        let (width, height) = (depth.width(), depth.height());
-        let is_same = |[x, y]: [usize; 2], [i, k]: [usize; 2]| {
-            !self.mask.at(i, k) || is_one_surface(depth.at(x, y), depth.at(i, k))
-        };
-        let is_beside = samples(width, height, |x, y| {
-            let mut beside = around_pixel([x, y], [width, height], 1);
-            self.mask.at(x, y) && !beside.all(|at| is_same([x, y], at))
-        });
-        let normals = samples(width, height, |x, y| {
-            let own = self.normal.at(x, y).as_vec3();
-            if !is_beside.at(x, y) {
-                return own;
+        let size = [depth.width(), depth.height()];
+        Some(samples(size[0], size[1], |x, y| {
+            let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| self.mask.at(i, k));
+            self.mask.at(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
+        }))
+    }
+
+    /// A plane whose samples in mixed pixels are taken from those around them that are of the same surface and not mixed:
+    /// enlarged, a mixed pixel would be a bend.
+    fn of_one_surface(&self, plane: &Plane, is_mixed: &Plane<bool>) -> Plane {
+        let size = [plane.width(), plane.height()];
+        samples(size[0], size[1], |x, y| {
+            if !is_mixed.at(x, y) {
+                return plane.at(x, y);
             }
-            let mut sum = Vec3::ZERO;
-            for [i, k] in around_pixel([x, y], [width, height], 2) {
-                if self.mask.at(i, k) && !is_beside.at(i, k) && is_same([x, y], [i, k]) {
-                    sum += self.normal.at(i, k).as_vec3();
+            let (mut sum, mut count) = (0.0, 0.0);
+            for [i, k] in around_pixel([x, y], size, 2) {
+                let is_pure = self.mask.at(i, k) && !is_mixed.at(i, k);
+                if is_pure && self.is_one_surface([x, y], [i, k]) {
+                    sum += plane.at(i, k);
+                    count += 1.0;
                 }
             }
-            if sum == Vec3::ZERO {
-                own
+            if count > 0.0 {
+                sum / count
             } else {
-                sum.normalize()
+                plane.at(x, y)
             }
-        });
-        Some(Vector3Planes {
-            x: normals.map(|n| n.x),
-            y: normals.map(|n| n.y),
-            z: normals.map(|n| n.z),
         })
+    }
+
+    /// Whether two pixels are of one surface; without depth all are.
+    fn is_one_surface(&self, [x, y]: [usize; 2], [i, k]: [usize; 2]) -> bool {
+        let depth = self.depth.as_ref();
+        depth.is_none_or(|depth| is_one_surface(depth.at(x, y), depth.at(i, k)))
     }
 
     /// Takes the weight from samples of other surfaces than the one that has most of it.
@@ -258,7 +268,14 @@ mod tests {
             _ => DVec3::Z,
         });
         let mask = Mask::new(Plane::from_fn(8, 4, |x, _| x > 0));
+        // Lengths are those of two normals at 60 degrees in column 6.
+        let length = |x: usize| match x {
+            3 | 4 => 0.9,
+            6 => 30.0_f32.to_radians().cos(),
+            _ => 1.0,
+        };
         Frame {
+            normal_length: Some(Plane::from_fn(8, 4, |x, _| length(x))),
             depth: Some(Plane::from_fn(8, 4, |x, _| if x < 4 { 1.0 } else { 2.0 })),
             ..Frame::of_normals(normal, mask)
         }
@@ -275,6 +292,12 @@ mod tests {
             assert_eq!(frame.depth.as_ref().unwrap().at(x, 5), depth, "{x}");
             assert!((frame.normal.x.at(x, 5) - nx).abs() < 1e-6, "{x}");
         }
+        // An edge of 60 degrees within a pixel is one of 20 degrees within each of three.
+        let length = frame.normal_length.unwrap();
+        let found = [9, 11, 13, 19].map(|x| length.at(x, 5));
+        let expected = [1.0, 1.0, 1.0, 10.0_f32.to_radians().cos()];
+        let near = |(a, b): (&f32, f32)| (a - b).abs() < 1e-6;
+        assert!(found.iter().zip(expected).all(near), "{found:?}");
     }
 
     #[test]
