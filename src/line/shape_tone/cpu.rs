@@ -471,7 +471,7 @@ mod tests {
     #[test]
     fn a_ball_is_paper_toward_the_key_light_and_dark_away_from_it_at_any_size() {
         // Paper begins at a rank of 0.745: toward the light there is nothing above. The darkest has rank and place 0, and so
-        // 0.65 times 0.05, and the shadow side a little more.
+        // 0.65 times 0.045, and the shadow side a little more.
         let tones = [120, 240].map(|side| {
             let (normal, mask) = ball(side);
             let tone = key_tone(normal, mask, 0..0);

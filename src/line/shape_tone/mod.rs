@@ -78,7 +78,7 @@ pub(crate) fn raised(contrast: f32, activity: f32) -> f32 {
 /// The tone, as it is seen, of what has this rank among all, 0..1, and this place between the darkest and the lightest.
 #[inline(always)]
 pub(crate) fn seen_tone(rank: f32, place: f32) -> f32 {
-    let by_rank = (0.05 + 0.95 * (rank / 0.745).powf(0.9)).min(1.0);
+    let by_rank = (0.045 + 0.955 * (rank / 0.745).powf(0.9)).min(1.0);
     let tone = 0.65 * by_rank + 0.35 * place.clamp(0.0, 1.0);
     lightened(tone, smooth_step(BARE, tone))
 }
