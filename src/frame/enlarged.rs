@@ -1,13 +1,15 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
-use super::{Camera, Frame, Mask, Plane, Window};
+use super::{Camera, Frame, Mask, Plane, Vector3Planes, Window};
 
 /// Samples belong to one surface if neither is nearer than this share of the other's depth.
 const SAME: f32 = 0.965;
 
 impl Frame {
     /// The frame enlarged `factor` times in both directions, rounded to whole pixels, seen by the same camera: samples
-    /// are interpolated within surfaces, whose borders stay sharp.
+    /// are interpolated within surfaces, whose borders stay sharp. Beside a jump of depth, where a filter mixes two
+    /// surfaces, normals are means of nearby pixels of the same surface. Lengths of filtered normals are rescaled to the
+    /// share of an edge within an enlarged pixel.
     ///
     /// # Panics
     /// If `factor` is less than 1.
@@ -50,6 +52,17 @@ impl Frame {
             }),
             ..self.with_planes(mask, plane)
         };
+        if let Some(is_mixed) = self.beside_jumps() {
+            let unmixed = |mixed: &Plane| plane(&self.of_one_surface(mixed, &is_mixed));
+            let Vector3Planes { x, y, z } = &self.normal;
+            let [x, y, z] = [x, y, z].map(unmixed);
+            frame.normal = Vector3Planes { x, y, z };
+            frame.normal_length = self.normal_length.as_ref().map(unmixed);
+        }
+        // An edge within a pixel is spread over several.
+        for length in frame.normal_length.iter_mut().flat_map(Plane::samples_mut) {
+            *length = (length.clamp(0.0, 1.0).acos() / factor as f32).cos();
+        }
         for [x, y, z] in frame.normal.components_mut() {
             let length = (*x * *x + *y * *y + *z * *z).sqrt();
             if length > 0.0 {
@@ -83,15 +96,57 @@ impl Frame {
         Some(samples)
     }
 
+    /// Pixels beside a jump of depth, where a filter mixes two surfaces; `None` without depth.
+    fn beside_jumps(&self) -> Option<Plane<bool>> {
+        let depth = self.depth.as_ref()?;
+        let size = [depth.width(), depth.height()];
+        Some(samples(size[0], size[1], |x, y| {
+            let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| self.mask.at(i, k));
+            self.mask.at(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
+        }))
+    }
+
+    /// The plane with samples of mixed pixels replaced by the mean of nearby unmixed ones of the same surface: enlarged, a
+    /// mixed pixel would be a bend.
+    fn of_one_surface(&self, plane: &Plane, is_mixed: &Plane<bool>) -> Plane {
+        let size = [plane.width(), plane.height()];
+        samples(size[0], size[1], |x, y| {
+            if !is_mixed.at(x, y) {
+                return plane.at(x, y);
+            }
+            let (mut sum, mut count) = (0.0, 0.0);
+            for [i, k] in around_pixel([x, y], size, 2) {
+                let is_pure = self.mask.at(i, k) && !is_mixed.at(i, k);
+                if is_pure && self.is_one_surface([x, y], [i, k]) {
+                    sum += plane.at(i, k);
+                    count += 1.0;
+                }
+            }
+            if count > 0.0 {
+                sum / count
+            } else {
+                plane.at(x, y)
+            }
+        })
+    }
+
+    /// Whether two pixels belong to one surface; without depth all do.
+    fn is_one_surface(&self, [x, y]: [usize; 2], [i, k]: [usize; 2]) -> bool {
+        let depth = self.depth.as_ref();
+        depth.is_none_or(|depth| is_one_surface(depth.at(x, y), depth.at(i, k)))
+    }
+
     /// Removes the weight of samples from surfaces other than the one with most of the weight.
     fn keep_one_surface(&self, samples: &mut [([usize; 2], f32); 4]) {
         let Some(depth) = &self.depth else {
             return;
         };
         let depths = samples.map(|([x, y], _)| depth.at(x, y));
-        let is_same = |a: f32, b: f32| a.min(b) >= SAME * a.max(b);
         let of_surface = |of: f32| -> f32 {
-            let same = samples.iter().zip(depths).filter(|&(_, d)| is_same(of, d));
+            let same = samples
+                .iter()
+                .zip(depths)
+                .filter(|&(_, d)| is_one_surface(of, d));
             same.map(|((_, weight), _)| weight).sum()
         };
         let weights = depths.map(of_surface);
@@ -103,11 +158,35 @@ impl Frame {
             return;
         };
         for ((_, weight), depth) in samples.iter_mut().zip(depths) {
-            if !is_same(kept, depth) {
+            if !is_one_surface(kept, depth) {
                 *weight = 0.0;
             }
         }
     }
+}
+
+/// Whether samples at these depths belong to one surface.
+fn is_one_surface(a: f32, b: f32) -> bool {
+    a.min(b) >= SAME * a.max(b)
+}
+
+/// The other pixels of a plane of this `size` within one column and one row of `[x, y]`, and within `steps` across and
+/// down taken together.
+fn around_pixel(
+    [x, y]: [usize; 2],
+    size: [usize; 2],
+    steps: u32,
+) -> impl Iterator<Item = [usize; 2]> {
+    let near = (-1..=1).flat_map(|down: i32| (-1..=1).map(move |across: i32| [across, down]));
+    let near =
+        near.filter(move |[a, d]| (1..=steps).contains(&(a.unsigned_abs() + d.unsigned_abs())));
+    let places = near.map(move |[a, d]| {
+        [
+            x.wrapping_add_signed(a as isize),
+            y.wrapping_add_signed(d as isize),
+        ]
+    });
+    places.filter(move |[x, y]| *x < size[0] && *y < size[1])
 }
 
 /// The two samples around a position along one axis, and the weight of the second.
@@ -176,17 +255,25 @@ fn samples<T: Copy + Default + Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Vector3Planes;
     use glam::DVec3;
 
-    /// Two planes, one at depth 1 on the left of column 4 and one at depth 2.
+    /// Two planes, one at depth 1 on the left of column 4 and one at depth 2; a filter mixed their normals where they meet.
     fn step() -> Frame {
+        let left = DVec3::new(0.6, 0.0, 0.8);
         let normal = Vector3Planes::from_fn(8, 4, |x, _| match x {
-            0..4 => DVec3::new(0.6, 0.0, 0.8),
+            0..3 => left,
+            3..5 => (left + DVec3::Z).normalize(),
             _ => DVec3::Z,
         });
         let mask = Mask::new(Plane::from_fn(8, 4, |x, _| x > 0));
+        // Lengths are those of two normals at 60 degrees in column 6.
+        let length = |x: usize| match x {
+            3 | 4 => 0.9,
+            6 => 30.0_f32.to_radians().cos(),
+            _ => 1.0,
+        };
         Frame {
+            normal_length: Some(Plane::from_fn(8, 4, |x, _| length(x))),
             depth: Some(Plane::from_fn(8, 4, |x, _| if x < 4 { 1.0 } else { 2.0 })),
             ..Frame::of_normals(normal, mask)
         }
@@ -203,6 +290,12 @@ mod tests {
             assert_eq!(frame.depth.as_ref().unwrap().at(x, 5), depth, "{x}");
             assert!((frame.normal.x.at(x, 5) - nx).abs() < 1e-6, "{x}");
         }
+        // An edge of 60 degrees within a pixel is one of 20 degrees within each of three.
+        let length = frame.normal_length.unwrap();
+        let found = [9, 11, 13, 19].map(|x| length.at(x, 5));
+        let expected = [1.0, 1.0, 1.0, 10.0_f32.to_radians().cos()];
+        let near = |(a, b): (&f32, f32)| (a - b).abs() < 1e-6;
+        assert!(found.iter().zip(expected).all(near), "{found:?}");
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
 
+use super::background::{left_out, plainness, quieter};
 use super::levels::{self, Ranks, SHARES, Scales, Spread};
-use super::{activity, key_stops, left_out, lightened, raised, seen_tone, stops};
+use super::{CLEAR_TURN, activity, key_stops, raised, seen_tone, stops};
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::map_covered;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::density::LEAST_ALPHA;
-use crate::line::direction_field::setting::OPEN;
 use crate::line::grid::Grid;
 use crate::line::tone::ToneOf;
 use crate::params::{RunOptions, ToneLevels, ToneParams};
@@ -32,9 +32,6 @@ const LEAST_SMOOTHING: f32 = 1.2;
 /// Turn of the normal, in radians over the picture's size, that halves the smoothing of brightness.
 const SHARP_TURN: f32 = 18.0;
 
-/// Turns beyond this, likewise, are as telling as this.
-const CLEAR_TURN: f32 = 30.0;
-
 /// How many cells are one where surroundings are found.
 const COARSE: usize = 4;
 
@@ -43,9 +40,6 @@ const SEEN_GAMMA: f32 = 2.2;
 
 /// Error of what spreads, relative to its largest value.
 const TOLERANCE: f64 = 1e-3;
-
-/// Below this the surface counts as plain.
-const PLAIN: f32 = 0.5;
 
 /// The weight of an edge in the mean of a coarse cell.
 const CLOSED: f32 = 1e-3;
@@ -179,57 +173,17 @@ impl Cells<'_> {
             }
         });
         let ranks = ranks.unwrap_or_else(|| ranks_of(&balanced, &active, mask));
-        let background = self.background(&active, conductance);
+        let plain = plainness(mask, self.size, &turn, &active, conductance);
         let left_out = left_out(shown.params.background);
         let [density] = map_covered(mask, self.memory, |y| {
             let (row, ranks) = (balanced.row(y), &ranks);
-            let (background, active) = (background.row(y), active.row(y));
+            let plain = plain.row(y);
             move |x| {
                 let tone = seen_tone(ranks.rank(row[x]), ranks.place(row[x]));
-                let share = if background[x] { 1.0 - active[x] } else { 0.0 };
-                [-SEEN_GAMMA * lightened(tone, left_out * share).ln()]
+                [-SEEN_GAMMA * quieter(tone, left_out * plain[x]).ln()]
             }
         });
         (density, levels::as_numbers(&scales, &ranks))
-    }
-
-    /// Whether cells belong to what is plain and reaches the border of the picture.
-    fn background(&self, active: &Plane, conductance: &Plane) -> Plane<bool> {
-        let mask = &self.grid.mask;
-        let (width, height) = (mask.width(), mask.height());
-        let mut found = Plane::filled(width, height, false);
-        let mut reached = Vec::new();
-        // Edges are reached, and lead no farther.
-        let mut reach = |x: usize, y: usize, reached: &mut Vec<[usize; 2]>| {
-            if mask.at(x, y) && active.at(x, y) < PLAIN && !found.at(x, y) {
-                found.row_mut(y)[x] = true;
-                if conductance.at(x, y) > OPEN {
-                    reached.push([x, y]);
-                }
-            }
-        };
-        for y in 0..height {
-            let inner = if y == 0 || y + 1 == height {
-                1
-            } else {
-                width.max(2) - 1
-            };
-            (0..width)
-                .step_by(inner)
-                .for_each(|x| reach(x, y, &mut reached));
-        }
-        while let Some([x, y]) = reached.pop() {
-            let beside = [
-                (x.wrapping_sub(1), y),
-                (x + 1, y),
-                (x, y.wrapping_sub(1)),
-                (x, y + 1),
-            ];
-            for (x, y) in beside.into_iter().filter(|&(x, y)| x < width && y < height) {
-                reach(x, y, &mut reached);
-            }
-        }
-        found
     }
 
     /// By how much normals turn from cell to cell at the most, in radians over the picture's size: the largest singular
@@ -517,7 +471,7 @@ mod tests {
     #[test]
     fn a_ball_is_paper_toward_the_key_light_and_dark_away_from_it_at_any_size() {
         // Paper begins at a rank of 0.745: toward the light there is nothing above. The darkest has rank and place 0, and so
-        // 0.65 times 0.05, and the shadow side a little more.
+        // 0.65 times 0.045, and the shadow side a little more.
         let tones = [120, 240].map(|side| {
             let (normal, mask) = ball(side);
             let tone = key_tone(normal, mask, 0..0);

@@ -9,13 +9,13 @@
 //! Practice: everything is found on a grid of cells no finer than the forms that strokes can carry, so its cost does not
 //! grow with the picture. Whatever spreads does so by the diffusion of the gradient, stopped by the same edges.
 
+mod background;
 pub(crate) mod cpu;
 mod halo;
 mod levels;
 pub(crate) mod stage;
 
 use crate::light::lights::direction_of;
-use crate::params::Background;
 use glam::Vec3;
 
 /// Where the key light stands if none is given: azimuth and elevation in degrees. Upper left, as draughtsmen have it.
@@ -27,11 +27,11 @@ const STOPS: [f32; 2] = [-6.0, 4.0];
 /// Anything darker than this in the key light is equally dark.
 const DARKEST_KEY: f32 = 0.03;
 
+/// Turns of the normal beyond this, in radians over the picture's size, are as telling as this.
+const CLEAR_TURN: f32 = 30.0;
+
 /// Between these tones strokes thin out, and leave the paper bare.
 const BARE: [f32; 2] = [0.88, 0.97];
-
-/// How much of the ink on a plain background is left out where it is to be quieter than the subject.
-const QUIET: f32 = 0.8;
 
 /// The key light's direction if none is given.
 pub(crate) fn key_light() -> Vec3 {
@@ -78,7 +78,7 @@ pub(crate) fn raised(contrast: f32, activity: f32) -> f32 {
 /// The tone, as it is seen, of what has this rank among all, 0..1, and this place between the darkest and the lightest.
 #[inline(always)]
 pub(crate) fn seen_tone(rank: f32, place: f32) -> f32 {
-    let by_rank = (0.05 + 0.95 * (rank / 0.745).powf(0.9)).min(1.0);
+    let by_rank = (0.045 + 0.955 * (rank / 0.745).powf(0.9)).min(1.0);
     let tone = 0.65 * by_rank + 0.35 * place.clamp(0.0, 1.0);
     lightened(tone, smooth_step(BARE, tone))
 }
@@ -87,15 +87,6 @@ pub(crate) fn seen_tone(rank: f32, place: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn lightened(tone: f32, share: f32) -> f32 {
     tone + share * (1.0 - tone)
-}
-
-/// The share of ink that a background leaves out where it is plain.
-pub(crate) fn left_out(background: Background) -> f32 {
-    match background {
-        Background::Strokes => 0.0,
-        Background::Plain => QUIET,
-        Background::None => 1.0,
-    }
 }
 
 /// From 0 to 1 between two values, with level ends.

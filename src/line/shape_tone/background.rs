@@ -1,0 +1,179 @@
+//! Plain backgrounds, which are drawn quieter than the subject: the floor and the walls about it, up to where it stands on
+//! them.
+
+use super::{BARE, CLEAR_TURN, activity, lightened, smooth_step};
+use crate::frame::{Mask, Plane};
+use crate::line::direction_field::setting::OPEN;
+use crate::params::Background;
+
+/// How much of the ink on a plain background is left out where it is to be quieter than the subject.
+const QUIET: f32 = 0.8;
+
+/// Below this activity the surface counts as plain.
+const PLAIN: f32 = 0.5;
+
+/// How far a background reaches into what is active only for the subject beside it, as a share of the picture's size: twice
+/// the width by which activity spreads.
+const UP_TO_SUBJECT: f32 = 1.0 / 30.0;
+
+/// How much of the activity about a place counts where the place itself is plain: shadows fade out from where a subject
+/// stands.
+const FADING: f32 = 0.3;
+
+/// The share of ink that a background leaves out where it is plain.
+pub(super) fn left_out(background: Background) -> f32 {
+    match background {
+        Background::Strokes => 0.0,
+        Background::Plain => QUIET,
+        Background::None => 1.0,
+    }
+}
+
+/// A tone with this share of its ink left out; what is nearly paper then becomes paper.
+#[inline(always)]
+pub(super) fn quieter(tone: f32, share: f32) -> f32 {
+    let tone = lightened(tone, share);
+    lightened(tone, share * smooth_step(BARE, tone))
+}
+
+/// How much cells are plain background, 0..1: plain ones that the border of a picture of this `size` in cells reaches over
+/// plain ones. `turn` is that of normals, in radians over the picture's size, and `active` its activity around cells.
+pub(super) fn plainness(
+    mask: &Mask,
+    size: f32,
+    turn: &Plane,
+    active: &Plane,
+    conductance: &Plane,
+) -> Plane {
+    let (width, height) = (mask.width(), mask.height());
+    let own = |x: usize, y: usize| activity(turn.at(x, y) / CLEAR_TURN);
+    let mut flood = Flood {
+        mask,
+        conductance,
+        found: Plane::filled(width, height, false),
+        front: Vec::new(),
+    };
+    for y in 0..height {
+        let inner = if y == 0 || y + 1 == height {
+            1
+        } else {
+            width.max(2) - 1
+        };
+        for x in (0..width).step_by(inner) {
+            flood.reach([x, y], active.at(x, y));
+        }
+    }
+    while !flood.front.is_empty() {
+        flood.advance(|x, y| active.at(x, y));
+    }
+    flood.start_again();
+    for _ in 0..(UP_TO_SUBJECT * size).ceil() as usize {
+        flood.advance(own);
+    }
+    Plane::from_fn(width, height, |x, y| match flood.found.at(x, y) {
+        true => {
+            let around = active.at(x, y);
+            1.0 - own(x, y).max(FADING * around).min(around)
+        }
+        false => 0.0,
+    })
+}
+
+/// What was reached so far, and the cells from which the next ones are.
+struct Flood<'a> {
+    mask: &'a Mask,
+    conductance: &'a Plane,
+    found: Plane<bool>,
+    front: Vec<[usize; 2]>,
+}
+
+impl Flood<'_> {
+    /// Reaches a cell if it is plain. Edges are reached, and lead no farther.
+    fn reach(&mut self, [x, y]: [usize; 2], activity: f32) {
+        if self.mask.at(x, y) && activity < PLAIN && !self.found.at(x, y) {
+            self.found.row_mut(y)[x] = true;
+            if self.conductance.at(x, y) > OPEN {
+                self.front.push([x, y]);
+            }
+        }
+    }
+
+    /// Reaches the cells beside the front.
+    fn advance(&mut self, activity: impl Fn(usize, usize) -> f32) {
+        let (width, height) = (self.mask.width(), self.mask.height());
+        for [x, y] in std::mem::take(&mut self.front) {
+            let beside = [
+                [x.wrapping_sub(1), y],
+                [x + 1, y],
+                [x, y.wrapping_sub(1)],
+                [x, y + 1],
+            ];
+            for [x, y] in beside {
+                if x < width && y < height {
+                    self.reach([x, y], activity(x, y));
+                }
+            }
+        }
+    }
+
+    /// Makes all that was reached the front.
+    fn start_again(&mut self) {
+        for y in 0..self.mask.height() {
+            for x in 0..self.mask.width() {
+                if self.found.at(x, y) && self.conductance.at(x, y) > OPEN {
+                    self.front.push([x, y]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_floor_is_plain_up_to_what_stands_on_it() {
+        // A rough square on a floor, 120 cells wide, so that the floor reaches 4 cells into what is active for the square
+        // beside it. A plain window in the square is none of it.
+        let within = |range: std::ops::Range<usize>, x: usize, y: usize| {
+            range.contains(&x) && range.contains(&y)
+        };
+        let cells = |f: &dyn Fn(usize, usize) -> bool| {
+            Plane::from_fn(120, 120, |x, y| f32::from(u8::from(f(x, y))))
+        };
+        let turn = cells(&|x, y| within(50..70, x, y) && !within(57..63, x, y)).map(|v| 30.0 * v);
+        let active = cells(&|x, y| within(46..74, x, y));
+        let open = cells(&|x, _| x != 20);
+        let plain = plainness(&Mask::full(120, 120), 120.0, &turn, &active, &open);
+        let row = |y| [30, 45, 46, 49, 50, 60].map(|x| plain.at(x, y));
+        let beside = 1.0 - FADING;
+        assert_eq!(row(60), [1.0, 1.0, beside, beside, 0.0, 0.0]);
+        assert_eq!(row(10), [1.0; 6]);
+        assert_eq!(plain.at(20, 60), 1.0);
+    }
+
+    #[test]
+    fn what_is_behind_an_edge_is_no_background() {
+        // Columns 4 and 5 are closed all round by an edge; column 3 is the edge itself, which is reached.
+        let flat = Plane::filled(10, 10, 0.0);
+        let inside = |x: usize, y: usize| (3..7).contains(&x) && (3..7).contains(&y);
+        let core = |x: usize, y: usize| (4..6).contains(&x) && (4..6).contains(&y);
+        let open = Plane::from_fn(10, 10, |x, y| {
+            f32::from(u8::from(!inside(x, y) || core(x, y)))
+        });
+        let plain = plainness(&Mask::full(10, 10), 10.0, &flat, &flat, &open);
+        assert_eq!(
+            [2, 3, 4, 5, 6, 7].map(|x| plain.at(x, 4)),
+            [1.0, 1.0, 0.0, 0.0, 1.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn what_is_nearly_paper_becomes_paper() {
+        // Half of the ink: 0.96 and then 8/9 of the way from 0.88 to 0.97, of which the smooth step is 0.967.
+        assert!((quieter(0.92, 0.5) - (0.96 + 0.5 * 0.967 * 0.04)).abs() < 1e-4);
+        assert_eq!(quieter(0.3, 0.0), 0.3);
+        assert_eq!(quieter(0.3, 1.0), 1.0);
+    }
+}
