@@ -73,7 +73,7 @@ fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// What a picture lacks of white.
+/// Darkness of a picture: 1 minus its luminance.
 fn ink(color: &ColorPlanes) -> Plane {
     let [r, g, b] = [&color.r, &color.g, &color.b].map(Plane::samples);
     let weights = REC709_LUMINANCE;

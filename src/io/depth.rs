@@ -13,8 +13,8 @@ const SAMPLES: usize = 8192;
 /// Fewer samples decide nothing.
 const FEWEST_SAMPLES: usize = 16;
 
-/// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
-/// on depth is no distance, or has another surface than the normals.
+/// Median sine of the angle between the neighbours' tangent planes and the steps to a point, from which on the layer is
+/// no distance, or shows a different surface than the normals.
 const WORST_SINE: f64 = 0.05;
 
 /// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
@@ -69,7 +69,7 @@ fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Find
     (stored, Some(finding))
 }
 
-/// Median angle, in degrees, by which the points of world-space normals lie off their planes, by the better kind
+/// Median angle, in degrees, between points and the tangent planes of world-space normals, for the better-fitting kind
 /// of distance.
 pub(super) fn off_tangents(
     surface: &SurfaceSamples,

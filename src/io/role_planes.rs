@@ -15,7 +15,7 @@ pub(super) struct RolePlanes {
 }
 
 impl RolePlanes {
-    /// The planes of a photo, of which the last one is alpha if it has any.
+    /// The planes of a photo; the last one is alpha if it has any.
     pub(super) fn of_photo(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> Self {
         let alpha = photo.header.has_alpha().then(|| planes.pop()).flatten();
         Self {

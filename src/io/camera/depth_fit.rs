@@ -11,20 +11,20 @@ const RANKED: usize = 5_000;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
 const TRIM: f64 = 4.0;
 const HUBER: f64 = 1.5;
-/// Residuals below this, about a degree, are not distinguished: where most of a picture is one exact
-/// plane, the rest still has its say.
+/// Residuals below this, about a degree, count alike, so that a picture dominated by one exact plane still lets the
+/// rest count.
 const FINEST: f64 = 0.02;
-/// Residual, about three degrees, at which fits are compared: what lies far beyond counts as a miss.
+/// Residual scale for comparing fits, about three degrees: far larger residuals count as misses.
 const COMPARED: f64 = 0.05;
 /// Error of a patch's normal on plane surface, and its growth with the bend of the patch: facets under
 /// smooth normals, and slopes that change within it.
 const FLAT_ERROR: f64 = 0.003;
 const BEND_ERROR: f64 = 0.3;
-/// A fit is given up for a later one that leaves less than this share of its loss.
+/// A fit is replaced by a later one whose loss is less than this share of its own.
 const CLEARLY_BETTER: f64 = 0.8;
-/// Facets under smooth normals pull all of a picture one way: by about this share of the mean residual
-/// for the turn, and by all of it for the lens. On the renders this was tried with, the lens was off by a
-/// hundredth to three times what it says, the turn by a fiftieth to three times.
+/// Facets under smooth normals bias the whole fit one way: the rotation by about this share of the mean residual, the
+/// lens by all of it. On the renders tried, the actual error of the lens was between a hundredth and three times this
+/// estimate, that of the rotation between a fiftieth and three times.
 const TURN_BIAS: f64 = 0.05;
 /// Residuals count no more than this towards that mean.
 const OUTLYING: f64 = 0.2;
@@ -39,17 +39,17 @@ pub(super) struct Fit {
     pub(super) turn: Rotation3<f64>,
     /// Median distance between unit normals.
     pub(super) residual: f64,
-    /// Mean loss, from 0 for a perfect fit to 1 for none; other than the median, it is not content
-    /// with one plane that fills most of the picture.
+    /// Mean loss, from 0 for a perfect fit to 1 for a useless one; unlike a median, it is not satisfied by one plane
+    /// that fills most of the picture.
     pub(super) loss: f64,
 }
 
-/// How sure a fit is: standard errors, from the scatter between tiles of the picture.
+/// Standard errors of a fit, from the scatter between tiles of the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Certainty {
-    /// Of the turn about its least certain axis, in radians.
+    /// Rotation about its least certain axis, in radians.
     pub(super) turn: f64,
-    /// Of the logarithm of the lens's number.
+    /// Logarithm of the lens parameter.
     pub(super) lens: f64,
 }
 
@@ -168,7 +168,7 @@ impl Fit {
         Self::at(lens(log), &spread_out(patches, RANKED))
     }
 
-    /// The first of these fits, unless another one is clearly better, polished.
+    /// The first of these fits, unless another is clearly better, then polished.
     pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<Self> {
         let some = spread_out(patches, RANKED);
         let polished: Vec<Fit> = fits
@@ -182,7 +182,7 @@ impl Fit {
         Some(best.polished(patches).unwrap_or(best))
     }
 
-    /// The first of these fits, unless another one is clearly better.
+    /// The first of these fits, unless another is clearly better.
     pub(super) fn best(fits: &[Fit]) -> Option<Self> {
         let (first, others) = fits.split_first()?;
         let better = |best: Fit, fit: &Fit| {
@@ -234,7 +234,7 @@ impl Fit {
             normal += weight * j.transpose() * j;
             gradient += weight * j.transpose() * off;
         }
-        // A lens that leaves no trace stays where it is.
+        // A lens parameter without influence keeps its value.
         normal[(3, 3)] += 1e-9 * normal.trace() + f64::MIN_POSITIVE;
         normal.cholesky().map(|c| c.solve(&-gradient))
     }
@@ -266,8 +266,8 @@ impl Fit {
         )
     }
 
-    /// Mean square sine by which normals lean away from their main direction, the lesser way: what
-    /// holds a turn about that direction. Only what normals and slopes agree on counts.
+    /// Mean square sine of the normals' deviation from their main direction, along the narrower axis: this constrains
+    /// rotation about that direction. Only features in both normals and slopes count.
     pub(super) fn spread(&self, patches: &[Patch]) -> f64 {
         let (hessian, _, total) = self.curvature(patches);
         let turn: Matrix3<f64> = hessian.fixed_view::<3, 3>(0, 0).into_owned();
@@ -317,8 +317,8 @@ impl Fit {
     }
 }
 
-/// Median residual, each patch counting by how far its normal leans off the commonest direction. One
-/// plane that fills most of a picture fits whatever the rest does, and would hide it.
+/// Median residual, each patch weighted by its normal's deviation from the dominant direction. Otherwise one plane that
+/// fills most of a picture, which fits in any case, would hide the rest.
 fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
     let sum: Matrix3<f64> = patches
         .iter()

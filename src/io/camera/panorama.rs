@@ -1,4 +1,4 @@
-//! Where a panorama was seen from, and which way up, from its world-space positions.
+//! Viewpoint and orientation of a panorama, from its world-space positions.
 
 use super::file::dmat3;
 use super::samples::quantile;
@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 /// The place and the turn of an equirectangular panorama.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PanoramaPose {
-    /// Where it was seen from, in world space.
+    /// Viewpoint in world space.
     pub center: DVec3,
     /// World space to the map's own: x right, y up, -z in the middle of the picture.
     pub map_from_world: DMat3,
@@ -23,7 +23,7 @@ const SAMPLES: usize = 4000;
 /// Fewer decide nothing.
 const FEWEST: usize = 16;
 
-/// Rounds of turning and placing; each round leaves a fraction of the error.
+/// Rounds of alternating rotation and centre; each reduces the error by a constant factor.
 const ROUNDS: usize = 400;
 
 /// A round that moves the centre by less, as a share of the distances, is the last.
@@ -35,11 +35,11 @@ struct Sighting {
     position: DVec3,
 }
 
-/// The pose recovered from the `positions` of a panorama, where `seen` is true. `None` where too few are seen, or they are
-/// no panorama of these proportions: its mirror image, a cube, a fisheye.
+/// The pose recovered from the `positions` of a panorama, where `seen` is true. `None` with too few positions, or for
+/// anything but a panorama of these proportions: its mirror image, a cube, a fisheye.
 ///
-/// In turns the positions are turned onto the directions of their pixels (Wahba's problem), and the centre is put
-/// where the lines through the positions along those directions come closest to each other.
+/// Alternates between rotating the positions onto the directions of their pixels (Wahba's problem), and moving the
+/// centre to the point closest to the lines through the positions along those directions.
 pub(crate) fn recover_panorama(
     positions: &Vector3Planes,
     seen: &Plane<bool>,

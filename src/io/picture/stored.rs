@@ -1,5 +1,4 @@
-//! PNG and TIFF with their resolution and what else they say of themselves, and of one bit per pixel: `image` writes
-//! neither.
+//! PNG and TIFF with resolution and other metadata, and with one bit per pixel: `image` supports neither.
 
 use super::encoding::{Encoding, ascii};
 use crate::io::exif::thousandths;
@@ -78,7 +77,7 @@ pub(super) fn write_png(
     written.and_then(|()| writer.finish()).map_err(png_error)
 }
 
-/// What a PNG says in words, by their keywords.
+/// Text chunks of a PNG, by keyword.
 fn texts(encoding: &Encoding) -> impl Iterator<Item = (&'static str, String)> {
     let texts = [
         ("Software", &encoding.software),
@@ -164,7 +163,7 @@ fn rows_per_strip(bytes: usize, height: u32) -> u32 {
 /// Bytes of a strip, which readers hold at once.
 const STRIP_BYTES: usize = 1 << 20;
 
-/// What a TIFF says beside its pixels.
+/// Tags of a TIFF for metadata.
 fn write_tags<W: Write + Seek>(
     file: &mut DirectoryEncoder<W, TiffKindStandard>,
     picture: &Stored,

@@ -11,12 +11,12 @@ const LEVEL: i32 = 3;
 const WINDOW_BITS: u8 = 15;
 
 thread_local! {
-    /// What zlib works with: costly to make, and used again by every block of a thread.
+    /// zlib's working state: costly to make, and reused by all blocks of a thread.
     static INFLATE: RefCell<Inflate> = RefCell::new(Inflate::new(true, WINDOW_BITS));
     static DEFLATE: RefCell<Deflate> = RefCell::new(Deflate::new(LEVEL, true, WINDOW_BITS));
 }
 
-/// The number of bytes that `compressed` stands for, which it writes; `None` where it is damaged, or stands for more.
+/// Decompresses `compressed` into `into`; returns the number of bytes, `None` for damaged data or more bytes than fit.
 pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Option<usize> {
     INFLATE.with_borrow_mut(|inflate| {
         inflate.reset(true);
