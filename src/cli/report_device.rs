@@ -12,7 +12,7 @@ use crate::light::lights::Illumination;
 use crate::plan::Plan;
 use crate::report::gpu;
 
-/// What a report is to know of a device.
+/// Device information for a report.
 #[cfg(not(feature = "gpu"))]
 pub(super) struct ReportDevice;
 
@@ -33,12 +33,12 @@ impl ReportDevice {
     }
 }
 
-/// What a report is to know of a device.
+/// Device information for a report.
 #[cfg(feature = "gpu")]
 pub(super) enum ReportDevice {
     /// Nothing, and why.
     None(String),
-    /// What it takes.
+    /// Opened, with an engine on it.
     Opened {
         engine: Box<Engine>,
         name: String,

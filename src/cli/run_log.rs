@@ -34,7 +34,7 @@ impl RunLog {
         }
     }
 
-    /// Whether `text` is said for the first time: of a hundred frames one warns for all.
+    /// Whether `text` is new: a warning of many frames is printed once.
     pub(super) fn is_new(&self, text: &str) -> bool {
         let mut said = self.said.lock().expect("nothing panics here");
         said.insert(text.to_string())
@@ -64,7 +64,7 @@ pub(super) struct Turns {
 
 #[derive(Debug, Default)]
 struct Passed {
-    /// All frames below this number have passed.
+    /// All frames below this number have finished.
     below: usize,
     /// Others that have.
     beyond: BTreeSet<usize>,
