@@ -1,4 +1,4 @@
-// From the luminance of a picture to the optical density that is drawn.
+// From the luminance of a picture to the optical density of the drawing.
 
 @group(0) @binding(0) var<uniform> params: DensityParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;

@@ -1,14 +1,13 @@
-//! General linear cameras: the rays beside one bent by a mirror or lens, and where they see a point.
+//! General linear cameras: the rays neighbouring one bent by a mirror or lens, and the image position of a point along
+//! them.
 //!
-//! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) and have slopes
-//! (sigma, tau) there; three of them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and
-//! one of those goes through any given point. Changes: the paper leaves A', B' and C' of equation 6
-//! undefined; with slopes *relative* to the plane, `x = u + z sigma` and `y = v + z tau`, they are
-//! `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a = sigma2 - sigma1`,
-//! `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a little
-//! along a stroke, which in f32 costs degrees; `foot_direction` is the limit of that in
-//! closed form. Practice: give the plane the steps between the feet of neighbouring rays as axes, and
-//! (u, v) is an offset in pixels.
+//! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) with slopes (sigma, tau); three of
+//! them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and one of those passes through any given
+//! point. Changes: the paper leaves A', B' and C' of equation 6 undefined; with slopes *relative* to the plane, `x = u
+//! + z sigma` and `y = v + z tau`, they are `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a =
+//! sigma2 - sigma1`, `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a
+//! little along a stroke, which in f32 costs degrees; `foot_direction` is its limit in closed form. Practice: with the
+//! steps between the feet of neighbouring rays as the plane's axes, (u, v) is an offset in pixels.
 
 use crate::frame::Ray;
 use glam::{DMat3, DVec2, DVec3};
@@ -19,7 +18,7 @@ use num_traits::Float;
 pub(crate) struct LinearCamera<F> {
     /// (sigma, tau) of the first ray.
     slope: [F; 2],
-    /// (a, c): what slopes gain from one foot to the next along u.
+    /// (a, c): change of the slopes from one foot to the next along u.
     along_u: [F; 2],
     /// (b, d): likewise along v.
     along_v: [F; 2],
@@ -36,8 +35,8 @@ impl<F: Float> LinearCamera<F> {
         }
     }
 
-    /// Where the ray through a point (x, y, z) has its foot: [LA] equation 6. `None` on the focal locus,
-    /// where rays beside one another meet.
+    /// The foot of the ray through a point (x, y, z): [LA] equation 6. `None` on the focal locus, where neighbouring
+    /// rays meet.
     #[cfg(test)]
     pub(crate) fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
         let [s, t] = self.slope;
@@ -130,7 +129,7 @@ impl LocalCamera {
         })
     }
 
-    /// The direction in pixels, (du, dv) of any length, in which a tangent at a `point` on the ray is seen.
+    /// The image direction in pixels, (du, dv) of any length, of a tangent at a `point` on the ray.
     #[inline]
     pub fn seen(&self, point: DVec3, tangent: DVec3) -> DVec2 {
         let height = (self.local_from_view * (point - self.foot)).z;
@@ -140,7 +139,7 @@ impl LocalCamera {
             .into()
     }
 
-    /// The same in space: the direction of any length in which the foot moves on its plane.
+    /// The same in space: the direction, of any length, in which the foot moves on its plane.
     #[inline]
     pub fn seen_on_plane(&self, point: DVec3, tangent: DVec3) -> DVec3 {
         let seen = self.seen(point, tangent);
@@ -148,8 +147,8 @@ impl LocalCamera {
     }
 }
 
-/// The direction in pixels, of any length, in which a tangent is seen where the points that rays meet change by
-/// `steps` from pixel to pixel: the pseudo-inverse `[dP/di dP/dj]^+ V`. `None` where no step has a part along it.
+/// The image direction in pixels, of any length, of a tangent where the hit points of rays change by `steps` from pixel
+/// to pixel: the pseudo-inverse `[dP/di dP/dj]^+ V`. `None` if no step has a component along it.
 #[inline]
 pub(crate) fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> {
     let [a, b] = steps;
@@ -159,7 +158,7 @@ pub(crate) fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> 
     let spreads = determinant > MIN_SINE * MIN_SINE * size * size;
     let seen = match spreads {
         true => DVec2::new(bb * along.x - ab * along.y, aa * along.y - ab * along.x),
-        // Of rank 1 the pseudo-inverse is the transpose, but for its length.
+        // For rank 1 the pseudo-inverse is the transpose, up to scale.
         false => along,
     };
     seen.try_normalize()
@@ -257,7 +256,7 @@ mod tests {
             let [u, v] = camera.foot_direction(height, [0.4, 0.3, 0.0]);
             assert!((v / u).abs() < 1e-8);
         }
-        // Across it alone, rays do not spread: the steps of the points met tell.
+        // Along v alone rays do not spread, so the steps of hit points decide.
         let [u, v] = camera.foot_direction(2.0, [0.0, 0.3, 0.0]);
         assert_eq!([u, v], [0.0, 0.0]);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! From the luminance of a picture to the optical density that is drawn.
+//! From the luminance of a picture to the optical density of the drawing.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;
@@ -59,7 +59,7 @@ impl Densities<'_> {
         }
     }
 
-    /// What `row(y)(x, density)` makes of the densities of the covered pixels; 0 elsewhere.
+    /// `row(y)(x, density)` for the densities of the covered pixels; 0 elsewhere.
     pub(crate) fn mapped<Sample: Fn(usize, f32) -> f32>(
         &self,
         frame: &Frame,

@@ -1,4 +1,4 @@
-// The cracks that silhouettes pass, of those that may be: a list in any order, which takes as many as there is room for.
+// The cracks with a silhouette among the candidates: a list in any order, as long as there is room.
 
 @group(0) @binding(0) var<uniform> params: CrackParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -16,7 +16,7 @@
 
 override HAS_MAP: bool;
 override IS_DEPTH: bool;
-// Whether sight lines are known, along which depth is, and whether they are parallel.
+// Whether the sight lines of the depth are known, and whether they are parallel.
 override HAS_SIGHT: bool;
 override IS_EYE_FAR: bool;
 
@@ -62,8 +62,7 @@ fn normal_at(pixel: vec2<i32>) -> vec3<f32> {
     return vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
 }
 
-// By how much the logarithm of depth steps between pixels beyond what a smooth surface with the normals to either side
-// would.
+// Step of the logarithm of depth between pixels, beyond that of a smooth surface with the normals on either side.
 fn unexplained_by_normals(before: vec2<i32>, behind: vec2<i32>, step_of_log: f32) -> f32 {
     let normal = normal_at(before) + normal_at(behind);
     let eye = vec2<f32>(params.to_eye_x, params.to_eye_y);

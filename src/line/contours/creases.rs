@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// A crease that ends so many pixels from the border of the picture goes on beyond it.
 const RIM: usize = 2;
 
-/// How far beside a crease the middle of its weights lies.
+/// Distance of the centre of a crease's weights from the crease.
 const MIDDLE_PX: f32 = 0.5;
 
 /// The pixels that have a weight, in order.

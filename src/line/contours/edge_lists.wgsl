@@ -1,6 +1,6 @@
-// Edges as lists, in any order: the cracks between pixels that silhouettes may pass, and the pixels that have a crease.
+// Edges as lists, in any order: the cracks between pixels that may have a silhouette, and the pixels with a crease.
 //
-// A list takes as many as there is room for; how many there are is counted on.
+// A list holds as many as there is room for; counting continues beyond that.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 // Silhouette and crease weight.

@@ -1,4 +1,5 @@
-//! What silhouettes are sought in, made where there may be any: the logarithm of depth, or an occlusion map.
+//! The map in which silhouettes are searched, computed only where there may be any: the logarithm of depth, or an
+//! occlusion map.
 
 use crate::engine::cpu::simd::Simd;
 use crate::fast_math::ln;
@@ -43,7 +44,7 @@ impl<'a> Map<'a> {
     }
 }
 
-/// The map around a band of rows, of which only blocks that were asked for are made.
+/// The map around a band of rows, with only the requested blocks computed.
 pub(crate) struct MapTile {
     width: usize,
     /// The first row held; it may lie above the picture.
@@ -68,7 +69,7 @@ impl MapTile {
         }
     }
 
-    /// Forgets what it holds, to hold the map around the rows of corners from `y` on.
+    /// Discards its content, to hold the map around the rows of corners from `y` on.
     pub(crate) fn move_to(&mut self, y: usize) {
         self.top = y as i64 - REACH as i64;
         self.is_made.fill(false);
@@ -110,7 +111,7 @@ impl MapTile {
             usize::try_from(y - self.top).ok()?,
         );
         let inside = x < self.width && row < self.rows;
-        // Rows beyond the picture are never made: what stands there is of another band.
+        // Rows beyond the picture are never computed: their content belongs to another band.
         let blocks = self.width.div_ceil(BLOCK);
         let is_made = inside && self.is_made[row * blocks + x / BLOCK];
         let value = is_made.then(|| self.values[row * self.width + x])?;

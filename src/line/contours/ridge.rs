@@ -1,9 +1,9 @@
-//! Ridges of a weight: what is left of wide bands of pixels when they are thinned to lines one pixel wide.
+//! Ridges of a weight: wide bands of pixels thinned to lines one pixel wide.
 
 use crate::line::contours::lattice::{Lattice, STEPS};
 use glam::Vec2;
 
-/// Pixels with weights, of which those above 0 form bands.
+/// Pixels with weights; those above 0 form bands.
 #[derive(Debug)]
 pub(crate) struct Bands<'a> {
     /// Number of columns.
@@ -56,8 +56,8 @@ impl Bands<'_> {
         })
     }
 
-    /// The lines that the bands are thinned to, connected as the bands are: pixels are taken away, those of the
-    /// least weight around them first, as long as that neither parts a line nor shortens one that is a pixel wide.
+    /// The lines that the bands are thinned to, connected as the bands are: pixels are removed, those with the least
+    /// weight around them first, as long as that neither breaks a line nor shortens one that is a pixel wide.
     pub(crate) fn ridges(&self) -> Lattice {
         let mut is_left = vec![false; self.width * self.height];
         for &pixel in self.pixels {
@@ -72,7 +72,7 @@ impl Bands<'_> {
             waiting.extend(level);
             self.thin(&mut waiting, &mut is_left);
         }
-        // What is left is wider than any edge, or the whole picture: it need not lie in the middle.
+        // The remainder is wider than any edge, or the whole picture: it need not be centred.
         while self.take(&mut waiting, &mut is_left, |_, _| true) {}
         waiting.sort_unstable();
         let links = waiting.iter().flat_map(|&pixel| {
@@ -104,12 +104,12 @@ impl Bands<'_> {
         gaps
     }
 
-    /// Takes away pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one
-    /// side, not its length.
+    /// Removes pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one side, not
+    /// its length.
     fn thin(&self, waiting: &mut Vec<u32>, is_left: &mut [bool]) {
         for _ in 0..MOST_LAYERS {
             let before = waiting.len();
-            // From below, the right, above and the left. A band goes on beyond the picture.
+            // From below, the right, above and the left. A band continues beyond the picture.
             for side in [2, 0, 6, 4] {
                 self.take(waiting, is_left, |pixel, is_left| {
                     let neighbour = self.beside(pixel, STEPS[side]);
@@ -122,8 +122,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Takes away, one after the other, those of the waiting pixels that may go as things stand now and that
-    /// are not needed; whether there were any.
+    /// Removes, one after the other, those of the waiting pixels that currently can be removed and are not needed;
+    /// returns whether there were any.
     fn take(
         &self,
         waiting: &mut Vec<u32>,
@@ -189,7 +189,7 @@ const LEVELS: usize = 4;
 /// Layers that are taken from all sides: enough for bands of twice as many pixels.
 const MOST_LAYERS: usize = 6;
 
-/// Whether a pixel with these neighbours left can be taken away without parting them or opening a hole: its
+/// Whether a pixel with these remaining neighbours can be removed without separating them or opening a hole: its
 /// 8-connectivity number (Yokoi) is 1.
 fn is_simple(bits: u8) -> bool {
     let free = |i: usize| u8::from(bits >> (i % 8) & 1 == 0);
@@ -231,8 +231,8 @@ mod tests {
 
     #[test]
     fn bands_side_by_side_are_one_line() {
-        // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle.
-        // At the ends, where bands are less heavy, it may part.
+        // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle. At the
+        // ends, where bands weigh less, it may split.
         let weight: Vec<f32> = (0..600)
             .map(|i| [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0][i / 60])
             .collect();
@@ -278,7 +278,7 @@ mod tests {
             weight: &ring,
         };
         let paths = bands.ridges().paths();
-        // Around once; a corner may leave a stub.
+        // Once around; a corner may leave a stub.
         let around = |path: &&Path| path.closed || path.nodes.first() == path.nodes.last();
         let rings: Vec<_> = paths.iter().filter(around).collect();
         assert!(rings.len() == 1 && rings[0].nodes.len() > 20, "{paths:?}");

@@ -1,4 +1,4 @@
-//! What a line of varying width with round ends covers of the pixels around it.
+//! Coverage of pixels by a line of varying width with round ends.
 
 use glam::Vec2;
 
@@ -17,7 +17,7 @@ pub(crate) struct RoundStroke {
 }
 
 impl RoundStroke {
-    /// From one point to another, with half its width at both.
+    /// From one point to another, with the half widths at both.
     pub(crate) fn new([from, to]: [Vec2; 2], radii: [f32; 2]) -> Self {
         let along = to - from;
         let square = along.length_squared();
@@ -34,7 +34,7 @@ impl RoundStroke {
         }
     }
 
-    /// Where it begins, the way to its end, and the numbers from which it tells what it covers, in their order.
+    /// Its start, the vector to its end, and the parameters of its coverage, in their order.
     #[cfg(feature = "gpu")]
     pub(crate) fn numbers(&self) -> [f32; 8] {
         let Self {
@@ -65,7 +65,7 @@ impl RoundStroke {
         }
     }
 
-    /// How far from the line it covers anything.
+    /// Distance from the line up to which it covers anything.
     fn reach(&self) -> f32 {
         self.radius.max(self.radius + self.growth) + self.half_pixel
     }
@@ -118,7 +118,7 @@ impl RoundStroke {
         let t = (offset.dot(self.along) * self.per_square).clamp(0.0, 1.0);
         let radius = self.radius + t * self.growth;
         let distance = (offset - t * self.along).length();
-        // What the stretch from -radius to radius and the pixel's around the distance share.
+        // Overlap of the interval from -radius to radius and the pixel's around the distance.
         let half = self.half_pixel;
         let shared = radius.min(distance + half) - (distance - half).max(-radius);
         (shared / (2.0 * half)).clamp(0.0, 1.0)
@@ -128,7 +128,7 @@ impl RoundStroke {
     /// overlaps do not darken.
     pub(crate) fn cover(&self, row: &mut [f32], y: f32) {
         let [first, last] = self.columns(y);
-        // Casts of what lies outside saturate.
+        // Casts saturate outside the picture.
         let (first, last) = (
             first.floor() as usize,
             (last.ceil().max(0.0) as usize).min(row.len()),

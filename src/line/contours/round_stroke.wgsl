@@ -17,7 +17,7 @@ fn round_stroke_coverage(piece: Piece, p: vec2<f32>) -> f32 {
     let radius = piece.radius + t * piece.growth;
     let rest = offset - t * along;
     let distance = sqrt(rest.x * rest.x + rest.y * rest.y);
-    // What the stretch from -radius to radius and the pixel's around the distance share.
+    // Overlap of the interval from -radius to radius and the pixel's around the distance.
     let half_pixel = piece.half_pixel;
     let both = min(radius, distance + half_pixel) - max(distance - half_pixel, -radius);
     return clamp(both / (2.0 * half_pixel), 0.0, 1.0);

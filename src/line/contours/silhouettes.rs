@@ -8,8 +8,8 @@ use crate::line::contours::network::{Line, smooth};
 use crate::params::{ContourParams, ShapeParams};
 use glam::Vec2;
 
-/// How far beside an edge a line through middles of cracks lies: half a pixel, and a little more where the
-/// edge bends.
+/// Deviation from the edge of a line through the centres of cracks: half a pixel, and a little more where the edge
+/// bends.
 const STEP_PX: f32 = 0.6;
 
 /// The lines along all silhouettes, through these cracks by corner and step.

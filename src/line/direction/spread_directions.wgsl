@@ -1,5 +1,5 @@
-// A wave of directions: pixels of a list that lack one take the mean of their neighbours', as far as these had one before
-// the wave, and turn it to the fallback. Their neighbours are listed for the next wave.
+// A wave of directions: listed pixels without one take the mean of the neighbours that had one before the wave, turned
+// to the fallback. Their neighbours are listed for the next wave.
 
 @group(0) @binding(0) var<uniform> params: SpreadParams;
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;
@@ -16,12 +16,12 @@
 // Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
 @group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
 
-// Whether directions go through open faces alone.
+// Whether directions spread only through open faces.
 override THROUGH_FACES: bool;
-// Whether pixels that turn all of the way take the fallback, and others nothing.
+// Whether pixels that turn fully take the fallback, and others nothing.
 override IS_FIXED: bool;
 
-// What a neighbour adds: twice its angle, and 1, weighted by the way from it.
+// Contribution of a neighbour: twice its angle, and 1, weighted by the path from it.
 fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
     let state = atomicLoad(&filled[i]);
     if state == 0u || state > params.wave {

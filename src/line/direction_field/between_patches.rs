@@ -1,4 +1,4 @@
-//! From patches to pixels: directions between those of the patches around a pixel, never across an edge.
+//! From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;

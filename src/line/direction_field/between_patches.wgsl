@@ -1,5 +1,5 @@
-// From patches to pixels: directions between those of the patches around a pixel, never across an edge. Covered pixels
-// that have none are listed.
+// From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge. Lists
+// covered pixels that get none.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -11,7 +11,7 @@
 @group(0) @binding(7) var<storage, read_write> direction_y: array<f32>;
 // 1 where a pixel has a direction, 0 where it lacks one, and NOTHING outside the surface.
 @group(0) @binding(8) var<storage, read_write> filled: array<u32>;
-// What waves leave at pixels: nothing as yet.
+// Marks set by waves at pixels: none as yet.
 @group(0) @binding(9) var<storage, read_write> marks: array<u32>;
 @group(0) @binding(10) var<storage, read_write> lacking: array<u32>;
 @group(0) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
@@ -30,7 +30,7 @@ fn direction_of(i: u32, own: u32) -> vec2<f32> {
     return settled[select(i, own, i == NO_PATCH)];
 }
 
-// The mean of two, or the one that is there.
+// The mean of two patches, or the one that exists.
 fn either(a: u32, b: u32) -> vec2<f32> {
     return 0.5 * (settled[select(a, b, a == NO_PATCH)] + settled[select(b, a, b == NO_PATCH)]);
 }

@@ -1,5 +1,5 @@
-// Of each patch twice the angle of the direction of one of its curvatures, as long as it is sure and with the fallback
-// as far as the surface is flat; how sure both are; and 1.
+// For each patch: twice the angle of one curvature direction, with its confidence as length, plus the fallback with the
+// surface's flatness as length; the sum of both lengths; and 1.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
@@ -17,7 +17,7 @@ fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     return select(vec2<f32>(0.0), axis / size, size > 0.0);
 }
 
-// How sure directions are, 0..1.
+// Confidence of directions, 0..1.
 fn curvature_tensor_confidence(form: vec4<f32>) -> f32 {
     let difference = sqrt(dot(form.xy, form.xy));
     let mean = abs(form.z);
@@ -30,7 +30,7 @@ fn curvature_tensor_confidence(form: vec4<f32>) -> f32 {
     return share * share * apart / (apart + params.doubt * params.doubt);
 }
 
-// How much the surface is a plane, 0..1.
+// Flatness of the surface, 0..1.
 fn curvature_tensor_flatness(form: vec4<f32>) -> f32 {
     let curvature = sqrt(dot(form.xy, form.xy)) + abs(form.z);
     let square = params.doubt * params.doubt;

@@ -12,15 +12,15 @@ use std::ops::Range;
 pub(crate) struct Patch {
     /// Mean normal in the middle of the patch, unit or 0.
     pub(crate) normal: DVec3,
-    /// Where that is in the picture.
+    /// Position of that middle in the picture.
     pub(crate) at: DVec2,
     /// Depth there; 0 where there is none.
     pub(crate) depth: f32,
-    /// How many pixels it has.
+    /// Number of pixels.
     pub(crate) pixels: u16,
 }
 
-/// Which patch goes on in which, along one axis of the picture: [`NONE`] in none.
+/// Continuation of each patch along one axis of the picture; [`NONE`] without one.
 #[derive(Debug)]
 pub(crate) struct Links {
     /// To the left, or above.
@@ -37,7 +37,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Grid {
     cell_px: usize,
-    /// How much of the first cell lies before the frame.
+    /// Part of the first cell outside the frame.
     cut: [usize; 2],
     size: [usize; 2],
     places: [f32; MAX_CELL_PX],
@@ -76,7 +76,7 @@ impl Grid {
         self.pixels(1, row)
     }
 
-    /// How far the middle of a pixel lies from that of its cell, in cells, -1/2..1/2.
+    /// Offset of a pixel's centre from that of its cell, in cells, -1/2..1/2.
     pub(crate) fn place(&self, axis: usize, pixel: usize) -> f32 {
         self.places[(pixel + self.cut[axis]) % self.cell_px]
     }
@@ -180,7 +180,7 @@ impl Patches {
             .then(|| cell.start + usize::from(label))
     }
 
-    /// Whether a patch is a speck: a few pixels shut in by edges, which tell of noise.
+    /// Whether a patch is a speck: a few pixels enclosed by edges, a sign of noise.
     pub(crate) fn is_speck(&self, i: usize) -> bool {
         let alone = [&self.across, &self.down]
             .iter()
@@ -321,7 +321,7 @@ impl RowOfCells<'_> {
             square(sum[0], x) + square(sum[1], y)
         };
         let least = places().map(off).min().unwrap_or(0);
-        // All that are as near: one of two would prefer a side.
+        // All equally near ones: one of two would prefer a side.
         let mut middle = Middle::default();
         for (x, y) in places().filter(|&p| off(p) == least) {
             middle.add(self.frame, x, y);

@@ -5,7 +5,7 @@ struct Patch {
     // Mean normal in the middle of the patch, unit or 0.
     normal: vec3<f32>,
     cell: u32,
-    // Where that middle is, from the middle of the cell, in pixels, y down.
+    // Offset of that middle from the middle of the cell, in pixels, y down.
     offset: vec2<f32>,
     // Its pixels: eight bits for each row of the cell.
     pixels: vec2<u32>,
@@ -17,7 +17,7 @@ fn cell_count() -> u32 {
     return params.columns * params.rows;
 }
 
-// How many patches there may be, where so many stand after the first ones.
+// Upper bound of patch numbers, given the number after the first ones.
 fn patches_end(further: u32) -> u32 {
     return cell_count() + min(further, params.room);
 }

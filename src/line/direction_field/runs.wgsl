@@ -1,5 +1,5 @@
-// Runs: what of a chain lies in so many cells one after the other along an axis. Sums over a chain are made run by run,
-// so that they stay small.
+// Runs: the part of a chain in a fixed number of consecutive cells along an axis. Sums over a chain are computed run by
+// run, so that they stay small.
 
 // The cell at a place along the axis, and at one across it.
 fn cell_at(along: u32, across: u32) -> u32 {
@@ -9,7 +9,7 @@ fn cell_at(along: u32, across: u32) -> u32 {
     return along * params.columns + across;
 }
 
-// How many cells there are along the axis, and across it.
+// Number of cells along the axis, and across it.
 fn cells_along() -> u32 {
     return select(params.rows, params.columns, params.axis == 0u);
 }

@@ -4,8 +4,8 @@ struct Sum {
     placed: vec4<f32>,
 }
 
-// What a patch knows of its run: the sum from its first patch to this one, and from this one to its last. No sum is the
-// difference of two, in which what is small would be lost.
+// Partial sums of a patch's run: from its first patch to this one, and from this one to its last. Neither is the
+// difference of two sums, in which small values would be lost.
 struct Sums {
     until: Sum,
     since: Sum,

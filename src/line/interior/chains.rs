@@ -13,15 +13,15 @@ use rayon::prelude::*;
 /// A line that ends so many pixels from the border of the picture goes on beyond it.
 const RIM: usize = 2;
 
-/// How far beside a line its crests may lie, and over how many to either side they are evened out.
+/// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
 const SMOOTHING: Smoothing = Smoothing {
     tolerance_px: 0.7,
     reach: 5,
 };
 
-/// The lines through crests of one kind, with the share of its width that each is drawn with; the crests lie on a grid of `width` by `height` pixels in the order of its rows. Each
-/// network of crests, of which those count that are stronger than the first threshold, is stronger than the second
-/// somewhere, and about as long as `shortest` pixels.
+/// The lines through crests of one kind, each with its share of the full width; the crests are on a grid of `width` by
+/// `height` pixels in row order. Crests above the first threshold form networks; each network kept exceeds the second
+/// threshold somewhere, and is about as long as `shortest` pixels.
 pub(super) fn chains(
     crests: &[Crest],
     [width, height]: [usize; 2],

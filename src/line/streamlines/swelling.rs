@@ -1,4 +1,4 @@
-//! Engraved lines: tapered to points, and swelling so that they cover what tone asks for.
+//! Engraved lines: tapered to points, and swelling to cover the tone.
 
 use super::tool::Burin;
 use super::{Streamline, Wanted};
@@ -14,16 +14,16 @@ const TAPER_AT_EDGE: f32 = 0.4;
 /// The most of a line's length that runs thin at an end.
 const MOST_TAPERED: f32 = 0.4;
 
-/// How a line thins toward its point: a power of the distance to it.
+/// Exponent of the taper: width follows this power of the distance to the point.
 const POINTED: f32 = 0.6;
 
 /// Width of a point, as a share of that of the thinnest line.
 const POINT: f32 = 0.5;
 
-/// Side of a cell in which ink is held to what is wanted, in distances between lines.
+/// Side of a cell in which ink is matched to the tone, in distances between lines.
 const CELL: f32 = 2.0;
 
-/// How often widths are mended, and by what factors at most each time.
+/// Number of corrections of widths, and the limits of the factor in each.
 const MENDS: usize = 3;
 const MEND: [f32; 2] = [0.6, 1.6];
 
@@ -69,7 +69,7 @@ fn taper(line: &mut Streamline, wanted: Wanted, burin: &Burin) {
     }
 }
 
-/// Whether a line that is dark at its end ends at an edge.
+/// Whether a line that is dark at its end stops at an edge.
 fn is_at_edge(end: Vec2, outward: Vec2, wanted: Wanted, spacing: f32) -> bool {
     let beyond = end + 0.5 * spacing.max(2.0) * outward.normalize_or_zero();
     let ink = |at: Vec2| wanted.ink_at(at).unwrap_or(0.0);

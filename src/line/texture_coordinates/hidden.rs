@@ -1,4 +1,4 @@
-//! What comes into view: places for surface that was not seen before.
+//! Disocclusion: positions for surface that was not visible before.
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::texture_coordinates::origin::Origin;
@@ -6,11 +6,11 @@ use crate::line::texture_coordinates::places::{MovingSurface, jacobian_at, place
 use crate::line::texture_coordinates::{continued, turn};
 use std::collections::VecDeque;
 
-/// Pixels that were not seen before, as far as some next to them were that are of the same surface.
+/// Pixels that were not visible before, if some adjacent ones of the same surface were.
 pub(crate) struct Hidden<'a> {
     known: Plane<bool>,
     surface: MovingSurface<'a>,
-    /// In the order of their distance from what is known.
+    /// Ordered by distance from the known pixels.
     pixels: Vec<HiddenPixel>,
 }
 
@@ -22,8 +22,8 @@ struct HiddenPixel {
     beside: Vec<usize>,
 }
 
-/// How often places of hidden pixels are averaged with those around them: it takes out the seams between
-/// those that go on from different pixels.
+/// Rounds of averaging positions of hidden pixels with their neighbours, which removes the seams between those extended
+/// from different pixels.
 const RELAXATIONS: usize = 6;
 
 /// Pixels beside the hidden that are taken for hidden too: next to an edge motion is least certain.
@@ -115,7 +115,7 @@ impl<'a> Hidden<'a> {
                 sum.map(|sum| sum / pixel.beside.len() as f32),
             );
         };
-        // Out from what is known, and back.
+        // Outward from the known pixels, and back.
         for _ in 0..RELAXATIONS {
             let both = || self.pixels.iter().zip(&turns);
             both().for_each(|(pixel, &turn)| relax(pixel, turn));

@@ -1,16 +1,16 @@
 //! Texture coordinates that move with the surface.
 //!
-//! Theory: [LA] section 8 leaves open the shower-door effect: a texture of strokes that lies still in the
-//! picture lets the surface slide away under it. Here every pixel has a *place*, the pixel coordinates in
-//! which the texture lies still, and the surface takes it along: place(x) = place before(x - motion). The
-//! Jacobian D of the places by the picture tells how the texture came to lie: strokes along t in the picture
-//! are strokes along D t in the texture, so what moves as a whole keeps them, whichever way it turns; and its
-//! singular values tell by how much strokes have become larger or smaller than they are meant to be.
+//! Theory: [LA] section 8 leaves open the shower-door effect: if the texture of strokes is fixed in the picture, the
+//! surface slides away under it. Here every pixel has a *place*, the pixel coordinates in which the texture is fixed,
+//! and the surface carries it along: place(x) = place before(x - motion). The Jacobian D of the places with respect to
+//! the picture describes the distortion of the texture: strokes along t in the picture are strokes along D t in the
+//! texture, so rigid motion in the picture keeps them, with any rotation; and its singular values give the factors by
+//! which strokes have become larger or smaller than intended.
 //!
-//! Where that is too much the texture has to be laid anew. A map of places that has served hands over to a
-//! younger one: its [`soundness`] falls, and with it its share of the optical density, so strokes of the one
-//! drop out one by one while those of the other come in, and tone stays. A shift, and a turn in the picture,
-//! distort nothing and hand over nothing.
+//! Where that is too much the texture has to be laid anew. A worn map of places hands over to a younger one: its
+//! [`soundness`] falls, and with it its share of the optical density, so strokes of the one drop out one by one while
+//! those of the other appear, and tone stays. A shift or a rotation in the picture distorts nothing and needs no
+//! handover.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -25,38 +25,38 @@ pub(crate) mod step;
 
 use super::random::Random;
 
-/// Places further apart than this, between pixels next to each other, are of different surfaces. Twice what
-/// the worst distortion that is ever drawn makes of a pixel's width.
+/// Places of adjacent pixels farther apart than this belong to different surfaces. Twice the width of a pixel under the
+/// worst distortion ever drawn.
 pub(crate) const JUMP: f32 = 2.0 * OUTWORN;
 
-/// Distortion up to which a map serves alone.
+/// Distortion up to which a map is used alone.
 const WORN: f32 = 1.2;
 
-/// Distortion from which on it serves no more: strokes are never drawn larger or smaller than this makes them.
+/// Distortion from which a map is no longer used: strokes are never drawn larger or smaller than this makes them.
 const OUTWORN: f32 = 1.5;
 
 /// Derivatives of the place by the picture, rows down in both: columns first, `[d/dx, d/dy]`.
 pub(crate) type Jacobian = [[f32; 2]; 2];
 
-/// The Jacobian of what lies still.
+/// The Jacobian of a fixed texture.
 pub(crate) const STILL: Jacobian = [[1.0, 0.0], [0.0, 1.0]];
 
-/// Whether two places, of pixels next to each other, can be of one surface.
+/// Whether two places, of adjacent pixels, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_joined(a: [f32; 2], b: [f32; 2]) -> bool {
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     x * x + y * y < JUMP * JUMP
 }
 
-/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
-/// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
-/// that is nearer than this to its background the background keeps strokes of what covered it.
+/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, after removing the
+/// median. A surface that approaches by more in a frame is laid anew; behind an edge that is closer than this to its
+/// background the background keeps strokes of the surface that covered it.
 pub(crate) const DEPTH_STEP: f32 = 0.08;
 
 /// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
 pub(crate) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 
-/// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
+/// Whether two depths, of neighbours or of one pixel in two frames, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
     // NaN depths separate nothing.
@@ -64,7 +64,7 @@ pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
     !parted
 }
 
-/// Whether two motions, of neighbours or of one pixel in two frames, can be of one surface.
+/// Whether two motions, of neighbours or of one pixel in two frames, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
     let length = |x: f32, y: f32| (x * x + y * y).sqrt();
@@ -118,8 +118,8 @@ fn singular_values(by: &Jacobian) -> [f32; 2] {
     [turned + rest, turned - rest]
 }
 
-/// How many times too large or too small the distorted texture shows strokes, along the worse axis: 1 is
-/// undistorted. Infinite where it is turned over or folded.
+/// Factor by which the distorted texture shows strokes too large or too small, along the worse axis: 1 is undistorted.
+/// Infinite where it is reversed or folded.
 #[inline(always)]
 pub fn distortion(by: &Jacobian) -> f32 {
     let [larger, smaller] = singular_values(by);
@@ -129,7 +129,7 @@ pub fn distortion(by: &Jacobian) -> f32 {
     }
 }
 
-/// How well a distorted map still serves: 1 as good as new, 0 not at all; smooth between.
+/// Soundness of a distorted map: 1 as good as new, 0 unusable; smooth between.
 #[inline(always)]
 pub fn soundness(distortion: f32) -> f32 {
     let worn = ((distortion - WORN) / (OUTWORN - WORN)).clamp(0.0, 1.0);
@@ -155,12 +155,12 @@ pub(crate) fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2])
     [place[0] + cos * x - sin * y, place[1] + sin * x + cos * y]
 }
 
-/// The place `here` without the roughness that motion brings in from frame to frame: averaged with those
-/// around it, which lie in pairs on opposite sides: first left and right, then above and below, then the two
-/// diagonals. What is a shift, a turn or any other affine map stays as it is.
+/// The place `here` without the roughness that motion adds from frame to frame: averaged with its neighbours, given in
+/// opposite pairs: first left and right, then above and below, then the two diagonals. Any affine map, such as a shift
+/// or a rotation, is preserved.
 ///
-/// A place that is torn from most of its surroundings, which agree among each other, is taken from them. Only
-/// then it is asked for `farther` pairs.
+/// A place torn from most of its neighbours, which agree with each other, is replaced by them. Only then `farther`
+/// pairs are requested.
 #[inline(always)]
 pub(crate) fn calmed<const N: usize>(
     here: [f32; 2],
@@ -207,9 +207,8 @@ pub(crate) fn extrapolated(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> 
     ]
 }
 
-/// Where the map of a generation is laid in the texture: added to pixel coordinates. The first lies as the
-/// texture of a still picture does; later ones elsewhere, for two that agreed would print strokes of both
-/// onto each other.
+/// Offset of a generation's map in the texture, added to pixel coordinates. The first is placed as in a still picture;
+/// later ones elsewhere, since two in agreement would print strokes of both onto each other.
 pub(crate) fn origin(generation: u32) -> [f32; 2] {
     if generation == 0 {
         return [0.0; 2];
@@ -264,7 +263,7 @@ mod tests {
         assert_eq!(distortion(&[[-1.0, 0.0], [0.0, 1.0]]), f32::INFINITY);
         assert_eq!(distortion(&[[1.0, 0.0], [1.0, 0.0]]), f32::INFINITY);
         assert_eq!(soundness(f32::INFINITY), 0.0);
-        // Half way between 1.2 and 1.5, a smooth step is at one half.
+        // Half-way between 1.2 and 1.5, a smooth step is at one half.
         assert!((soundness(1.35) - 0.5).abs() < 1e-5);
     }
 
@@ -308,8 +307,8 @@ mod tests {
         // An affine map, in numbers that have no rounding.
         let affine = |x: f32, y: f32| [3.0 + 1.25 * x - 0.5 * y, 7.0 + 0.25 * x + 0.75 * y];
         assert_eq!(calm(&affine), affine(0.0, 0.0));
-        // A checkerboard of 0.5 px: both straight pairs are off by -1 in sum, of which an eighth counts, the
-        // diagonals by nothing. 0.5 - 2/8 = 0.25, the mean of the board.
+        // A checkerboard of 0.5 px: both straight pairs sum to an error of -1, an eighth of which counts, the diagonals
+        // have none. 0.5 - 2/8 = 0.25, the mean of the board.
         let board = |x: f32, y: f32| {
             let off = if (x + y).rem_euclid(2.0) == 0.0 {
                 0.5

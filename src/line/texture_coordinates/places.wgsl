@@ -1,4 +1,4 @@
-// A map of places: what lies next to what in it.
+// Maps of places, and adjacency in them.
 
 // Any buffers where there are none.
 @group(0) @binding(9) var<storage, read> place_x: array<f32>;
@@ -14,7 +14,7 @@ fn place_at(at: u32) -> vec2<f32> {
     return vec2<f32>(place_x[at], place_y[at]);
 }
 
-// Whether two depths, of neighbours, can be of one surface.
+// Whether two depths, of neighbours, can belong to one surface.
 fn is_one_depth(a: f32, b: f32) -> bool {
     // NaN depths separate nothing, nor do two infinite ones.
     let least = min(abs(a), abs(b));
@@ -24,7 +24,7 @@ fn is_one_depth(a: f32, b: f32) -> bool {
     return abs(a - b) <= DEPTH_STEP * least;
 }
 
-// Whether two motions, of neighbours, can be of one surface.
+// Whether two motions, of neighbours, can belong to one surface.
 fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
     let apart = a - b;
     let change = sqrt(apart.x * apart.x + apart.y * apart.y);

@@ -17,8 +17,8 @@ struct Made {
 }
 
 impl ArtMapCache {
-    /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
-    /// reference; `timed` has it made where it is another one.
+    /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds
+    /// it if it has changed.
     pub(crate) fn of(
         &self,
         params: &StrokeParams,
