@@ -176,13 +176,13 @@ fn styles_families_and_scales() {
                     let name = format!("{scene}, {name}, {tone_name}");
                     let [strokes, contours] = assert_drawn(&name, runner, &frame, line, tone);
                     let pixels = frame.mask.count() as f32;
-                    // Of one tone under the lamp hardly any paper is left.
+                    // A single tone under the lamp leaves hardly any paper.
                     let most = if tone_name == "in new light" {
                         1.0
                     } else {
                         0.95
                     };
-                    // Where tones are light no line is laid.
+                    // Light tones get no lines.
                     let least = if line.strokes.style == Style::Lines {
                         0.01
                     } else {
@@ -335,7 +335,7 @@ fn strokes_move_with_the_surface() {
             holed.x.row_mut(9 * i + 30)[30..60].fill(value);
             holed.y.row_mut(9 * i + 31)[50..90].fill(-value);
         }
-        // Steps just below what parts surfaces, and just above.
+        // Steps just below the threshold that separates surfaces, and just above.
         let mut stepped = whole.clone();
         for (i, depth) in stepped
             .depth

@@ -1,5 +1,5 @@
-//! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
-//! same of the rest.
+//! Numbers at the limits of single precision: invalid ones are dropped on reading, and both backends treat the rest
+//! alike.
 
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::exr::Stored;
@@ -89,8 +89,8 @@ fn what_is_no_number_in_a_file() {
     });
 }
 
-/// Devices may take what is below the least normal number, 1.2e-38, for 0. Of normals and occlusion that is at most as
-/// much of a difference; a depth so small is one of an edge either way.
+/// Devices may flush numbers below the least normal one, 1.2e-38, to 0. For normals and occlusion the difference is no
+/// larger than that; such a small depth makes an edge either way.
 #[test]
 fn zeros_of_both_signs_and_numbers_next_to_them() {
     let tiny = [0.0, -0.0, 1e-40, -1e-40, f32::MIN_POSITIVE, 1e-30];

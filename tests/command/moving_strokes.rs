@@ -9,7 +9,7 @@ use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 64];
 
-/// What a frame holds beside normals and a picture.
+/// Content of a frame beside normals and a picture.
 #[derive(Clone, Copy)]
 enum With {
     /// Motion of 3 pixels to the right and 2 up, as Blender stores it.
@@ -67,7 +67,7 @@ fn drawing(directory: &Path, name: &str) -> Plane {
     photo.channels[0].clone()
 }
 
-/// Whether `now` is `before` moved by 3 pixels to the right and 2 up.
+/// Whether `now` is `before` shifted by 3 pixels to the right and 2 up.
 fn is_moved(now: &Plane, before: &Plane) -> bool {
     let mut pixels = (0..SIZE[1] - 2).flat_map(|y| (3..SIZE[0]).map(move |x| (x, y)));
     pixels.all(|(x, y)| (now.at(x, y) - before.at(x - 3, y + 2)).abs() < 0.02)
@@ -83,8 +83,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     }
     let sequence = "in.####.exr --frames 1-3 --tone picture";
     let said = hatch(desk.path(), &format!("{sequence} -o out.%04d.png")).ended(0);
-    // Each has its 98th percentile for a white point; the median of them holds for all: no frame is made as bright
-    // as another.
+    // Each has its 98th percentile as white point; their median applies to all: no frame is made as bright as another.
     assert!(said.contains("for all frames:"), "{said}");
     assert!(said.contains("white point 0.8000"), "{said}");
     let [second, third] = ["out.0002.png", "out.0003.png"].map(|n| drawing(desk.path(), n));
@@ -111,7 +110,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert_eq!(second, third);
     assert_eq!(third, alone);
 
-    // Named by layer; a frame left out: twice the motion, said once.
+    // Named by layer; a skipped frame means twice the motion, reported once.
     let gap = "in.####.exr --frames 1-3x2 --tone picture";
     let named = "--motion ViewLayer.Vector -o gap.####.png";
     let said = hatch(desk.path(), &format!("{gap} {tone} {named}")).ended(0);

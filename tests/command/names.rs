@@ -30,7 +30,7 @@ fn no_name_reaches_the_terminal_raw() {
     assert!(text.stdout.contains("\\u001b[31mA\\u0007B"));
     let json = relievo(here, "inspect --json named.exr");
     is_plain(&json);
-    // In JSON nothing is lost.
+    // JSON loses nothing.
     let read: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     let layer = &read[0]["parts"][0]["layers"][0]["name"];
     assert_eq!(layer.as_str(), Some(STEERING));
@@ -71,7 +71,7 @@ fn no_name_reaches_the_terminal_raw() {
     ] {
         is_plain(&run(here, &words));
     }
-    // One that works, and says so.
+    // A successful one, with verbose output.
     let named = format!("{STEERING}.exr");
     std::fs::copy(here.join("in.0001.exr"), here.join(&named)).unwrap();
     let output = format!("{STEERING}.png");

@@ -89,7 +89,7 @@ fn help_of(command: &str) -> String {
     run(Path::new("."), [command, "--help"]).done().stdout
 }
 
-/// What `help` says of `option`: its line, and the lines after it up to the next option.
+/// The entry of `option` in `help`: its line, and the lines after it up to the next option.
 fn entry_of(help: &str, option: &str) -> Option<String> {
     let named = format!("{option} ");
     let mut lines = help

@@ -29,7 +29,7 @@ fn tablet(directory: &Path, output: &str, flags: &[&str]) -> Photo {
 /// A small sky, bright to the left of the viewer.
 fn sky(directory: &Path) -> PathBuf {
     let path = directory.join("sky.hdr");
-    // Column 16 of 64 is a quarter turn left of what the viewer looks at.
+    // Column 16 of 64 is a quarter turn left of the view direction.
     let pixel = |x: u32, _| image::Rgb([if (8..24).contains(&x) { 4.0_f32 } else { 0.25 }; 3]);
     image::Rgb32FImage::from_fn(64, 32, pixel)
         .save(&path)

@@ -47,7 +47,7 @@ fn interpolated(ink: &Plane, p: Vec2) -> f32 {
     row(y) * (1.0 - share.y) + row(y + 1) * share.y
 }
 
-/// How often ink starts along a straight way, looked at every tenth of a pixel.
+/// Number of ink runs along a straight line, sampled every tenth of a pixel.
 fn runs_of_ink(ink: &Plane, from: Vec2, to: Vec2) -> usize {
     let steps = (10.0 * from.distance(to)) as usize;
     let is_inked = |i: usize| {
@@ -141,8 +141,8 @@ fn alpha_tells_where_between_pixels_the_edge_is() {
         ..disc()
     };
     let line = &drawn(&smooth).contour_lines[0];
-    // Sums of coverage along rows or columns miss a slanted edge of slope m by up to m/8 where it leaves the
-    // four pixels looked at, here never: 1/16 pixel of sampling, and what smoothing adds.
+    // Sums of coverage along rows or columns miss a slanted edge of slope m by up to m/8 where it leaves the four
+    // pixels considered, here never: 1/16 pixel of sampling, plus smoothing.
     let off = farthest_from_circle(line);
     assert!(off < 0.2, "{off}");
 }
@@ -157,7 +157,7 @@ fn one_run_of_ink_on_every_way_across_an_edge() {
     }
 }
 
-/// Where the balls of `two_balls(40, 50)` are seen: near and far, with their radii.
+/// Image positions of the balls of `two_balls(40, 50)`: near and far, with their radii.
 fn balls() -> (Frame, [(Vec2, f32); 2]) {
     let (near, far, cx, cy) = (40.0, 50.0, 90.2, 100.4);
     let frame = ExactScene::two_balls(near, far, cx, cy).frame(200, 200);
@@ -175,7 +175,7 @@ fn the_nearer_ball_is_outlined_whole_and_the_farther_joins_it() {
     for i in 0..360 {
         let way = Vec2::from_angle(i as f32 * PI / 180.0);
         let edge = near + near_radius * way;
-        // Where the farther ball's own outline is close by, both are crossed.
+        // Near the farther ball's own outline both are crossed.
         if (edge.distance(far) - far_radius).abs() > 9.0 {
             let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
             assert_eq!(runs, 1, "near ball, {i} degrees");
@@ -315,9 +315,9 @@ fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
         let drawing = drawn(&frame);
         let mirror = drawn(&mirrored(&frame));
         let turned = drawn(&quarter_turned(&frame));
-        // Silhouettes are the same to rounding, but are cut into pieces from another end on, each within 0.03 px
-        // of the line. Bands two pixels wide are thinned to the one or the other, whose neighbours differ: a
-        // crease moves by up to a tenth of a pixel. A line moved by d changes 2 d of ink per pixel of length.
+        // Silhouettes are equal to rounding, but are divided into pieces from another end, each within 0.03 px of the
+        // line. Bands two pixels wide are thinned to one of the two, whose neighbours differ: a crease moves by up to a
+        // tenth of a pixel. A line moved by d changes 2 d of ink per pixel of length.
         let all: f32 = drawing.contour_lines.iter().map(length).sum();
         for (case, other) in [
             (mirrored_plane(ink(&drawing)), mirror),

@@ -1,5 +1,4 @@
-//! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
-//! mask.
+//! Invariance under mirrors, rotations, crops, windows, threads, tiles and any content outside the mask.
 
 use crate::common::cpu;
 use crate::common::planes::planes;
@@ -121,7 +120,7 @@ fn a_turned_picture_gives_the_turned_result() {
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &quarter_turned_plane(expected));
         }
-        // Counterclockwise: what pointed right points up.
+        // Counterclockwise: right becomes up.
         if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
             assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
             assert_close(

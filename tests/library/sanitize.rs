@@ -1,4 +1,4 @@
-//! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
+//! Hostile values: for any input from a file or a caller, no panic, and no NaN or infinity in a result.
 
 use crate::common::cpu;
 use crate::common::exr::Stored;
@@ -88,7 +88,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
 }
 
-/// How many planes a goal must have given: an outcome without planes has no NaN either.
+/// Least number of planes for a goal: an outcome without planes has no NaN either.
 fn least_planes(goal: Goal, scaling: &ScalingParams) -> usize {
     match goal {
         Goal::Layers => 16,
@@ -268,7 +268,7 @@ fn enormous_colours_stay_finite() {
             ..ball(29, 23)
         }
     };
-    // The largest scaling, e^60 or 1e26, would take these out of range.
+    // The largest scaling, e^60 or 1e26, would overflow for these.
     assert_finite(&lit(1e30), "colours of 1e30");
 }
 
@@ -335,7 +335,7 @@ fn spoilt(frame: &Frame, poison: f32) -> Frame {
             b: spoil(&c.b),
         }),
         alpha: frame.alpha.as_ref().map(spoil),
-        // An occlusion map has no mask of its own: what it says beside the surface is the border's.
+        // An occlusion map has no mask of its own: its values beside the surface belong to the border.
         ..poisoned(frame, poison)
     }
 }

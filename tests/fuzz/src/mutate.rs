@@ -22,7 +22,7 @@ static PROGRAM: LazyLock<Command> = LazyLock::new(|| {
 
 const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "inspect", "run"];
 
-/// Names on the desk of `targets`, spelled in several ways, and one that is not there.
+/// Names on the desk of `targets`, in several spellings, and one that does not exist.
 const PATHS: [&str; 26] = [
     "frame.exr",
     "./frame.exr",
@@ -101,7 +101,7 @@ const NUMBERS: [&str; 27] = [
     "",
 ];
 
-/// Alters the command line in `data`, of which `size` bytes are used, within `data`; the new size.
+/// Mutates the command line in the first `size` bytes of `data`, within `data`; returns the new size.
 pub fn words(data: &mut [u8], size: usize, seed: u32, flags: Flags) -> usize {
     let room = data.len();
     if seed.is_multiple_of(32) {
@@ -200,7 +200,7 @@ fn begun(u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
     Ok(words.map(|word| word.as_bytes().to_vec()).into())
 }
 
-/// A flag of `command` with a value, mostly one that it takes.
+/// A flag of `command` with a value, usually a valid one.
 fn flag(command: &str, flags: Flags, u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
     let command = PROGRAM.find_subcommand(command).unwrap_or(&PROGRAM);
     let named = command
@@ -247,7 +247,7 @@ fn value_of(arg: &Arg, u: &mut Unstructured) -> Result<String> {
         }
         () if name.contains("LIST") => list(u)?,
         () if names_a_file(arg) => (*u.choose(&PATHS)?).into(),
-        // As many numbers as the name of the value has.
+        // As many numbers as in the name of the value.
         () => {
             let commas = name
                 .split('|')

@@ -13,7 +13,7 @@ struct Layers {
     mask: Mask,
 }
 
-/// The layers that a shot sees, spoiled as it says.
+/// The layers seen in a shot, with its degradations.
 fn layers_of(shot: &Shot) -> Layers {
     // Depth comes from a random place in the pixel, normals from its middle.
     let (near, middle) = (shot.seen_jittered(&mut Numbers(7)), shot.seen());

@@ -1,6 +1,6 @@
 //! Cameras of real renders: recovered from their layers, and read from the JSON beside them.
 //!
-//! The renders are not part of this crate: where their folder is absent, these tests say so and pass.
+//! The renders are not part of this crate: if their folder is absent, these tests print a notice and pass.
 
 use super::measure::{focal, turn_between};
 use super::planes::{mapped, vector_at};
@@ -119,7 +119,7 @@ impl Render {
     }
 }
 
-/// What `work` gives, and the milliseconds it took.
+/// The result of `work`, with its time in milliseconds.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();

@@ -1,4 +1,4 @@
-//! Rows on demand, and files written strip by strip: both give what reading and writing whole gives.
+//! Rows on demand, and files written strip by strip: both equal reading and writing whole.
 
 use super::{HEIGHTS, TARGET, bits, part, planes, push_in_strips, saved, whole};
 use crate::common::real_files::real;
@@ -62,7 +62,7 @@ fn a_part_added_does_not_depend_on_how_its_rows_were_cut() {
 
 #[test]
 fn lossless_compressions_keep_every_sample_and_dwa_keeps_colours_close() {
-    // A ramp in the colours, and a sample that is no number in alpha.
+    // A ramp in the colours, and a NaN sample in alpha.
     let color = Plane::from_fn(67, 300, |x, y| 0.01 * x as f32 + 0.002 * y as f32);
     let mut alpha = Plane::filled(67, 300, 1.0);
     alpha.samples_mut()[5] = f32::NAN;
@@ -201,7 +201,7 @@ fn only_the_blocks_that_hold_the_rows_are_read() {
     let wanted: Vec<ChannelId> = file.channel_ids().collect();
     assert!(file.read_rows(&wanted, 0..64).is_ok());
     assert!(file.read_rows(&wanted, 60..65).is_err());
-    // What came before the failure is still there.
+    // Rows read before the failure are still there.
     let mut reader = RowReader::new(&file, &wanted).unwrap();
     let before = reader.rows(20..60).unwrap();
     assert!(reader.rows(30..70).is_err());

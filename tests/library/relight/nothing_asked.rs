@@ -1,4 +1,4 @@
-//! Strength 0 is the plain picture, bit for bit; what has no light is refused.
+//! Strength 0 is the plain picture, bit for bit; inputs without light are refused.
 
 use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
 use relievo::frame::{ColorPlanes, Plane};

@@ -1,10 +1,9 @@
-//! What the report says of sequences.
+//! The report on sequences.
 
 use super::*;
 use relievo::report::coherence::{CoherenceRow, MovingFrame, measure};
 
-/// Rows of a card that is moved. The first frame is white, and its white point holds for the grey ones that
-/// follow, of which there are some.
+/// Rows for a moving card. The first frame is white, and its white point applies to the grey frames that follow.
 fn pan(by: [f64; 2]) -> Vec<CoherenceRow> {
     let frames = (1..=4).map(|number| {
         let luminance = if number == 1 { 1.0 } else { 0.2 };

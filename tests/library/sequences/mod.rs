@@ -99,7 +99,7 @@ fn first(frame: &Frame, line: LineParams) -> Drawing {
     draw(frame, line, Some(SequenceInputs::default()))
 }
 
-/// The frame after one that was drawn.
+/// The frame after `before`, drawn.
 fn next(before: &Drawing, frame: &Frame, motion: &Vector2Planes, line: LineParams) -> Drawing {
     let sequence = SequenceInputs {
         before: before.coordinates.as_ref(),
@@ -127,7 +127,7 @@ fn mean(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
     sum / f64::from(count.max(1))
 }
 
-/// Mean absolute difference between `now` and `before` where `from` says the pixel was: whole columns and
+/// Mean absolute difference between `now` and `before` at the previous position `from` of each pixel: whole columns and
 /// rows.
 fn difference(
     now: &Plane,

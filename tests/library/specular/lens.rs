@@ -18,7 +18,7 @@ const IOR: f64 = 1.5;
 /// Depth of the wall.
 const WALL: f64 = 8.2;
 
-/// Where a line from `start` leaves, or enters, a sphere.
+/// Exit, or entry, of a line from `start` through a sphere.
 fn on_sphere(start: DVec3, direction: DVec3, middle: DVec3, leaves: bool) -> Option<DVec3> {
     let from = start - middle;
     let along = from.dot(direction);
@@ -83,7 +83,7 @@ fn sight_lines_through_a_lens_end_where_they_must() {
                 .and_then(|path| tracer.hit(&path.leaving()));
             let Some(hit) = hit else { continue };
             found += 1;
-            // The monkey stands before the wall.
+            // The monkey is in front of the wall.
             if let (true, HitSurface::Behind(at)) =
                 (hit.is_seen && hit.point.z < 0.001 - WALL, hit.surface)
             {

@@ -5,10 +5,10 @@
 use super::command_line::parts;
 use super::desk::Desk;
 
-/// What every command line begins with.
+/// The start of every command line.
 const RELIGHT: &str = "relight frame.exr -o lit.exr --layers results --camera extra";
 
-/// Lights the frame as `data` says.
+/// Lights the frame as specified by `data`.
 pub(super) fn run(data: &[u8]) {
     let (flags, camera) = parts(data);
     let begin = RELIGHT.split(' ').map(str::as_bytes);

@@ -1,7 +1,7 @@
 //! Whole command lines, on a desk of small files.
 //!
-//! The input is text: the words of a command line, one a line (`''` is an empty word), then an empty line, then the bytes of
-//! the file `extra`, which the words may name as a camera, a recipe, a picture or whatever else.
+//! The input is text: the words of a command line, one a line (`''` is an empty word), then an empty line, then the
+//! bytes of the file `extra`, which the words may use as a camera, a recipe, a picture or anything else.
 
 use super::desk::Desk;
 
