@@ -1,4 +1,4 @@
-//! How soon a change is seen: from one parameter to pixels for a display, of a frame whose shape is kept.
+//! Latency of a change: from one parameter to pixels for a display, for a frame whose shape is cached.
 //!
 //! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
 

@@ -41,7 +41,7 @@ struct Panel {
 }
 
 impl Panel {
-    /// How much of `direction` it covers, 0..1.
+    /// Coverage of `direction`, 0..1.
     fn cover(&self, direction: Vec3) -> f32 {
         let ahead = direction.dot(self.center);
         if ahead <= 0.0 {

@@ -1,4 +1,4 @@
-//! What is written is what relievo reads, with nothing said about it.
+//! relievo reads the written layers without any flags.
 
 use crate::enhancement::Enhancement;
 use crate::layers::{Extras, write_layers};

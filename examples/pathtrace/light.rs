@@ -1,4 +1,4 @@
-//! Where light comes from, and how to find it.
+//! Light sources, and sampling them.
 
 use super::geometry::Ray;
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub(crate) struct AreaLight {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LightSample {
     pub(crate) to_light: Vec3,
-    /// How far it comes; infinite from the environment.
+    /// Distance of the source; infinite for the environment.
     pub(crate) distance: f32,
     pub(crate) radiance: Vec3,
     /// Solid-angle density of the direction.
@@ -147,7 +147,7 @@ impl Surroundings {
     }
 }
 
-/// All light that can be sampled.
+/// All lights that can be sampled.
 #[derive(Default)]
 pub(crate) struct Lights {
     pub(crate) areas: Vec<AreaLight>,
@@ -159,7 +159,7 @@ impl Lights {
         self.areas.len() + usize::from(self.surroundings.is_some())
     }
 
-    /// How likely a sample is of one certain light.
+    /// Probability of choosing one particular light for a sample.
     pub(crate) fn share(&self) -> f32 {
         1.0 / self.count().max(1) as f32
     }
@@ -170,7 +170,7 @@ impl Lights {
         let which = (scaled as usize).min(self.count().checked_sub(1)?);
         let sample = match self.areas.get(which) {
             Some(area) => area.sample(from, at)?,
-            // What is left of the choice is as even as the choice was.
+            // The fractional rest of the choice is as uniform as the choice was.
             None => self.surroundings.as_ref()?.sample(scaled.fract(), at),
         };
         Some(LightSample {
@@ -179,7 +179,7 @@ impl Lights {
         })
     }
 
-    /// What arrives along a ray that meets nothing.
+    /// Light along a ray that hits nothing.
     pub(crate) fn beyond(&self, ray: &Ray) -> Vec3 {
         let around = self.surroundings.as_ref();
         around.map_or(Vec3::ZERO, |around| around.radiance(ray.direction))
@@ -226,8 +226,8 @@ mod tests {
 
     #[test]
     fn an_area_light_fills_its_solid_angle() {
-        // The mean of 1/density is the solid angle; that of a square 2 wide, 1 away, is 4 asin(1/2): a sixth
-        // of the sphere.
+        // The mean of 1/density is the solid angle; that of a square 2 wide, at a distance of 1, is 4 asin(1/2): a
+        // sixth of the sphere.
         let light = AreaLight {
             corner: Vec3::new(-1.0, 1.0, -1.0),
             sides: [Vec3::X * 2.0, Vec3::Z * 2.0],

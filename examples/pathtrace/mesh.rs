@@ -17,7 +17,7 @@ pub(crate) struct Mesh {
     pub(crate) faces: Vec<[u32; 3]>,
     /// Unit normals.
     pub(crate) normals: Vec<Vec3>,
-    /// How the normal turns for a step along the surface: its shape operator, in space.
+    /// Turn of the normal for a step along the surface: its shape operator, in space.
     pub(crate) turns: Vec<Mat3>,
 }
 
@@ -69,7 +69,7 @@ impl Mesh {
     /// Normals in the file are not read: curvature needs those of the triangles themselves.
     pub(crate) fn read(path: &Path, height: f32) -> Result<Self, Box<dyn Error>> {
         let named = |what: String| format!("{}: {what}", path.display());
-        // The loader says of every file that it cannot open it; the system says why.
+        // The loader reports every file only as impossible to open; the system gives the reason.
         std::fs::File::open(path).map_err(|error| named(error.to_string()))?;
         let options = tobj::LoadOptions {
             triangulate: true,

@@ -15,18 +15,18 @@ use glam::Vec3;
 use relievo::light::brdf::{fresnel, mirrored, refracted};
 use relievo::light::light_warping::counted_cosine;
 
-/// How direct light is found.
+/// Sampling of direct light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Direct {
     /// Both ways, weighed against each other.
     Both,
-    /// By lights alone ([LW] equation 2).
+    /// By sampling lights ([LW] equation 2).
     Lights,
-    /// By what directions chosen by the material meet ([LW] equation 1).
+    /// By directions sampled from the material ([LW] equation 1).
     Lookups,
 }
 
-/// How paths are traced.
+/// Settings of path tracing.
 #[derive(Debug, Clone)]
 pub(crate) struct Tracing {
     pub(crate) enhancement: Enhancement,
@@ -38,21 +38,21 @@ pub(crate) struct Tracing {
 /// Bounces that no path is ended before.
 const CERTAIN_BOUNCES: usize = 3;
 
-/// What a path brings, by its way: layers that a renderer writes.
+/// Light of a path by its route: the layers of a renderer.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Passes {
-    /// From lights to the surface to the eye; the surface's colour included.
+    /// From lights via the surface to the eye, including the surface's colour.
     pub(crate) direct: PerLobe<Vec3>,
-    /// By way of other surfaces.
+    /// Via other surfaces.
     pub(crate) indirect: PerLobe<Vec3>,
-    /// Of the surface itself.
+    /// From the surface itself.
     pub(crate) emission: Vec3,
-    /// From behind everything.
+    /// From the background.
     pub(crate) background: Vec3,
 }
 
 impl Passes {
-    /// All of it.
+    /// Sum of all.
     pub(crate) fn sum(&self) -> Vec3 {
         let [d, i] = [self.direct, self.indirect].map(|[diffuse, specular]| diffuse + specular);
         d + i + self.emission + self.background
@@ -90,9 +90,9 @@ pub(crate) struct Vertex<'a> {
 /// Light looked for and found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
-    /// What is reflected of it, per lobe, over the density of the sample, without the Jacobian.
+    /// Reflected light per lobe, over the density of the sample, without the Jacobian.
     pub(crate) light: PerLobe<Vec3>,
-    /// Of the inverse warp at the light.
+    /// Jacobian of the inverse warp at the light.
     pub(crate) jacobian: f32,
     /// The density that it was found with, and that [`Vertex::bounce`] would have found it with.
     pub(crate) densities: [f32; 2],
@@ -101,9 +101,9 @@ pub(crate) struct Found {
 /// The way that a path goes on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounce {
-    /// Where the light is to come from: warped already.
+    /// Direction of the incoming light, already warped.
     pub(crate) direction: Vec3,
-    /// What is reflected of it, per lobe, over the density of the sample.
+    /// Reflectance per lobe, over the density of the sample.
     pub(crate) weight: PerLobe<Vec3>,
     /// Density of `direction`; `None` where it is the only one.
     pub(crate) density: Option<f32>,
@@ -127,12 +127,12 @@ impl<'a> Vertex<'a> {
         }
     }
 
-    /// Whether light from there can reach the outside of the triangle.
+    /// Whether light from there can reach the outer side of the triangle.
     fn is_above(&self, to_light: Vec3) -> bool {
         self.point.face_normal.dot(to_light) > 0.0
     }
 
-    /// What is reflected of the light that comes from `source` and is taken to come from `to_light`.
+    /// Reflected share of the light that comes from `source` and is assigned to `to_light`.
     fn reflected(&self, to_light: Vec3, source: Vec3) -> PerLobe<Vec3> {
         let d = self.directions(to_light);
         let mut lobes = self.point.object.material.reflected(&d);
@@ -176,7 +176,7 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Goes on by what the material does ([LW] equation 1); `None` where nothing is reflected that way.
+    /// Continues by sampling the material ([LW] equation 1); `None` if nothing is reflected that way.
     pub(crate) fn bounce(&self, sampler: &mut Sampler) -> Option<Bounce> {
         let material = &self.point.object.material;
         let (lobe, at) = (sampler.one(), sampler.pair());
@@ -185,7 +185,7 @@ impl<'a> Vertex<'a> {
         }
         let to_light = material.sampled(self.point.normal, self.to_eye, lobe, at);
         let (source, jacobian) = match &self.altered.warp {
-            // The Jacobian is asked for where the light is, as it is of lights that are looked for.
+            // The Jacobian is evaluated at the light's direction, as for sampled lights.
             Some(warp) => {
                 let source = warp.warped(to_light);
                 (source, warp.unwarped(source).1)
@@ -202,8 +202,8 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Whether one direction, chosen by its cosine, is open for `reach`: warped ambient occlusion is the mean
-    /// ([LW] section 6.1). Light comes along the warped direction, and so does what stands in its way.
+    /// Whether one direction, sampled by its cosine, is open for `reach`: warped ambient occlusion is the mean ([LW]
+    /// section 6.1). Light comes along the warped direction, and occluders block it there.
     pub(crate) fn is_open_ambiently(
         &self,
         scene: &Scene,
@@ -253,7 +253,7 @@ pub(crate) fn light_along(
     sampler: &mut Sampler,
 ) -> Passes {
     let mut passes = Passes::default();
-    // What the path so far lets through, by the lobe of its first bounce; the eye has one only.
+    // Throughput of the path so far, by the lobe of its first bounce; from the eye there is only one.
     let mut through = [Vec3::ONE, Vec3::ZERO];
     let mut density: Option<f32> = None;
     for bounces in 0..=tracing.max_bounces {
@@ -304,7 +304,7 @@ pub(crate) fn light_along(
     passes
 }
 
-/// What is let through with one more bounce: the first one parts the lobes, later ones add theirs up.
+/// Throughput with one more bounce: the first one splits it by lobe, later ones sum theirs.
 fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLobe<Vec3> {
     match bounces {
         0 => weight.map(|weight| weight * through[0]),

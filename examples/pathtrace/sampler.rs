@@ -1,10 +1,10 @@
 //! Sample points that fill the unit square evenly.
 
-/// Numbers for one path, in 0..1, in pairs that many paths of a pixel spread evenly.
+/// Numbers for one path, in 0..1, in pairs that are evenly spread over the many paths of a pixel.
 ///
-/// Every pair is the (0, 2)-sequence of Sobol with its digits scrambled and its order shuffled, by hashes, as
-/// in B. Burley: Practical Hash-based Owen Scrambling, JCGT 9(4), 2020. Each number alone is uniform, so what
-/// is estimated with them stays unbiased; different seeds are independent.
+/// Every pair is the (0, 2)-sequence of Sobol with its digits scrambled and its order shuffled, by hashes, as in B.
+/// Burley: Practical Hash-based Owen Scrambling, JCGT 9(4), 2020. Each number alone is uniform, so estimates stay
+/// unbiased; different seeds are independent.
 #[derive(Debug, Clone)]
 pub(crate) struct Sampler {
     /// Which of the pixel's paths.

@@ -116,10 +116,10 @@ fn picture(
     }
 }
 
-/// Where highlights begin to be held back.
+/// Value from which highlights are compressed.
 const SHOULDER: f32 = 0.6;
 
-/// Light as shown: what is brighter than the shoulder nears white without reaching it.
+/// Displayed light: values above the shoulder approach white without reaching it.
 fn shown(light: Vec3) -> Vec3 {
     light.map(|v| {
         let above = (v - SHOULDER).max(0.0) / (1.0 - SHOULDER);

@@ -1,4 +1,4 @@
-//! What enhancement costs: render times at equal samples, in turns.
+//! Cost of enhancement: render times at equal samples, in turns.
 
 use super::enhancement::{Bounces, Enhancement};
 use super::path::{Direct, Tracing};
@@ -12,8 +12,8 @@ use std::time::Instant;
 const SIZE: [usize; 2] = [320, 240];
 const SAMPLES: u32 = 8;
 
-/// What is measured. The second is plain with nothing left out but its effect: same rays, so the difference is
-/// the arithmetic; warped paths go other ways, and take the time that those take.
+/// The kinds compared. The second repeats the first, for the noise. The third does all the work without effect: same
+/// rays as plain, so the difference is the arithmetic; warped paths take other routes, with their cost.
 fn kinds() -> [(&'static str, Enhancement); 6] {
     let kind = |warp, scale| Enhancement {
         warp,

@@ -4,8 +4,8 @@ use super::mesh::Mesh;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Half of its section, from the middle of the hollow over the lip and down to the middle of the foot: distance
-/// from the axis, and height. It is 2 tall.
+/// Half of its section, from the middle of the hollow over the lip and down to the middle of the foot: distance from
+/// the axis, and height. It is 2 tall.
 const SECTION: [[f32; 2]; 27] = [
     [0.0, 1.58],
     [0.16, 1.585],
@@ -49,7 +49,7 @@ pub(crate) fn urn(columns: usize, rows: usize) -> Mesh {
         // The way is counterclockwise seen with the axis on the left: outward is to its left.
         let outward = -along.perp();
         let at = section[row];
-        // Nothing is carved inside the lip.
+        // No relief inside the lip.
         let carved = at.y < 1.99 && along.y < 0.3 && at.x > 0.1;
         for column in 0..columns {
             let turns = column as f32 / columns as f32;
@@ -95,7 +95,7 @@ fn even_section(count: usize) -> Vec<Vec2> {
     (0..count).map(at).collect()
 }
 
-/// How far the surface stands out, this many turns around and at this height.
+/// Height of the relief, this many turns around and at this height.
 fn relief(turns: f32, y: f32) -> f32 {
     let gadroons = 0.045 * rib(turns * 28.0) * within(y, 0.42, 0.86, 0.05);
     let scales = 0.030 * scales(turns * 34.0, (1.36 - y) / 0.052) * within(y, 0.955, 1.355, 0.012);
@@ -120,7 +120,7 @@ fn rib(x: f32) -> f32 {
     (1.0 - aside * aside).max(0.0).sqrt()
 }
 
-/// A round ring at the height `middle`, that stands out as far as it is half tall.
+/// A round ring at the height `middle`, protruding by half of its height.
 fn ring(y: f32, middle: f32, size: f32) -> f32 {
     (size * size - (y - middle).powi(2)).max(0.0).sqrt()
 }

@@ -37,8 +37,8 @@ fn lit_by(lights: impl FnOnce(SceneBuilder) -> SceneBuilder) -> Scene {
     lights(SceneBuilder::default().sphere(Vec3::ZERO, 1.0, Material::Glossy(glossy))).build()
 }
 
-/// Light of three kinds: from all around, brighter above; a lamp in front; and one that grazes the surface
-/// where it is looked at and sinks below its horizon.
+/// Light of three kinds: from all around, brighter above; a lamp in front; and one that grazes the surface at the point
+/// seen and sinks below its horizon.
 fn scenes() -> [Scene; 3] {
     let sky = Environment::from_fn(64, 32, |x, y| {
         let sun = if (x, y) == (20, 9) { 60.0 } else { 0.0 };
@@ -65,7 +65,7 @@ fn scenes() -> [Scene; 3] {
     ]
 }
 
-/// Where the eye looks: some 25 degrees off the normal.
+/// The sight line: some 25 degrees off the normal.
 const RAY: Ray = Ray {
     origin: Vec3::new(0.3, 0.3, 4.0),
     direction: Vec3::NEG_Z,
@@ -80,7 +80,7 @@ fn vertex(scene: &Scene, hessian: [f32; 3]) -> Vertex<'_> {
     vertex
 }
 
-/// What a sample brings, all colours together, per lobe.
+/// Contribution of a sample, all colours together, per lobe.
 type Estimate<'a> = &'a dyn Fn(&mut Sampler) -> Option<PerLobe<Vec3>>;
 
 /// Batches of an estimate, per lobe.
@@ -192,9 +192,9 @@ fn whole_paths_agree_however_light_is_found() {
 
 #[test]
 fn a_concavity_loses_a_quarter_of_its_ambient_light() {
-    // Seen from straight above, saturated: stereographic coordinates grow by sqrt(3), so of the directions above
-    // the horizon, |p| < 1, those stay above with |p| < 1/sqrt(3), whose cosine is (1 - 1/3)/(1 + 1/3) = 1/2.
-    // Of the cosine's weight 1/4 lies below that. A convexity loses none.
+    // Seen from straight above, saturated: stereographic coordinates grow by sqrt(3), so of the directions above the
+    // horizon, |p| < 1, those with |p| < 1/sqrt(3) stay above, whose cosine is (1 - 1/3)/(1 + 1/3) = 1/2. A quarter of
+    // the cosine's weight lies below that. A convexity loses none.
     let scene = lit_by(|builder| builder);
     let ray = Ray {
         origin: 4.0 * Vec3::Z,
