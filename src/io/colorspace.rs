@@ -25,7 +25,7 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// The primaries of a picture, where they were given.
+/// The primaries of a picture, if given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Linear light of Rec. 709 primaries.
@@ -68,10 +68,10 @@ impl ColorSpace {
     }
 }
 
-/// Chromaticities of real and imaginary primaries alike lie within this of 0; cameras' own reach 2.
+/// Largest absolute chromaticity of real and imaginary primaries; cameras' own reach 2.
 const FARTHEST: f32 = 10.0;
 
-/// Largest entry of a matrix between colours that are meant: those of real spaces stay below 10.
+/// Largest entry of a plausible matrix between colours: those of real spaces stay below 10.
 const LARGEST_ENTRY: f64 = 1e4;
 
 /// Matrix from linear colours with these chromaticities to CIE XYZ with white at luminance 1. `None` for collinear
@@ -115,7 +115,7 @@ pub(crate) fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
     is_moderate(matrix).then_some(matrix)
 }
 
-/// Colours turned by a matrix.
+/// Colours transformed by a matrix.
 pub(crate) fn converted(color: &ColorPlanes, matrix: DMat3) -> ColorPlanes {
     let matrix = matrix.as_mat3();
     let mut made = color.clone();

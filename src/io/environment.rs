@@ -219,15 +219,15 @@ const ROWS_AT_A_TIME: usize = 64;
 struct Reduced {
     from: [usize; 2],
     planes: [Plane; 3],
-    /// Sums of the row that is being made, and of how many rows.
+    /// Sums for the current row, and the number of rows in them.
     sums: [Vec<f64>; 3],
     summed: usize,
-    /// Rows that have come, and that have been made of them.
+    /// Number of source rows read, and number of rows completed.
     rows: usize,
     made: usize,
 }
 
-/// Sides are a multiple of this, where they are no shorter: as many pixels for each face of a cross.
+/// Sides are a multiple of this unless shorter, so that all faces of a cross have the same size.
 const SIDE_MULTIPLE: usize = 12;
 
 impl Reduced {
@@ -273,7 +273,7 @@ impl Reduced {
         self.summed += 1;
         self.rows += 1;
         let y = self.made;
-        // The row that is made ends where the next one begins.
+        // The current row ends where the next one begins.
         if self.rows == (y + 1) * from_height / height {
             for (sums, plane) in self.sums.iter_mut().zip(&mut self.planes) {
                 for (sum, v) in sums.iter_mut().zip(plane.row_mut(y)) {

@@ -172,7 +172,7 @@ impl Exif {
         self.set(tag, SHORT, 1, &number);
     }
 
-    /// Sets `count` values of an entry: those of up to four bytes in their place, others at the end of the block.
+    /// Sets `count` values of an entry: up to four bytes in place, longer ones at the end of the block.
     fn set(&mut self, tag: u16, kind: u16, count: u32, values: &[u8]) {
         let mut value = [0; 4];
         if let Some(place) = value.get_mut(..values.len()) {

@@ -4,11 +4,11 @@ use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;
 use std::path::Path;
 
-/// Bytes per pixel while a frame is made, at the least. Measured at 1920x1080, the program included: `enhance` 74,
+/// Least number of bytes per pixel while a frame is made. Measured at 1920x1080, including the program: `enhance` 74,
 /// `relight` 66, `shape` 103, drawings 103.
 const LEAST_PER_PIXEL: u64 = 100;
 
-/// Bytes per pixel of a file without light passes, less those of its channels.
+/// Bytes per pixel for a file without light passes, excluding its channels.
 const WORK_PER_PIXEL: u64 = 60;
 
 /// Bytes per pixel of the curvature at a scale beyond the first. Measured with `shape --scale 2,4,8`.

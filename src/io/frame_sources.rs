@@ -1,4 +1,4 @@
-//! The layers that a frame is made of: their places, and the planes read from them.
+//! The layers of a frame: their sources, and the planes read from them.
 
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
@@ -83,11 +83,11 @@ impl FrameSources {
         Ok(Self { roles })
     }
 
-    /// The window that the frame has: that of the picture, where one is read, else that of the normals.
+    /// The window of the frame: that of the picture, if one is read, else that of the normals.
     ///
     /// # Errors
-    /// [`Error::SizeMismatch`] where other windows cannot be brought to it: those of photos, and of files made
-    /// for other display windows. [`Error::Unsupported`] for normals that may have been made before the picture was turned.
+    /// [`Error::SizeMismatch`] if other windows cannot be adapted to it: those of photos, and of files made for other
+    /// display windows. [`Error::Unsupported`] for normals that may have been made before the picture was rotated.
     pub(super) fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
         let window = expected.window();

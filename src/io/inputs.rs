@@ -33,9 +33,9 @@ pub struct Inputs {
     pub occlusion: Option<String>,
     /// Colour of the surface itself.
     pub albedo: Option<String>,
-    /// Importance; read only where it is named here.
+    /// Importance; read only if named here.
     pub importance: Option<String>,
-    /// Motion since the frame before, in any convention; read only where [`Needs`] ask for it.
+    /// Motion since the previous frame, in any convention; read only if [`Needs`] ask for it.
     pub motion: Option<String>,
     /// Layer of the effect's strength, 0..1, if [`Needs`] ask for it; otherwise treated as coverage.
     pub mask: Option<String>,
@@ -44,7 +44,7 @@ pub struct Inputs {
     pub objects: Vec<String>,
     /// Stroke angles of single objects, overriding curvature.
     pub object_angles: Vec<ObjectAngle>,
-    /// Coverage: a surface was seen where it is above one half.
+    /// Coverage: pixels above one half show a surface.
     pub coverage: Option<String>,
     /// A camera file.
     pub camera: Option<PathBuf>,
@@ -52,8 +52,8 @@ pub struct Inputs {
     pub normal_space: Option<NormalSpace>,
     /// The encoding of the normals; `None` decides from the data.
     pub normal_encoding: Option<NormalEncoding>,
-    /// Axes of the normals, as stored, that point the wrong way. `None` decides from the data; where only
-    /// this is given and not the space, z is still turned toward the viewer if it points away.
+    /// Axes of the normals, as stored, that point the wrong way. `None` decides from the data; if this is given without
+    /// the space, z is still turned toward the viewer if it points away.
     pub normal_flip: Option<Flip>,
     /// Kind of depth in its layer; `None` decides from the data.
     pub depth_kind: Option<StoredDepth>,
@@ -63,7 +63,7 @@ pub struct Inputs {
     pub light: Option<LightInputs>,
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.
     pub rows: Option<Range<usize>>,
-    /// The camera, where it is known already; it goes before all others.
+    /// The camera, if already known; it takes precedence over all others.
     pub known_camera: Option<KnownCamera>,
 }
 
@@ -72,14 +72,14 @@ pub struct Inputs {
 pub struct Needs {
     /// The picture.
     pub color: bool,
-    /// The picture, where there is one.
+    /// The picture, if there is one.
     pub color_if_any: bool,
-    /// The albedo, where there is one.
+    /// The albedo, if there is one.
     pub albedo: bool,
     /// The camera's projection, needed only for a foreshortened gradient. A camera needed for nothing else is then not
     /// searched for.
     pub projection: bool,
-    /// Motion since the frame before, where there is any.
+    /// Motion since the previous frame, if there is any.
     pub motion: bool,
     /// Masks and objects as strengths of the change; else they are coverage.
     pub strength: bool,
@@ -122,7 +122,7 @@ pub struct LightInputs {
     pub specular: Option<String>,
     /// The surface's diffuse colour.
     pub albedo: Option<String>,
-    /// Light groups; where there are any, lobes are not read.
+    /// Light groups; if there are any, lobes are not read.
     pub groups: Vec<GroupInput>,
     /// Whether ambient occlusion is read.
     pub occlusion: bool,

@@ -15,7 +15,7 @@ use glam::DVec3;
 const BLOCKS: usize = 250_000;
 /// Unit normals below this z are at silhouettes or on slopes too steep to count.
 const LEAST_NZ: f64 = 0.3;
-/// Cosine between neighbours below which an edge lies between them.
+/// Cosine between neighbouring normals below which there is an edge between them.
 const SMOOTH: f64 = 0.7;
 /// One curl is this many times the other, or neither is believed.
 const DECIDES: f64 = 2.0;

@@ -68,7 +68,7 @@ pub(super) struct LightSources {
     uses: Vec<Use>,
     sources: Vec<RoleSource>,
     groups: Vec<GroupInput>,
-    /// Lobes that there are and that nobody wants.
+    /// Lobes that exist but are not used.
     unread: Vec<Lobe>,
     findings: Vec<Finding>,
     /// Whether all light was requested, so that its sum can be compared with the picture.
@@ -342,8 +342,8 @@ fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mu
     }
 }
 
-/// Blender's names of light that the surface's colour is not yet in, `DiffDir` or `Diffuse Direct`; Arnold's
-/// `diffuse_direct` holds it.
+/// Blender's names of light without the surface's colour, `DiffDir` or `Diffuse Direct`; Arnold's `diffuse_direct`
+/// includes it.
 fn is_without_color(label: &str) -> bool {
     let word = last_word(label);
     word.contains(' ') || word.ends_with("Dir") || word.ends_with("Ind")

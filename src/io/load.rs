@@ -27,11 +27,11 @@ use crate::frame::{
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A frame with all that was concluded on the way.
+/// A frame with all conclusions about its inputs.
 pub struct Loaded {
     /// The frame, in view space.
     pub frame: Frame,
-    /// The layers that may hold motion since the frame before, where it was needed.
+    /// The candidates for motion since the previous frame, if it was needed.
     pub motion: Option<MotionLayers>,
     /// Factor by which the frame was enlarged relative to its files.
     pub enlarged: f64,
@@ -55,7 +55,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// The picture as an EXR file, where it is one.
+    /// The picture as an EXR file, if it is one.
     pub fn exr(&self) -> Option<&ExrFile> {
         match self.main.as_ref() {
             Opened::Exr { file, .. } => Some(file),
@@ -82,7 +82,7 @@ impl Loaded {
     }
 }
 
-/// Reads the frame that `inputs` describe: normals, what silhouettes need, and what else `needs` say.
+/// Reads the frame described by `inputs`: normals, the inputs of silhouettes, and everything else in `needs`.
 ///
 /// # Errors
 /// Any [`crate::Error`] of reading; [`crate::Error::MissingAov`] without normals or without a picture where one is
@@ -92,7 +92,7 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     InputFiles::open(inputs)?.load(inputs, needs)
 }
 
-/// The files of a frame, opened once for as many loads of its rows as there are.
+/// The files of a frame, opened once for any number of loads of its rows.
 pub(crate) struct InputFiles {
     main: Rc<Opened>,
 }

@@ -50,7 +50,7 @@ macro_rules! roles {
 roles! {
     Color: Color = "combined" "beauty" "rgba" "rgb" "" "image" "color" "c" "ci" "finalimage"
         "vraybeauty";
-    // Shading normals before those of the facets, and those for a denoiser last.
+    // Shading normals before geometric ones, and those for a denoiser last.
     Normal: Vector = "normal" "normals" "ns" "n" "shadingnormal" "shadingnormals" "shnormal"
         "shnormals" "normalsshading" "bumpnormals" "bumpnormal" "nn" "nworld" "worldnormal"
         "worldnormals" "normalworld" "normalsworld" "worldspacenormal" "worldspacenormals"
@@ -147,7 +147,7 @@ const PREFIXES: &[&str] = &[
     "rendererinfo",
 ];
 
-/// The word that the tables know a layer by, from the last word of its name.
+/// The key of a layer in the tables, from the last word of its name.
 pub(super) fn key(word: &str) -> String {
     let word: String = word
         .chars()
@@ -195,7 +195,7 @@ const fn depth(stored: StoredDepth) -> Hint {
     }
 }
 
-/// Names that mean the same whoever wrote them.
+/// Names with the same meaning from any program.
 const IMPLIED: &[(&str, Hint)] = &[
     ("nworld", WORLD),
     ("worldnormal", WORLD),

@@ -48,9 +48,9 @@ const FEWEST_SHAPES: usize = 24;
 
 /// Which of x and y are reversed, in the order of the evidence.
 const REVERSED: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
-/// Axes count as reversed where the mean angle to the slope of depth is above the first as they are, below the
-/// second once turned round, and falls to less than a share of it. Means, because half a picture of floor
-/// leans the same way with x reversed.
+/// Axes count as reversed if the mean angle to the slope of depth is above the first of these as stored, below the
+/// second once reversed, and falls to less than a share of it. Means, because half a picture of floor leans the same
+/// way with x reversed.
 const REVERSED_DEG: (f64, f64) = (10.0, 25.0);
 const REVERSED_SHARE: f64 = 0.5;
 /// They also do where that angle is above the first and falls to less than this share of it: no other reading fits as well.
@@ -68,7 +68,7 @@ pub enum NormalSpaceConclusion {
     },
     /// Not view space, so world space by elimination, but no camera is known to rotate them with.
     WorldWithoutCamera,
-    /// More than one reading holds, or none does.
+    /// More than one reading is plausible, or none is.
     Ambiguous,
 }
 
@@ -106,9 +106,9 @@ pub struct NormalSpaceEvidence {
 pub struct NormalSpaceVerdict {
     /// Conclusion about the normals.
     pub conclusion: NormalSpaceConclusion,
-    /// The numbers that it rests on.
+    /// The numbers behind it.
     pub evidence: NormalSpaceEvidence,
-    /// The same in one line, for a person.
+    /// A one-line explanation for the user.
     pub reason: String,
 }
 
@@ -420,7 +420,7 @@ pub(super) fn is_reversed(as_is: f64, turned: f64) -> bool {
     surely || (as_is > least && turned < most && turned < REVERSED_SHARE * as_is)
 }
 
-/// View space with x or y the wrong way round, where depth shows it.
+/// View space with x or y reversed, if depth shows it.
 fn by_reversed_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let angles = e.slope_reversed_deg?;
     let best = (1..4).min_by(|&a, &b| angles[a].total_cmp(&angles[b]))?;
@@ -469,7 +469,7 @@ fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
         .then_some((WORLD, "world: agrees with the positions"))
 }
 
-/// The reading whose normals lean the way depth rises.
+/// The reading whose normals lean toward rising depth.
 fn by_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let view = e.slope_view_deg?;
     let as_view = match better_view(e).1.0 {

@@ -17,7 +17,7 @@ pub(super) struct Notes {
     pub(super) warnings: Vec<String>,
 }
 
-/// Most characters of a line of evidence and of the flag that goes with it.
+/// Most characters of a line with evidence and its flag.
 const LINE: usize = 80;
 
 /// Why a layer was chosen, and as many of the others as the line has room for beside the `flag`.

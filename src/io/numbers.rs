@@ -20,7 +20,7 @@ const UNIT_SHARE: f64 = 0.5;
 const LONGER_SHARE: f64 = 0.02;
 /// Length of the mean of unit vectors above which they are all alike and give no evidence.
 const ALIKE: f64 = 0.9999;
-/// Share of the unit vectors that must not lie along an axis, as the colours of masks do.
+/// Share of the unit vectors that must not be along an axis, as the colours of masks are.
 const OFF_AXIS_SHARE: f64 = 0.05;
 /// Fewest covered pixels that suffice.
 const FEWEST: usize = 16;
@@ -48,7 +48,7 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// The unit normal that `stored` holds, if it holds one.
+    /// The unit normal encoded in `stored`, if it is one.
     fn unit(self, stored: Vector3<f64>) -> Option<Vector3<f64>> {
         let v = self.decoded(stored);
         ((v.norm() - 1.0).abs() < UNIT).then(|| v.normalize())
@@ -91,7 +91,7 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     let normals = match roles::find(layers, Role::Normal) {
         Some(_) if open.is_empty() => None,
         Some(found) => {
-            // A second layer of normals holds no positions, though its steps are square to normals too.
+            // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
             samples(file, &[found]).into_iter().find_map(normals_of)
         }
@@ -187,7 +187,7 @@ fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
     share(Encoding::Signed).or_else(|| share(Encoding::Unsigned).filter(|_| is_positive))
 }
 
-/// The layer whose points, of one of the `kinds`, the usual one first, are best those of the surface that `normals` are of.
+/// The layer whose points, of one of the `kinds` (the usual one first), best fit the surface with these `normals`.
 fn best(
     normals: &Normals,
     role: Role,

@@ -1,4 +1,4 @@
-//! Input files whose header has been read, and the files that go with them.
+//! Input files whose header has been read, and their companion files.
 
 use super::exr::{self, ExrFile, Limits};
 use super::nearest;
@@ -18,7 +18,7 @@ use std::rc::Rc;
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
-        /// Its layers, of one view where there are several.
+        /// Its layers, of one view if there are several.
         layers: Vec<Layer>,
         /// All views, and the one in use.
         views: Vec<String>,
@@ -33,7 +33,7 @@ pub(super) enum Opened {
     },
 }
 
-/// Files that have been opened to go with another.
+/// Files opened as companions of another.
 pub(super) struct Companions {
     files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
     pub(super) holding: Holding,
@@ -86,7 +86,7 @@ impl Opened {
         Self::open_held(path, wanted, Holding::default())
     }
 
-    /// The same, and how samples of photos are held.
+    /// The same, with the policy for samples of photos.
     pub(super) fn open_held(
         path: &Path,
         wanted: Option<&str>,
@@ -111,7 +111,7 @@ impl Opened {
         }))
     }
 
-    /// A file that goes with this one: of the same view, if it has several. It is opened once.
+    /// A companion file: of the same view, if it has several. It is opened once.
     pub(super) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
         let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
         if let Some(file) = companions.find(path) {
@@ -197,7 +197,7 @@ impl Opened {
         }
     }
 
-    /// The layers that messages list, or `otherwise` where there are none.
+    /// The layers to list in messages, or `otherwise` without any.
     pub(super) fn found(&self, otherwise: &str) -> String {
         match self.layer_names() {
             names if names.is_empty() => otherwise.into(),

@@ -59,7 +59,7 @@ fn nearest_first(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
     way
 }
 
-/// Turns about stretches of the way; whether that shortened it.
+/// Reverses stretches of the path; returns whether that shortened it.
 fn shorten(way: &mut [Drawn], ends: &[[Vec2; 2]], from: Vec2) -> bool {
     let mut is_shorter = false;
     let mut before = from;
@@ -96,7 +96,7 @@ fn shorten(way: &mut [Drawn], ends: &[[Vec2; 2]], from: Vec2) -> bool {
 /// Least gain of a reversal, above rounding.
 const LEAST_GAIN_PX: f32 = 1e-3;
 
-/// The ends of lines that are not drawn yet, by the cells that they lie in.
+/// The ends of lines not yet drawn, by cell.
 struct Ends<'a> {
     ends: &'a [[Vec2; 2]],
     cells: Vec<Vec<Drawn>>,

@@ -20,7 +20,7 @@ pub(crate) struct Layer {
     pub components: Vec<(String, usize)>,
     /// Whether the name is that of the part, with channels called only `R` or `Z`.
     pub bare: bool,
-    /// The view it belongs to, such as the left eye's, where it belongs to one.
+    /// Its view, such as the left eye's, if any.
     pub view: Option<String>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Match {
     pub part: usize,
     /// One channel index for a scalar or grey layer, two for motion, else three.
     pub channels: Vec<usize>,
-    /// The channel that holds the coverage of the layer.
+    /// The coverage channel of the layer.
     pub alpha: Option<usize>,
 }
 
@@ -104,7 +104,7 @@ impl Layer {
         rules.any(|(_, _, names)| names.contains(&key.as_str()))
     }
 
-    /// The word the table knows the layer by: the last of its name that is not its view.
+    /// Its key in the table: the last word of its name that is not its view.
     fn key(&self) -> String {
         let is_view = |word: &&str| {
             let view = self.view.as_deref();
@@ -169,7 +169,7 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
         .or_else(|| in_first_part(layers, role))
 }
 
-/// The layers whose words give them `role` where the table does not know their names, the best first.
+/// The layers given `role` by their words if their names are not in the table, the best first.
 pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
     let mut found: Vec<_> = layers
         .iter()

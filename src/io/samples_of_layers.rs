@@ -35,7 +35,7 @@ impl Band {
         self.planes[0].height()
     }
 
-    /// The vector at a pixel; where there is one channel, all components are alike.
+    /// The vector at a pixel; a single channel gives equal components.
     pub(super) fn at(&self, x: usize, y: usize) -> Vector3<f64> {
         let last = self.planes.len() - 1;
         Vector3::from_fn(|axis, _| f64::from(self.planes[axis.min(last)].at(x, y)))

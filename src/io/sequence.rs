@@ -97,8 +97,8 @@ pub fn is_pattern(name: &str) -> bool {
     placeholders(name).any(|place| place.length > 1)
 }
 
-/// The name for one frame: every row of `#` becomes the number, zeros before it up to that many digits; so
-/// does `%04d`, and `%d` without zeros. `None` where there is no place for a number.
+/// The name for one frame: every run of `#` becomes the number, zero-padded to that many digits; so does `%04d`, and
+/// `%d` without padding. `None` without a placeholder.
 pub fn of_frame(name: &str, frame: i32) -> Option<String> {
     let mut made = String::new();
     let mut from = 0;
@@ -184,7 +184,7 @@ fn placeholders(name: &str) -> impl Iterator<Item = Placeholder> {
     })
 }
 
-/// Length and digits of the place for a number that `text` begins with.
+/// Length and digits of the placeholder at the start of `text`.
 fn placeholder(text: &[u8]) -> Option<(usize, usize)> {
     let hashes = text.iter().take_while(|&&b| b == b'#').count();
     if hashes > 0 {

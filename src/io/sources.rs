@@ -203,7 +203,7 @@ impl RoleSource {
         }
     }
 
-    /// The pixels this source holds.
+    /// The window of this source.
     pub(super) fn window(&self) -> Window {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
@@ -296,7 +296,7 @@ impl RoleSource {
     }
 }
 
-/// The layer that plays `role` where the table of names knows none.
+/// The layer for `role` if the table of names knows none.
 fn by_words_or_numbers(
     role: Role,
     layers: &[Layer],
@@ -415,8 +415,8 @@ pub(super) fn read_rows(
     Ok(planes.into_iter().flatten().collect())
 }
 
-/// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
-/// frame's picture is. As data its values are taken as they are.
+/// A photo is treated as colour only if colour or light is wanted: then it is linear and multiplied by its alpha, like
+/// a frame's picture. As data its values are used as stored.
 fn photo_planes(
     photo: &StoredPhoto,
     role: Role,

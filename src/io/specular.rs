@@ -284,7 +284,7 @@ impl Layer<'_> {
         }
     }
 
-    /// Mask and unit normals in view space, read as those of the frame are; depth becomes 0 outside the mask.
+    /// Mask and unit normals in view space, read like those of the frame; depth becomes 0 outside the mask.
     fn with_normals(&self, mut normal: Vector3Planes, depth: &mut Plane) -> (Mask, Vector3Planes) {
         let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);

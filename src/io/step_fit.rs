@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Fewest steps that count as evidence.
 const FEWEST: usize = 100;
-/// Normals beside each other that turn more than this cosine are those of an edge.
+/// Adjacent normals with a smaller cosine between them are on an edge.
 const SMOOTH: f64 = 0.95;
 /// A step this many times as long as three quarters of all is an edge.
 const EDGE: f64 = 10.0;

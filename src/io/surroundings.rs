@@ -21,7 +21,7 @@ const WORST_RESIDUAL_PX: f64 = 1.0;
 /// Error of normals computed from points, mostly due to facets.
 const MADE_ROUNDING: f32 = 1e-3;
 
-/// Bytes for each pixel of a map: its planes as they are read, and points, normals and colour made of them.
+/// Bytes per pixel of a map: its planes as read, and the points, normals and colours made from them.
 const BYTES_PER_PIXEL: u64 = 96;
 
 /// Approximate memory for the surroundings in the panorama at `path`, by its header.

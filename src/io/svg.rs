@@ -41,7 +41,7 @@ const PLOTTED_BEND_PX: f32 = 0.1;
 /// Bends that may be left out in a row.
 const MOST_LEFT_OUT: usize = 64;
 
-/// Widths of a group over those of the one before.
+/// Ratio of the widths of a group to those of the previous one.
 const WIDTH_STEP: f32 = 1.2;
 
 /// Writes `drawing` to `file`, called `path` in errors.
@@ -73,7 +73,7 @@ fn write(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     writeln!(file, "</svg>")
 }
 
-/// Writes dots and lines as they were laid.
+/// Writes dots and lines in the order they were drawn, lines grouped by width.
 fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     let corner = drawing.corner();
     if !drawing.dots.is_empty() {
@@ -331,8 +331,9 @@ mod tests {
             vec![("strokes", vec![(&far, &[1.0; 2]), (&near, &[1.0; 3])])],
             true,
         );
-        // Points lie (10, -20) from the corner of the page. From there the pen goes to the dot at (11, 2), then 11.2 to
-        // the near line's first point at (0, 0), and from its last 10 on to the far line's last. A bend of 0.04 is left out.
+        // Points are at (10, -20) from the corner of the page. From there the pen goes to the dot at (11, 2), then 11.2
+        // to the near line's first point at (0, 0), and from its last 10 on to the far line's last. A bend of 0.04 is
+        // left out.
         let paths = "<path d=\"M0.00 0.00L40.00 0.00\"/>\n<path d=\"M50.00 0.00L10.00 20.00\"/>\n";
         assert!(page.contains(paths), "{page}");
         assert!(page.contains("<circle cx=\"11.00\" cy=\"2.00\" r=\"0.500\"/>"));

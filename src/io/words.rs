@@ -15,7 +15,7 @@ use crate::frame::NormalSpace;
 enum Meaning {
     /// The role that the layer plays.
     Plays(Role),
-    /// The same, where all other words are known: short words mean many things.
+    /// The same, if all other words are known: short words have many meanings.
     MayPlay(Role),
     /// The space of vectors.
     Space(NormalSpace),

@@ -21,7 +21,8 @@ pub(super) struct Candidate {
 
 /// A turn may be off orthonormal by this much.
 const ROTATION_TOLERANCE: f64 = 2e-3;
-/// The view axis is seen within this share of the picture from its middle, unless the lens is shifted more.
+/// Largest offset of the view axis from the middle of the picture, as a share of it; a larger lens shift is not
+/// accepted.
 const MOST_SHIFT: f64 = 0.4;
 
 /// Axes of a camera as view space has them: x right, y up, z toward the viewer.
@@ -53,7 +54,7 @@ pub(super) fn candidates(
     found
 }
 
-/// The pixels that the camera is made for.
+/// The pixels of the camera's picture.
 struct Picture {
     display: Window,
     aspect: f64,

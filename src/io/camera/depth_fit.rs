@@ -28,7 +28,7 @@ const CLEARLY_BETTER: f64 = 0.8;
 const TURN_BIAS: f64 = 0.05;
 /// Residuals count no more than this towards that mean.
 const OUTLYING: f64 = 0.2;
-/// Surfaces seen at a flatter angle than this cosine are left out: their slope changes within a patch.
+/// Surfaces seen at a flatter angle than this cosine are left out, since their slope changes within a patch.
 const GRAZING: f64 = 0.2;
 
 /// A lens and a turn, with how well they fit.
@@ -53,8 +53,8 @@ pub(super) struct Certainty {
     pub(super) lens: f64,
 }
 
-/// The proper rotation that best carries weighted normals onto those of the slopes (Wahba's problem),
-/// or with `mirrored` the best improper one.
+/// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
+/// the best improper one.
 fn best_turn(
     lens: Lens,
     patches: &[Patch],
@@ -86,7 +86,7 @@ fn loss(residual: f64) -> f64 {
     square / (square + COMPARED * COMPARED)
 }
 
-/// Weight of a patch for its shape alone; 1 where it is plane.
+/// Weight of a patch for its shape alone; 1 for a plane.
 fn shape_weight(patch: &Patch) -> f64 {
     let relative = BEND_ERROR * patch.bend / FLAT_ERROR;
     1.0 / (1.0 + relative * relative)
@@ -195,7 +195,7 @@ impl Fit {
         Some(others.iter().fold(*first, better))
     }
 
-    /// Turn and lens polished together, on patches that are not seen at a grazing angle.
+    /// Rotation and lens polished together, on patches not seen at a grazing angle.
     pub(super) fn polished(mut self, patches: &[Patch]) -> Option<Self> {
         for _ in 0..12 {
             let weights = weights(&self.residuals(patches), patches);
@@ -253,8 +253,8 @@ impl Fit {
         patches.iter().filter(facing).copied().collect()
     }
 
-    /// The typical residual of the patches that the turn rests on, of this fit and of the best mirrored
-    /// one at the same lens.
+    /// The typical residual of the patches that determine the rotation, for this fit and for the best mirrored one with
+    /// the same lens.
     pub(super) fn telling_residuals(&self, patches: &[Patch]) -> (f64, f64) {
         let telling = |turn: &Matrix3<f64>| {
             telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)

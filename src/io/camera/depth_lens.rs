@@ -27,8 +27,8 @@ pub(super) struct Lens {
 }
 
 impl Lens {
-    /// The normal of a patch in view space, by its slope. The view vector `(-u, -v, f) / f` times the
-    /// normal before it is made unit length is 1 for a perspective.
+    /// The normal of a patch in view space, by its slope, not normalised. Its product with the view vector `(-u, -v, f)
+    /// / f` is 1 for a perspective.
     fn raw_normal(&self, patch: &Patch) -> Vector3<f64> {
         let (f, seen, mut slope) = (self.number, patch.seen, patch.slope);
         if self.kind == Kind::Parallel {

@@ -54,7 +54,7 @@ const FARTHEST: f64 = 1e9;
 /// Scatter of depth about the fitted plane, in pixels of its slope: random places in the pixel give
 /// 0.3 to 0.4, a step from one surface to the next gives about 1.
 const SCATTER_PX: f64 = 0.7;
-/// Scatter, as a slope seen from a width's distance, that is let pass on surfaces that face the viewer.
+/// Tolerated scatter on surfaces that face the viewer, as a slope seen from a distance of one width.
 const SCATTER_SLOPE: f64 = 0.03;
 /// Tiles along each side of the picture; errors within one are taken to be related.
 pub(super) const TILES: usize = 12;
@@ -72,7 +72,7 @@ pub(super) struct Patch {
     pub(super) normal: Vector3<f64>,
     /// Spread of the normals about their mean, as an angle in radians.
     pub(super) bend: f64,
-    /// Which tile of the picture it lies in.
+    /// Index of its tile of the picture.
     pub(super) tile: usize,
 }
 

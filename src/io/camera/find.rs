@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Subject of findings about the camera.
 pub(in crate::io) const CAMERA: &str = "camera";
 
-/// About how many positions a camera is compared with.
+/// Approximate number of positions for testing a camera.
 const PROBES: usize = 2000;
 /// A camera that positions contradict by more than this share of the picture's width is not theirs.
 const MOST_OFF: f64 = 0.005;
@@ -239,7 +239,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
     Some((candidate.clone(), cost))
 }
 
-/// Median distance, in pixels, between where positions were seen and where a camera sees them.
+/// Median distance, in pixels, between the pixels of positions and their projections by the camera.
 fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
     let covered = pixels(surface).filter_map(|(x, y)| {
         let point = position.at(x, y);
@@ -280,7 +280,7 @@ fn pixels<'a>(surface: &'a SurfaceSamples) -> impl Iterator<Item = (usize, usize
     covered.step_by((mask.count() / PROBES).max(1))
 }
 
-/// The camera in words; its place only where it is known.
+/// The camera in words; its position only if known.
 fn described(camera: &Camera) -> String {
     let turn = camera.view_from_world.matrix3;
     let eye = camera.view_from_world.inverse().translation;

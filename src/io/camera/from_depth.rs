@@ -108,7 +108,7 @@ pub fn recover_camera_from_depth(
         Ok(answer) => return Ok(answer.report(&surface)),
         Err(failure) => failure,
     };
-    // Seen in a mirror across its y axis a left-handed world is right-handed.
+    // Mirrored across its y axis, a left-handed world is right-handed.
     let may_be_mirrored = matches!(
         failure,
         RecoveryFailure::Mirrored | RecoveryFailure::NormalsDisagree { .. }
@@ -202,7 +202,7 @@ fn angle_deg(distance: f64) -> f64 {
     (2.0 * (0.5 * distance).min(1.0).asin()).to_degrees()
 }
 
-/// The fit of the kind of lens and depth that fits best, and the patches that it rests on.
+/// The best fit over kinds of lens and depth, with the patches it was determined from.
 fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
     let scanned: Vec<Fit> = [Kind::Planar, Kind::Ray, Kind::Parallel]
         .into_iter()
@@ -217,7 +217,7 @@ fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
     Some((Fit::chosen(&scanned, &patches)?, patches))
 }
 
-/// The numbers to try for a kind of lens; `None` where depth is the same everywhere.
+/// The range of parameters to try for a kind of lens; `None` if depth is constant.
 fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
     let ((low, high), unit) = match kind {
         Kind::Planar | Kind::Ray => (FOCAL_SHARES, width),

@@ -10,7 +10,7 @@ const HANDFULS: [(usize, usize); 2] = [(8, 80), (40, 24)];
 /// A cloud thinner than this share of its length is also tried as a plane.
 const THIN: f64 = 0.05;
 
-/// Sums of squares of a cloud about the origin, by axis, and those axes: longest first.
+/// Sums of squares of a point cloud about the origin along its principal axes, with those axes: longest first.
 pub(super) fn principal_axes(samples: &[Sample]) -> (Vector3<f64>, Matrix3<f64>) {
     let sum: Matrix3<f64> = samples.iter().map(|s| s.point * s.point.transpose()).sum();
     let eigen = SymmetricEigen::new(sum);
@@ -203,7 +203,7 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
     ))
 }
 
-/// Cameras that see the plane through the first two of `axes` as `samples` were seen.
+/// Cameras under which the plane through the first two of `axes` projects onto `samples`.
 fn planar_cameras(samples: &[Sample], axes: &Matrix3<f64>, width: f64, guesses: &mut Vec<Model>) {
     let flat = |s: &Sample| {
         let p = axes.transpose() * s.point;

@@ -86,7 +86,7 @@ impl Model {
         }
     }
 
-    /// The model of opposite convergence that sees the plane through the first two of `axes` the same.
+    /// The model of opposite convergence with the same image of the plane through the first two of `axes`.
     pub(super) fn facing_plane(&self, axes: &Matrix3<f64>) -> Self {
         // Depth along the plane changes sign with the convergence; the third axis follows from the two.
         let turned = self.rotation.matrix() * axes;
@@ -104,7 +104,7 @@ impl Model {
         }
     }
 
-    /// Distance between where the sample was seen and where it should be, as a vector.
+    /// Difference between the observed and the projected position, as a vector.
     pub(super) fn residual(&self, sample: &Sample) -> Option<Vector2<f64>> {
         let p = self.rotation * sample.point;
         let w = 1.0 - self.convergence * p.z;
@@ -122,8 +122,8 @@ impl Model {
         quantile(&mut errors, 0.5)
     }
 
-    /// Median over squares of the picture, so many of them across its `width`, of how far their samples are off in the mean:
-    /// a measure that samples scattered about their place do not move.
+    /// Median over squares of the picture, of which there are a fixed number across its `width`, of their samples' mean
+    /// error: insensitive to samples scattered about their positions.
     pub(super) fn mean_error(&self, samples: &[Sample], width: f64) -> f64 {
         let side = width.max(1.0) / f64::from(SQUARES_ACROSS);
         let mut squares: BTreeMap<[i64; 2], (Vector2<f64>, usize)> = BTreeMap::new();
@@ -242,7 +242,7 @@ impl Model {
         self
     }
 
-    /// The polished model: trimming and descent in turns, each with the noise measured afresh.
+    /// The polished model: alternates trimming and descent, re-estimating the noise each time.
     pub(super) fn polished(self, samples: &[Sample], free: Free, rounds: usize) -> Self {
         let mut model = self;
         for _ in 0..rounds {

@@ -13,11 +13,11 @@ pub(crate) struct PanoramaPose {
     pub center: DVec3,
     /// World space to the map's own: x right, y up, -z in the middle of the picture.
     pub map_from_world: DMat3,
-    /// Median angle between where pixels look and where their positions lie, in pixels.
+    /// Median angle between directions of pixels and those of their positions, in pixels.
     pub residual_px: f64,
 }
 
-/// About how many pixels are looked at.
+/// Approximate number of pixels used.
 const SAMPLES: usize = 4000;
 
 /// Fewer decide nothing.
@@ -29,7 +29,7 @@ const ROUNDS: usize = 400;
 /// A round that moves the centre by less, as a share of the distances, is the last.
 const SETTLED: f64 = 1e-13;
 
-/// A pixel: where it looks in the map's own space, and the position that it shows.
+/// A pixel: its direction in the map's own space, and its position.
 struct Sighting {
     direction: DVec3,
     position: DVec3,
@@ -79,7 +79,7 @@ pub(crate) fn recover_panorama(
     })
 }
 
-/// Pixels spread over the map, with those near the poles thinned out as their solid angle is.
+/// Pixels spread over the map, thinned out near the poles in proportion to solid angle.
 fn sightings(positions: &Vector3Planes, seen: &Plane<bool>) -> Vec<Sighting> {
     let (width, height) = (seen.width(), seen.height());
     let step = ((width * height) as f64 / SAMPLES as f64).sqrt().max(1.0) as usize;
@@ -98,7 +98,7 @@ fn sightings(positions: &Vector3Planes, seen: &Plane<bool>) -> Vec<Sighting> {
     found
 }
 
-/// The rotation that best carries directions from the centre onto those of the map.
+/// The rotation that best maps directions from the centre onto those of the map.
 fn turned(sightings: &[Sighting], center: DVec3) -> Option<DMat3> {
     let mut sum = Matrix3::zeros();
     for s in sightings {

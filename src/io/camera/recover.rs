@@ -24,13 +24,13 @@ use nalgebra::{Matrix3, Vector3};
 const FEWEST: usize = 24;
 /// Samples that rank the guesses.
 const RANKING: usize = 600;
-/// Guesses that are polished on those samples.
+/// Number of guesses polished on those samples.
 const FINALISTS: usize = 8;
 /// Errors below this many pixels do not rank one guess above another.
 const LEAST_ERROR_PX: f64 = 0.01;
 /// Rotation less certain than this, in degrees, is no answer.
 const WORST_ROTATION_DEG: f64 = 1.0;
-/// Focal length less certain than this share is no answer where the points lie in a plane.
+/// Largest uncertainty of the focal length, as a share, that is accepted if the points lie in a plane.
 const WORST_FOCAL: f64 = 0.1;
 /// Largest scatter of samples about their projections, as a multiple of that explained by rounding.
 const MOST_SCATTER: f64 = 4.0;
@@ -49,9 +49,9 @@ pub(super) const MIRROR: DVec3 = DVec3::new(1.0, -1.0, 1.0);
 pub struct RecoveredCamera {
     /// The camera; its turn mirrors where the world is left-handed.
     pub camera: Camera,
-    /// Median distance, in pixel widths, between where samples were seen and where the camera sees them.
+    /// Median distance, in pixel widths, between samples and their projections.
     pub residual_px_median: f64,
-    /// The same distance that 95 % of the samples stay below.
+    /// 95th percentile of the same distance.
     pub residual_px_p95: f64,
     /// Share of samples that agree with the camera within the noise of the others, 0..1.
     pub inlier_share: f64,
@@ -153,7 +153,7 @@ pub fn recover_camera(
     let mut samples = gather(position, mask, data_window, display_window, aspect);
     match Fit::of(&samples, display_window) {
         Err(RecoveryFailure::Mirrored) => {
-            // Seen in a mirror across its y axis the world is right-handed.
+            // Mirrored across its y axis the world is right-handed.
             samples.mirror();
             let found = Fit::of(&samples, display_window)?;
             let mut report = found.report(&samples, display_window, aspect);
@@ -249,7 +249,7 @@ impl Fit {
         let rounding_px = samples.quantum / samples.spread * self.model.scale;
         let diagonal = (display.width() as f64).hypot(display.height() as f64);
         let limit = 1.0 + 0.002 * diagonal.min(2000.0) + rounding_px;
-        // Out of focus and in motion positions lie about the place that the camera sees, not beside it.
+        // Out of focus and in motion positions scatter about the projected point, without bias.
         let is_scatter = || {
             let width = display.width() as f64;
             residual_px <= MOST_SCATTER * limit
@@ -432,7 +432,7 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
     for model in models {
         let model = model.polished(samples, free, 4);
         polished.push(model);
-        // A plane is seen alike by an eye in front of it and a reversed one behind it.
+        // A plane has the same image for an eye in front of it and a reversed one behind it.
         if model.convergence < 0.0 {
             polished.push(model.facing_plane(&axes).polished(samples, free, 4));
         }
@@ -446,7 +446,7 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
     Some(Fit::new(best, samples, free))
 }
 
-/// The first few of the ranked guesses that differ from one another.
+/// The first few distinct ones among the ranked guesses.
 fn finalists(ranked: Vec<(f64, Model)>) -> Vec<Model> {
     let mut chosen: Vec<Model> = Vec::new();
     for (_, model) in ranked {

@@ -6,14 +6,14 @@ use nalgebra::{Vector2, Vector3};
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
 const WANTED: usize = 20_000;
-/// Pixels looked at to find that many; edges and gaps cost some.
+/// Pixels examined to find that many; edges and gaps cost some.
 const CANDIDATES: usize = 2 * WANTED;
 /// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
 const ENOUGH: usize = 400;
 /// Coordinates from here on mean "no surface" in some renderers.
 const FARTHEST: f64 = 1e9;
 
-/// A surface point and where it was seen.
+/// A surface point and its image position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     /// Position less the centroid, in units of the spread.
@@ -51,7 +51,7 @@ struct Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// The position at column `x` of row `y`, where one was seen.
+    /// The position at column `x` of row `y`, if there is one.
     fn at(&self, x: isize, y: isize) -> Option<Vector3<f64>> {
         let plane = &self.position.x;
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
@@ -204,7 +204,7 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
     (middle + mean, (square / count).sqrt())
 }
 
-/// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
+/// The `q` quantile of `values`; 0 for none. Reorders `values`.
 pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
     crate::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
 }

@@ -46,7 +46,7 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     Ok((out, ready))
 }
 
-/// The input's attributes, with those added that only a file of several parts must have.
+/// The input's attributes, plus those that only a multi-part file must have.
 fn named_parts(input: &ExrFile) -> Vec<Attributes> {
     let mut parts = input.header.parts.clone();
     for (i, header) in input.header.meta.headers.iter().enumerate() {

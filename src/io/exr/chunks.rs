@@ -1,4 +1,4 @@
-//! Chunks: where the compressed blocks of pixels lie in a file.
+//! Chunks: the compressed blocks of pixels in a file.
 
 use super::ExrFile;
 use super::fault::{Fault, Parsed};

@@ -28,7 +28,7 @@ pub(super) struct Encoder {
     sources: Vec<Source>,
     /// Rows of a block.
     block_rows: usize,
-    /// Rows that have been taken, those that wait included.
+    /// Rows taken, including those waiting.
     taken: usize,
     /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
@@ -38,7 +38,7 @@ pub(super) struct Encoder {
     clamped: u64,
 }
 
-/// Finite samples that half floats cannot hold, and that became the largest that they can.
+/// Numbers of finite samples beyond half floats, clamped to the largest one.
 #[derive(Debug, Clone, Copy, Default)]
 struct Clamped {
     /// Samples clamped in channels that DWA treats as colour, if it is used.
@@ -54,11 +54,11 @@ struct Encoded {
     clamped: u64,
 }
 
-/// Rows to be written: the same of every plane that is given.
+/// Rows to write: the same of every plane.
 pub(super) struct Strip<'a> {
     pub(super) planes: &'a [&'a Plane],
     pub(super) rows: Range<usize>,
-    /// The same rows of the part that is added to, if there is one, as it stores them.
+    /// The same rows of the part that channels are added to, if any, as stored.
     pub(super) kept: &'a [u8],
 }
 

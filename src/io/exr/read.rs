@@ -27,8 +27,8 @@ impl ExrFile {
     /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
     /// window of each channel's part.
     ///
-    /// Only the blocks that hold such rows are read. The limits count for the rows, not for the
-    /// whole picture. For one range after another a [`RowReader`](super::RowReader) is cheaper.
+    /// Only the blocks with such rows are read. The limits apply to the rows, not to the whole picture. For consecutive
+    /// ranges a [`RowReader`](super::RowReader) is cheaper.
     ///
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.

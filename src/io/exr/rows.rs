@@ -103,7 +103,7 @@ fn parts_of(chunks: &mut ChunkReader, wanted: &[ChannelId]) -> Parsed<Vec<PartRo
     Ok(parts)
 }
 
-/// Consecutive rows of some buffers, kept so that those that are wanted again need not be read.
+/// Consecutive rows of some buffers, kept so that rows wanted again need not be read.
 pub(super) struct HeldRows<T> {
     held: Range<usize>,
     /// Elements in a row of a buffer.

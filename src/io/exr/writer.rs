@@ -67,8 +67,8 @@ pub fn add_channels(
 
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
-/// The bytes do not depend on how the rows are cut. Of the rows given at one time, those that do not
-/// fill a block are kept; no more than that and the blocks being compressed is held in memory.
+/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call;
+/// memory holds no more than those and the blocks being compressed.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,

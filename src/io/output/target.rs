@@ -123,7 +123,7 @@ type Place = (u64, u64);
 type Place = PathBuf;
 
 impl FileId {
-    /// The file that reading or writing `path` would reach; `None` where it cannot be reached.
+    /// The file reached by reading or writing `path`; `None` if it cannot be reached.
     pub(super) fn of(path: &Path) -> Option<Self> {
         if let Some(place) = place_of(path) {
             return Some(Self { place, name: None });
@@ -172,10 +172,10 @@ impl Files {
         }
     }
 
-    /// Notes an output, given as the flag `name`. All inputs are noted before.
+    /// Registers an output, given as the flag `name`. All inputs are registered before.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is an output already.
+    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is already an output.
     pub(crate) fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
         // Unreachable paths fail later, on writing.
         let Some(id) = FileId::of(path) else {

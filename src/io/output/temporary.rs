@@ -79,7 +79,7 @@ fn anonymous_in(directory: &Path) -> Option<File> {
     use rustix::fs::{Mode, OFlags, open};
     let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     let file = File::from(open(directory, flags, Mode::from_raw_mode(0o666)).ok()?);
-    // Its number among the open files is the only way to name it.
+    // Its descriptor is the only way to name it.
     link_of(&file).exists().then_some(file)
 }
 

@@ -13,10 +13,10 @@ const MAX_SIDE: u32 = 1 << 16;
 /// Most bytes for the samples of a picture, and as many again for its decoder.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its kind.
+/// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its format.
 ///
 /// # Errors
-/// For a picture that is damaged, holds no pixels or too many, or is of no kind that is read; those of `read`.
+/// For a picture that is damaged, has no pixels or too many, or has an unsupported format; those of `read`.
 pub(super) fn with_decoder<T>(
     path: &Path,
     read: impl FnOnce(Box<dyn ImageDecoder + '_>, ImageFormat) -> Result<T>,

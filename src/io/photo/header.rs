@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The header of a picture.
 pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) path: PathBuf,
-    /// Columns and rows as it is looked at: turned by its orientation.
+    /// Upright columns and rows, after its orientation.
     pub(in crate::io) width: usize,
     pub(in crate::io) height: usize,
     /// Rotation of the stored pixels.
@@ -114,7 +114,7 @@ impl PhotoHeader {
     }
 }
 
-/// Columns and rows after the pixels were turned, or before: sides change places both ways.
+/// Columns and rows after the rotation, or before: the sides swap both ways.
 pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T, T) {
     match orientation {
         Orientation::Rotate90
@@ -126,7 +126,7 @@ pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T
 }
 
 impl<'a> Samples<'a> {
-    /// Those of some rows of `row` samples each.
+    /// The samples of some rows, of `row` samples each.
     pub(super) fn within(self, row: usize, rows: &Range<usize>) -> Self {
         let range = rows.start * row..rows.end * row;
         match self {

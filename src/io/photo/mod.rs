@@ -22,7 +22,7 @@ use crate::error::Result;
 use crate::frame::Plane;
 use std::path::Path;
 
-/// A picture as it is stored.
+/// A picture as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
     /// Number of columns.
@@ -40,10 +40,10 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// Reads the picture at `path`; its kind is recognised by content, not by name.
+    /// Reads the picture at `path`; its format is recognised by content, not by name.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] for a picture that is too large, holds no pixels or is of no kind that is read;
+    /// [`crate::Error::Unsupported`] for a picture that is too large, has no pixels or an unsupported format;
     /// [`crate::Error::Damaged`] and [`crate::Error::Io`].
     pub fn read(path: &Path) -> Result<Photo> {
         let stored = StoredPhoto::open(path, u64::MAX)?;

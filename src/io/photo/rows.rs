@@ -1,4 +1,4 @@
-//! Pictures row by row, for those that are not to be held.
+//! Pictures row by row, for those too large to hold.
 
 use super::decoder::{image_error, one_line, within_fence};
 use super::header::{PhotoHeader, Samples};
@@ -25,7 +25,7 @@ pub(super) fn each_row(
     take: &mut Take,
 ) -> Result<()> {
     within_fence(&photo.path, || match photo.format {
-        // Rows as it is looked at are no rows of the file.
+        // Upright rows are not rows of the file.
         _ if photo.turned_from().is_some() => Err(photo.too_large(most_bytes)),
         ImageFormat::Png => png_rows(photo, rows, most_bytes, take),
         ImageFormat::Hdr => hdr_rows(photo, rows, take),

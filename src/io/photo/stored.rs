@@ -1,4 +1,4 @@
-//! A picture whose header has been read, and its samples as they are stored.
+//! A picture whose header has been read, and its samples as stored.
 
 use super::decoder::{image_error, max_code, with_decoder};
 use super::header::{PhotoHeader, Samples, turned};
@@ -117,7 +117,7 @@ impl StoredPhoto {
     fn image(&self) -> Result<Ref<'_, DynamicImage>> {
         if self.image.borrow().is_none() {
             let image = with_decoder(&self.header.path, |decoder, _| {
-                // The file may have been written anew since its header was read.
+                // The file may have been rewritten since its header was read.
                 let orientation = self.header.orientation;
                 let (width, height) = turned(orientation, (self.header.width, self.header.height));
                 let size = (width as u32, height as u32);
@@ -204,7 +204,7 @@ fn linear_values(bits: u8) -> Vec<f32> {
     (0..=max).map(linear).collect()
 }
 
-/// The values of one of `count` channels that lie side by side.
+/// The values of one of `count` interleaved channels.
 fn channel_of<T: Copy + Sync>(
     samples: &[T],
     count: usize,

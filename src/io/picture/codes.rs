@@ -40,7 +40,7 @@ pub(super) struct SrgbCodes {
     at: [u8; 2 * SRGB_PARTS],
 }
 
-/// Many enough that a part holds no more than two codes.
+/// Enough that a part has no more than two codes.
 const SRGB_PARTS: usize = 4096;
 
 pub(super) static SRGB_8: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);

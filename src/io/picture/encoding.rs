@@ -11,7 +11,7 @@ pub struct Encoding {
     pub quality: u8,
     /// The program that made it.
     pub software: Option<String>,
-    /// The settings it was made by. PNG, JPEG and TIFF hold them as their description.
+    /// Settings used for the picture. PNG, JPEG and TIFF store them as their description.
     pub settings: Option<String>,
     /// Width of a pixel on the depicted object, in millimetres, if known.
     pub pixel_mm: Option<f64>,
@@ -49,7 +49,7 @@ impl Encoding {
         Some(self.metadata.dpi?.map(|dpi| dpi * times))
     }
 
-    /// The colour profile that was kept, where it is one of red, green and blue.
+    /// The photo's colour profile, if it is an RGB one.
     pub(super) fn profile(&self) -> Option<&[u8]> {
         // The space of its colours is named after 16 bytes.
         let profile = self.metadata.profile.as_deref()?;
@@ -102,7 +102,7 @@ impl Encoding {
     }
 }
 
-/// A text that all formats hold: letters beyond ASCII are spelled as TOML spells them.
+/// A text for all formats: non-ASCII letters are escaped as in TOML.
 pub(super) fn ascii(text: &str) -> String {
     let spelled = |c: char| match c {
         '\0' => String::new(),

@@ -70,7 +70,7 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// Its planes: three of colour, and alpha where it has one.
+    /// Its planes: three of colour, and alpha if it has one.
     pub fn planes(&self) -> Vec<&'a Plane> {
         let ColorPlanes { r, g, b } = self.color;
         [r, g, b].into_iter().chain(self.alpha).collect()

@@ -1,4 +1,4 @@
-//! Samples as picture files hold them, gathered by rows and encoded at once.
+//! Samples in the layout of picture files, gathered by rows and encoded at once.
 
 use super::codes::{code, straight};
 use super::encoding::Encoding;
@@ -23,7 +23,7 @@ pub(crate) struct Gathered {
     size: [usize; 2],
     /// Samples of each pixel: 1, 3, or 4 with alpha.
     channels: usize,
-    /// Bits of each as it is stored.
+    /// Bits per stored sample.
     bits: u8,
     dpi: Option<[f32; 2]>,
     grey: bool,
@@ -34,7 +34,7 @@ pub(crate) struct Gathered {
     samples: Samples,
 }
 
-/// Samples as files hold them, those of a pixel side by side.
+/// Samples in the layout of files, those of a pixel interleaved.
 #[derive(Debug, Clone)]
 enum Samples {
     /// 8-bit or 1-bit samples.
@@ -102,7 +102,7 @@ impl Gathered {
         }
     }
 
-    /// Adds the rows `rows` of `part`, below those that were added before.
+    /// Adds the rows `rows` of `part`, below those added before.
     ///
     /// # Panics
     /// If planes differ in size, or `part` is not as wide as the picture.

@@ -40,7 +40,7 @@ const UNITS: [(&str, f64); 6] = [
 pub(super) struct Bar {
     width: usize,
     height: usize,
-    /// Row by row, whether a pixel is black (1), white (0) or left as it is.
+    /// Row by row, whether a pixel is black (1), white (0) or unchanged.
     pixels: Vec<Option<bool>>,
 }
 
@@ -112,8 +112,8 @@ impl Bar {
         }
     }
 
-    /// Draws it on the samples of a picture of `size`, `channels` of each pixel, between `black` and `white`; the size with it, or
-    /// `None` where there is no room.
+    /// Draws it on the samples of a picture of `size`, with `channels` per pixel, between `black` and `white`; returns
+    /// its size, or `None` without room.
     pub(super) fn draw<T: Copy + PartialEq>(
         &self,
         samples: &mut Vec<T>,

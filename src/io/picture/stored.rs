@@ -13,7 +13,7 @@ use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, Tag};
 use tiff::{TiffError, TiffResult};
 
-/// A picture as it is stored.
+/// A picture ready to be stored.
 pub(super) struct Stored<'a> {
     /// Columns and rows.
     pub(super) size: [u32; 2],
@@ -25,7 +25,7 @@ pub(super) struct Stored<'a> {
     pub(super) dpi: Option<[f32; 2]>,
     /// The ICC profile of its colours.
     pub(super) profile: Option<&'a [u8]>,
-    /// Samples, those of 16 bits in this machine's order of bytes, those of 1 bit a byte each, 1 white.
+    /// Samples: 16-bit ones in native byte order, 1-bit ones a byte each, with 1 as white.
     pub(super) samples: &'a [u8],
 }
 
@@ -98,7 +98,7 @@ fn packed(picture: &Stored) -> Vec<u8> {
     rows.flat_map(|row| row.chunks(8).map(byte)).collect()
 }
 
-/// Writes a TIFF: pictures of one bit by CCITT Group 4, others as they are.
+/// Writes a TIFF: one-bit pictures by CCITT Group 4, others uncompressed.
 pub(super) fn write_tiff(
     w: &mut (impl Write + Seek),
     picture: &Stored,
@@ -154,7 +154,7 @@ pub(super) fn write_tiff(
     write().map_err(tiff_error)
 }
 
-/// Rows of a strip of about [`STRIP_BYTES`], of a picture of so many bytes and rows.
+/// Rows of a strip of about [`STRIP_BYTES`], for a picture of this many bytes and rows.
 fn rows_per_strip(bytes: usize, height: u32) -> u32 {
     let row = (bytes / height.max(1) as usize).max(1);
     ((STRIP_BYTES / row) as u32).clamp(1, height.max(1))

@@ -20,7 +20,7 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Option<usize> {
     INFLATE.with_borrow_mut(|inflate| inflate.zlib_decompress(compressed, into).ok())
 }
 
-/// The number of bytes that `bytes` become, which it writes; `None` where they do not fit.
+/// Compresses `bytes` into `into`; returns the number of compressed bytes, `None` if they do not fit.
 pub(super) fn deflate(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
     DEFLATE.with_borrow_mut(|deflate| deflate.zlib_compress(bytes, into).ok())
 }

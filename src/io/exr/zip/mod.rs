@@ -1,9 +1,9 @@
-//! ZIP compression: zlib over bytes that were sorted and differenced.
+//! ZIP compression: zlib over reordered and differenced bytes.
 //!
-//! A block is cut into the bytes at even places and those at odd places, one after the other; then
-//! each byte but the first is replaced by its difference from the one before it, plus 128. Samples are
-//! stored low byte first, so a pair of bytes, one of each half, is a half float or half of a sample of
-//! 32 bits. Only pairs that are wanted are put together: of the rest nothing but the sum is needed.
+//! A block is split into the bytes at even positions followed by those at odd positions; then each byte but the first
+//! is replaced by its difference from the previous one, plus 128. Samples are stored low byte first, so a pair of
+//! bytes, one of each half, is a half float or half of a 32-bit sample. Only requested pairs are assembled: of the rest
+//! only the sum is needed.
 
 #[cfg(feature = "libdeflate")]
 mod libdeflate;
@@ -84,7 +84,7 @@ impl<'b> Pairs<'b> {
         self.high_sum = total(self.high_sum, high);
     }
 
-    /// Puts together as many pairs as `into` holds.
+    /// Assembles enough pairs to fill `into`.
     pub(super) fn take(&mut self, into: &mut [u16]) {
         let (low, high) = self.next(into.len());
         let (into, into_rest) = into.as_chunks_mut::<8>();
