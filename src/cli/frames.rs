@@ -36,7 +36,7 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
     /// Files that only this command reads, of one frame of a sequence.
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
 
-    /// A folder that it reads all files of.
+    /// A folder whose files are all inputs.
     fn folder(&self) -> Option<&Path> {
         None
     }
@@ -46,7 +46,7 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
         false
     }
 
-    /// Refuses arguments that do not hold up, by themselves or together.
+    /// Refuses invalid arguments, single or in combination.
     fn validate(&self) -> Result<()>;
 
     /// Prepares the inputs shared by all frames.
@@ -112,7 +112,7 @@ pub(super) fn one<C: FrameCommand>(
     save_recipe(work, &recipe.with(&chosen))
 }
 
-/// Refuses arguments of `command` that do not hold up.
+/// Refuses invalid arguments of `command`.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
     command.work().flags.validate()?;
     command.work().output.refuse_idle()?;
@@ -270,7 +270,7 @@ fn choose<C: FrameCommand>(
     }
 }
 
-/// Which frames have to be made at all.
+/// The frames that have to be made.
 struct Making {
     /// By frame: whether the output exists and is complete.
     is_there: Vec<bool>,
@@ -307,7 +307,7 @@ struct Sequence<'a, C: FrameCommand> {
 }
 
 impl<C: FrameCommand> Sequence<'_, C> {
-    /// Makes frames, one after another, until there are no more or the run is to end.
+    /// Makes frames, one after another, until none is left or the run is to stop.
     fn make_frames(&self) {
         loop {
             let failed = self.failed.load(Ordering::Relaxed);

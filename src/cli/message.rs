@@ -33,7 +33,7 @@ pub(super) fn exit_code(error: &Error) -> i32 {
 pub(super) fn misuse(error: &clap::Error) -> i32 {
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if is_help || !error.use_stderr() {
-        // A reader that has gone away is no error.
+        // A closed pipe is not an error.
         let _ = error.print();
     } else {
         say(&format!("{}; see --help", misuse_line(error)));
@@ -91,7 +91,7 @@ pub(super) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(line));
 }
 
-/// Writes results to stdout, line by line; a reader that has gone away is no error, a full disk is.
+/// Writes results to stdout, line by line; a closed pipe is not an error, a full disk is.
 pub(super) fn result(lines: impl IntoIterator<Item = String>) -> Result<()> {
     let lines = lines.into_iter();
     print(
@@ -117,8 +117,8 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// `line` as a terminal can only show it: characters that would steer the terminal, end the line or turn the direction of
-/// writing are spelled as JSON spells them. Names come from files of anybody's making.
+/// `line` with characters escaped as in JSON that would control the terminal, end the line or change the writing
+/// direction. Names come from untrusted files.
 fn printable(line: &str) -> Cow<'_, str> {
     if !line.contains(steers) {
         return line.into();

@@ -54,7 +54,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
     })
 }
 
-/// The commands and their flags, as clap knows them: for completions, manual pages, and whoever tries them all.
+/// The commands and their flags, in clap's form: for completions, manual pages, and exhaustive tests.
 pub fn command() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }

@@ -1,4 +1,4 @@
-//! Panics: reported in one line each, and a sequence goes on.
+//! Panics: reported in one line each, and a sequence continues.
 
 use crate::error::{Error, Result};
 use std::any::Any;

@@ -54,7 +54,7 @@ impl Tally {
     }
 }
 
-/// Shows how far a sequence has come.
+/// Shows the progress of a sequence.
 pub(super) struct Progress {
     shown: Shown,
     total: usize,

@@ -19,7 +19,7 @@ pub(super) struct ReportDevice;
 #[cfg(not(feature = "gpu"))]
 impl ReportDevice {
     /// # Errors
-    /// [`crate::Error::NoGpu`] where there has to be a device: this build knows of none.
+    /// [`crate::Error::NoGpu`] if a device is required: this build supports none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         match backend {
             BackendArg::Gpu => backend.engine().map(|_| Self),
@@ -50,7 +50,7 @@ pub(super) enum ReportDevice {
 #[cfg(feature = "gpu")]
 impl ReportDevice {
     /// # Errors
-    /// [`crate::Error::NoGpu`] where there has to be a device and is none.
+    /// [`crate::Error::NoGpu`] if a device is required and there is none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         use crate::engine::gpu::device::{Choice, Device};
         let opened = match backend {

@@ -1,4 +1,4 @@
-//! The message log of a run: keeps the output of frames that are made in parallel in the order of frames.
+//! The message log of a run: keeps the output of parallel frames in frame order.
 
 use super::message;
 use super::progress::{Progress, Status, Tally};
@@ -55,7 +55,7 @@ impl RunLog {
     }
 }
 
-/// Lets frames that are made at the same time pass one point in their order.
+/// Lets parallel frames pass one point in their order.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
     passed: Mutex<Passed>,

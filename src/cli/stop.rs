@@ -65,7 +65,7 @@ fn wait_for_signals(ready: std::sync::mpsc::Sender<()>) {
     }
 }
 
-/// Makes a write beyond the largest size that the system allows fail, where it would end the program.
+/// Makes a write beyond the system's size limit fail instead of ending the program.
 #[cfg(unix)]
 pub(super) fn outlive_full_files() {
     static OUTLIVED: std::sync::Once = std::sync::Once::new();

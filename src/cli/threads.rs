@@ -54,7 +54,7 @@ fn pool_of(threads: usize) -> ThreadPool {
         })
 }
 
-/// Frames that are made at the same time, and the threads of each.
+/// Frames made in parallel, with the threads of each.
 pub(super) struct Lanes {
     threads: Vec<usize>,
 }
