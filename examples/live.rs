@@ -12,7 +12,7 @@ use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, Scale, ScalingParams, ShapeParams};
 use std::time::Instant;
 
-/// Changes that are made of each kind.
+/// Number of changes of each kind.
 const CHANGES: u32 = 30;
 
 fn main() -> relievo::Result<()> {

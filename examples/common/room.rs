@@ -6,7 +6,7 @@ use relievo::light::environment::Environment;
 /// The room as a map of this many columns.
 pub(crate) fn room(width: usize) -> Environment {
     let height = width / 2;
-    // Only the map knows which way its pixels look.
+    // Only the map knows the directions of its pixels.
     let blank = Environment::from_fn(width, height, |_, _| [0.0; 3]);
     Environment::from_fn(width, height, |x, y| radiance(blank.direction(x, y)).into())
 }

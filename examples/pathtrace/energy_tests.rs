@@ -103,7 +103,7 @@ fn a_coat_never_reflects_more_than_came() {
 
 #[test]
 fn glass_and_mirrors_hand_on_what_they_get() {
-    // Each sends light on by one way of weight 1, or by one of two whose chances add up to 1.
+    // Each continues light in one direction of weight 1, or in one of two whose probabilities add up to 1.
     for material in [Material::Glass(1.5), Material::Mirror(Vec3::ONE)] {
         let scene = SceneBuilder::default()
             .sphere(Vec3::ZERO, 1.0, material)

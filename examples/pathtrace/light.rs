@@ -57,7 +57,7 @@ impl AreaLight {
 /// Light from all around that can be sampled by its brightness.
 pub(crate) struct Surroundings {
     map: Environment,
-    /// For each pixel how likely it and those before it are, in reading order.
+    /// Cumulative probability of the pixels, in reading order.
     shares: Vec<f64>,
     share_sum: f64,
 }
@@ -71,8 +71,8 @@ impl Surroundings {
         let map = map.resized(SAMPLED_WIDTH);
         let (width, height) = (map.width(), map.height());
         let brightness = |x: usize, y: usize| map.pixel(x, y).iter().sum::<f32>();
-        // Looking up is linear between pixels: one is as bright as the brightest beside it, for nothing that
-        // shines may be left out. Beyond a pole lies the whole row.
+        // Look-ups interpolate between pixels, so each pixel gets the brightness of the brightest one beside it: no
+        // light may be left out. The neighbours beyond a pole are the whole row.
         let around = |x: usize, y: usize| {
             let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
             let beside_pole = y == 0 || y + 1 == height;
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn samples_of_the_surroundings_add_up_to_their_power() {
-        // Radiance over density has the power as its mean, and densities are the same both ways.
+        // Radiance over density has the power as its mean, and both functions agree on the density.
         let map = Environment::from_fn(32, 16, |x, y| match (x, y) {
             (7, 5) => [40.0, 1.0, 0.0],
             (20, 0) => [9.0; 3],

@@ -50,8 +50,8 @@ impl Glossy {
         }
     }
 
-    /// Solid-angle density of the directions to light that the coat is sampled with: half vectors by
-    /// `(n.h)^exponent`, each of which stands for `4 h.e` times its solid angle of directions.
+    /// Solid-angle density of sampling directions to light by the coat: half vectors by `(n.h)^exponent`, each standing
+    /// for `4 h.e` times its solid angle of directions.
     fn coat_density(&self, d: &Directions) -> f32 {
         let half = (d.to_eye + d.to_light).normalize_or(d.normal);
         let cosine = half.dot(d.normal).max(0.0);
@@ -74,8 +74,7 @@ impl Material {
         }
     }
 
-    /// What is reflected to the eye of light from a direction above the surface: BRDF times the cosine, per
-    /// lobe.
+    /// Light from a direction above the surface reflected to the eye: BRDF times the cosine, per lobe.
     #[inline]
     pub(crate) fn reflected(&self, d: &Directions) -> PerLobe<Vec3> {
         let (nl, ne) = (d.normal.dot(d.to_light), d.normal.dot(d.to_eye));
@@ -136,8 +135,8 @@ impl Material {
         }
     }
 
-    /// The share of paths that go on from here once they are long: no more than is reflected, roughly, and
-    /// the same whether or not light is scaled.
+    /// Probability that a long path continues: at most about the reflectance, and the same with or without scaled
+    /// light.
     pub(crate) fn survival(&self) -> f32 {
         let share = match self {
             Self::Matte(albedo) => albedo.max_element(),

@@ -113,9 +113,8 @@ mod tests {
 
     #[test]
     fn a_torus_has_both_its_curvatures() {
-        // Around the tube 1/r; about the axis cos v / (R + r cos v): convex outside, concave inside. Evened out
-        // are operators that are turned by 3 degrees against each other, which costs some tan^2 of it, 0.3 %, a
-        // pass.
+        // Around the tube 1/r; about the axis cos v / (R + r cos v): convex outside, concave inside. Smoothing averages
+        // operators rotated by 3 degrees against each other, which costs about tan^2 of it, 0.3 %, a pass.
         let (large, small, columns, rows) = (1.0, 0.4, 240, 120);
         let mesh = torus(large, small, columns, rows);
         for row in 4..rows - 4 {

@@ -1,10 +1,9 @@
-//! The light that a path brings: direct light looked for and met by chance, and all that it meets after.
+//! Light along a path: direct light, sampled and hit by chance, and all light it hits afterwards.
 //!
-//! [LW] section 6.1: where light is looked for, a direction l' to it is unwarped to l, and counts with the
-//! Jacobian (equation 2); where a direction l is chosen by the material, the path goes on along its warped one
-//! l' (equation 1). Both are samples of one integral over l', the second with the density of l times the same
-//! Jacobian; so they are weighed against each other as ever (E. Veach, L. Guibas: Optimally Combining Sampling
-//! Techniques, 1995).
+//! [LW] section 6.1: a sampled direction l' to a light is unwarped to l, and weighted by the Jacobian (equation 2); for
+//! a direction l sampled from the material, the path continues along its warped one l' (equation 1). Both sample one
+//! integral over l', the second with the density of l times the same Jacobian; so they are combined as usual (E. Veach,
+//! L. Guibas: Optimally Combining Sampling Techniques, 1995).
 
 use super::enhancement::{Altered, Enhancement};
 use super::geometry::Ray;
@@ -80,7 +79,7 @@ impl Passes {
     }
 }
 
-/// A point of a path, with all that the light there is to be weighed by.
+/// A vertex of a path, with everything needed to weight the light there.
 pub(crate) struct Vertex<'a> {
     pub(crate) point: Point<'a>,
     pub(crate) to_eye: Vec3,
@@ -94,18 +93,18 @@ pub(crate) struct Found {
     pub(crate) light: PerLobe<Vec3>,
     /// Jacobian of the inverse warp at the light.
     pub(crate) jacobian: f32,
-    /// The density that it was found with, and that [`Vertex::bounce`] would have found it with.
+    /// Its sampling density, and its density under [`Vertex::bounce`].
     pub(crate) densities: [f32; 2],
 }
 
-/// The way that a path goes on.
+/// Continuation of a path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounce {
     /// Direction of the incoming light, already warped.
     pub(crate) direction: Vec3,
     /// Reflectance per lobe, over the density of the sample.
     pub(crate) weight: PerLobe<Vec3>,
-    /// Density of `direction`; `None` where it is the only one.
+    /// Density of `direction`; `None` for the only possible one.
     pub(crate) density: Option<f32>,
 }
 
@@ -312,8 +311,8 @@ fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLo
     }
 }
 
-/// The power heuristic: how much of a sample counts that was drawn by `way` with the density `own`, and could
-/// have been drawn by the other way with the density `other`.
+/// The power heuristic: weight of a sample drawn by `way` with the density `own`, which the other way draws with the
+/// density `other`.
 fn weight(direct: Direct, way: Direct, own: f32, other: f32) -> f32 {
     match direct {
         Direct::Both => {

@@ -118,8 +118,8 @@ impl Job<'_> {
         });
     }
 
-    /// The first thing on the way of a line of sight that is neither mirror nor glass. Glass is looked
-    /// through, unless it mirrors all or most of the light.
+    /// The first surface along a sight line that is neither mirror nor glass. Sight lines pass through glass, unless it
+    /// mirrors all or most of the light.
     fn seen_by(&self, ray: &Ray, first: Point) -> Option<Vec3> {
         let (mut point, mut to_eye) = (first, -ray.direction);
         for _ in 0..MOST_CLEAR {

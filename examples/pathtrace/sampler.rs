@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn pairs_fill_every_elementary_interval() {
-        // A (0, 2)-sequence: of the first 64 points each 1/64 of the square, however cut, holds one.
+        // A (0, 2)-sequence: for any division of the square into 64 elementary intervals, each holds one of the first
+        // 64 points.
         for dimension in 0..5 {
             let points: Vec<[f32; 2]> = (0..64)
                 .map(|i| {

@@ -14,10 +14,10 @@ const CLEARANCE: f32 = 1e-4;
 /// Something in the scene.
 pub(crate) struct Object {
     pub(crate) material: Material,
-    /// Radiance that it sends out of itself on all sides.
+    /// Radiance emitted in all directions.
     pub(crate) emission: Vec3,
     mesh: Option<Mesh>,
-    /// Which of the lights it is; those are met by chance and looked for, too.
+    /// Index of its light; area lights are both hit by chance and sampled.
     area_light: Option<usize>,
 }
 
@@ -208,7 +208,7 @@ impl Scene {
 /// though the smooth surface does not.
 const LEAST_FACING: f32 = 1e-3;
 
-/// The unit normal, tilted just so far that it faces `to_eye`.
+/// The unit normal, tilted just enough to face `to_eye`.
 fn facing(normal: Vec3, to_eye: Vec3) -> Vec3 {
     let cosine = normal.dot(to_eye);
     if cosine >= LEAST_FACING {

@@ -24,7 +24,7 @@ type Picture = ColorPlanes;
 
 /// Renders all of them and writes one JPEG.
 pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(), Box<dyn Error>> {
-    // Before an hour of rendering, see that there is a place for it.
+    // Check the output before an hour of rendering.
     relievo::io::output::check_writable(output, relievo::io::output::Replace::IfWritable)?;
     let warped = (Bounces::First, Bounces::None);
     let scaled = |bounces| (Bounces::None, bounces);
@@ -66,7 +66,7 @@ pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(
     Ok(())
 }
 
-/// One scene rendered in several ways: where it is warped and where it is scaled.
+/// One scene rendered with warping and scaling at various bounces.
 fn pictures(
     setting: Setting,
     kinds: &[(Bounces, Bounces)],

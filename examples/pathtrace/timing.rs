@@ -35,7 +35,7 @@ fn kinds() -> [(&'static str, Enhancement); 6] {
     ]
 }
 
-/// Times of every kind, and how much longer than plain each took in the same round.
+/// Times of every kind, and their ratios to plain in the same round.
 pub(crate) fn table(rounds: usize) -> String {
     let scene = stage::scene(Setting::Mirrors, the_urn());
     let kinds = kinds();
@@ -90,7 +90,7 @@ pub(crate) fn table(rounds: usize) -> String {
     text
 }
 
-/// The value that this share of the others lies below, to the nearest one.
+/// The quantile for this share, to the nearest value.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

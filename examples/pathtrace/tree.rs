@@ -106,8 +106,7 @@ impl Tree {
         blocked
     }
 
-    /// Calls `each` for hits nearer than `farthest`; it answers how near the next must be, or that it has
-    /// seen enough.
+    /// Calls `each` for hits nearer than `farthest`; it returns the new limit, or that it needs no more hits.
     #[inline(always)]
     fn walk(&self, ray: &Ray, mut farthest: f32, mut each: impl FnMut(Hit) -> Option<f32>) {
         let steep = ray.direction.abs().max(Vec3::splat(LEAST_COMPONENT));

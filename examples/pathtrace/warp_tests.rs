@@ -113,7 +113,7 @@ fn lights_unwarped_and_lookups_warped_agree() {
     for (index, scene) in scenes().iter().enumerate() {
         for hessian in HESSIANS {
             let vertex = vertex(scene, hessian);
-            // Equation 1: a direction by the material, looked up where it is warped to.
+            // Equation 1: a direction sampled from the material, looked up at its warped one.
             let lookups = batches(1, &|sampler| {
                 let bounce = vertex.bounce(sampler)?;
                 let ray = vertex.point.leaving(bounce.direction);
@@ -151,7 +151,7 @@ fn lights_unwarped_and_lookups_warped_agree() {
             }
         }
     }
-    // A Jacobian happens to be near 1 here and there; where it is not, leaving it out must show.
+    // The Jacobian is near 1 in places; elsewhere, omitting it must show.
     assert!(lit >= 30, "only {lit} of 36 are lit");
     assert!(
         told_apart * 5 >= lit * 4,
