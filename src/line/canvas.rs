@@ -13,9 +13,9 @@ use std::sync::Arc;
 pub(crate) struct Canvas {
     /// The surface seen in mirrors and lenses, with its edges, which stop lines like any others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
-    /// The luminance of the tone, where no picture of it is kept.
+    /// The luminance of the tone, if no picture of it is kept.
     pub(crate) luminance: Option<Plane>,
-    /// The optical densities to be drawn, where they do not follow from luminance alone.
+    /// The optical densities to draw, if they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and their coverage.
     pub(crate) contours: Option<(Plane, Vec<Contour>)>,
@@ -25,6 +25,6 @@ pub(crate) struct Canvas {
     pub(crate) directions: Vec<Vector2Planes>,
     /// Placement of the stroke texture.
     pub(crate) coordinates: Option<TextureCoordinates>,
-    /// The texture of strokes, where it is not given.
+    /// The texture of strokes, unless it is given.
     pub(crate) art_map: Option<Arc<TonalArtMap>>,
 }

@@ -12,7 +12,7 @@ use crate::error::Result;
 /// The part of a drawing on the device; the CPU's part is on the canvas of its own run.
 #[derive(Default)]
 pub(crate) struct DeviceCanvas<'a> {
-    /// Edges on their way to the CPU, which follows them.
+    /// Edges being read back for the CPU, which follows them.
     pub(crate) edges: Option<Result<PendingReadback<'a>>>,
     /// The directions of strokes.
     pub(crate) fields: Option<StrokeFields>,
@@ -38,7 +38,7 @@ impl DeviceCanvas<'_> {
     }
 }
 
-/// Edges on their way from the device.
+/// Edges being read back from the device.
 pub(crate) enum PendingReadback<'d> {
     /// In lists, with these numbers of cracks and creases.
     Listed(Submitted<'d>, [usize; 2]),
@@ -52,7 +52,7 @@ pub(crate) struct StrokeFields {
     pub(crate) directions: Vec<[wgpu::Buffer; 2]>,
     /// Number of patches after the first ones of all cells.
     pub(crate) further: wgpu::Buffer,
-    /// For how many there is room: where there are more, directions are missing.
+    /// Room for patches: beyond it, directions are missing.
     pub(crate) room: u32,
 }
 

@@ -6,7 +6,7 @@ use crate::frame::{Mask, Plane};
 use glam::Vec2;
 use std::ops::Range;
 
-/// Cells of `step` by `step` pixels; those that hold any surface are covered.
+/// Cells of `step` by `step` pixels; those with any surface are covered.
 pub(crate) struct Grid {
     pub(crate) step: usize,
     pub(crate) mask: Mask,

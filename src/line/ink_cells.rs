@@ -68,7 +68,7 @@ impl InkCells {
         evened
     }
 
-    /// The amount at a place, between those of the cells around it.
+    /// The amount at a place, interpolated between the cells around it.
     pub(super) fn at(&self, at: Vec2) -> f32 {
         let place = (at / self.side - 0.5).max(Vec2::ZERO);
         let last = [self.size[0] - 1, self.size[1] - 1];

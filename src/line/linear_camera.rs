@@ -46,11 +46,11 @@ impl<F: Float> LinearCamera<F> {
         (!is_focal).then(|| [u / area, v / area])
     }
 
-    /// Which way the foot moves, (du, dv) of any length and either sense, when the point that the first
-    /// ray meets at height `z` moves along a `direction`: equation 6 in the limit of no motion.
+    /// Direction in which the foot moves, (du, dv) of any length and either sense, when the point hit by the first ray
+    /// at height `z` moves along a `direction`: equation 6 in the limit of no motion.
     ///
-    /// On the focal locus the foot moves infinitely fast, and its direction is still a limit. It is 0
-    /// only there, for directions that the rays do not spread along.
+    /// On the focal locus the foot moves infinitely fast, but its direction still has a limit. It is 0 only there, for
+    /// directions along which the rays do not spread.
     #[inline]
     pub(crate) fn foot_direction(&self, z: F, direction: [F; 3]) -> [F; 2] {
         let [s, t] = self.slope;
@@ -89,13 +89,13 @@ pub struct LocalCamera {
     local_from_view: DMat3,
 }
 
-/// Least sine between the steps: below it the surface is seen along itself.
+/// Least sine between the steps: below it the surface is seen edge-on.
 const MIN_SINE: f64 = 1e-6;
 
 impl LocalCamera {
-    /// The camera of the ray of a pixel and those beside it, given per pixel: `steps`, how feet and
-    /// directions change from pixel to pixel along u and v, by differences to either side or better
-    /// across both. `None` where the feet lie on a line or a ray along their plane.
+    /// The camera of a pixel's ray and the adjacent ones, given per pixel: `steps`, the changes of feet and directions
+    /// from pixel to pixel along u and v, by one-sided or, better, central differences. `None` if the feet are
+    /// collinear or a ray is in their plane.
     #[inline]
     pub fn new(ray: Ray, steps: [Ray; 2]) -> Option<Self> {
         let [u, v] = steps.map(|step| step.start);
@@ -193,8 +193,8 @@ mod tests {
 
     #[test]
     fn the_ray_through_a_point_is_found_again() {
-        // x = u + z sigma(u, v), y = v + z tau(u, v) by equation 5; the foot has to come back. How far off
-        // rounding may put it grows as D shrinks: away from the focal locus, |D| above 0.1 of its terms.
+        // x = u + z sigma(u, v), y = v + z tau(u, v) by equation 5; this must recover the foot. The effect of rounding
+        // grows as D shrinks: away from the focal locus, |D| above 0.1 of its terms.
         let mut numbers = Numbers(Pcg64::new(6, 1));
         let (mut found, mut worst, mut worst_f32) = (0, 0.0_f64, 0.0_f64);
         for _ in 0..200_000 {
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn on_the_focal_locus_there_is_no_foot_but_still_a_direction() {
-        // Slopes that fall by 1/2 along u meet at height 2: everything there is seen along u.
+        // Slopes that decrease by 1/2 along u meet at height 2: everything there is seen along u.
         let camera = LinearCamera::new([[0.3, 0.1], [-0.2, 0.1], [0.3, 0.1]]);
         assert_eq!(camera.foot_of([0.6, 0.2, 2.0]), None);
         let direction = camera.foot_direction(2.0, [0.4, 0.3, 0.0]);
@@ -267,8 +267,8 @@ mod tests {
 
     #[test]
     fn a_pinhole_sees_as_a_perspective_does() {
-        // Rays from an eye at 2 above the plane, through its points (u, v): the camera of a picture. A
-        // point at height z is seen from (0, 0, 2) at (x, y) 2 / (2 - z).
+        // Rays from an eye at height 2 above the plane, through its points (u, v): the camera of a picture. A point at
+        // height z is seen from (0, 0, 2) at (x, y) 2 / (2 - z).
         let pinhole = LinearCamera::new([[0.0, 0.0], [-0.5, 0.0], [0.0, -0.5]]);
         let [u, v] = pinhole.foot_of([0.3, -0.7, -4.0]).unwrap();
         assert!((u - 0.1).abs() < 1e-12 && (v + 0.7 / 3.0).abs() < 1e-12);

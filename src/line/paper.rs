@@ -2,7 +2,7 @@
 
 use crate::frame::{ColorPlanes, Plane};
 
-/// Black layers, given as how much of the paper each covers, 0..1, over one another on white paper.
+/// Black layers, given by their coverage of the paper, 0..1, over one another on white paper.
 pub fn on_paper(layers: &[&Plane]) -> ColorPlanes {
     let (first, rest) = layers.split_first().expect("a drawing has a layer");
     let mut white = first.map(|ink| 1.0 - ink);

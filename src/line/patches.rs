@@ -131,7 +131,7 @@ mod tests {
         };
         const NO: u8 = NO_PATCH;
         assert_eq!(join(&[0, 0, NO, 1], &[0, 0, NO, 1]), [(0, 0), (1, 1)]);
-        // 0 touches 0 once and 1 twice: it goes on in 1, and 0 in nothing.
+        // 0 touches 0 once and 1 twice: it continues in 1, and the other 0 in none.
         assert_eq!(join(&[0, 0, 0, 0], &[0, NO, 1, 1]), [(0, 1)]);
         assert_eq!(join(&[NO, 0, NO, 0], &[0, NO, 0, NO]), []);
     }

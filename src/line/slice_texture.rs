@@ -89,7 +89,8 @@ impl SliceTexture {
     }
 }
 
-/// The texels before and after a place along a side of a texture that repeats, and how far it is from the one to the other.
+/// The texels before and after a position along a side of a repeating texture, and the fraction of the way between
+/// them.
 #[inline(always)]
 pub(crate) fn within(at: f32, size: usize) -> (usize, usize, f32) {
     let at = at.rem_euclid(size as f32);

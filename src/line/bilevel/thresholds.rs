@@ -84,7 +84,7 @@ impl Thresholds {
         Self { of_squares }
     }
 
-    /// The threshold at a pixel, between those of the squares about it.
+    /// The threshold at a pixel, interpolated between those of the surrounding squares.
     #[inline]
     pub(super) fn at(&self, x: usize, y: usize) -> f32 {
         let ([left, right], across) = between(x, self.of_squares.width());
@@ -116,7 +116,7 @@ fn around(greys: &Plane<Greys>, column: usize, row: usize) -> Greys {
     sum
 }
 
-/// The squares whose middles lie about that of a pixel, and the share of the second.
+/// The squares whose centres surround that of a pixel along an axis, and the share of the second.
 #[inline]
 fn between(at: usize, count: usize) -> ([usize; 2], f32) {
     let at = ((at as f32 + 0.5) / SIDE as f32 - 0.5).clamp(0.0, (count - 1) as f32);

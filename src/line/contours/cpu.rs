@@ -38,7 +38,7 @@ struct Edges<'a> {
     crease: &'a Plane,
 }
 
-/// The contours of a frame with these edges, silhouettes first. The same for any number of threads.
+/// The contours of a frame with these edges, silhouettes first. Independent of the number of threads.
 pub(crate) fn contours(
     weights: &Weights,
     frame: &Frame,
@@ -135,7 +135,7 @@ impl FoundEdges {
 /// Distance from the picture's border within which the end of a line counts as continuing beyond it.
 const ROOM_PX: f32 = 3.0;
 
-/// Leads a line that ends at the border of the picture on beyond it, so far that its end is not seen.
+/// Extends a line that ends at the border of the picture beyond it, so far that its end is not visible.
 fn run_off(line: &mut Line, by_px: f32) {
     for end in (0..2).filter(|&end| !line.closed && line.ends[end] == End::Border) {
         let ahead = line.direction_out(end);

@@ -3,8 +3,8 @@
 //! The weights of [`crate::shape::silhouette`] mark the pixels beside a silhouette, two to either side. A line needs
 //! one position: the crack between the two pixels on either side.
 
-/// Samples along a row or column, from two before the crack to three behind it, that is three to either
-/// side: the crack lies between the third and the fourth. `None` where uncovered or beyond the picture.
+/// Samples along a row or column, from two before the crack to three behind it, so three on either side: the crack is
+/// between the third and the fourth. `None` where uncovered or beyond the picture.
 pub(crate) type Across = [Option<f32>; 6];
 
 /// A spread jump counts if it is this many times the steepest slope beside it: a kink alone gives up to twice its
@@ -75,8 +75,8 @@ pub(crate) fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 
     if offset.is_finite() { offset } else { 0.0 }
 }
 
-/// The nearer of the least and the greatest value around a pixel: a filter's mixtures go to the side that
-/// they are more of.
+/// The nearer of the least and the greatest value around a pixel: mixtures by a filter are assigned to the side they
+/// mostly consist of.
 #[inline]
 pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
@@ -85,7 +85,7 @@ pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     nearer_extreme(value, least, greatest)
 }
 
-/// The one of two values that a value between them is nearer to; the greatest where they are as near.
+/// The closer of two values to a value between them; the greater one in a tie.
 #[inline]
 pub(crate) fn nearer_extreme(value: f32, least: f32, greatest: f32) -> f32 {
     if value - least < greatest - value {
@@ -115,7 +115,7 @@ mod tests {
         // A jump of 1 between slopes of 0.1: it exceeds the slope by 0.9.
         let sharp = all([0.0, 0.1, 0.2, 1.2, 1.3, 1.4]);
         assert!((unexplained_jump(&sharp) - 0.9).abs() < 1e-6);
-        // Half way in the pixel behind the crack.
+        // Half-way in the pixel behind the crack.
         let spread = all([0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
         assert!((unexplained_jump(&spread) - 1.0).abs() < 1e-6);
         // At the border no slopes are known.

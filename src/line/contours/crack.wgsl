@@ -1,6 +1,6 @@
 // Silhouettes between two pixels.
 
-// A sample, where it is known.
+// A sample, if known.
 struct Sample {
     value: f32,
     is_known: bool,

@@ -46,7 +46,7 @@ pub(crate) fn cracks(weight: &Plane, frame: &Frame, shape: &ShapeParams) -> Vec<
     cracks.into_iter().flatten().collect()
 }
 
-/// Those that a device found, in the same order.
+/// Cracks found by a device, in the same order.
 #[cfg(feature = "gpu")]
 pub(crate) fn found(cracks: &[FoundCrack], frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
     let finder = Finder::new(frame, shape);
@@ -89,7 +89,7 @@ impl<'a> Finder<'a> {
         found
     }
 
-    /// Adds those of row `y`. Only pixels beside a silhouette have a weight.
+    /// Adds the cracks of row `y`. Only pixels beside a silhouette have a weight.
     fn add_row(&self, weight: &Plane, y: usize, tile: &mut MapTile, found: &mut Vec<Crack>) {
         let mask = &self.frame.mask;
         let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
@@ -349,7 +349,7 @@ impl Across {
         }
     }
 
-    /// The pixel so many behind the one before the crack.
+    /// The pixel at the offset `i` behind the one before the crack.
     fn pixel(&self, i: i64) -> Pixel {
         [
             self.pixel[0] + i * self.axis[0],

@@ -8,9 +8,9 @@
 @group(0) @binding(4) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(5) var<storage, read> normal_z: array<f32>;
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<u32>>;
-// Four times the pixel behind a crack, plus 2 where it lies left of that pixel and not above it.
+// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
 @group(0) @binding(7) var<storage, read> candidates: array<u32>;
-// The same, plus 1 where the border of coverage runs close beside it; the offset of the silhouette, its strength and the
+// The same, plus 1 if the border of coverage is close beside it; the offset of the silhouette, its strength and the
 // logarithm of its depth.
 @group(0) @binding(8) var<storage, read_write> cracks: array<vec4<u32>>;
 
@@ -32,7 +32,7 @@ fn index_at(pixel: vec2<i32>) -> u32 {
     return index_of(u32(pixel.x), u32(pixel.y));
 }
 
-// The map at a pixel, where it is covered and there is any.
+// The map at a pixel, if it is covered and there is a map.
 fn sample_at(pixel: vec2<i32>) -> Sample {
     if !covers(pixel) {
         return Sample(0.0, false);

@@ -1,6 +1,6 @@
 //! Edges that a device found, as lists.
 
-/// A crack that a silhouette passes. Where it is the border of coverage, only the place of the crack counts.
+/// A crack with a silhouette. If it is the border of coverage, only its position counts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FoundCrack {
     /// The number of the pixel behind it: below it, or right of it.

@@ -1,5 +1,5 @@
-//! Gaps in lines: ends in the open that face each other a few pixels apart are ends of one line, which its
-//! weight left out where it fell below its threshold.
+//! Gaps in lines: free ends that face each other a few pixels apart belong to one line, interrupted where its weight
+//! fell below the threshold.
 
 use crate::line::contours::network::{End, Line, Sets};
 use glam::Vec2;

@@ -35,7 +35,7 @@ uniforms! {
     CrackParams {
         width: u32,
         height: u32,
-        /// Jumps up to this are none.
+        /// Largest step that is not a jump.
         least_jump: f32,
         /// The direction to the eye, scaled to z = 1: at the first column and row, and its increment per column and
         /// row.
@@ -94,7 +94,7 @@ const CANDIDATE: u64 = 4;
 const CRACK: u64 = 16;
 const CREASE: u64 = 8;
 
-/// Workgroups that look at cracks, however many there are: enough to keep a device busy.
+/// Workgroups that examine cracks, for any number of them: enough to keep a device busy.
 const GROUPS: u32 = 128;
 
 /// Lists of edges on the device.
@@ -300,7 +300,7 @@ impl PendingReadback<'_> {
     }
 }
 
-/// The edges in lists of so many cracks and creases, put in order.
+/// The edges from lists with these numbers of cracks and creases, sorted.
 fn listed(read: &[Vec<f32>], [crack_count, crease_count]: [usize; 2]) -> FoundEdges {
     let (cracks, _) = read[0].as_chunks::<4>();
     let mut cracks = cracks[..crack_count].to_vec();

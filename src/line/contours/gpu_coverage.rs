@@ -54,7 +54,7 @@ pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, Line
     ],
 );
 
-/// The pieces of lines by the tiles that they reach, each of a workgroup.
+/// The pieces of lines by the tile they reach; each tile is a workgroup's.
 struct Tiles {
     /// Start of each tile's pieces in `pieces`, and the end of the last.
     starts: Vec<u32>,

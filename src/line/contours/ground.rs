@@ -90,7 +90,7 @@ impl Ground {
         self.join_ends_within(lines, are_own, reach, AHEAD);
     }
 
-    /// The same up to `reach` pixels away, and straight ahead up to an angle of this cosine.
+    /// The same within `reach` pixels, and straight ahead up to an angle of this cosine.
     pub(crate) fn join_ends_within(
         &self,
         lines: &mut [Line],

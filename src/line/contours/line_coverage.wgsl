@@ -38,7 +38,7 @@ fn main(
     }
     sum = min(sum + own, 1.0);
     if IN_GRAPHITE && sum > 0.0 {
-        // Coordinates wrap as those of the CPU do.
+        // Coordinates wrap as on the CPU.
         sum = graphite(sum, grain(bitcast<u32>(params.x0) + id.x, bitcast<u32>(params.y0) + id.y));
     }
     covered_by_lines[i] = sum;

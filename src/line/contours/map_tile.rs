@@ -6,13 +6,13 @@ use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
 use crate::params::{ShapeParams, SoftThreshold};
 
-/// Columns that are made together.
+/// Columns computed together.
 pub(crate) const BLOCK: usize = 64;
 
 /// Rows above and below a row of corners that its cracks read.
 const REACH: usize = 3;
 
-/// The quantity that jumps at silhouettes, and how far.
+/// The quantity that jumps at silhouettes, and the size of a jump.
 pub(crate) struct Map<'a> {
     plane: &'a Plane,
     pub(crate) is_depth: bool,
@@ -47,7 +47,7 @@ impl<'a> Map<'a> {
 /// The map around a band of rows, with only the requested blocks computed.
 pub(crate) struct MapTile {
     width: usize,
-    /// The first row held; it may lie above the picture.
+    /// The first row held; it may be above the picture.
     top: i64,
     rows: usize,
     values: Vec<f32>,
@@ -56,7 +56,7 @@ pub(crate) struct MapTile {
 }
 
 impl MapTile {
-    /// Room for bands of so many rows of corners.
+    /// A tile for bands of `rows` rows of corners.
     pub(crate) fn new(width: usize, rows: usize) -> Self {
         let rows = rows + 2 * REACH;
         Self {
@@ -103,7 +103,7 @@ impl MapTile {
         }
     }
 
-    /// The map at a pixel, where it is covered and there is any.
+    /// The map at a pixel, if it is covered and there is a map.
     #[inline]
     pub(crate) fn value(&self, [x, y]: [i64; 2]) -> Option<f32> {
         let (x, row) = (

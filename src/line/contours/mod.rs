@@ -231,7 +231,7 @@ mod tests {
             (widths[50], widths[100]),
             (params.width_px, params.width_px)
         );
-        // Half way along the taper, half way from the tip's share to all.
+        // Half-way along the taper, half-way from the tip's share to all.
         let half = 0.5 * params.taper_px;
         let expected = params.width_px * (TIP + 0.5 * (1.0 - TIP));
         assert!((widths[half as usize] - expected).abs() < 1e-5);

@@ -43,7 +43,7 @@ pub(crate) struct Line {
     pub part: usize,
 }
 
-/// Evens out lines whose spots may lie so far beside the edge.
+/// Smooths lines whose spots deviate from the edge by up to `tolerance_px`.
 pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
     let smoothing = Smoothing {
         tolerance_px: tolerance_px * params.step_px,
@@ -116,7 +116,7 @@ pub(crate) fn lines(
     network.lines(|node| lattice.on_rim(node, rim), smooth)
 }
 
-/// Two sides of a sliver have at most so many spots.
+/// Most spots of either side of a sliver.
 const SLIVER: usize = 12;
 
 /// Which strands are redundant beside another: those with most spots close to another; the fainter of two short ones
@@ -156,11 +156,11 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
     doubled
 }
 
-/// A number for every set of nodes or lines that were united.
+/// Disjoint sets of nodes or lines, with a number for each set.
 pub(super) struct Sets(Vec<usize>);
 
 impl Sets {
-    /// So many, each alone.
+    /// `count` sets of one element each.
     pub(super) fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
@@ -191,7 +191,7 @@ struct Network {
     tips: Vec<Tip>,
     /// The tips of each junction.
     junctions: Vec<std::ops::Range<usize>>,
-    /// The strand's end that each strand's end goes on in.
+    /// For each end of a strand, the strand's end it continues in.
     onward: Vec<[Option<(usize, usize)>; 2]>,
 }
 
@@ -400,8 +400,8 @@ fn direction_at(spots: &[Spot], i: usize) -> Vec2 {
     (spots[i].at - spots[inner].at).normalize_or_zero()
 }
 
-/// The point nearest to all the courses, each a point and a unit direction; where they hardly cross, or far
-/// away, the middle of their points.
+/// The point closest to all the courses, each a point and a unit direction; if they hardly cross, or far away, the
+/// centre of their points.
 fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
     let middle = courses.iter().map(|course| course[0]).sum::<Vec2>() / courses.len().max(1) as f32;
     // Least squares of the distances across, sum (1 - u u^T) (x - p) = 0, with a little pull to the middle.
@@ -422,7 +422,7 @@ fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
     }
 }
 
-/// Farther from their ends than this lines do not meet where they would cross.
+/// Largest distance from their ends at which lines meet where they would cross.
 const FARTHEST_CROSSING_PX: f32 = 2.5;
 
 impl Line {
@@ -438,8 +438,8 @@ impl Line {
         }
     }
 
-    /// Leads the line's first (`end` 0) or last (1) spot on to a point. Spots closer to it than a pixel and a
-    /// half give way, so that the line does not bend there.
+    /// Extends the line's first (`end` 0) or last (1) spot to a point. Spots closer to it than a pixel and a half are
+    /// removed, so that the line does not bend there.
     pub(crate) fn lead_to(&mut self, point: Vec2, end: usize) {
         const ROOM_PX: f32 = 1.5;
         let near = |spot: &Spot| spot.at.distance(point) < ROOM_PX;

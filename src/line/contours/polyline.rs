@@ -28,7 +28,7 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
     let line = Wrapped::new(points, closed, REACHES[allowed - 1]);
     let mut levels = Vec::with_capacity(points.len());
     for first in (0..points.len()).step_by(LANES) {
-        // Neighbours mostly ask for the same levels.
+        // Neighbours mostly need the same levels.
         let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
         for lane in 0..LANES.min(points.len() - first) {
             levels.push(largest(allowed, |level| {
@@ -155,8 +155,8 @@ impl Wrapped {
     }
 }
 
-/// Sums over t = -half, -half + 1, ... half, of so many points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
-/// n (n^2 - 1)(n^2 - 4)/180.
+/// Sums over t = -half, -half + 1, ... half, n points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2 n (n^2 -
+/// 1)(n^2 - 4)/180.
 struct Sums {
     squares: f32,
     fourths: f32,
@@ -175,8 +175,8 @@ impl Sums {
     }
 }
 
-/// One coordinate of parabolas through as many windows, each a point further, as [`Parabola`] has both: by the same
-/// operations.
+/// One coordinate of parabolas through several windows, each a point further, by the same operations as [`Parabola`]
+/// uses for both.
 struct Parabolas([[f32; LANES]; 3]);
 
 impl Parabolas {
@@ -375,8 +375,8 @@ mod tests {
             let across = |p: Vec2| (f64::from(p.y) - slope * f64::from(p.x)) / slope.hypot(1.0);
             let smooth = smoothed(&steps(slope, 200), false, SMOOTHING);
             let worst = |part: &[Vec2]| part.iter().map(|&p| across(p).abs()).fold(0.0, f64::max);
-            // Middles of cracks lie up to half a pixel beside the line. A line of slope 0.07 has a step in 14
-            // pixels, one of slope 0.97 a longer one in 33: of the reach of 28 points something is left.
+            // Centres of cracks are up to half a pixel off the line. A line of slope 0.07 has a step in 14 pixels, one
+            // of slope 0.97 a longer one in 33: beyond the reach of 28 points, so some of it remains.
             assert!(worst(&smooth) < 0.5, "slope {slope}: {}", worst(&smooth));
             let inner = worst(&smooth[30..smooth.len() - 30]);
             assert!(inner < 0.25, "slope {slope}: {inner}");

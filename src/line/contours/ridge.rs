@@ -33,7 +33,7 @@ impl Bands<'_> {
             .map_or(0.0, |i| self.weight[i].max(0.0))
     }
 
-    /// Eight bits, one per step: whether `is_left` holds for the neighbour.
+    /// Eight bits, one per step: whether the neighbour is still in `is_left`.
     fn neighbours(&self, pixel: u32, is_left: &[bool]) -> u8 {
         let mut bits = 0;
         for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
@@ -77,8 +77,7 @@ impl Bands<'_> {
         waiting.sort_unstable();
         let links = waiting.iter().flat_map(|&pixel| {
             let bits = self.neighbours(pixel, &is_left);
-            // Each link once: along the first half of the steps. A step aslant only where no way around it
-            // is left.
+            // Each link once: along the first half of the steps. A diagonal step only if there is no way around it.
             (0..4).filter_map(move |step| {
                 let set = |i: usize| bits >> (i % 8) & 1 == 1;
                 let around = step % 2 == 1 && (set(step + 7) || set(step + 1));
@@ -146,7 +145,7 @@ impl Bands<'_> {
         before > waiting.len()
     }
 
-    /// The pixels in levels, those with the least weight around them first.
+    /// The pixels by level, those with the least weight around them first.
     fn by_weight_around(&self, filled: &[u32]) -> [Vec<u32>; LEVELS] {
         let mut levels = [(); LEVELS].map(|()| Vec::new());
         for &pixel in self.pixels.iter().chain(filled) {
@@ -180,7 +179,7 @@ impl Bands<'_> {
     }
 }
 
-/// Bands so many pixels apart or fewer are one.
+/// Bands at most this many pixels apart are one.
 const WIDEST_GAP: i32 = 2;
 
 /// Levels of weight that are taken away one after the other.

@@ -1,4 +1,4 @@
-//! Silhouettes: the lines along the cracks that they pass.
+//! Silhouettes: lines along their cracks.
 
 use crate::frame::Frame;
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};

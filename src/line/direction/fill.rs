@@ -138,15 +138,15 @@ impl Field<'_> {
         sides.into_iter().flatten()
     }
 
-    /// The mean direction of the neighbours that have one, weighted by the way to them.
+    /// The mean direction of the neighbours that have one, weighted by the path from them.
     fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
         let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills those of `pixels` that lack a direction from their neighbours in at most so many `waves`, as `settle`
-    /// makes of the mean and the number of the wave. Each wave sees only the waves before it, so the order
-    /// within a wave changes nothing.
+    /// Fills those of `pixels` without a direction from their neighbours in at most this many `waves`; `settle` turns
+    /// the mean and the wave's number into a direction. Each wave sees only earlier waves, so the order within a wave
+    /// does not matter.
     fn spread(
         &mut self,
         waves: usize,

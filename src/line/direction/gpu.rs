@@ -21,10 +21,10 @@ pub(crate) const FALLBACK: Wgsl = wgsl!("fallback.wgsl", [("ALONG", F32(ALONG as
 /// Directions as twice their angle.
 pub(crate) const DOUBLED: Wgsl = wgsl!("doubled.wgsl", [("LEAST_LENGTH", F32(LEAST_LENGTH))]);
 
-/// Invocations of a workgroup that goes through a list of pixels.
+/// Invocations per workgroup for processing a list of pixels.
 pub(crate) const LIST_INVOCATIONS: u32 = 64;
 
-/// Workgroups that go through such a list, however long it is.
+/// Workgroups for processing such a list of any length.
 pub(crate) const LIST_GROUPS: u32 = 256;
 
 /// Indices of the lengths of the lists of pixels without a direction: open ones, if counted separately, and those on
@@ -138,7 +138,7 @@ pub(crate) const OF_THE_REST: &[Round] = &[Round {
 
 /// Directions before the gaps between them are filled.
 pub(crate) struct Gaps {
-    /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
+    /// Unit directions in the picture, x right and y up: x, and y; 0 for none.
     pub(crate) directions: [wgpu::Buffer; 2],
     /// Whether pixels have a direction.
     pub(crate) filled: wgpu::Buffer,

@@ -1,4 +1,4 @@
-//! Directions in the picture, each equal to its opposite: their mean, and the fallback where there is none.
+//! Directions in the picture, each equal to its opposite: their mean, and the fallback without any.
 
 pub(crate) mod fill;
 #[cfg(feature = "gpu")]
@@ -7,11 +7,11 @@ pub(crate) mod gpu;
 use crate::frame::SightLines;
 use glam::{DVec3, Vec2};
 
-/// The mean of weighted directions that are the same as their opposites: the main axis of the sum of
-/// w t t^T. `None` where they cancel.
+/// The mean of weighted directions that equal their opposites: the main axis of the sum of w t t^T. `None` if they
+/// cancel.
 #[inline]
 pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Option<Vec2> {
-    // Twice the angle has no sign: (x^2 - y^2, 2 x y) is t turned to it.
+    // Twice the angle has no sign: (x^2 - y^2, 2 x y) is t rotated by its own angle.
     let (mut doubled, mut weights) = (Vec2::ZERO, 0.0);
     for (weight, t) in directions {
         doubled += weight * Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);
@@ -20,7 +20,7 @@ pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) 
     clear_direction(doubled, weights)
 }
 
-/// The direction at half the angle of a sum of so much weight; `None` where it cancels.
+/// The direction at half the angle of a sum of this weight; `None` if it cancels.
 #[inline]
 pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
     let length = doubled.length();
@@ -48,9 +48,9 @@ pub(crate) const EDGE_MARGIN_PX: usize = 16;
 /// Longest distance that filled directions spread, in pixels.
 pub(crate) const FILL_REACH_PX: usize = PLANE_MARGIN_PX + SURFACE_MARGIN_PX + EDGE_MARGIN_PX;
 
-/// The direction of a surface that has none of its own and no neighbour with one: the first of the axes
-/// x, y, z crossed with the normal that is seen in the picture ([LA] section 4.2). It is the same all
-/// over a plane, and turns smoothly over a ball.
+/// The direction of a surface with none of its own and no neighbour with one: the first of the axes x, y, z crossed
+/// with the normal that is visible in the picture ([LA] section 4.2). It is constant over a plane, and turns smoothly
+/// over a ball.
 #[inline]
 pub(crate) fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
     fixed_tangents(normal)

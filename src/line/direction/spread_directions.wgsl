@@ -11,7 +11,7 @@
 @group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(9) var<storage, read_write> direction_y: array<f32>;
-// 1 more than the wave that gave a pixel its direction, 0 where it lacks one, and NOTHING outside the surface.
+// 1 more than the wave that gave a pixel its direction, 0 without one, and NOTHING outside the surface.
 @group(0) @binding(10) var<storage, read_write> filled: array<atomic<u32>>;
 // Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
 @group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
@@ -34,7 +34,7 @@ fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
     return weight * vec3<f32>(doubled(vec2<f32>(direction_x[i], direction_y[i])), 1.0);
 }
 
-// The direction at half the angle of a sum, of so much weight; 0 where it cancels.
+// The direction at half the angle of a sum of this weight; 0 if it cancels.
 fn clear_direction(sum: vec2<f32>, weight: f32) -> vec2<f32> {
     let length = sqrt(dot(sum, sum));
     let axis = select(vec2<f32>(sum.y, length - sum.x), vec2<f32>(sum.x + length, sum.y), sum.x >= 0.0);
@@ -67,7 +67,7 @@ fn fallback_at(i: u32) -> vec2<f32> {
     return fallback(line(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]));
 }
 
-// A share of the way to the fallback.
+// The mean turned by a share toward the fallback.
 fn turned(i: u32, mean: vec2<f32>, share: f32) -> vec2<f32> {
     if share == 0.0 || all(mean == vec2<f32>(0.0)) {
         return mean;

@@ -46,7 +46,7 @@ fn in_cells(place: i32) -> i32 {
     return place % i32(RUN_CELLS);
 }
 
-// The patch so many steps from the first one of a run.
+// The patch `steps` steps from the first one of a run.
 fn in_run(first: u32, axis: u32, steps: u32) -> u32 {
     var cell = first;
     if first >= cell_count() {
@@ -66,7 +66,7 @@ fn in_run(first: u32, axis: u32, steps: u32) -> u32 {
     return first;
 }
 
-// The weighted sum over those at one side of a patch, as many as `far`.
+// The weighted sum over the patches on one side of a patch, at most `far` of them.
 fn sum_beside(start: u32, side: u32, far: i32, slope: f32) -> vec4<f32> {
     var total = vec4<f32>(0.0);
     var i = links[start][side];

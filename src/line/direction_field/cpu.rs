@@ -177,7 +177,7 @@ impl<'a> Field<'a> {
             .collect()
     }
 
-    /// Twice the angle of a patch's own direction, as long as it is sure.
+    /// Twice the angle of a patch's own direction, with its confidence as length.
     fn direction(&self, patch: &Patch, form: &CurvatureTensor, family: usize) -> Option<Vec2> {
         let larger = form.larger()?;
         let axis = if family == 0 { larger } else { larger.perp() };
@@ -190,7 +190,7 @@ impl<'a> Field<'a> {
         Some(sure as f32 * doubled(seen.as_vec2()))
     }
 
-    /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
+    /// Directions averaged in several passes; where they disagree, their surroundings lead.
     fn calmed(
         &self,
         mut found: Vec<Weighted>,

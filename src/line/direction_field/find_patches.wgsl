@@ -5,12 +5,12 @@
 @group(0) @binding(2) var<storage, read> normal_x: array<f32>;
 @group(0) @binding(3) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// Any buffer where there is none.
+// Any buffer if there is no depth.
 @group(0) @binding(5) var<storage, read> depth: array<f32>;
 // Number of patches of each cell, and the index of those after the first one.
 @group(0) @binding(6) var<storage, read_write> held: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> patches: array<Patch>;
-// Depth of each patch, 0 where there is none.
+// Depth of each patch, 0 without one.
 @group(0) @binding(8) var<storage, read_write> depths: array<f32>;
 // Number of patches after the first ones.
 @group(0) @binding(9) var<storage, read_write> further: atomic<u32>;
@@ -46,7 +46,7 @@ fn first_of(pixels: vec2<u32>) -> vec2<u32> {
     return select(lower, upper, pixels.x != 0u);
 }
 
-// Pixels, and those that touch them by their sides.
+// Pixels, and those adjacent to them by their sides.
 fn grown(pixels: vec2<u32>) -> vec2<u32> {
     let beside = ((pixels << vec2<u32>(1u)) & vec2<u32>(0xfefefefeu))
         | ((pixels >> vec2<u32>(1u)) & vec2<u32>(0x7f7f7f7fu));
@@ -74,7 +74,7 @@ fn place_in_cell(pixels: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(bit & 7u, bit >> 3u);
 }
 
-// The pixels around the middle of a whole cell: a mean over all of it would lie beneath the surface.
+// The pixels around the middle of a whole cell: a mean over all of it would be below the surface.
 fn inner_pixels() -> vec2<u32> {
     let margin = params.cell_px / 4u;
     var inner = vec2<u32>(0u);

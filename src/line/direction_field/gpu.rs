@@ -340,7 +340,7 @@ mod tests {
         [sum / count, f64::from(wide) / count]
     }
 
-    /// A frame whose depths are in two steps, seen from near.
+    /// A frame with two depths, seen from near.
     fn from_near(mut frame: Frame) -> Frame {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         frame.camera = Some(Camera {

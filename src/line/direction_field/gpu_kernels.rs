@@ -17,13 +17,13 @@ pub(crate) const RUN_CELLS: u32 = 16;
 /// The patches of cells.
 const PATCHES: Wgsl = wgsl!("patches.wgsl");
 
-/// Goes through runs.
+/// Iterates over runs.
 const RUNS: Wgsl = wgsl!("runs.wgsl", [("RUN_CELLS", U32(RUN_CELLS))]);
 
 /// Sums over part of a run.
 const SUMS: Wgsl = wgsl!("sums.wgsl");
 
-/// Goes through all patches.
+/// Iterates over all patches.
 const OVER_PATCHES: Wgsl = wgsl!("over_patches.wgsl");
 
 /// Position of a patch, and its upright tangents.
@@ -37,7 +37,7 @@ uniforms! {
     DirectionParams {
         width: u32,
         height: u32,
-        /// Pixels along the side of a cell, and how many of the first one lie before the picture.
+        /// Side of a cell in pixels, and the part of the first one before the picture.
         cell_px: u32,
         cut_x: u32,
         cut_y: u32,

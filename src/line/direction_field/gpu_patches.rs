@@ -1,4 +1,4 @@
-//! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
+//! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::kernels::Kernel;
@@ -38,7 +38,7 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
-    /// For how many patches there is room.
+    /// Number of patches there is room for.
     pub(crate) fn count(&self) -> u64 {
         slots(&self.params)
     }
@@ -53,7 +53,7 @@ impl Patches {
     }
 }
 
-/// For how many patches there is room.
+/// Number of patches there is room for.
 fn slots(params: &DirectionParams) -> u64 {
     u64::from(params.columns) * u64::from(params.rows) + u64::from(params.room)
 }
@@ -64,7 +64,7 @@ pub(crate) fn largest_buffer(params: &FieldParams, frame: &Frame) -> u64 {
     SUMS_BYTES * (grid.cells() + u64::from(grid.room))
 }
 
-/// The cells of a frame. They lie at multiples of their size in the picture's coordinates.
+/// The cells of a frame. They are at multiples of their size in the picture's coordinates.
 struct Grid {
     cut: [u32; 2],
     columns: u32,

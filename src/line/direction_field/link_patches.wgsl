@@ -21,8 +21,8 @@ fn along_side(pixels: vec2<u32>, side: u32) -> u32 {
     return along;
 }
 
-// Links the patches of a cell to those of the cell at one side of it. Pairs that share most of the side come first,
-// among equals the first along the side, and no patch goes on in two.
+// Links the patches of a cell to those of the cell at one of its sides. Pairs that share most of the side come first,
+// in a tie the first along the side, and no patch is in two.
 fn link(cell: u32, there: u32, side: u32) {
     let own = held[cell];
     let others = held[there];

@@ -52,7 +52,7 @@ pub(crate) fn halved(doubled: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Below this a vector is 0: its square is not a number of full precision.
+/// A shorter vector counts as 0: its square lacks full precision.
 pub(crate) const LEAST_LENGTH: f32 = 1e-18;
 
 /// Directions of a row, halved in place.
@@ -81,8 +81,7 @@ pub(crate) struct CurvatureTensor {
 }
 
 impl CurvatureTensor {
-    /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
-    /// there is none at all.
+    /// The unit direction, in the frame of the tensor, of the curvature larger in magnitude; `None` without any.
     #[inline]
     pub(crate) fn larger(&self) -> Option<DVec2> {
         let d = if self.mean >= 0.0 {
@@ -268,7 +267,7 @@ mod tests {
         assert_eq!(calm(own(0.0, 0.0, 0.3), AROUND), [0.0, 1.0]);
         assert_eq!(calm(own(0.0, 0.0, 0.0), AROUND), [0.0, 1.0]);
         assert_eq!(calm(own(0.85, 0.0, 1.0), AROUND), [0.85, 0.0]);
-        // Half as long as they are sure is the middle of 0.2 and 0.8: half of both.
+        // A length of half the confidence is midway between 0.2 and 0.8: half of both.
         let [x, y] = calm(own(0.5, 0.0, 1.0), AROUND);
         assert!((x - 0.25).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
     }

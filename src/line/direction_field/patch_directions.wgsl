@@ -8,7 +8,7 @@
 @group(0) @binding(4) var<storage, read> forms: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
 
-// The unit direction of the curvature larger in size, in the frame of the tensor; 0 where there is none.
+// The unit direction of the curvature larger in magnitude, in the frame of the tensor; 0 without any.
 fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     let d = select(-form.xy, form.xy, form.z >= 0.0);
     let length = sqrt(dot(d, d));
@@ -38,7 +38,7 @@ fn curvature_tensor_flatness(form: vec4<f32>) -> f32 {
     return select(0.0, share * share, square > 0.0);
 }
 
-// Twice the angle of the own direction, as long as it is sure.
+// Twice the angle of the patch's own direction, with its confidence as length.
 fn own_direction(i: u32, line: vec3<f32>) -> vec2<f32> {
     let form = forms[i];
     let normal = patches[i].normal;

@@ -28,7 +28,7 @@ fn ray_of(own: u32, tangents: Tangents, i: u32) -> Ray {
     return local_ray(step, there, there - here, here, array(tangents.x, tangents.y));
 }
 
-// The tensor; its last component is 0 where there is none.
+// The tensor; its last component is 0 if there is none.
 fn form_of(i: u32) -> vec4<f32> {
     let tangents = upright_tangents(patches[i].normal);
     let around = links[i];

@@ -1,4 +1,4 @@
-//! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
+//! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
 use crate::frame::{Frame, Plane};
 use crate::line::direction_field::setting::OPEN;
@@ -14,7 +14,7 @@ pub(crate) struct Patch {
     pub(crate) normal: DVec3,
     /// Position of that middle in the picture.
     pub(crate) at: DVec2,
-    /// Depth there; 0 where there is none.
+    /// Depth there; 0 without depth.
     pub(crate) depth: f32,
     /// Number of pixels.
     pub(crate) pixels: u16,
@@ -32,8 +32,8 @@ pub(crate) struct Links {
 /// No patch.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The cells of a frame. They lie at multiples of their size in the picture's coordinates, so that a crop
-/// has the cells of the whole.
+/// The cells of a frame. They are at multiples of their size in the picture's coordinates, so that a crop has the cells
+/// of the whole.
 #[derive(Debug)]
 pub(crate) struct Grid {
     cell_px: usize,
@@ -103,7 +103,7 @@ impl Grid {
 pub(crate) struct Patches {
     pub(crate) grid: Grid,
     pub(crate) all: Vec<Patch>,
-    /// The first patch of each cell, and how many patches there are.
+    /// The first patch of each cell, and the total number of patches.
     first: Vec<u32>,
     /// Which patch of its cell a pixel belongs to.
     pub(crate) labels: Vec<u8>,
@@ -203,7 +203,7 @@ impl Links {
     }
 }
 
-/// The patches that go on in each other from the cells of a row to those at their right, and below.
+/// Linked pairs of patches between the cells of a row and those to their right, and below.
 fn pairs_of(
     grid: &Grid,
     first: &[u32],
@@ -247,7 +247,7 @@ struct RowOfCells<'a> {
 }
 
 impl RowOfCells<'_> {
-    /// Labels the pixels, and gives how many patches each cell has, and the patches.
+    /// Labels the pixels; returns the number of patches of each cell, and the patches.
     fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
         let width = self.grid.size[0];
         let ys = self.grid.y_pixels(self.row);
@@ -294,8 +294,7 @@ impl RowOfCells<'_> {
         least
     }
 
-    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would lie beneath
-    /// the surface.
+    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would be below the surface.
     fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let margin = self.grid.cell_px / 4;
         let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
@@ -354,7 +353,7 @@ impl Middle {
         self.count += 1.0;
     }
 
-    /// The means over them, for a patch of so many pixels.
+    /// The means over them, for a patch of this many pixels.
     fn patch(self, frame: &Frame, pixels: usize) -> Patch {
         let window = frame.data_window;
         let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));

@@ -1,5 +1,5 @@
 // The patches of a frame: surfaces cell by cell. The first patch of each cell has the number of the cell, further ones
-// follow after those of all cells.
+// are numbered after those of all cells.
 
 struct Patch {
     // Mean normal in the middle of the patch, unit or 0.
@@ -22,7 +22,7 @@ fn patches_end(further: u32) -> u32 {
     return cell_count() + min(further, params.room);
 }
 
-// The patches of a cell are those from 0 to x; the first is the cell, the others follow from y on.
+// A cell has x patches; the first has the number of the cell, the others are numbered from y on.
 fn patch_of(cell: u32, held: vec2<u32>, number: u32) -> u32 {
     return select(held.y + number - 1u, cell, number == 0u);
 }
@@ -31,7 +31,7 @@ fn column_and_row(cell: u32) -> vec2<u32> {
     return vec2<u32>(cell % params.columns, cell / params.columns);
 }
 
-// The pixel of the picture at the corner of a cell; it may lie before the picture.
+// The pixel of the picture at the corner of a cell; it may be outside the picture.
 fn corner_of(cell: u32) -> vec2<i32> {
     let cut = vec2<i32>(i32(params.cut_x), i32(params.cut_y));
     return vec2<i32>(column_and_row(cell) * params.cell_px) - cut;

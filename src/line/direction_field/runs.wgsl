@@ -18,7 +18,7 @@ fn cells_across() -> u32 {
     return select(params.columns, params.rows, params.axis == 0u);
 }
 
-// Goes through the patches of each run, from the first to the last and back.
+// Iterates over the patches of each run, from the first to the last and back.
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x * RUN_CELLS >= cells_along() || id.y >= cells_across() {

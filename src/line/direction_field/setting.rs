@@ -39,7 +39,7 @@ pub(crate) const FREE: f32 = 4.0 * FALLBACK;
 pub(crate) const SURROUNDINGS: f32 = 4.0;
 pub(crate) const SURROUNDING_PASSES: u32 = 2;
 
-/// The most, and the least, that depth makes of the radius.
+/// Largest and smallest factor by which depth changes the radius.
 pub(crate) const NEAR: f32 = 2.0;
 pub(crate) const FAR: f32 = 0.25;
 
@@ -49,7 +49,7 @@ pub(crate) const REST_REACH_PX: usize = 32;
 
 /// Settings for computing a field in a frame.
 pub(crate) struct FieldSetting {
-    /// The fallback where it is the same everywhere, and at right angles to it.
+    /// The fallback if it is constant, and its perpendicular.
     pub(crate) fixed: Option<[Vec2; 2]>,
     pub(crate) sight: SightLines,
     /// Pixels per unit of length, at a distance of 1 in perspective.

@@ -1,4 +1,4 @@
-// Sums over part of a run: of values, and of each times how far its cell lies from where runs begin.
+// Sums over part of a run: of values, and of each times the distance of its cell from the run's start.
 struct Sum {
     plain: vec4<f32>,
     placed: vec4<f32>,

@@ -58,7 +58,7 @@ uniforms! {
         sets: u32,
         /// 1 over the sets.
         share_of_set: f32,
-        /// Number of the family, and how many there are.
+        /// Index of the family, and number of families.
         family: u32,
         families: u32,
         texture_width: u32,
@@ -118,7 +118,7 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesB
     ],
 );
 
-/// A texture on the device, and how it lies at every level.
+/// A texture on the device, and its transform at every level.
 pub(crate) struct Strokes {
     texture: Texture,
     /// For each family.
@@ -332,7 +332,7 @@ impl Run<'_> {
     }
 }
 
-/// The uniforms of one of several families of strokes, whose texture is moved by `origin` where it lies still.
+/// The uniforms of one of several families of strokes, with the texture offset by `origin` if it is fixed.
 fn stroke_params(
     params: &params::StrokeParams,
     frame: &Frame,

@@ -1,4 +1,4 @@
-//! Textures of strokes on a device, kept between runs.
+//! Textures of strokes on a device, cached between runs.
 
 use crate::engine::gpu::surface::Upload;
 use crate::line::tonal_art_map::{Texels, TonalArtMap};

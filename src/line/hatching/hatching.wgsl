@@ -8,7 +8,7 @@
 @group(0) @binding(4) var<storage, read> direction_y: array<f32>;
 // Thresholds at even steps of density.
 @group(0) @binding(5) var<storage, read> thresholds: array<f32>;
-// Level by level, set by set: cosine, sine and offset of the texture turned to the level's angle.
+// Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
 @group(0) @binding(6) var<storage, read> turned: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> texels: array<u32>;
 // Share of the paper left white; for the last family, the share inked.

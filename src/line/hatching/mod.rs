@@ -85,7 +85,7 @@ pub(crate) fn share(wanted: f32, family: usize, families: usize) -> f32 {
     share_from(CROSSED_FROM, wanted, family, families)
 }
 
-/// The same where strokes are crossed from another density on.
+/// The same with another density from which strokes are crossed.
 #[inline(always)]
 pub(crate) fn share_from(from: f32, wanted: f32, family: usize, families: usize) -> f32 {
     let crossed = (0.5 * (wanted - from)).max(0.0);
@@ -100,7 +100,7 @@ pub(crate) fn share_from(from: f32, wanted: f32, family: usize, families: usize)
 /// then.
 pub(crate) const CROSSED_FROM: f32 = 0.4;
 
-/// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
+/// A texture rotated to a level's angle: maps pixel coordinates, rows down, to texture coordinates.
 #[derive(Debug, Clone, Copy)]
 struct Turned {
     cos: f32,
@@ -119,7 +119,7 @@ pub struct Hatching<'a> {
 }
 
 impl<'a> Hatching<'a> {
-    /// Hatching by the strokes of `map`; `family` keeps families of strokes over one another apart.
+    /// Hatching by the strokes of `map`; `family` distinguishes overlaid families of strokes.
     pub fn new(map: &'a TonalArtMap, params: &StrokeParams, family: usize) -> Self {
         let (levels, sets) = (params.levels as usize, params.sets as usize);
         let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));

@@ -10,7 +10,7 @@ use crate::line::interior::sizes::Sizes;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A line that ends so many pixels from the border of the picture goes on beyond it.
+/// A line that ends within this many pixels of the border of the picture continues beyond it.
 const RIM: usize = 2;
 
 /// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
@@ -111,7 +111,7 @@ fn beside(crests: &[Crest], crest: &Crest, size: [usize; 2]) -> impl Iterator<It
 /// A pixel without a crest, or one whose crest has been looked at.
 const NO_CREST: u32 = u32::MAX;
 
-/// The crests that hang together, at least so many, with one at least as strong as `strength`.
+/// Connected sets of crests, of at least `fewest`, with one at least as strong as `strength`.
 fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
     let [width, height] = size;
     // One column and row more on every side: all pixels have eight around them.

@@ -1,5 +1,5 @@
-//! Which lines are drawn: those that persist when the surface is looked at more coarsely, the plainest first, none twice,
-//! and no more than a drawing bears.
+//! Selection of lines: those that persist at a coarser scale, the strongest first, none twice, and no more than a
+//! drawing bears.
 
 use crate::frame::{Mask, Plane};
 use crate::line::contours::ContourKind;
@@ -31,7 +31,7 @@ const ROUGH: [f32; 4] = [0.5, 0.4, 0.37, 0.31];
 /// Share of a surface that turns, from which and up to which roughness phases in: a few folds in a plane are not rough.
 const TURNING: [f32; 2] = [0.5, 0.75];
 
-/// Over such a rank of a surface's curvature, so many times, lines are sharper than its roughness.
+/// Lines above this rank of a surface's curvature, times a factor, are sharper than its roughness.
 const SHARP_RANK: f64 = 0.75;
 const SHARPER: f32 = 2.5;
 

@@ -21,14 +21,14 @@ use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Suggestive contours are looked for at a scale so many times that of valleys and ridges.
+/// Scale of suggestive contours, as a multiple of that of valleys and ridges.
 const SUGGESTIVE_SCALE: f32 = 1.5;
 
 /// The scale at which lines still have to exist, as a multiple of their own.
 const PERSISTENCE_SCALE: f32 = 2.5;
 
-/// Ridges keep so many times farther from rims: normals that do not spread beyond a rim turn fastest at some distance from
-/// it, all around any ball.
+/// Distance of ridges from rims, as a multiple of that of other lines: normals that do not spread beyond a rim turn
+/// fastest at some distance from it, all around any ball.
 const RIDGE_MARGIN: f32 = 1.4;
 
 /// Lines are extended to a contour up to this many margins away, and as straight ahead as this cosine.
@@ -38,8 +38,8 @@ const JOIN_AHEAD: f32 = 0.7;
 /// Lines, and the levels their widths were fitted to.
 pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 
-/// The lines inside the surfaces of a frame with this silhouette weight, beside its contours. In a sequence, where it `fades`
-/// them, their widths begin at nothing.
+/// The lines inside the surfaces of a frame with this silhouette weight, in addition to its contours. In a sequence,
+/// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
     frame: &Frame,
     silhouette: &Plane,
@@ -195,7 +195,7 @@ fn levels_of(lines: &[Line]) -> [f32; LineLevels::COUNT] {
     [strongest(lines), near, far]
 }
 
-/// Logarithm of the depth at a point of the picture; 0 where it is not known.
+/// Logarithm of the depth at a point of the picture; 0 if unknown.
 fn log_depth(frame: &Frame, at: Vec2) -> f32 {
     let Some(depth) = &frame.depth else {
         return 0.0;

@@ -22,10 +22,10 @@ pub(super) struct Crest {
 /// Largest distance of a crest from its pixel's centre.
 const FARTHEST: f32 = 0.6;
 
-/// Ridges ask for so many times the strength of valleys.
+/// Strength required of ridges, as a multiple of that of valleys.
 const RIDGE_STRENGTH: f32 = 2.0;
 
-/// Suggestive contours ask for this share of the strength of valleys.
+/// Strength required of suggestive contours, as a share of that of valleys.
 const SUGGESTIVE_STRENGTH: f32 = 0.6;
 
 /// Suggestive contours keep away from where a surface faces the viewer: sine of 20 degrees.

@@ -30,7 +30,7 @@ const TAPER: f32 = 0.6;
 /// Part of the taper whose width the very end has.
 const TIP: f32 = 0.05;
 
-/// The way to the lamp that lines are lighter under: from the upper left, 135 degrees around and 38 up.
+/// Direction to the lamp that makes lines lighter: from the upper left, 135 degrees around and 38 up.
 const LAMP: Vec3 = Vec3::new(-0.5572, 0.5572, 0.6157);
 
 /// The root of the area of a picture for which widths are given: 640 by 480.

@@ -3,7 +3,7 @@
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use glam::{Vec2, Vec3};
 
-/// The viewer, as seen from the pixels of a level.
+/// The view directions of the pixels of a level.
 pub(super) struct Viewer {
     sight: SightLines,
     /// Upper left corner of the level in the picture, and pixels of the picture to one of the level.
@@ -37,7 +37,7 @@ impl Viewer {
         }
     }
 
-    /// n.v, the cosine between a unit normal and the way to the viewer.
+    /// n.v, the cosine between a unit normal and the direction to the viewer.
     pub(super) fn facing(&self, x: usize, y: usize, normal: Vec3) -> f32 {
         let line = self.line(x, y);
         -normal.dot(line) / line.length()

@@ -13,7 +13,7 @@ const FULL_SIZE: f32 = 2.0;
 /// Share of the length that all lines may have at whose end lines begin to fade.
 const SPENT: f32 = 0.85;
 
-/// The share of its width, 0..1, of a line by a strength that is so many times its threshold.
+/// The share of the full width, 0..1, for a strength of so many times its threshold.
 pub(super) fn by_strength(times: f32) -> f32 {
     smoothstep((times - 1.0) / (FULL_STRENGTH - 1.0))
 }
@@ -104,8 +104,9 @@ mod tests {
 
     #[test]
     fn support_is_that_of_the_weakest_link_and_has_no_step() {
-        // A row of crests between thresholds of 10 and 20: 30 is 1.5 times the upper one, in full. 12.5 is 1.25 times the
-        // lower one, half-way, and passes on 0.5; 10 passes nothing on. 20 supports nothing by itself, and is behind it.
+        // A row of crests between thresholds of 10 and 20: 30 is 1.5 times the upper one, so full. 12.5 is 1.25 times
+        // the lower one, half-way, and passes on 0.5; 10 passes nothing on. 20 supports nothing by itself, and is
+        // behind it.
         let crests: Vec<Crest> = [15.0, 30.0, 12.5, 18.0, 10.0, 20.0]
             .into_iter()
             .enumerate()

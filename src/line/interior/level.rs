@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Normals where a surface was seen, and how freely they spread there.
+/// Normals of the visible surface, with the conductance of their diffusion.
 pub(super) struct Level {
     /// The normals with their mask.
     pub(super) frame: Frame,

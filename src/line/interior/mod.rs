@@ -38,6 +38,6 @@ pub(crate) struct InteriorLayer {
     pub(crate) covered: Plane,
     /// The lines themselves.
     pub(crate) lines: Vec<Contour>,
-    /// The levels that their widths were fit to, if there are lines.
+    /// The levels their widths were fitted to, if there are lines.
     pub(crate) levels: Option<[f32; LineLevels::COUNT]>,
 }

@@ -18,7 +18,7 @@ const LEAST_ALBEDO: f32 = 0.02;
 /// changes by more.
 const ACCOUNTED: f32 = 2.0;
 
-/// The percentage of the surface that lies below full light.
+/// Percentile of a surface's light taken as the full light.
 const FULL: u32 = 95;
 
 /// The crests of the rate at which light changes, beyond the change explained by the turn of normals, `curvature` in

@@ -1,4 +1,4 @@
-//! Sizes: shares of that of the picture, so that a larger render of the same thing has the same lines.
+//! Sizes as shares of the picture's, so that a larger render of the same scene has the same lines.
 
 use crate::frame::Frame;
 use crate::params::InteriorParams;

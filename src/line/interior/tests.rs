@@ -191,8 +191,8 @@ fn a_groove_is_a_valley_where_its_walls_meet() {
     }
 }
 
-/// Three periods of a cosine wave across the picture seen from 45 degrees above: height `amplitude cos(2 pi y/length)` over a plane leaning
-/// back by 45 degrees.
+/// Three periods of a cosine wave across the picture seen from 45 degrees above: height `amplitude cos(2 pi y/length)`
+/// over a plane leaning back by 45 degrees.
 const LENGTH: f64 = 20.0;
 const AMPLITUDE: f64 = 0.9 * LENGTH / TAU;
 
@@ -249,7 +249,7 @@ fn a_line_runs_where_surfaces_meet_at_one_depth() {
     assert!(reached.count() > 350);
 }
 
-/// Twice the share of points of either that have one of the other within so many pixels, over both.
+/// F measure of two sets of points: a point agrees if the other set has one within this many pixels.
 fn agreement(a: &[Vec2], b: &[Vec2], within: f32) -> f64 {
     let share = |from: &[Vec2], to: &[Vec2]| {
         let is_near = |p: &&Vec2| to.iter().any(|q| p.distance(*q) <= within);
@@ -303,7 +303,7 @@ fn cast_shadows_end_in_lines_and_shade_does_not() {
             ..frame_of(normals)
         }
     };
-    // Half of a ball is turned from the light.
+    // Half of a ball faces away from the light.
     let ball = ellipsoid(DVec3::splat(100.0));
     assert_eq!(lines_of_frame(&lit(&ball, &|_, _| 1.0), &params), []);
     // A disk keeps seven tenths of the light from a plane, in an ellipse of axes 80 and 60.

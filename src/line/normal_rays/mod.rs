@@ -65,7 +65,7 @@ pub(crate) enum LocalShape {
 /// Principal curvatures of a surface, the larger in size first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PrincipalCurvatures {
-    /// The kind of the point; where it has no direction, those given are arbitrary.
+    /// The kind of the point; without a direction, the given ones are arbitrary.
     pub form: LocalShape,
     /// Curvatures per unit of length; convex is negative.
     pub curvatures: [f64; 2],
@@ -103,7 +103,7 @@ pub(crate) const CERTAINTY: f64 = 10.0;
 /// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
 pub(crate) const MIN_COSINE: f64 = 0.1;
 
-/// Least sine between the two differences of feet: below it the surface is seen along itself.
+/// Least sine between the two differences of feet: below it the surface is seen edge-on.
 pub(crate) const MIN_SINE: f64 = 1e-6;
 
 /// Smallest z, out of the picture's plane, of the sum of a unit normal and the unit direction to the viewer.
@@ -164,8 +164,8 @@ pub(crate) fn principal_curvatures(
     })
 }
 
-/// Curvatures of a surface as one tensor, in the frame that turning the normal to the viewer by the shortest
-/// way makes the picture's own: the frames of neighbours are nearly alike, so that tensors can be averaged.
+/// Curvatures of a surface as one tensor, in the frame that coincides with the picture's when the normal is rotated to
+/// the viewer by the shortest way: frames of neighbours are nearly equal, so tensors can be averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CurvatureTensor {
     /// Mean of the principal curvatures, per unit of length; convex is negative.
@@ -193,8 +193,8 @@ pub(crate) fn curvature_tensor(
     })
 }
 
-/// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the
-/// shortest way; `None` where it points straight away.
+/// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way;
+/// `None` if it points straight away.
 #[inline]
 pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
     let both = normal + DVec3::Z;
@@ -258,7 +258,7 @@ impl Local {
         })
     }
 
-    /// Foot and slope of a ray; `None` where it leans too far.
+    /// Foot and slope of a ray; `None` if it leans too far.
     pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));

@@ -11,7 +11,7 @@
 @group(0) @binding(6) var<storage, read> depth: array<f32>;
 @group(0) @binding(7) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(8) var<storage, read_write> direction_y: array<f32>;
-// 1 where a pixel has a direction, 0 where it lacks one, and NOTHING outside the surface.
+// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
 @group(0) @binding(9) var<storage, read_write> filled: array<u32>;
 // 1 where the surface is a plane.
 @group(0) @binding(10) var<storage, read_write> marks: array<u32>;
@@ -120,11 +120,12 @@ fn open_ahead(here: Point, ahead: vec2<i32>, most: i32) -> i32 {
 struct Sides {
     before: Ray,
     after: Ray,
-    // The pixels that lie between them.
+    // Number of pixels between them.
     samples: f32,
 }
 
-// The rays as far away on both sides as the surface goes on either; on one side alone where it ends at once on the other.
+// Rays equally far on both sides, as far as the surface continues on each; on one side alone if it ends at once on the
+// other.
 fn sides(here: Point, ahead: vec2<i32>, most: i32) -> Sides {
     let before = open_ahead(here, -ahead, most);
     let after = open_ahead(here, ahead, most);
@@ -141,7 +142,7 @@ fn sides(here: Point, ahead: vec2<i32>, most: i32) -> Sides {
     return rays;
 }
 
-// The curvature larger in size, and where it leads on the plane of the tangents: 0 for no direction.
+// The curvature larger in magnitude, and its direction in the tangent plane: 0 for no direction.
 struct Larger {
     is_there: bool,
     is_flat: bool,

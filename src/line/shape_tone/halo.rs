@@ -51,7 +51,7 @@ fn nearest_across(frame: &Frame, depth: &Plane, reach: usize) -> Plane {
     rows.for_each_init(
         || vec![0.0; width + 2 * reach],
         |beyond, (y, row)| {
-            // The row with its uncovered samples, and those beyond its ends, infinitely far.
+            // The row with its uncovered samples and those beyond its ends at infinity.
             beyond.fill(f32::INFINITY);
             for run in frame.mask.runs(y) {
                 beyond[reach..][run.clone()].copy_from_slice(&depth.row(y)[run]);

@@ -1,4 +1,4 @@
-//! The pixels of a frame through its mirrors and lenses where a renderer wrote the points that they show.
+//! The pixels of a frame seen through mirrors and lenses, with the hit points written by a renderer.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, SURFACE_JUMP, SightLines, SpecularScene, Vector3Planes, step_between};

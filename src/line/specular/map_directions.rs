@@ -17,7 +17,7 @@ struct LastDirections {
 }
 
 impl DirectionCache {
-    /// The directions on these surroundings, made unless they are kept.
+    /// The directions on these surroundings, computed unless cached.
     pub(crate) fn of(&self, surroundings: &Arc<Surroundings>) -> Arc<Vector3Planes> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = kept.as_ref()
@@ -95,7 +95,7 @@ fn texel(map: &Surroundings, x: usize, y: usize) -> Option<(DVec3, DVec3)> {
     is_there.then_some((point, normal))
 }
 
-/// The normal ray of a neighbour, where it is on the same surface.
+/// The normal ray of a neighbour, if it is on the same surface.
 fn beside(here: (DVec3, DVec3), there: (DVec3, DVec3)) -> Option<NormalRay> {
     let offset = there.0 - here.0;
     let both = here.1 + there.1;

@@ -21,7 +21,7 @@ pub(crate) struct SeenPixel {
     pub(crate) normal: Vec3,
     /// Apparent depth along the view axis.
     pub(crate) depth: f32,
-    /// Directions of strokes in the picture, unit, in the order wanted; 0 where there is none.
+    /// Stroke directions in the picture, unit, in the order wanted; 0 for none.
     pub(crate) directions: [Vec2; 2],
 }
 

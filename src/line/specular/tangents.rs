@@ -13,7 +13,7 @@ pub(crate) struct Tangents<'a> {
     pub(crate) camera: Camera,
     /// On the surface behind: the strokes drawn there, one field for each of the directions wanted.
     pub(crate) behind: Vec<Vector2Planes>,
-    /// On the surroundings: the curvature larger in size, in world space; 0 where there is none.
+    /// On the surroundings: the direction of the curvature larger in magnitude, in world space; 0 for none.
     pub(crate) around: Option<Arc<Vector3Planes>>,
     /// The directions wanted: of the larger curvature, 0, or the lesser, 1.
     pub(crate) families: Vec<usize>,

@@ -22,7 +22,7 @@ pub(crate) fn stippled(
     let dots = dots(&ink, radius, params.seed, memory);
     let mut drawn = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
-    // Ink beyond a silhouette lies under its line.
+    // Ink beyond a silhouette is under its line.
     let is_covered = frame.mask.plane().samples();
     for (ink, _) in drawn
         .samples_mut()

@@ -1,4 +1,4 @@
-//! Dots spread by tone, and kept apart.
+//! Dots distributed by tone, and spaced apart.
 
 use super::super::random::Random;
 use crate::engine::cpu::memory::Memory;
@@ -22,18 +22,18 @@ const CHANCE: f32 = 0.5;
 const ROUNDS: usize = 10;
 const PUSH: f32 = 0.3;
 
-/// The distance to be kept, over the root of the paper that a dot has: 1.07 in a hexagonal order.
+/// The distance wanted, relative to the root of the paper area per dot: 1.07 in a hexagonal order.
 const APART: f32 = 1.0;
 
 /// The farthest that a dot pushes, in radii.
 const FARTHEST: f32 = 16.0;
 
-/// The ink that dots lay in all where a share of the paper is to be covered by them.
+/// Sum of the dots' areas needed to cover this share of the paper.
 fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
 }
 
-/// Places of dots of a radius, so that they cover `ink`, 0..1, of the paper.
+/// Positions of dots of a radius, so that they cover `ink`, 0..1, of the paper.
 pub(super) fn places(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let field = Field {
         ink,
@@ -57,7 +57,7 @@ impl Field<'_> {
     /// Dots in a pixel.
     fn density(&self, x: usize, y: usize) -> f32 {
         let ink = self.ink.at(x, y);
-        // A NaN is none.
+        // NaN counts as none.
         if ink > 0.0 {
             laid(ink.min(1.0)) / self.area
         } else {
@@ -117,7 +117,7 @@ fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     dots
 }
 
-/// Every dot moved away from those that are too near, unless no ink is wanted there.
+/// Every dot pushed away from dots that are too close, unless no ink is wanted there.
 fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
     let size = Vec2::new(field.ink.width() as f32, field.ink.height() as f32);
     let cells = Cells::new(places, size, (2.0 * radius).max(1.0));
@@ -138,7 +138,7 @@ fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
     places.par_iter().enumerate().map(moved).collect()
 }
 
-/// Places by the cell that they lie in, in their order.
+/// Positions by cell, in their order.
 struct Cells<'a> {
     places: &'a [Vec2],
     /// Numbers of places, cell by cell.

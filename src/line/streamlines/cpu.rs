@@ -38,7 +38,7 @@ impl<'a> Family<'a> {
     }
 }
 
-/// The lines of every family in turn, and family by family where they were started.
+/// The lines of every family in turn, and their seeds by family.
 pub(crate) fn lines(
     densities: &Densities,
     families: &[Family],
@@ -124,7 +124,7 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
         lay_over(&mut covered, &crossing);
         memory.recycle([crossing]);
     }
-    // Ink beyond a silhouette lies under its line.
+    // Ink beyond a silhouette is under its line.
     covered.each_row(|y, row| {
         let covered = frame.mask.plane().row(y);
         for (ink, _) in row

@@ -46,7 +46,7 @@ pub(crate) struct Seed {
     pub(crate) points: [i32; 2],
 }
 
-/// Lines, and where they were started, in the order they were laid.
+/// Lines with their seeds, in the order of placement.
 pub(crate) struct Streamlines {
     pub(crate) lines: Vec<Streamline>,
     pub(crate) seeds: Vec<Seed>,
@@ -55,7 +55,7 @@ pub(crate) struct Streamlines {
 /// The ink that lines are to cover.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    /// The share of the paper; where it is 0 no line goes.
+    /// The share of the paper to ink; lines avoid 0.
     pub(crate) ink: &'a Plane,
     /// Conductance, where lines may run on to the middle of edges, but not over them.
     pub(crate) conductance: Option<&'a Plane>,
@@ -83,7 +83,7 @@ impl Wanted<'_> {
     }
 }
 
-/// The sample of the pixel that a place lies in.
+/// The sample of the pixel at a position.
 #[inline]
 fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
     let inside = at.x >= 0.0 && at.y >= 0.0;
@@ -150,7 +150,7 @@ pub(crate) fn streamlines(
     }
 }
 
-/// A line that was laid: its number, and the level of darkness of the place that it was started at.
+/// A line as placed: its number, and the level of darkness at its seed.
 struct Laid {
     number: usize,
     level: usize,
@@ -168,7 +168,7 @@ struct Drawer<'a> {
 }
 
 impl Drawer<'_> {
-    /// Starts lines wherever there is room, in the dark first, each beside those before it as long as that can be.
+    /// Starts lines wherever there is room, in the dark first, each beside earlier ones as long as possible.
     fn fill(&mut self) {
         let every = self.tool.every();
         let (width, height) = (self.wanted.ink.width(), self.wanted.ink.height());
@@ -190,8 +190,8 @@ impl Drawer<'_> {
         }
     }
 
-    /// A line through a place, if there is room for one, and then all that can be started beside it, beside the darkest
-    /// first.
+    /// A line through a position, if there is room for one, and then all that can be started beside it, beside the
+    /// darkest first.
     fn start(&mut self, at: Vec2, room: f32) {
         let Some(first) = self.line(&self.anew(at), room) else {
             return;
@@ -261,7 +261,8 @@ impl Drawer<'_> {
         }
     }
 
-    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` where it would be too near another, or short.
+    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` if it would be too close to
+    /// another, or too short.
     fn line(&mut self, seed: &Seed, room: f32) -> Option<Laid> {
         let Seed {
             at: seed,
@@ -299,7 +300,7 @@ impl Drawer<'_> {
         None
     }
 
-    /// The points from `from` on in so many steps, numbered by `side`, until the line may go no farther.
+    /// The points from `from` on, up to a number of steps, numbered by `side`, until the line may go no farther.
     fn half_line(
         &mut self,
         from: Vec2,
@@ -330,7 +331,7 @@ impl Drawer<'_> {
             }
             let index = side * step;
             let distance = self.tool.least_distance(ink);
-            // Points of its own behind it are near, and in no way.
+            // Its own points behind it are near, but not in its way.
             let behind = (2.0 * distance / length) as i32 + 2;
             let others = |p: &Point| p.line != line || (p.index - index).abs() > behind;
             if !self.placed.is_free(next, distance, others) {
@@ -481,8 +482,8 @@ mod tests {
                 let along = (pair[1] - pair[0]).normalize();
                 let (x, y) = (pair[0].x as usize, pair[0].y as usize);
                 let t = Vec2::new(field.x.at(x, y), -field.y.at(x, y));
-                // The middle of a step is 1.2 pixels from that of the pixel it starts in at most, and 400 or more from
-                // the place that the field goes around.
+                // The middle of a step is at most 1.2 pixels from the centre of the pixel it starts in, and 400 or more
+                // from the centre that the field circles around.
                 assert!(along.perp_dot(t).abs() < 1.2 / 400.0, "{along} along {t}");
             }
             let others = lines[i + 1..].iter().flat_map(|other| &other.points);
@@ -555,7 +556,7 @@ mod tests {
                 .flat_map(|l| &l.widths)
                 .all(|&w| w == nib.width)
         );
-        // Tone is made by their number: of ink 0.05 to 0.5 in the mean a quarter and a bit, of 0.5 to 0.95 the rest.
+        // Their number makes the tone: for ink of 0.05 to 0.5 on average a quarter and a bit, for 0.5 to 0.95 the rest.
         let within = |from: f32, to: f32| {
             let points = lines.iter().flat_map(|l| &l.points);
             let count = points.filter(|p| (from..to).contains(&p.x)).count();

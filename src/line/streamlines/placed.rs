@@ -1,4 +1,4 @@
-//! The points of lines laid so far, by the cell that they lie in.
+//! The points of lines placed so far, by cell.
 
 use glam::Vec2;
 
@@ -16,7 +16,7 @@ pub(super) struct Point {
 /// No point.
 const NONE: u32 = u32::MAX;
 
-/// The points laid so far.
+/// The points placed so far.
 pub(super) struct Placed {
     points: Vec<Point>,
     /// The last point of every cell.

@@ -6,8 +6,7 @@ use crate::line::contours::polyline::lengths;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
 
-/// Over how much of its length a line runs thin at an end, in distances between lines; and at an edge, where paper would
-/// show.
+/// Length of the taper at a line's end, in distances between lines; and at an edge, where paper would show.
 const TAPER: f32 = 2.5;
 const TAPER_AT_EDGE: f32 = 0.4;
 
@@ -49,7 +48,7 @@ pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
     }
 }
 
-/// Thins a line toward its ends: slowly where it ends on open paper, at once where it ends at an edge.
+/// Tapers a line toward its ends: slowly at an end on open paper, abruptly at an edge.
 fn taper(line: &mut Streamline, wanted: Wanted, burin: &Burin) {
     let (points, lengths) = (&line.points, lengths(&line.points));
     let [.., before, last] = points[..] else {

@@ -45,7 +45,7 @@ const TOUCHING: f32 = 1.1;
 /// Smallest distance between lines, in pixels: the picture has no finer detail.
 const CLOSEST: f32 = 1.0;
 
-/// A pen's lines shorter than so many of their widths are left out; a burin's, shorter than so many distances.
+/// Shortest line of a pen, in widths, and of a burin, in distances.
 const SHORTEST: f32 = 4.0;
 const SHORTEST_ENGRAVED: f32 = 1.0;
 
@@ -120,7 +120,7 @@ impl Tool {
         })
     }
 
-    /// The widths that it can draw.
+    /// The widths it can draw.
     pub(super) fn widths(&self) -> [f32; 2] {
         match self {
             Self::Nib(nib) => {
