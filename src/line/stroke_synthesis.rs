@@ -12,7 +12,7 @@ pub(super) struct Canvas {
     pub(super) ramps: Vec<[f32; 2]>,
 }
 
-/// Strokes that lie end to end on a square: fewer would show that it repeats.
+/// Number of strokes laid end to end across the square: fewer would reveal the repetition.
 const STROKES_ACROSS: f32 = 6.0;
 
 /// Fewest and most texels along a side: a quarter of a million in all stay in the cache.
@@ -106,8 +106,7 @@ struct Mark {
 }
 
 impl Painter<'_> {
-    /// Draws lanes of strokes as far apart as light tones have them, then lanes midway between those,
-    /// until they touch.
+    /// Draws lanes of strokes at the distance for light tones, then lanes midway between those, until they touch.
     fn fill(&mut self) {
         let Habits {
             half_width,
@@ -120,7 +119,7 @@ impl Painter<'_> {
         let mut from = 0.0;
         loop {
             let pitch = side / lanes as f32;
-            // The tone that the lanes so far give where they are pressed hard.
+            // The tone reached by the lanes so far when pressed hard.
             let to = (2.0 * half_width * side / pitch / side).min(1.0);
             for lane in 0..lanes {
                 let place = radical_inverse(lane, lanes);

@@ -93,7 +93,7 @@ impl StrokeTexture {
 
     /// The mean ink at even steps of the threshold, measured as a drawing has it: anywhere between texels.
     pub(super) fn mean_inks(&self, random: &mut Random) -> Vec<f64> {
-        // Ink rises over each ramp by the same amount per step: its second differences are at the ends.
+        // Ink rises linearly over each ramp, so its second differences are at the ends.
         let mut bends = vec![0.0_f64; BINS + 2];
         let mut bend = |at: f32, by: f64| {
             let at = at / STEPS * BINS as f32;

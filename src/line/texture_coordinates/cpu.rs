@@ -16,11 +16,11 @@ use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
 
-/// Maps that are kept at once, beside the next.
+/// Most maps kept at once, beside the next one.
 const MOST_MAPS: usize = 3;
 
-/// Share of the surface that has to ask for the next map before it is born: of less, moving or not is not
-/// seen.
+/// Share of the surface that must need the next map before it is born: on a smaller share, moving and fixed look the
+/// same.
 const BIRTH: f64 = 0.01;
 
 /// Share of the surface from which the next map cannot wait for an older one to fade.
@@ -58,7 +58,7 @@ pub struct TextureCoordinates {
 }
 
 impl TextureCoordinates {
-    /// Those of a first frame: the texture lies as in a still picture.
+    /// Coordinates of a first frame: the texture is placed as in a still picture.
     pub fn new(frame: &Frame) -> Self {
         Self {
             window: frame.data_window,
@@ -72,7 +72,7 @@ impl TextureCoordinates {
         }
     }
 
-    /// Those of a frame of a sequence.
+    /// Coordinates of a frame of a sequence.
     pub(crate) fn of(frame: &Frame, sequence: SequenceInputs, memory: &Memory) -> Self {
         match sequence.before.zip(sequence.motion) {
             Some((before, motion)) => before.advanced(frame, motion, memory),
@@ -80,7 +80,7 @@ impl TextureCoordinates {
         }
     }
 
-    /// Those of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
+    /// Coordinates of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
     fn advanced(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
         let step = Step::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
@@ -111,7 +111,7 @@ impl TextureCoordinates {
         next
     }
 
-    /// The pixels of `frame` whose surface was wholly seen in the frame before too, where `motion` comes from.
+    /// The pixels of `frame` whose surface was fully visible in the previous frame too, by `motion`.
     pub fn seen_before(&self, frame: &Frame, motion: &Vector2Planes) -> Mask {
         let origins = Step::new(self.window, self.surface(), frame, motion).origins();
         Mask::new(origins.map(|origin| origin.whole))

@@ -24,7 +24,7 @@ pub(crate) const PLACES: Wgsl = wgsl!(
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {
     pub(crate) each: Vec<BoundTexture>,
-    /// The plane that separates surfaces where they move.
+    /// Depth, which separates moving surfaces.
     pub(crate) depth: Option<wgpu::Buffer>,
     pub(crate) motion: Option<[wgpu::Buffer; 2]>,
 }

@@ -16,7 +16,7 @@ pub(crate) struct Hidden<'a> {
 
 struct HiddenPixel {
     at: usize,
-    /// The nearest pixel that was seen before.
+    /// The nearest pixel that was visible before.
     root: usize,
     /// Pixels beside it of the same surface.
     beside: Vec<usize>,
@@ -77,7 +77,7 @@ impl<'a> Hidden<'a> {
         }
     }
 
-    /// Lets the places of a map go on into the hidden.
+    /// Extends the places of a map into hidden pixels.
     pub(crate) fn fill(&self, map: &mut Vector2Planes) {
         let width = self.known.width();
         let column_row = |at: usize| [(at % width) as f32, (at / width) as f32];
@@ -143,7 +143,7 @@ fn turn_around(map: &Vector2Planes, known: &MovingSurface, at: usize) -> [f32; 2
     turn(&sum)
 }
 
-/// The covered pixels around one, those that share a side first, that are of the same surface.
+/// The covered pixels of the same surface around one, those that share a side first.
 fn neighbours(at: usize, surface: &MovingSurface) -> Vec<usize> {
     const AROUND: [[isize; 2]; 8] = [
         [-1, 0],

@@ -72,9 +72,8 @@ pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
     change <= MOTION_STEP[0] + MOTION_STEP[1] * length(a[0], a[1]).min(length(b[0], b[1]))
 }
 
-/// The Jacobian at the place `here`, from those to the left and right, and those above and below where there
-/// are any. Places that do not belong to the same surface are left out; a derivative that is then missing
-/// is taken for a turn of the other.
+/// The Jacobian at the place `here`, from the neighbours left and right, and above and below, where they exist. Places
+/// of other surfaces are left out; a derivative that is then missing is replaced by the other, rotated.
 #[inline(always)]
 pub(crate) fn jacobian(
     here: [f32; 2],
@@ -89,7 +88,7 @@ pub(crate) fn jacobian(
     }
 }
 
-/// The derivative of the place along one axis, from those before and after `here` that belong to the same surface.
+/// The derivative of the place along one axis, from the neighbours before and after `here` on the same surface.
 #[inline(always)]
 pub(crate) fn slope(here: [f32; 2], [before, after]: [Option<[f32; 2]>; 2]) -> Option<[f32; 2]> {
     let joined = |place: Option<[f32; 2]>| place.filter(|&place| is_joined(here, place));
@@ -109,7 +108,7 @@ pub(crate) fn in_texture(by: &Jacobian, t: [f32; 2]) -> [f32; 2] {
     [dx[0] * t[0] - dy[0] * t[1], -(dx[1] * t[0] - dy[1] * t[1])]
 }
 
-/// Sum and difference of the singular values, the smaller one negative where the texture is turned over.
+/// Sum and difference of the singular values, the smaller one negative where the texture is mirrored.
 #[inline(always)]
 fn singular_values(by: &Jacobian) -> [f32; 2] {
     let [[a, c], [b, d]] = *by;
@@ -148,7 +147,7 @@ pub(crate) fn turn(by: &Jacobian) -> [f32; 2] {
     }
 }
 
-/// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture goes on from there by a
+/// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture continues from there by a
 /// [`turn`], undistorted.
 #[inline(always)]
 pub(crate) fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
@@ -236,7 +235,7 @@ mod tests {
     #[test]
     fn a_turned_object_keeps_the_angles_of_its_strokes() {
         for degrees in [0.0_f32, 20.0, 90.0, 135.0, 200.0] {
-            // Turned counterclockwise in the picture; places turn back. Rows run down.
+            // Rotated counterclockwise in the picture; places rotate back. Rows run down.
             let (sin, cos) = degrees.to_radians().sin_cos();
             let by = around(|x, y| [cos * x - sin * y, sin * x + cos * y]);
             assert!((distortion(&by) - 1.0).abs() < 1e-6);
@@ -269,7 +268,7 @@ mod tests {
 
     #[test]
     fn other_surfaces_have_no_say() {
-        // A texture turned by 40 degrees, that ends to the right and above.
+        // A texture rotated by 40 degrees that ends to the right and above.
         let (sin, cos) = 40.0_f32.to_radians().sin_cos();
         let place = |x: f32, y: f32| [9.0 + cos * x - sin * y, sin * x + cos * y];
         let whole = around(place);
@@ -288,7 +287,7 @@ mod tests {
 
     #[test]
     fn what_comes_into_view_goes_on_undistorted() {
-        // Compressed to half along x in the picture, turned by a right angle: only the turn goes on.
+        // Compressed to half along x in the picture, rotated by a right angle: only the rotation continues.
         let by = [[0.0, 2.0], [-1.0, 0.0]];
         assert_eq!(continued([5.0, 5.0], turn(&by), [3.0, 0.0]), [5.0, 8.0]);
         assert_eq!(extrapolated([5.0, 5.0], &by, [3.0, 0.0]), [5.0, 11.0]);
@@ -335,7 +334,7 @@ mod tests {
             }
         };
         assert_eq!(calm(&line), [0.0, 0.0]);
-        // A seam between two surfaces stays where it is.
+        // A seam between two surfaces stays in place.
         let seam = |x: f32, y: f32| if x > 0.0 { [x + 50.0, y] } else { [x, y] };
         assert_eq!(calm(&seam), [0.0, 0.0]);
         assert_eq!(calmed::<0>([4.0, 5.0], [None; 4], || []), [4.0, 5.0]);

@@ -33,7 +33,7 @@ impl Origin {
         (1.0 - x.abs()) * (1.0 - y.abs())
     }
 
-    /// Column and row of one of the four, if it has a weight and lies within `width` x `height`.
+    /// Column and row of one of the four, if it has a weight and is within `width` x `height`.
     #[inline(always)]
     pub(crate) fn pixel(&self, k: usize, width: usize, height: usize) -> Option<[usize; 2]> {
         let (x, y) = (self.left + (k % 2) as i32, self.top + (k / 2) as i32);

@@ -24,7 +24,7 @@ pub(crate) struct PlaceMap {
 }
 
 impl PlaceMap {
-    /// A map that is laid over `frame` as it is.
+    /// An undistorted map laid over `frame`.
     pub(crate) fn laid(generation: u32, frame: &Frame) -> Self {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let [left, top] = origin_in(generation, frame.data_window);

@@ -1,6 +1,6 @@
 // Maps of places, and adjacency in them.
 
-// Any buffers where there are none.
+// Any buffers if there are no places.
 @group(0) @binding(9) var<storage, read> place_x: array<f32>;
 @group(0) @binding(10) var<storage, read> place_y: array<f32>;
 @group(0) @binding(11) var<storage, read> depth: array<f32>;
@@ -32,7 +32,7 @@ fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
     return !is_nan(change) && change <= MOTION_STEP_PX + MOTION_STEP_SHARE * least;
 }
 
-// The pixel next to the one at `at`, where it is one of the picture.
+// The neighbour of the pixel at `at`, if it is inside the picture.
 fn neighbour(at: u32, is_inside: bool, x: u32, y: u32) -> Neighbour {
     if !is_inside || !is_covered(x, y) {
         return Neighbour(vec2<f32>(0.0), false);

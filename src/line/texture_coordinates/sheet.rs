@@ -9,7 +9,7 @@ use std::ops::Range;
 /// A map of places and its share of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlacedTexture<'a> {
-    /// Places, and the surface that has them; `None` lies still in the picture.
+    /// Places with their surface; `None` if fixed in the picture.
     pub(crate) place: Option<(&'a Vector2Planes, MovingSurface<'a>)>,
     /// Offset of the fixed texture.
     pub(crate) origin: [f32; 2],

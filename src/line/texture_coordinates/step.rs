@@ -20,7 +20,7 @@ const CALMINGS: usize = 2;
 /// Pixels along each axis from one to the next that is looked at for the change of all depth.
 const STRIDE: usize = 8;
 
-/// Weights below this are those of rounding.
+/// Smaller weights are due to rounding.
 const LEAST_WEIGHT: f32 = 1e-4;
 
 /// From one frame to the next.
@@ -63,7 +63,7 @@ impl<'a> Step<'a> {
         let (now, then) = (self.frame.data_window, self.window_before);
         let from = |at: usize, shift: i32, moved: f32, length: usize| {
             let from = at as f64 + f64::from(shift) - f64::from(moved);
-            // A motion that is not a number leads nowhere either.
+            // NaN motion leads nowhere either.
             (from > -1.0 && from < length as f64).then(|| (from.floor(), from))
         };
         let (width, height) = (self.before.covered.width(), self.before.covered.height());

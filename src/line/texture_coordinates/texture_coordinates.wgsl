@@ -6,7 +6,7 @@ struct Jacobian {
     dy: vec2<f32>,
 }
 
-// The place of a pixel next to another, where it has one and shows the same surface.
+// The place of an adjacent pixel, if it has one and shows the same surface.
 struct Neighbour {
     place: vec2<f32>,
     is_there: bool,

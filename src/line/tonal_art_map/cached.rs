@@ -1,4 +1,4 @@
-//! The texture of strokes, made once and kept while frames ask for the same.
+//! The texture of strokes, made once and cached as long as its parameters stay the same.
 
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Stroke, StrokeParams, Style};

@@ -66,11 +66,11 @@ impl TonalArtMap {
         }
     }
 
-    /// The map of `pictures` of one texture at several tones, as ink from 0, paper, to 1, black, in any
-    /// order, strokes along x. They repeat without a seam if their borders meet; paper and black are added.
+    /// The map of `pictures` of one texture at several tones, as ink from 0, paper, to 1, black, in any order, strokes
+    /// along x. They repeat without a seam if their borders meet; paper and black are added.
     ///
     /// # Panics
-    /// If there are none, or they differ in size.
+    /// If there are no pictures, or they differ in size.
     pub fn of_pictures(pictures: &[Plane], texels_per_px: f32) -> Self {
         let size = |p: &Plane| (p.width(), p.height());
         assert!(
