@@ -1,4 +1,4 @@
-//! Lines along edges that the device lists, or hands out in planes where there are too many.
+//! Lines along edges that the device lists, or returns as planes if there are too many.
 
 use super::drawing::assert_drawn;
 use super::{on_gpu, with_color};
@@ -25,7 +25,7 @@ fn disc(width: usize, height: usize) -> Plane {
     })
 }
 
-/// A number in 0..1 for each pixel, like no other.
+/// A pseudo-random number in 0..1 for each pixel.
 fn noise(x: usize, y: usize) -> f32 {
     let wave = (12.9898 * x as f32 + 78.233 * y as f32).sin();
     (43758.547 * wave).rem_euclid(1.0)
@@ -103,7 +103,7 @@ fn lines_along_listed_edges() {
     });
 }
 
-/// More than one crack for four pixels, more than one crease for two, or both: there is no room for them in lists.
+/// More than one crack per four pixels, more than one crease per two, or both: the lists have no room for them.
 #[test]
 fn lines_along_edges_that_are_too_many_to_be_listed() {
     on_gpu(|runner| {

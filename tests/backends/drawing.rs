@@ -19,7 +19,7 @@ use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
 use relievo::report::scenes::{ExactScene, Surface};
 
-/// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
+/// Asserts that both backends draw the same, and returns the total ink of the CPU's strokes and contours.
 #[track_caller]
 pub(super) fn assert_drawn(
     name: &str,
@@ -313,7 +313,7 @@ fn a_picture_too_large_for_the_device_is_drawn_in_strips() {
     );
 }
 
-/// A surface that comes nearer and turns: its texture is laid anew now and then, and several drawings share in it.
+/// A surface that approaches and rotates: its texture is laid anew now and then, and several maps share the drawing.
 #[test]
 fn strokes_move_with_the_surface() {
     let Ok(device) = Device::open(Choice::Any) else {

@@ -54,7 +54,7 @@ fn printed(program: &str, probe: &[&str], arguments: &[&str], files: &[String]) 
     Some(said)
 }
 
-/// The bust's shape in every way that its layers may go to a file.
+/// The bust's shape, with its layers written in every way.
 fn written(desk: &Path) -> Vec<String> {
     let ways = ["keep", "channels", "results"];
     let made = ways.map(|way| {

@@ -71,7 +71,7 @@ fn sharp_frames_keep_their_samples() {
 #[test]
 fn a_soft_form_in_8_bits_has_no_rings() {
     let desk = tempfile::tempdir().unwrap();
-    // A dome of radius 3000 px, whose normals turn by a code in 24 pixels: its curvature is the same everywhere.
+    // A dome of radius 3000 px, whose normals change by a code in 24 pixels: its curvature is constant.
     let (size, radius) = (480, 3000.0);
     let mut map = RgbImage::new(size, size);
     for (x, y, pixel) in map.enumerate_pixels_mut() {

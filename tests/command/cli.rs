@@ -847,7 +847,7 @@ fn what_cannot_be_done_is_one_line_and_exit_code_1() {
     let flags = ["--normal", small.to_str().unwrap()];
     says(run(&color, &flags), &["256x256", "128x256"]);
 
-    // World-space normals, and nothing to find a camera by.
+    // World-space normals, and no evidence for a camera.
     let file = open(&bust);
     let planes = ["Combined.R", "Combined.G", "Combined.B", "Combined.A"]
         .into_iter()

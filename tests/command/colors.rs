@@ -132,7 +132,7 @@ fn new_light_does_not_burn() {
     );
     assert!(said.contains(" % white, "), "{said}");
     assert_eq!(brightest("clipped.png"), 1.0);
-    // An EXR holds light as it is.
+    // An EXR stores light unchanged.
     for (name, more) in [("a.exr", ""), ("b.exr", "--exposure -1 --highlights clip")] {
         relievo(here, &format!("{light} -o {name} --layers results {more}")).ended(0);
     }

@@ -194,7 +194,7 @@ fn renders_show_their_roles() {
             assert_eq!(found, expected, "{role} of {}", file.display());
             *count += usize::from(expected.is_some());
         }
-        // A problem, where there is one, names the flag that solves it.
+        // A problem, if there is one, names the flag that solves it.
         if let Some(problem) = inspection["problem"].as_str() {
             assert!(problem.contains("--"), "{problem}");
         }

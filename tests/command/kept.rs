@@ -9,7 +9,7 @@ use relievo::io::picture::ViewTransform;
 use std::fs::{self, File};
 use std::path::Path;
 
-/// Columns and rows of the photo as it is stored.
+/// Stored columns and rows of the photo.
 const STORED: [usize; 2] = [64, 48];
 
 /// A JPEG, dark except for its upper left quarter, with segments of these names and contents after its first two bytes.
@@ -57,7 +57,7 @@ fn icc(space: &[u8; 4]) -> (u8, Vec<u8>) {
     (0xe2, [&name[..], &profile].concat())
 }
 
-/// A JFIF segment (APP0): its name, version 1.2, so many pixels per inch, no small picture.
+/// A JFIF segment (APP0): its name, version 1.2, a resolution in pixels per inch, no thumbnail.
 fn jfif(dpi: u16) -> (u8, Vec<u8>) {
     let [high, low] = dpi.to_be_bytes();
     let numbers = [1, 2, 1, high, low, high, low, 0, 0];
@@ -104,7 +104,7 @@ fn photos_stand_as_their_orientation_has_them() {
         );
         assert!(said.contains(&expected), "{said}");
     }
-    // Rows of a turned photo are not read without the whole of it.
+    // Rows of a rotated photo cannot be read without the whole of it.
     let sparing = "relight n.png --normal n.png --environment in.jpg -o out.png --max-memory 8K";
     let said = relievo(here, sparing).error(1);
     assert!(
@@ -138,7 +138,7 @@ fn pictures_keep_profile_and_resolution_and_what_the_camera_said() {
         ] {
             assert!(holds(text), "{name}: {text}");
         }
-        // The same words make the same file.
+        // The same command makes the same file.
         relievo(here, &words).done();
         assert!(file == bytes(here, name), "{name}");
         // The result is read like a photo: 240 pixels per inch are 9449 per metre, 240.005 again.
@@ -159,7 +159,7 @@ fn pictures_keep_profile_and_resolution_and_what_the_camera_said() {
             *b"JFIF\0\x01\x02\x01\x01\x2c\x01\x2c"
         );
     }
-    // A display of curvature has colours of its own, and a profile of grey is none of colours.
+    // A display of curvature has colours of its own, and a profile of grey does not fit colours.
     relievo(here, "shape in.jpg --normal n.png -q -o out.png").done();
     assert_eq!(decoder(&here.join("out.png")).icc_profile().unwrap(), None);
     write_photo(&here.join("in.jpg"), &[exif(6), icc(b"GRAY")]);

@@ -92,7 +92,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(first.samples().iter().any(|&white| white < 0.5));
     assert!(is_moved(&third, &second));
 
-    // A tone of its own for each: the second and third are alike, and go with the surface.
+    // A tone for each: the second and third are alike, and move with the surface.
     let tone = "--white-point 1.5";
     let outputs = "-o out.%04d.png";
     hatch(desk.path(), &format!("{sequence} {tone} {outputs}")).ended(0);
@@ -100,7 +100,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(is_moved(&third, &second));
     assert!(!is_moved(&second, &second));
 
-    // Still strokes are still, as they are in single pictures.
+    // Fixed strokes stay, as in single pictures.
     let still = "--motion none -o still.####.png";
     hatch(desk.path(), &format!("{sequence} {tone} {still}")).ended(0);
     let alone = "in.0003.exr --tone picture -o alone.png";
@@ -135,7 +135,7 @@ fn cameras_tell_the_motion_of_what_stands_still() {
     let drawings = [1, 2, 3].map(|n| drawing(desk.path(), &format!("out.000{n}.png")));
     assert!(is_moved(&drawings[1], &drawings[0]));
     assert!(is_moved(&drawings[2], &drawings[1]));
-    // Without them there is nothing to go by.
+    // Without them there is no evidence.
     for number in 1..=2 {
         write_frame(desk.path(), number, 0.4, With::Nothing);
     }
@@ -173,7 +173,7 @@ fn what_is_no_sequence_is_refused_in_one_line() {
         let line = hatch(desk.path(), flags).refused(2);
         assert!(line.contains(said), "{flags}: {line}");
     }
-    // A frame that is not there, and motion that is not: the frames before are done.
+    // A missing frame, and missing motion: earlier frames are done.
     let sequence = "in.####.exr --frames 1-2 -o a.####.png";
     let stderr = hatch(desk.path(), sequence).ended(1);
     assert!(stderr.contains("in.0002.exr: cannot read"), "{stderr}");

@@ -231,7 +231,7 @@ fn a_drawing_fades_with_the_share_of_an_object() {
 fn what_no_manifest_names_is_found_by_the_hash_of_its_name() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr");
-    // The same file with a manifest that cannot be read: one letter of its key is another, of the same length.
+    // The same file with an unreadable manifest: one letter of its key is changed, at the same length.
     let mut bytes = std::fs::read(&haze).unwrap();
     let at = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|w| w == what);
     while let Some(found) = at(&bytes, b"/manifest\0") {

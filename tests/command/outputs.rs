@@ -175,7 +175,7 @@ fn files_are_compared_and_not_their_names() {
     assert_eq!(names(here, "o."), [""; 0]);
 }
 
-/// A path that cannot be written to is found before the frame is read: here there is none.
+/// An unwritable path is detected before the frame is read: here there is no frame.
 #[test]
 fn bad_paths_are_found_before_any_work() {
     let desk = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ fn write_grey(path: &Path, [width, height]: [u32; 2], value: impl Fn(u32, u32) -
     writer.write_image_data(&codes).unwrap();
 }
 
-/// A PNG that claims so many pixels, and holds none of them.
+/// A PNG that claims these pixels, and contains none of them.
 fn write_header(path: &Path, [width, height]: [u32; 2]) {
     let encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
     let mut writer = encoder.write_header().unwrap();

@@ -116,7 +116,7 @@ fn option_rows() -> Vec<(String, String)> {
 
 #[test]
 fn the_defaults_are_those_of_the_program() {
-    // An option that several commands have means the same in all: params hold its default once.
+    // An option shared by several commands has the same meaning in all: params hold its default once.
     let helps = ["enhance", "relight", "hatch"].map(help_of);
     let rows = option_rows();
     for (option, default) in &rows {

@@ -1,4 +1,4 @@
-//! Recipes: any command line, kept and run again.
+//! Recipes: any command line, saved and run again.
 
 use super::inputs::{bytes, desk};
 use crate::common::program::relievo;

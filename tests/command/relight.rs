@@ -121,7 +121,7 @@ fn every_material_runs_in_an_environment() {
 
 #[test]
 fn an_environment_lights_from_the_side_where_it_is_bright() {
-    // Left of the map's middle is left of the viewer; turned by half it is right.
+    // Left of the map's middle is left of the viewer; rotated by half a turn it is right.
     let desk = tempfile::tempdir().unwrap();
     let sky = sky(desk.path());
     assert!(read_environment(&sky).unwrap().radiance([-1.0, 0.0, 0.0])[0] > 3.0);

@@ -583,7 +583,7 @@ fn mirrors_are_found_by_steps_refinements_and_rows() {
         falls(&columns[2..], 0.4) && columns[5] < 1e-4,
         "{columns:?}"
     );
-    // So are the directions of their curvature, up to the errors of what is seen beside one another.
+    // So are the directions of their curvature, up to errors from the spacing of adjacent hits.
     let turned = of("map_heights", |row| {
         number(&row["direction_on_columns"]["median"])
     });

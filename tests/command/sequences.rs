@@ -200,7 +200,7 @@ fn a_camera_that_stands_still_is_recovered_once() {
     relievo(here, words).ended(0);
     let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
     assert!(recipe.contains("still-camera = "), "{recipe}");
-    // Found anew it is the same, as the frames are.
+    // Determined anew it is the same, like the frames.
     relievo(here, "enhance in.2.exr -o alone.png").ended(0);
     relievo(here, "run look.toml in.2.exr -o by_recipe.png").ended(0);
     assert!(bytes(here, "alone.png") == bytes(here, "by_recipe.png"));

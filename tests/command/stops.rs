@@ -25,7 +25,7 @@ fn begun(directory: &Path, words: &str) -> Child {
         .unwrap()
 }
 
-/// Waits until there are `count` outputs called so, or a minute has passed.
+/// Waits until there are `count` outputs with this prefix, or a minute has passed.
 fn wait_for(directory: &Path, begin: &str, count: usize) {
     let started = Instant::now();
     while names(directory, begin).len() < count && started.elapsed() < Duration::from_secs(60) {

@@ -1,4 +1,4 @@
-//! Pictures that do not fit in the memory they are given: the same bits, strip by strip.
+//! Pictures larger than the memory allowed: the same bits, strip by strip.
 
 use super::inputs::{bytes, write_bumps, write_planes};
 use crate::common::program::relievo;

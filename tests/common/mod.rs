@@ -188,7 +188,7 @@ pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
     DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
 }
 
-/// The value below which this share of the sorted values lies.
+/// The quantile of the sorted values for this share.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
 }
@@ -206,14 +206,14 @@ pub fn bits(plane: &Plane) -> Vec<u32> {
     plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
-/// A plane turned the way `quarter_turned` turns a frame.
+/// A plane rotated like a frame by `quarter_turned`.
 pub fn quarter_turned_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
     Plane::from_fn(plane.height(), plane.width(), |x, y| {
         plane.at(plane.width() - 1 - y, x)
     })
 }
 
-/// A plane mirrored the way `mirrored` mirrors a frame.
+/// A plane mirrored like a frame by `mirrored`.
 pub fn mirrored_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
     Plane::from_fn(plane.width(), plane.height(), |x, y| {
         plane.at(plane.width() - 1 - x, y)

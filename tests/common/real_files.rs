@@ -1,4 +1,4 @@
-//! Real inputs that are no part of this project: tests that want them go without where they are absent.
+//! Real inputs that are not part of this project: tests skip them if they are absent.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -13,7 +13,7 @@ use relievo::io::{self, Needs};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The channels of the only part of a file, as they are stored.
+/// The channels of the only part of a file, as stored.
 fn raw_channels(path: &Path) -> BTreeMap<String, FlatSamples> {
     let image = exr::prelude::read()
         .no_deep_data()
@@ -380,7 +380,7 @@ fn hostile_samples_are_sanitised_as_those_of_files() {
     }
 }
 
-/// A few normals and depths, to be laid out in every way.
+/// A few normals and depths, for every layout.
 fn ramp() -> [Plane; 3] {
     [0.25, 0.5, 1.0].map(|step| {
         Plane::from_fn(5, 4, |x, y| {

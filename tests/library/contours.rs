@@ -1,5 +1,4 @@
-//! Contours against scenes whose edges are known: where lines run, how wide they are, that each edge has one,
-//! and that they meet.
+//! Contours in scenes with known edges: their positions and widths, one for each edge, and their junctions.
 
 use crate::common::cpu;
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
@@ -110,19 +109,19 @@ fn a_disc_is_one_smooth_closed_line() {
     assert_eq!(drawing.contour_lines.len(), 1);
     let line = &drawing.contour_lines[0];
     assert!(line.is_closed() && line.kind == ContourKind::Silhouette);
-    // A crack lies within half a pixel of the edge that passes between its pixels.
+    // A crack is within half a pixel of the edge between its pixels.
     let off = farthest_from_circle(line);
     assert!(off < 0.5, "{off}");
-    // Over s pixels a circle turns by s/R: over 12 pixels by 0.2 rad. Were the steps between pixels left in,
-    // single turns would be 0 or 0.8 rad.
+    // Over s pixels a circle turns by s/R: over 12 pixels by 0.2 rad. With the steps between pixels left in, single
+    // turns would be 0 or 0.8 rad.
     let points = evenly(line, 12.0);
     for three in points.windows(3) {
         let turn = (three[1] - three[0]).angle_to(three[2] - three[1]);
         assert!((turn.abs() - 12.0 / RADIUS).abs() < 0.1, "turns by {turn}");
     }
-    // Before the background, and almost at one depth: a rim pixel lies up to 1 px inside, the surface there
-    // sqrt(R^2 - (R-1)^2) = 11 px nearer than the rim, 2.7 % of the distance of 400. Over 0.4 in the logarithm
-    // 40 % of the width are lost: here up to 2.7 %.
+    // Before the background, and almost at one depth: a rim pixel is up to 1 px inside, where the surface is sqrt(R^2 -
+    // (R-1)^2) = 11 px nearer than the rim, 2.7 % of the distance of 400. Over 0.4 in the logarithm 40 % of the width
+    // are lost: here up to 2.7 %.
     let width = ContourParams::default().width_px;
     assert!(line.widths.iter().all(|&w| w <= width && w > 0.97 * width));
     let sum: f32 = ink(&drawing).samples().iter().sum();

@@ -1,4 +1,4 @@
-//! Files in and out: round trips, copies with a part added, and files that lie.
+//! Files in and out: round trips, copies with a part added, and files with false claims.
 
 use crate::common::bits;
 use crate::common::real_files::real;
@@ -381,7 +381,7 @@ fn dwa_counters_are_not_believed() {
     }
 }
 
-/// A small generator of numbers that look random (xorshift), the same in every run.
+/// A small pseudo-random generator (xorshift), the same in every run.
 struct Dice(u64);
 
 impl Dice {

@@ -1,4 +1,4 @@
-//! Layers under names that no table holds: found by the words of their names, else by their numbers.
+//! Layers with names in no table: found by the words of their names, else by their numbers.
 
 use crate::common::exr::{Part, Stored, write};
 use relievo::frame::{Plane, Window};

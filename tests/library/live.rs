@@ -211,11 +211,11 @@ fn only_what_a_change_touches_is_made_anew() {
         passes(&enhance, |a| a.scaling.scaling = 1.5),
         ["radiance-scaling"]
     );
-    // A scale is diffused anew, between the same edges.
+    // A new scale repeats the diffusion, between the same edges.
     let another_scale = |a: &mut Asked| a.shape.scale = Scale::Iterations(30);
     let expected = ["auto-gain", "diffusion", "relight", "trace"];
     assert_eq!(passes(&relight, another_scale), expected);
-    // The gain is of the same curvature.
+    // A given gain applies to the same curvature.
     let told_gain = |a: &mut Asked| a.scaling.curvature_gain = Adaptive::Fixed(4.0);
     assert_eq!(passes(&enhance, told_gain), ["radiance-scaling"]);
     // Other edges recompute everything except products of the picture alone.

@@ -288,7 +288,7 @@ fn balls_and_planes_take_the_fixed_axis_and_show_no_noise() {
 
 #[test]
 fn an_umbilic_takes_its_neighbours_direction() {
-    // A capsule: the cylinder of radius 60 around y goes over into balls where its ends lie.
+    // A capsule: the cylinder of radius 60 around y continues in balls at its ends.
     let frame = {
         let tube = ExactScene::orthographic(Surface::cylinder(60.0, DVec3::X), 100.0, 100.0);
         let mut frame = tube.frame(200, 200);
@@ -441,7 +441,7 @@ fn the_unit_of_length_changes_nothing() {
             for (x, y) in (0..open.height()).flat_map(|y| (0..open.width()).map(move |x| (x, y))) {
                 let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
                 if exact.and_then(|e| expected(&e, scene.projection)).is_some() {
-                    // Depth is rounded anew.
+                    // Depth is rounded again.
                     let angle = angle_deg(direction_at(&found, x, y), direction_at(&plain, x, y));
                     assert!(
                         angle < 0.05,

@@ -18,7 +18,7 @@ const GAIN: f32 = 30.0;
 /// The scale of most tests, in pixels at the reference height.
 const SIGMA: f64 = 12.0;
 
-/// Pixels of a picture of so many lines per pixel of the reference.
+/// Pixels per reference pixel in a picture of `lines` lines.
 fn factor(lines: usize) -> f64 {
     lines as f64 / f64::from(REFERENCE)
 }
@@ -174,7 +174,7 @@ fn balls(lines: usize) -> ExactScene {
     }
 }
 
-/// Which ball is seen at a position of the picture at the reference height and all around it.
+/// The ball seen at a position of the picture at the reference height and all around it.
 fn well_inside(scene: &ExactScene, x: f64, y: f64, margin: f64) -> Option<usize> {
     let seen = |x, y| scene.exact_at(x, y).map(|exact| exact.surface);
     let here = seen(x, y)?;
@@ -226,7 +226,7 @@ fn balls_keep_their_kappa_at_every_resolution() {
     }
 }
 
-// What the height is that of ------------------------------------------------------------------
+// The height that the reference refers to ----------------------------------------------------
 
 #[test]
 fn the_picture_at_its_reference_height_keeps_its_bits() {

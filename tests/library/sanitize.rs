@@ -250,7 +250,7 @@ fn long_diffusion_settles() {
     assert_finite_under(&ball(13, 11), "ball", &settings);
 }
 
-/// Colour far past any display, and past what most settings can scale within a float.
+/// Colours far beyond any display, and beyond the range that most settings can scale within a float.
 #[test]
 fn enormous_colours_stay_finite() {
     let lit = |peak: f32| {
@@ -465,7 +465,7 @@ fn normals_without_direction_are_left_out_and_no_others() {
             }
             let frame = render.through_a_file(stored).frame;
             for (i, (n, covered)) in cases.iter().enumerate() {
-                // Half floats hold no 3e38: it becomes 65504 and so a normal of some direction.
+                // Half floats cannot hold 3e38: it becomes 65504 and so a normal of some direction.
                 if stored == Stored::Float || n.max_element() < 1e5 || !n.is_finite() {
                     assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{n}");
                 }

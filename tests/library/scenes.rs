@@ -232,7 +232,7 @@ fn principal_directions_are_tangent_and_square() {
     });
 }
 
-/// A ball bends by -1/R every way; seen head on so does its height.
+/// A ball curves by -1/R in all directions; seen head on so does its height.
 #[test]
 fn ball_curvature() {
     let scene = orthographic(Surface::ball(40.0));

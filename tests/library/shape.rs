@@ -405,8 +405,8 @@ fn diffusion_keeps_the_mean() {
     }
 }
 
-/// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann
-/// borders, of eigenvalue -2 (1 - cos k). Returns how far a diffused one is from `decay` of itself.
+/// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann borders, of eigenvalue
+/// -2 (1 - cos k). Returns the deviation of a diffused one from `decay` of itself.
 fn wave_error(settings: ShapeParams, decay: impl Fn(f64) -> f64) -> f64 {
     let k = 2.0 * std::f64::consts::PI / 32.0;
     let wave = |x: usize| 0.5 * (k * (x as f64 + 0.5)).cos();

@@ -44,7 +44,7 @@ fn recovered(shot: &Shot) -> Result<DepthCamera, RecoveryFailure> {
     recovered_from(shot, &layers_of(shot))
 }
 
-/// Recovers the camera, which must lie within `limit` degrees of the true one.
+/// Recovers the camera, which must be within `limit` degrees of the true one.
 fn expect_within(shot: &Shot, limit: f64) -> DepthCamera {
     let found = recovered(shot).expect("no camera");
     let truth = shot.camera.view_from_world.matrix3 * shot.normals.transpose();

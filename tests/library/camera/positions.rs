@@ -45,7 +45,7 @@ fn recovered(shot: &Shot) -> Result<RecoveredCamera, RecoveryFailure> {
     recovered_from(shot, &position, &mask)
 }
 
-/// Recovers the camera, which must lie within `limit` degrees of the true one.
+/// Recovers the camera, which must be within `limit` degrees of the true one.
 fn expect_within(shot: &Shot, limit: f64) -> RecoveredCamera {
     let found = recovered(shot).expect("no camera");
     let truth = shot.camera.view_from_world.matrix3;

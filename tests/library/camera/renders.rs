@@ -243,8 +243,8 @@ fn positions_that_scatter_out_of_focus_give_the_camera_between_them() {
     let camera = render.path.with_extension("camera.json");
     let truth = read_camera(&camera, window, 1.0).expect("a camera");
     let found = recover_camera(&position, &Mask::full(width, height), window, window, 1.0).unwrap();
-    // Each was seen through its own part of a lens that is 33 cm wide, some 2 px off; 20,000 of them are less than a
-    // twentieth of a degree off in the mean.
+    // Each was seen through its own part of a lens that is 33 cm wide, some 2 px off; the mean of 20,000 of them is
+    // less than a twentieth of a degree off.
     assert!(found.residual_px_median > 1.0, "{found:?}");
     let turn = turn_between(&found.camera, &truth);
     assert!(turn < 0.05, "{turn} degrees");

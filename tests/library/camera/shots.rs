@@ -72,7 +72,7 @@ pub(crate) struct Shot {
     pub(crate) mixed: f64,
     /// Whether depth is distance along the sight line.
     pub(crate) ray: bool,
-    /// Turns the normals into another space than the one the camera looks from.
+    /// Rotates the normals into another space than the camera's.
     pub(crate) normals: DMat3,
 }
 
@@ -175,7 +175,7 @@ impl Shot {
         })
     }
 
-    /// A value as precise as it is stored.
+    /// A value rounded to the precision of its storage.
     pub(crate) fn stored(&self, value: f64) -> f64 {
         if self.half {
             f16::from_f64(value).to_f64()

@@ -1,4 +1,4 @@
-//! Every background of depth with everything that depth may hold.
+//! Every background of depth with every kind of depth.
 
 use super::truth::{display, truth};
 use crate::common::exr::{Part, Stored, write};

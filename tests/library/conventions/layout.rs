@@ -27,7 +27,7 @@ fn inputs(path: &Path, view: Option<&str>) -> Inputs {
     Inputs {
         picture: path.to_path_buf(),
         view: view.map(Into::into),
-        // The turned normals of the right eye do not go with its depth.
+        // The reversed normals of the right eye do not match its depth.
         normal_space: Some(relievo::frame::NormalSpace::View),
         normal_flip: Some(relievo::io::inputs::Flip::NONE),
         ..Inputs::default()

@@ -106,7 +106,7 @@ impl File {
         vec![(self.more)(Part { channels, ..part() })]
     }
 
-    /// Reads the file and compares it; a row of the README's table goes to the output.
+    /// Reads the file and compares it; prints a row of the README's table.
     fn check(&self) {
         let desk = tempfile::tempdir().unwrap();
         let path = desk.path().join("a.exr");
@@ -407,7 +407,7 @@ fn files() -> Vec<File> {
             read_as(World, Planar, FLOAT_DEG)).with(arnold_camera),
         file("Arnold, positions", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             ReadAs { is_placed: true, ..read_as(World, Planar, FLOAT_DEG) }).with(arnold_camera).with_position("P", RGB),
-        // The same as Nuke hands it on, without matrices.
+        // The same as passed on by Nuke, without matrices.
         file("Arnold, nothing stated", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             read_as(World, Planar, DEPTH_DEG)),
         file("RenderMan", ("__Nworld", RGB_LOWER, Float), Y_UP, Some((&["__depth.r"], Float, f64::INFINITY, PLANAR)),

@@ -1,4 +1,4 @@
-//! One scene whose every value is known, and how far a frame is from it.
+//! One scene with all values known, and the error of a frame against it.
 
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
@@ -94,14 +94,14 @@ impl Truth {
         self.value(background, |e| change(e.point * UNIT)[axis])
     }
 
-    /// Something made of planar depth and distance.
+    /// A function of planar depth and distance.
     pub(crate) fn depth(&self, background: f64, change: impl Fn(f64, f64) -> f64) -> Plane {
         self.value(background, |e| {
             change(e.depth * UNIT, e.point.length() * UNIT)
         })
     }
 
-    /// 1 where something was seen.
+    /// 1 where there is a surface.
     pub(crate) fn alpha(&self) -> Plane {
         self.value(0.0, |_| 1.0)
     }

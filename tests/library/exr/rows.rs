@@ -118,7 +118,7 @@ fn data_are_not_compressed_with_loss() {
 fn check_rows(file: &ExrFile) {
     for part in 0..file.parts.len() {
         let wanted: Vec<ChannelId> = file.channel_ids().filter(|id| id.part == part).collect();
-        // Twice the same channel, and not in order.
+        // One channel twice, and not in order.
         let wanted = [&wanted[wanted.len() / 2..], &wanted[..1]].concat();
         let whole = file.read_channels(&wanted).unwrap();
         let height = file.parts[part].window.height();
@@ -193,7 +193,7 @@ fn limits_count_for_the_rows_that_are_read() {
 fn only_the_blocks_that_hold_the_rows_are_read() {
     let planes = planes();
     let mut bytes = whole(&part(&planes));
-    // The last of five blocks, rows 64 to 70, claims to lie elsewhere.
+    // The last of five blocks, rows 64 to 70, claims another position.
     let place = 73i32.to_le_bytes();
     let at = bytes.windows(4).rposition(|w| w == place).unwrap();
     bytes[at] ^= 1;

@@ -197,7 +197,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn a_crop_keeps_the_strokes_of_the_whole() {
-    // The texture lies in the picture, not in the data window. On a plane nothing else reaches far.
+    // The texture is fixed in the picture, not in the data window. On a plane nothing else has a long reach.
     let frame = grey(
         ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0).frame(256, 256),
         0.5,

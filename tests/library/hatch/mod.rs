@@ -98,7 +98,7 @@ fn mean(plane: &Plane) -> f64 {
     sum / plane.samples().len() as f64
 }
 
-/// A drawing of `frame` in the tone of its picture as it is.
+/// A drawing of `frame` in the tone of its unprocessed picture.
 fn drawing(frame: &Frame, line: LineParams) -> Drawing {
     drawn_by(&Engine::cpu(), frame, line)
 }

@@ -151,7 +151,7 @@ fn the_texture_repeats_without_a_seam() {
         let hatching = Hatching::new(&map, &params, 0);
         let period = (map.period()[0] as f32 / map.texels_per_px()).round() as usize;
         let white = hatched(&hatching, [2 * period, period + 20], 0.0, |_, _| 0.5);
-        // The same ink a period on, but for the rounding of coordinates.
+        // The same ink a period farther, except for the rounding of coordinates.
         for y in 0..20 {
             for x in 0..period {
                 let a = white.at(x, y);

@@ -58,7 +58,7 @@ fn strength_0_reproduces_plain_bit_for_bit() {
                 bits(&idle.color(&frame)) == expected,
                 "{name}, {method:?} of 0"
             );
-            // And the strengths do something where they are not 0.
+            // Strengths other than 0 have an effect.
             let mut active = plain.clone();
             active.relight.method = method;
             assert!(

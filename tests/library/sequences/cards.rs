@@ -1,4 +1,4 @@
-//! Cards that are shifted and turned: their strokes are shifted and turned with them, and no others come.
+//! Cards that are shifted and rotated: their strokes move with them, and no others appear.
 
 use super::*;
 
@@ -77,7 +77,7 @@ fn a_pan_by_parts_of_a_pixel_does_not_drift() {
 
 #[test]
 fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
-    // A disc, turned by 5 degrees a frame, its strokes with it.
+    // A disc rotated by 5 degrees a frame, with its strokes.
     let side = 160;
     let middle = side as f64 / 2.0;
     let frame = cards(Window::from_size(side, side), 0.5, |x, y| {
@@ -140,8 +140,8 @@ fn what_comes_out_from_behind_goes_on_as_if_it_had_been_seen() {
         let tone = 1.0 - mean(&drawing.hatching, everywhere);
         assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
     }
-    // Both textures began as the still drawing: the background, hidden and seen again, has it still, the card
-    // has taken its part along.
+    // Both textures began as the still drawing: the background, hidden and visible again, still has it, the card has
+    // carried its part along.
     let front = at(25);
     let background = |x, y| (!front(x, y)).then_some([x, y]);
     assert_eq!(

@@ -135,7 +135,7 @@ fn every_convention_of_every_renderer_is_found_from_two_frames() {
                 ("ViewLayer.Vector.W", &|_, y| -0.5 * y),
             ],
         ),
-        // A file that has the two pairs the other way round.
+        // A file with the two pairs swapped.
         (
             "swapped",
             &[
@@ -223,7 +223,7 @@ fn what_frames_do_not_show_is_not_guessed() {
     );
     let verdict = verdict.unwrap();
     assert!(!verdict.is_found() && verdict.is_still, "{verdict:?}");
-    // The surface moves, and the layer holds something else.
+    // The surface moves, but the layer has other content.
     let (_, verdict) = judged(
         &pan,
         &[("velocity.x", &|_, _| 5.0), ("velocity.y", &|_, _| 9.0)],

@@ -106,7 +106,7 @@ fn a_leap_is_drawn_anew_at_once() {
 
 #[test]
 fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
-    // Its surface turns by 6 degrees a frame about the vertical: new surface at one rim all the time.
+    // Its surface rotates by 6 degrees a frame about the vertical: new surface keeps appearing at one rim.
     let radius = 110.0_f64;
     let middle = SIDE as f64 / 2.0;
     let frame = cards(Window::from_size(SIDE, SIDE), 0.5, |x, y| {

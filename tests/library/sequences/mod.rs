@@ -17,7 +17,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, Plan, ToneFrom};
 
-/// A frame of cards that face the viewer, of one tone: `depth(x, y)` is how far away they are.
+/// A frame of cards that face the viewer, of one tone, at the distances `depth(x, y)`.
 fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>) -> Frame {
     let (width, height) = (window.width(), window.height());
     let seen = Plane::from_fn(width, height, depth);

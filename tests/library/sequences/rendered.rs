@@ -74,6 +74,6 @@ fn strokes_that_move_with_the_surface_swim_less() {
     let measured = measure(frames, ShapeParams::default()).unwrap().unwrap();
     let [still, carried, floor, lines] = measured.means;
     assert!(floor < carried && carried < 0.7 * still, "{measured:?}");
-    // Lines alone cover less paper than strokes, and lie on the surface as it moves.
+    // Lines alone cover less paper than strokes, and follow the surface.
     assert!(lines > 0.0 && lines < carried, "{measured:?}");
 }

@@ -25,7 +25,7 @@ pub(crate) enum Thing {
 
 pub(crate) const IOR: f64 = 1.5;
 
-/// A thing in a room, seen by a camera with this focal length in the middle of `size` pixels each way.
+/// An object in a room, seen by a camera with this focal length in the middle of `size` pixels each way.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scene {
     pub(crate) thing: Thing,

@@ -28,7 +28,8 @@ fn on_sphere(start: DVec3, direction: DVec3, middle: DVec3, leaves: bool) -> Opt
     Some(start + t * direction)
 }
 
-/// The point of the wall that a place of the picture shows; `None` where light is mirrored inside, or goes past the wall.
+/// The point of the wall seen at a position of the picture; `None` for total internal reflection, or light that misses
+/// the wall.
 fn on_wall(sight: &SightLines, at: DVec2) -> Option<DVec3> {
     let direction = sight.line(at.x, at.y).1.normalize();
     let entry = on_sphere(DVec3::ZERO, direction, FRONT, false)?;

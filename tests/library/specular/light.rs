@@ -39,7 +39,7 @@ fn around(scene: &Scene, height: usize) -> SpecularScene {
     }
 }
 
-/// A mirror that covers half of a ball's picture, in a region that lies across its border: the samples of the whole.
+/// A mirror over half of a ball's picture, in a region across its border: the samples of the whole.
 #[test]
 fn a_region_of_a_mirror_is_that_part_of_the_whole() {
     let (frame, window) = (BALL.frame(), BALL.frame().data_window);

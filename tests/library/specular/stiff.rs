@@ -1,4 +1,4 @@
-//! Mirrors and lenses at their extremes: a drawing, never a NaN, and the same one by any number of threads.
+//! Mirrors and lenses at their extremes: a drawing, never a NaN, and the same one for any number of threads.
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};

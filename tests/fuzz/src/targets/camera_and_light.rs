@@ -1,4 +1,4 @@
-//! Any camera file, for a frame that is lit anew by any light, materials and settings.
+//! Any camera file, for a frame relit with any light, materials and settings.
 //!
 //! The input is that of `command_line`: flags of `relight`, an empty line, and the bytes of the camera file.
 

@@ -15,7 +15,7 @@ pub(super) fn parts(data: &[u8]) -> (Vec<&[u8]>, &[u8]) {
     (words.split(|&b| b == b'\n').map(word).collect(), extra)
 }
 
-/// Runs the command line that `data` holds.
+/// Runs the command line in `data`.
 pub(super) fn run(data: &[u8]) {
     let (words, extra) = parts(data);
     Desk::shared().run(&words, extra);

@@ -42,7 +42,7 @@ pub(super) struct Desk {
 static DESK: LazyLock<Mutex<Desk>> = LazyLock::new(|| Mutex::new(Desk::new()));
 
 impl Desk {
-    /// The one desk of this process, for there is one current folder.
+    /// The only desk of this process, since there is one current folder.
     pub(super) fn shared() -> MutexGuard<'static, Self> {
         DESK.lock().expect("no run has failed before")
     }
