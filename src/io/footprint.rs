@@ -4,8 +4,8 @@ use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;
 use std::path::Path;
 
-/// Least number of bytes per pixel while a frame is made. Measured at 1920x1080, including the program: `enhance` 74,
-/// `relight` 66, `shape` 103, drawings 103.
+/// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured at 1920x1080, including the program:
+/// `enhance` 74, `relight` 66, `shape` 103, drawings 103.
 const LEAST_PER_PIXEL: u64 = 100;
 
 /// Bytes per pixel for a file without light passes, excluding its channels.
