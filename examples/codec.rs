@@ -87,7 +87,7 @@ fn channels(file: &ExrFile, names: &[&str]) -> Outcome<Vec<ChannelId>> {
     names.iter().map(find).collect()
 }
 
-/// Prints the least and the median of CPU and wall time of `repeats` runs, after one that is not counted.
+/// Prints the least and the median of CPU and wall time of `repeats` runs, after a warm-up run.
 fn best_of(repeats: usize, label: &str, run: impl Fn() -> Outcome<()>) -> Outcome<()> {
     run()?;
     let (mut cpu, mut wall) = (Vec::new(), Vec::new());

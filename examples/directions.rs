@@ -94,7 +94,7 @@ fn streaks(frame: &Frame, directions: &Vector2Planes, open: &Plane) -> Plane {
             for step in 0..REACH {
                 let (x, y) = (px as usize, py as usize);
                 let (tx, ty) = (directions.x.at(x, y), directions.y.at(x, y));
-                // The same as its opposite: go on the way that was come. Rows run down.
+                // Equal to its opposite, so continue in the direction of the last step. Rows run down.
                 let forward = match step {
                     0 => side,
                     _ => (tx * ahead.0 + ty * ahead.1).signum(),

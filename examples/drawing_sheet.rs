@@ -1,4 +1,4 @@
-//! What `relievo hatch` makes of renders and of a photo: the contact sheet in the README.
+//! Renders and a photo drawn by `relievo hatch`: the contact sheet in the README.
 //!
 //! `cargo run --release --example drawing_sheet -- OUT.png`, from the folder that holds `fixtures`.
 
@@ -15,7 +15,7 @@ use relievo::params::{
 use std::error::Error;
 use std::process::ExitCode;
 
-/// Size of a drawing on the sheet; what is larger is cut, around its middle.
+/// Size of a drawing on the sheet; larger ones are cropped around their centre.
 const CELL: [usize; 2] = [480, 360];
 
 fn main() -> ExitCode {

@@ -1,8 +1,9 @@
-//! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH HEIGHT]`.
+//! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH
+//! HEIGHT]`.
 //!
-//! Prints, for each size of features, for new light and for drawings, how far what is made is from the CPU's and what each stage
-//! takes, with the bytes that an ideal pass would move in that time.
-//! Without a file, waves of that size, 1920x1080 where none is given.
+//! Prints, for each size of features, for new light and for drawings, the difference from the CPU's results and the
+//! time of each stage, with the bytes that an ideal pass would move in that time. Without a file, waves of that size,
+//! 1920x1080 by default.
 
 use relievo::engine::gpu::{Choice, Device};
 use relievo::engine::{self, Engine, Run};
@@ -19,7 +20,7 @@ use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
 use std::time::{Duration, Instant};
 
-/// Runs of which the quickest counts.
+/// Number of runs; the quickest counts.
 const RUNS: usize = 9;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -192,7 +193,7 @@ fn measure(
     Ok(())
 }
 
-/// Seconds that all processors together have worked for this process; 0 where the system does not tell.
+/// CPU time of this process over all processors, in seconds; 0 if the system does not provide it.
 fn processor_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = stat.rsplit(')').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! How soon a change is seen: from one parameter to pixels for a display, of a frame whose shape is kept.
+//! Latency of a change: from one parameter to pixels for a display, for a frame whose shape is cached.
 //!
 //! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
@@ -12,7 +12,7 @@ use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, Scale, ScalingParams, ShapeParams};
 use std::time::Instant;
 
-/// Changes that are made of each kind.
+/// Number of changes of each kind.
 const CHANGES: u32 = 30;
 
 fn main() -> relievo::Result<()> {

@@ -1,10 +1,10 @@
-//! Error against run time of the stages of shape, of light and of drawings, on surfaces that are known.
+//! Error against run time of the stages of shape, of light and of drawings, on known surfaces.
 //!
 //! `cargo run --release --example measure -- [WIDTH HEIGHT [REPEATS]]`
 //!
-//! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N
-//! diffusion steps is `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is known too. Light is
-//! held against double precision at some hundred pixels, the ink of drawings against the tone asked for.
+//! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
+//! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double
+//! precision at some hundred pixels, the ink of drawings with the tone requested.
 
 use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let label = format!("{steps} | {solver:?} | {mean:.1e} | {largest:.1e}");
         print_stages(&label, &timed, width * height);
     }
-    // A tenth of the frame shows a surface: what is empty costs next to nothing.
+    // A tenth of the frame shows a surface: empty parts cost next to nothing.
     let shape = ShapeParams {
         scale: Scale::Iterations(50),
         foreshortening: 1.0,
@@ -295,7 +295,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 fn largest_irradiance(environment: &relievo::light::environment::Environment) -> f64 {
     let map = irradiance(environment);
     let pixels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
-    // Only what faces the viewer is seen.
+    // Only the side facing the viewer is visible.
     let pixels = pixels.filter(|&(x, y)| map.direction(x, y).z >= 0.0);
     let at = |(x, y): (usize, usize)| luminance(map.pixel(x, y).map(f64::from));
     let brightest = pixels.max_by(|a, b| at(*a).total_cmp(&at(*b)));
@@ -306,7 +306,7 @@ fn largest_irradiance(environment: &relievo::light::environment::Environment) ->
     ))
 }
 
-/// Pixels at which light is held against double precision.
+/// Number of pixels at which light is compared with double precision.
 const CHECKED: usize = 300;
 
 struct Lighting<'a> {
@@ -420,7 +420,7 @@ fn run(
     Ok(measure(&plan, frame, effort))
 }
 
-/// The frame with a disc in its middle covered that takes `share` of it.
+/// The frame with only a disc in its middle covered, which takes `share` of it.
 fn covered_in_part(frame: Frame, share: f64) -> Frame {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let radius = (share * (width * height) as f64 / std::f64::consts::PI).sqrt();

@@ -1,4 +1,4 @@
-//! A mirror in a hall, rendered, lit anew and drawn without and with what it shows: the sheet in the README.
+//! A mirror in a hall, rendered, relit and drawn without and with its reflections: the sheet in the README.
 //!
 //! `cargo run --release --example mirror_sheet -- OUT.png`, from the folder that holds `fixtures`.
 
@@ -52,7 +52,7 @@ fn run() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How sight lines are followed.
+/// Settings for following sight lines.
 fn traced() -> SpecularParams {
     SpecularParams {
         bend: Bend::Mirror,

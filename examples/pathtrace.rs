@@ -1,8 +1,8 @@
-//! A small path tracer that warps and scales light on its way: what the kernels of `relievo` do in a renderer of
-//! one's own, no picture and no frame in between.
+//! A small path tracer that warps and scales light on its way: the kernels of `relievo` inside a renderer of one's own,
+//! with no picture and no frame in between.
 //!
-//! `cargo run --release --example pathtrace -- --help`; `enhancement.rs` and `path.rs` beside this file are
-//! where it happens.
+//! `cargo run --release --example pathtrace -- --help`; the integration is in `enhancement.rs` and `path.rs` beside
+//! this file.
 
 #[path = "pathtrace/camera.rs"]
 mod camera;
@@ -61,10 +61,10 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Columns and rows of the urn where nothing else is asked for: about two to a pixel of the pictures.
+/// Columns and rows of the urn by default: about two to a pixel of the pictures.
 const URN: [usize; 2] = [1100, 800];
 
-/// How tall a thing stands on the table.
+/// Height of an object on the table.
 const HEIGHT: f32 = 2.0;
 
 /// A small path tracer that warps and scales light on its way.
@@ -90,9 +90,9 @@ enum Command {
         #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(16..=2000))]
         width: u32,
     },
-    /// Measure what enhancement costs.
+    /// Measure the cost of enhancement.
     Timing {
-        /// Rounds, in each of which every kind of rendering takes its turn.
+        /// Number of rounds; in each, every kind of rendering takes its turn.
         #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000))]
         rounds: u32,
     },
@@ -107,22 +107,22 @@ enum Command {
 struct RenderArguments {
     /// An EXR file.
     output: PathBuf,
-    /// The thing on the table, as OBJ; the urn if none is named.
+    /// The object on the table, as OBJ; the urn by default.
     #[arg(long)]
     obj: Option<PathBuf>,
-    /// What it is made of, and what lights it.
+    /// Materials and lights.
     #[arg(long, value_enum, default_value = "mirrors")]
     setting: Setting,
     /// Bounces at which light is warped.
     #[arg(long, value_enum, default_value = "none")]
     warp: Bounces,
-    /// Bounces at which it is scaled.
+    /// Bounces at which light is scaled.
     #[arg(long, value_enum, default_value = "none")]
     scale: Bounces,
     /// Radius of the features to bring out, where the thing is 2 tall.
     #[arg(long, default_value_t = Enhancement::default().feature)]
     feature: f32,
-    /// How direct light is found.
+    /// Sampling of direct light.
     #[arg(long, value_enum, default_value = "both")]
     direct: Direct,
     /// Paths per pixel.

@@ -1,4 +1,4 @@
-//! What `relievo relight` makes of a photo and of a render: the contact sheet in the README.
+//! A photo and a render lit by `relievo relight`: the contact sheet in the README.
 //!
 //! `cargo run --release --example relight_sheet -- OUT.jpg`, from the folder that holds `fixtures`.
 

@@ -1,8 +1,8 @@
-//! What the two numbers of radiance scaling do: the parameter grid of [RS] figure 3.
+//! The two parameters of radiance scaling: the parameter grid of [RS] figure 3.
 //!
-//! Columns: no scaling, then invariant points of 0.5, 0.01 and 0.99. At 0.5 convexities and concavities
-//! gain alike; near 0 convexities only brighten; near 1 they only darken, and gradients turn round. Rows: scaling of 1 and of
-//! 2. The paper's 10 and 20 are for curvature per pixel as it is; the automatic gain makes 1 plain to see and 2 harsh.
+//! Columns: no scaling, then invariant points of 0.5, 0.01 and 0.99. At 0.5 convexities and concavities gain alike;
+//! near 0 convexities only brighten; near 1 they only darken, and gradients reverse. Rows: scaling of 1 and of 2. The
+//! paper's 10 and 20 are for unscaled curvature per pixel; with the automatic gain 1 is clearly visible and 2 harsh.
 //!
 //! `cargo run --release --example scaling_grid -- IN OUT.png [NORMALS]`
 

@@ -42,8 +42,8 @@ fn map_of(room: &Environment) -> ColorPlanes {
     planes(room.width(), room.height(), |x, y| room.pixel(x, y).into())
 }
 
-/// A picture of a ball that touches its borders, `shade` telling the colour at a normal. Around the ball
-/// its rim goes on.
+/// A picture of a ball that touches its borders, with the colour `shade` of each normal. The rim is extended around the
+/// ball.
 fn sphere(shade: fn(Vec3) -> Vec3) -> ColorPlanes {
     let radius = SPHERE_WIDTH as f32 / 2.0;
     planes(SPHERE_WIDTH, SPHERE_WIDTH, |x, y| {

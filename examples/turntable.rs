@@ -1,4 +1,4 @@
-//! A raking light that circles over a photo, as an animated PNG: what a conservator does with a torch.
+//! A raking light that circles over a photo, as an animated PNG: a conservator's torch.
 //!
 //! `cargo run --release --example turntable -- PHOTO NORMALS OUT.png [FRAMES]`
 

@@ -1,4 +1,4 @@
-//! What the examples share: reading a frame, setting pictures side by side, writing them.
+//! Shared by the examples: reading a frame, setting pictures side by side, writing them.
 
 #![allow(dead_code, reason = "each example uses its part")]
 
@@ -15,7 +15,7 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Linear grey behind what has no background.
+/// Linear grey behind frames without a background.
 const BACKDROP: f32 = 0.06;
 
 /// An error as one line, and the exit code.

@@ -6,7 +6,7 @@ use relievo::light::environment::Environment;
 /// The room as a map of this many columns.
 pub(crate) fn room(width: usize) -> Environment {
     let height = width / 2;
-    // Only the map knows which way its pixels look.
+    // Only the map knows the directions of its pixels.
     let blank = Environment::from_fn(width, height, |_, _| [0.0; 3]);
     Environment::from_fn(width, height, |x, y| radiance(blank.direction(x, y)).into())
 }
@@ -41,7 +41,7 @@ struct Panel {
 }
 
 impl Panel {
-    /// How much of `direction` it covers, 0..1.
+    /// Coverage of `direction`, 0..1.
     fn cover(&self, direction: Vec3) -> f32 {
         let ahead = direction.dot(self.center);
         if ahead <= 0.0 {

@@ -16,7 +16,7 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// From `eye` toward `target`, the picture `height_deg` degrees tall.
+    /// From `eye` toward `target`, with a picture `height_deg` degrees tall.
     pub(crate) fn new(eye: Vec3, target: Vec3, height_deg: f32, size: [usize; 2]) -> Self {
         let back = (eye - target).normalize();
         let right = Vec3::Y.cross(back).normalize();

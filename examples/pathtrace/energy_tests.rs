@@ -1,4 +1,4 @@
-//! Light is neither made nor lost where nothing alters it; and what alters it leaves shadows where they are.
+//! Energy is conserved where light is not altered; altered light keeps shadows in place.
 
 use crate::camera::Camera;
 use crate::enhancement::{Bounces, Enhancement};
@@ -56,8 +56,8 @@ fn a_white_ball_vanishes_in_a_furnace() {
             samples: 4096,
             seed: 3,
         };
-        // By lookups each path brings 1 exactly. By lights, evenly over the sphere, one brings 4 cos above and 0
-        // below: its variance is 16/6 - 1, so that of 4096 independent ones sqrt(5/3/4096) = 0.02. Both together
+        // By lookups each path contributes exactly 1. By lights, evenly over the sphere, one contributes 4 cos above
+        // and 0 below: its variance is 16/6 - 1, so that of 4096 independent ones sqrt(5/3/4096) = 0.02. Both together
         // vary less. The worst of 576 pixels may be 4 of these errors off, their mean 3 over 24.
         let error = if direct == Direct::Lookups {
             1e-5
@@ -77,7 +77,7 @@ fn a_white_ball_vanishes_in_a_furnace() {
 
 #[test]
 fn a_coat_never_reflects_more_than_came() {
-    // In the furnace: the diffuse base keeps what the coat leaves of it, and both together lose some.
+    // In the furnace: the diffuse base gets the light left by the coat, and both together lose some.
     for (exponent, reflectance) in [(1.0, 0.3), (20.0, 0.05), (200.0, 0.3), (2000.0, 0.9)] {
         let glossy = Glossy::new(Vec3::ONE, exponent, reflectance);
         let scene = SceneBuilder::default()
@@ -103,7 +103,7 @@ fn a_coat_never_reflects_more_than_came() {
 
 #[test]
 fn glass_and_mirrors_hand_on_what_they_get() {
-    // Each sends light on by one way of weight 1, or by one of two whose chances add up to 1.
+    // Each continues light in one direction of weight 1, or in one of two whose probabilities add up to 1.
     for material in [Material::Glass(1.5), Material::Mirror(Vec3::ONE)] {
         let scene = SceneBuilder::default()
             .sphere(Vec3::ZERO, 1.0, material)
@@ -138,8 +138,8 @@ fn closed_box(material: Material, emission: Vec3) -> Scene {
 
 #[test]
 fn a_closed_emitter_has_the_radiance_of_the_series() {
-    // L = E + rho L wherever one stands and looks, as light of L from everywhere is reflected as rho L:
-    // L = E / (1 - rho). Paths end by chance only: after 200 surfaces rho^200 is nothing.
+    // L = E + rho L at every point and in every direction, as light of L from everywhere is reflected as rho L: L = E /
+    // (1 - rho). Paths end only by chance: after 200 surfaces rho^200 is negligible.
     for rho in [0.2, 0.5, 0.8] {
         let (material, emission) = (Material::Matte(Vec3::splat(rho)), Vec3::splat(0.7));
         let ball = SceneBuilder::default()
@@ -193,9 +193,8 @@ fn under_a_lamp() -> Scene {
 
 #[test]
 fn scaling_leaves_soft_shadows_their_shape() {
-    // [RS] figure 11. Each sample of the light is scaled by itself, and its visibility is what it was. So the
-    // floor, which is flat, keeps every bit; and on the ball what no light reaches stays black, and all
-    // that some reaches stays lit.
+    // [RS] figure 11. Each light sample is scaled separately, with unchanged visibility. So the floor, which is flat,
+    // keeps every bit; and on the ball unlit parts stay black, and lit parts stay lit.
     let scene = under_a_lamp();
     let direct = |scale| {
         let enhancement = Enhancement {

@@ -1,7 +1,7 @@
-//! Light warping and radiance scaling at one point of a path: what another renderer would take over.
+//! Light warping and radiance scaling at one point of a path: the part that another renderer would take over.
 //!
-//! A renderer needs a frame whose z points back along the ray that came, and the surface's curvature; from
-//! there on all is a call or two of `relievo`.
+//! A renderer needs a frame whose z points back along the incoming ray, and the surface's curvature; the rest is a call
+//! or two of `relievo`.
 
 use super::material::PerLobe;
 use glam::{Mat3, Vec3};
@@ -11,19 +11,19 @@ use relievo::params::{RelightParams, ScalingParams, ShapeParams};
 use relievo::shape::curvature::mapped_curvature;
 use relievo::shape::view_hessian::view_hessian;
 
-/// The bounces at which light is altered.
+/// Bounces at which light is altered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Bounces {
-    /// At none.
+    /// None.
     None,
-    /// Where the eye looks.
+    /// At the first surface seen.
     First,
     /// Everywhere, so that mirrored things are enhanced as well ([RS] figure 10).
     All,
 }
 
 impl Bounces {
-    /// Whether the bounce after `before` others is one of them.
+    /// Whether the bounce after `before` others is included.
     pub(crate) fn include(self, before: usize) -> bool {
         match self {
             Self::None => false,
@@ -33,12 +33,12 @@ impl Bounces {
     }
 }
 
-/// What is altered, and how strongly.
+/// Settings and strengths of the alterations.
 #[derive(Debug, Clone)]
 pub(crate) struct Enhancement {
     pub(crate) warp: Bounces,
     pub(crate) scale: Bounces,
-    /// What counts as sharp: a ball of this radius has the curvature that is mapped to tanh(2).
+    /// Scale of sharp features: a ball of this radius has the curvature that is mapped to tanh(2).
     pub(crate) feature: f32,
     /// Warping strength, to be multiplied by that length ([LW] section 5).
     pub(crate) warping: f32,
@@ -65,7 +65,7 @@ impl Default for Enhancement {
     }
 }
 
-/// How light is altered at one point, seen from one side.
+/// Alteration of light at one point, seen from one side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Altered {
     pub(crate) warp: Option<ViewWarp>,
@@ -73,7 +73,7 @@ pub(crate) struct Altered {
 }
 
 impl Altered {
-    /// Where light is left as it is.
+    /// No alteration.
     pub(crate) const NOT: Self = Self {
         warp: None,
         scale: None,
@@ -83,7 +83,7 @@ impl Altered {
 /// A warp of the directions around a line of sight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ViewWarp {
-    /// To the frame whose z points to the eye; how it is rolled about z makes no difference.
+    /// Rotation to the frame whose z points to the eye; its roll about z does not matter.
     view_from_world: Mat3,
     warp: Warp,
     unwarp: Warp,
@@ -97,8 +97,8 @@ pub(crate) struct Scale {
 }
 
 impl Enhancement {
-    /// How light is altered after `before` other bounces, at a surface with this normal and this turn of the
-    /// normal, seen along `to_eye`.
+    /// The alteration of light after `before` other bounces, at a surface with this normal and this turn of the normal,
+    /// seen along `to_eye`.
     #[inline]
     pub(crate) fn at(&self, before: usize, to_eye: Vec3, normal: Vec3, turn: Mat3) -> Altered {
         let (warps, scales) = (self.warp.include(before), self.scale.include(before));
@@ -137,15 +137,14 @@ impl ViewWarp {
         }
     }
 
-    /// Where light is looked up that the surface takes to come from `direction`: W of [LW] equation 1.
+    /// Direction in which the light assigned to `direction` is looked up: W of [LW] equation 1.
     #[inline]
     pub(crate) fn warped(&self, direction: Vec3) -> Vec3 {
         let seen = self.view_from_world * direction;
         self.world(warped(seen.to_array(), self.warp))
     }
 
-    /// Where the surface takes the light to come from that comes from `to_light`: the inverse of W, with its
-    /// Jacobian, for [LW] equation 2.
+    /// Direction assigned to the light from `to_light`: the inverse of W, with its Jacobian, for [LW] equation 2.
     #[inline]
     pub(crate) fn unwarped(&self, to_light: Vec3) -> (Vec3, f32) {
         let half = half_vector((self.view_from_world * to_light).to_array());
@@ -193,8 +192,8 @@ mod tests {
                 let factors = altered.scale.unwrap().factors([1.0, 1.0]);
                 let expected = 2.0_f32.tanh().exp();
                 assert!((factors[0] - expected).abs() < 1e-4, "{factors:?}");
-                // A convexity gathers what lies around the viewer: what it takes to come from aside comes
-                // from nearer to the eye.
+                // A convexity gathers the surroundings of the viewer: light assigned to a sideways direction comes from
+                // nearer to the eye.
                 let aside = to_eye.any_orthonormal_vector();
                 let warp = altered.warp.unwrap();
                 assert!(warp.warped(aside).dot(to_eye) > 0.3);

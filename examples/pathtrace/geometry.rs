@@ -8,7 +8,7 @@ use glam::Vec3;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
     pub(crate) origin: Vec3,
-    /// Of length 1.
+    /// Unit vector.
     pub(crate) direction: Vec3,
 }
 
@@ -18,22 +18,22 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a shape.
+/// Intersection of a ray with a shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hit {
     pub(crate) distance: f32,
-    /// Of a triangle, the weights of its second and third corner; of a rectangle, the place along its sides.
+    /// For a triangle, the weights of its second and third corner; for a rectangle, the position along its sides.
     pub(crate) uv: [f32; 2],
     /// Which shape of the tree.
     pub(crate) shape: u32,
 }
 
-/// What can be hit.
+/// Geometry of a shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Form {
     Triangle {
         corner: Vec3,
-        /// From the corner to the other two.
+        /// Vectors from the corner to the other two.
         sides: [Vec3; 2],
         /// Which triangle of its mesh.
         face: u32,
@@ -54,7 +54,7 @@ pub(crate) enum Form {
 pub(crate) struct Shape {
     pub(crate) form: Form,
     pub(crate) object: u32,
-    /// Where the tree keeps it, while it is built.
+    /// Index in the tree, while it is built.
     node: u32,
 }
 
@@ -69,7 +69,7 @@ impl Shape {
 }
 
 impl Form {
-    /// Distance along the ray, between the given ones, and place on the form.
+    /// Distance along the ray, within the given limits, and position on the form.
     #[inline]
     pub(crate) fn met(&self, ray: &Ray, nearest: f32, farthest: f32) -> Option<(f32, [f32; 2])> {
         let (distance, uv) = match *self {
@@ -109,8 +109,8 @@ impl Form {
     }
 }
 
-/// Where a ray meets the quadrant spanned by `sides`, and how many sides away (T. Moeller, B. Trumbore:
-/// Fast, Minimum Storage Ray/Triangle Intersection, 1997).
+/// Distance of the intersection of a ray with the quadrant spanned by `sides`, and its position in sides (T. Moeller,
+/// B. Trumbore: Fast, Minimum Storage Ray/Triangle Intersection, 1997).
 #[inline]
 fn plane_met(ray: &Ray, corner: Vec3, [a, b]: [Vec3; 2]) -> Option<(f32, [f32; 2])> {
     let across = ray.direction.cross(b);

@@ -7,7 +7,7 @@ use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::output::{Replace, write_atomically};
 use std::path::Path;
 
-/// What Blender writes for the depth of nothing.
+/// Blender's depth where there is no surface.
 const NO_DEPTH: f32 = 1e10;
 
 /// A layer: its name, its components, how it is stored, and its planes.
@@ -18,10 +18,10 @@ struct Layer {
     planes: Vec<Plane>,
 }
 
-/// What is written beside the layers that every file has.
+/// Layers written beside those that every file has.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extras {
-    /// Where things are that mirrors and glass show.
+    /// Hit positions seen in mirrors and glass.
     pub(crate) hit_positions: bool,
     /// Radius within which things darken corners.
     pub(crate) ambient_reach: f32,
@@ -82,12 +82,12 @@ fn layers(
         sample_type: OutputType::Float,
         planes: vector(&|i| middles[i].as_ref().and_then(value).unwrap_or(Vec3::ZERO)),
     };
-    // Light before the surface's colour: what is black reflects none.
+    // Light before the surface's colour: black reflects none.
     let light = |light: Vec3, albedo: Vec3| {
         let inverse = albedo.map(|a| if a > 0.0 { 1.0 / a } else { 0.0 });
         light * inverse
     };
-    // What lies behind everything is left out, as on a transparent film.
+    // The background is left out, as on a transparent film.
     let mut combined = vector(&|i| pixels[i].passes.sum() - pixels[i].passes.background);
     combined.push(plane(&|i| pixels[i].coverage));
     let mut layers = vec![

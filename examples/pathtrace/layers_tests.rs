@@ -1,4 +1,4 @@
-//! What is written is what relievo reads, with nothing said about it.
+//! relievo reads the written layers without any flags.
 
 use crate::enhancement::Enhancement;
 use crate::layers::{Extras, write_layers};
@@ -33,7 +33,7 @@ fn a_render_is_read_and_enhanced_without_a_flag() {
     };
     write_layers(&path, &job, extras).unwrap();
 
-    // Normals are of the world: that they come out in view space needs the camera, found in the positions.
+    // Normals are in world space: converting them to view space needs the camera, recovered from the positions.
     let inputs = Inputs {
         picture: path,
         ..Inputs::default()

@@ -1,4 +1,4 @@
-//! Where light comes from, and how to find it.
+//! Light sources, and sampling them.
 
 use super::geometry::Ray;
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub(crate) struct AreaLight {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LightSample {
     pub(crate) to_light: Vec3,
-    /// How far it comes; infinite from the environment.
+    /// Distance of the source; infinite for the environment.
     pub(crate) distance: f32,
     pub(crate) radiance: Vec3,
     /// Solid-angle density of the direction.
@@ -57,7 +57,7 @@ impl AreaLight {
 /// Light from all around that can be sampled by its brightness.
 pub(crate) struct Surroundings {
     map: Environment,
-    /// For each pixel how likely it and those before it are, in reading order.
+    /// Cumulative probability of the pixels, in reading order.
     shares: Vec<f64>,
     share_sum: f64,
 }
@@ -71,8 +71,8 @@ impl Surroundings {
         let map = map.resized(SAMPLED_WIDTH);
         let (width, height) = (map.width(), map.height());
         let brightness = |x: usize, y: usize| map.pixel(x, y).iter().sum::<f32>();
-        // Looking up is linear between pixels: one is as bright as the brightest beside it, for nothing that
-        // shines may be left out. Beyond a pole lies the whole row.
+        // Look-ups interpolate between pixels, so each pixel gets the brightness of the brightest one beside it: no
+        // light may be left out. The neighbours beyond a pole are the whole row.
         let around = |x: usize, y: usize| {
             let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
             let beside_pole = y == 0 || y + 1 == height;
@@ -147,7 +147,7 @@ impl Surroundings {
     }
 }
 
-/// All light that can be sampled.
+/// All lights that can be sampled.
 #[derive(Default)]
 pub(crate) struct Lights {
     pub(crate) areas: Vec<AreaLight>,
@@ -159,7 +159,7 @@ impl Lights {
         self.areas.len() + usize::from(self.surroundings.is_some())
     }
 
-    /// How likely a sample is of one certain light.
+    /// Probability of choosing one particular light for a sample.
     pub(crate) fn share(&self) -> f32 {
         1.0 / self.count().max(1) as f32
     }
@@ -170,7 +170,7 @@ impl Lights {
         let which = (scaled as usize).min(self.count().checked_sub(1)?);
         let sample = match self.areas.get(which) {
             Some(area) => area.sample(from, at)?,
-            // What is left of the choice is as even as the choice was.
+            // The fractional rest of the choice is as uniform as the choice was.
             None => self.surroundings.as_ref()?.sample(scaled.fract(), at),
         };
         Some(LightSample {
@@ -179,7 +179,7 @@ impl Lights {
         })
     }
 
-    /// What arrives along a ray that meets nothing.
+    /// Light along a ray that hits nothing.
     pub(crate) fn beyond(&self, ray: &Ray) -> Vec3 {
         let around = self.surroundings.as_ref();
         around.map_or(Vec3::ZERO, |around| around.radiance(ray.direction))
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn samples_of_the_surroundings_add_up_to_their_power() {
-        // Radiance over density has the power as its mean, and densities are the same both ways.
+        // Radiance over density has the power as its mean, and both functions agree on the density.
         let map = Environment::from_fn(32, 16, |x, y| match (x, y) {
             (7, 5) => [40.0, 1.0, 0.0],
             (20, 0) => [9.0; 3],
@@ -226,8 +226,8 @@ mod tests {
 
     #[test]
     fn an_area_light_fills_its_solid_angle() {
-        // The mean of 1/density is the solid angle; that of a square 2 wide, 1 away, is 4 asin(1/2): a sixth
-        // of the sphere.
+        // The mean of 1/density is the solid angle; that of a square 2 wide, at a distance of 1, is 4 asin(1/2): a
+        // sixth of the sphere.
         let light = AreaLight {
             corner: Vec3::new(-1.0, 1.0, -1.0),
             sides: [Vec3::X * 2.0, Vec3::Z * 2.0],

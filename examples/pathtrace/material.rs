@@ -1,14 +1,14 @@
-//! What surfaces are made of, and which way light leaves them.
+//! Materials, and the reflection of light.
 
 use glam::Vec3;
 use relievo::light::brdf::{AshikhminShirley, Cosines};
 use relievo::params::{MaterialParams, RelightParams};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Material {
-    /// Diffuse of one albedo; black for what only shines.
+    /// Diffuse with one albedo; black for purely emissive surfaces.
     Matte(Vec3),
     /// Diffuse under a glossy coat.
     Glossy(Glossy),
@@ -50,8 +50,8 @@ impl Glossy {
         }
     }
 
-    /// Solid-angle density of the directions to light that the coat is sampled with: half vectors by
-    /// `(n.h)^exponent`, each of which stands for `4 h.e` times its solid angle of directions.
+    /// Solid-angle density of sampling directions to light by the coat: half vectors by `(n.h)^exponent`, each standing
+    /// for `4 h.e` times its solid angle of directions.
     fn coat_density(&self, d: &Directions) -> f32 {
         let half = (d.to_eye + d.to_light).normalize_or(d.normal);
         let cosine = half.dot(d.normal).max(0.0);
@@ -74,8 +74,7 @@ impl Material {
         }
     }
 
-    /// What is reflected to the eye of light from a direction above the surface: BRDF times the cosine, per
-    /// lobe.
+    /// Light from a direction above the surface reflected to the eye: BRDF times the cosine, per lobe.
     #[inline]
     pub(crate) fn reflected(&self, d: &Directions) -> PerLobe<Vec3> {
         let (nl, ne) = (d.normal.dot(d.to_light), d.normal.dot(d.to_eye));
@@ -104,22 +103,22 @@ impl Material {
         }
     }
 
-    /// What [RS] section 5.2 takes for the intensity of each lobe: n . l, and n . h.
+    /// Intensities of the lobes in [RS] section 5.2: n . l, and n . h.
     #[inline]
     pub(crate) fn intensities(d: &Directions) -> PerLobe<f32> {
         let half = (d.to_eye + d.to_light).normalize_or(d.normal);
         [d.normal.dot(d.to_light), d.normal.dot(half)]
     }
 
-    /// A direction to light, by how much it matters; it may lie below the surface. Half of those of a glossy
-    /// surface are for its coat.
+    /// A direction to light, by importance; it may be below the surface. On a glossy surface half of them are for its
+    /// coat.
     #[inline]
     pub(crate) fn sampled(&self, normal: Vec3, to_eye: Vec3, lobe: f32, at: [f32; 2]) -> Vec3 {
         match self {
             Self::Glossy(coat) if lobe < 0.5 => {
                 let height = (1.0 - at[0]).powf(1.0 / (coat.exponent + 1.0));
                 let half = around(normal, height, TAU * at[1]);
-                // Not on the eye's side, h would face away from it and the light below it.
+                // Off the eye's side, h would face away from it and the light would be below it.
                 2.0 * half.dot(to_eye) * half - to_eye
             }
             _ => around(normal, (1.0 - at[0]).sqrt(), TAU * at[1]),
@@ -136,8 +135,8 @@ impl Material {
         }
     }
 
-    /// The share of paths that go on from here once they are long: no more than is reflected, roughly, and
-    /// the same whether or not light is scaled.
+    /// Probability that a long path continues: at most about the reflectance, and the same with or without scaled
+    /// light.
     pub(crate) fn survival(&self) -> f32 {
         let share = match self {
             Self::Matte(albedo) => albedo.max_element(),
@@ -164,9 +163,9 @@ mod tests {
 
     #[test]
     fn densities_are_those_of_the_samples() {
-        // The density integrates to the share of samples in any set of directions: here eight octants of an
-        // oblique frame, as far as they are above the surface: once by samples and once by directions evenly
-        // over the sphere. Samples below stand for nothing, whatever their density.
+        // The density integrates to the share of samples in any set of directions: here eight octants of an oblique
+        // frame, restricted to directions above the surface: once by samples and once by directions evenly over the
+        // sphere. Samples below count for nothing, with any density.
         let normal = Vec3::new(0.2, 0.3, 0.9).normalize();
         let to_eye = Vec3::new(-0.5, 0.4, 0.7).normalize();
         let octant = |d: Vec3| (0..3).fold(0, |o, i| 2 * o + usize::from(d[i] > 0.1));

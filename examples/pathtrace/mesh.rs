@@ -17,7 +17,7 @@ pub(crate) struct Mesh {
     pub(crate) faces: Vec<[u32; 3]>,
     /// Unit normals.
     pub(crate) normals: Vec<Vec3>,
-    /// How the normal turns for a step along the surface: its shape operator, in space.
+    /// Turn of the normal for a step along the surface: its shape operator, in space.
     pub(crate) turns: Vec<Mat3>,
 }
 
@@ -66,10 +66,10 @@ impl Mesh {
 
     /// The meshes of an OBJ file as one, upright on the ground y = 0 around the axis, `height` tall.
     ///
-    /// Normals in the file are not read: curvature needs those of the triangles themselves.
+    /// Normals in the file are ignored: curvature needs those of the triangles themselves.
     pub(crate) fn read(path: &Path, height: f32) -> Result<Self, Box<dyn Error>> {
         let named = |what: String| format!("{}: {what}", path.display());
-        // The loader says of every file that it cannot open it; the system says why.
+        // The loader reports every file only as impossible to open; the system gives the reason.
         std::fs::File::open(path).map_err(|error| named(error.to_string()))?;
         let options = tobj::LoadOptions {
             triangulate: true,
@@ -148,7 +148,7 @@ fn normal_by_area(positions: &[Vec3], face: &[u32; 3]) -> Vec3 {
     (b - a).cross(c - a)
 }
 
-/// Corners of a file, those in one place counted once: files repeat them along seams of texture.
+/// Corners of a file, merged where they coincide: files repeat them along texture seams.
 #[derive(Default)]
 struct Corners {
     positions: Vec<Vec3>,

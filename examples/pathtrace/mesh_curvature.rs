@@ -7,8 +7,8 @@
 
 use glam::{Mat3, Vec3};
 
-/// How the unit normal turns for a step along the surface, at every corner: convex is positive, 1/R on a ball.
-/// Evened out over neighbours `smoothing` times.
+/// Turn of the unit normal for a step along the surface, at every corner: positive if convex, 1/R on a ball. Smoothed
+/// over neighbours `smoothing` times.
 pub(crate) fn turns_of_normals(
     positions: &[Vec3],
     normals: &[Vec3],
@@ -55,8 +55,8 @@ fn averaged(
     sums.into_iter().zip(normals).map(tangential).collect()
 }
 
-/// The symmetric operator [a b; b c] along the tangents of a triangle that takes its sides, as nearly as can be,
-/// to the differences of its normals. Sides in one line leave it 0.
+/// The symmetric operator [a b; b c] in the tangents of a triangle that best maps its sides to the differences of its
+/// normals, in the least-squares sense. 0 for collinear sides.
 fn turn_over(corners: [Vec3; 3], normals: [Vec3; 3]) -> Mat3 {
     let side = |i: usize| corners[(i + 2) % 3] - corners[(i + 1) % 3];
     let Some(u) = side(0).try_normalize() else {
@@ -66,7 +66,7 @@ fn turn_over(corners: [Vec3; 3], normals: [Vec3; 3]) -> Mat3 {
         return Mat3::ZERO;
     };
     let v = normal.cross(u);
-    // Each side (x, y) asks a x + b y = du and b x + c y = dv of (a, b, c); these are the normal equations.
+    // Each side (x, y) requires a x + b y = du and b x + c y = dv of (a, b, c); these are the normal equations.
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     let mut right = Vec3::ZERO;
     for i in 0..3 {
@@ -113,9 +113,8 @@ mod tests {
 
     #[test]
     fn a_torus_has_both_its_curvatures() {
-        // Around the tube 1/r; about the axis cos v / (R + r cos v): convex outside, concave inside. Evened out
-        // are operators that are turned by 3 degrees against each other, which costs some tan^2 of it, 0.3 %, a
-        // pass.
+        // Around the tube 1/r; about the axis cos v / (R + r cos v): convex outside, concave inside. Smoothing averages
+        // operators rotated by 3 degrees against each other, which costs about tan^2 of it, 0.3 %, a pass.
         let (large, small, columns, rows) = (1.0, 0.4, 240, 120);
         let mesh = torus(large, small, columns, rows);
         for row in 4..rows - 4 {

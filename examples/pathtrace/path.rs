@@ -1,10 +1,9 @@
-//! The light that a path brings: direct light looked for and met by chance, and all that it meets after.
+//! Light along a path: direct light, sampled and hit by chance, and all light it hits afterwards.
 //!
-//! [LW] section 6.1: where light is looked for, a direction l' to it is unwarped to l, and counts with the
-//! Jacobian (equation 2); where a direction l is chosen by the material, the path goes on along its warped one
-//! l' (equation 1). Both are samples of one integral over l', the second with the density of l times the same
-//! Jacobian; so they are weighed against each other as ever (E. Veach, L. Guibas: Optimally Combining Sampling
-//! Techniques, 1995).
+//! [LW] section 6.1: a sampled direction l' to a light is unwarped to l, and weighted by the Jacobian (equation 2); for
+//! a direction l sampled from the material, the path continues along its warped one l' (equation 1). Both sample one
+//! integral over l', the second with the density of l times the same Jacobian; so they are combined as usual (E. Veach,
+//! L. Guibas: Optimally Combining Sampling Techniques, 1995).
 
 use super::enhancement::{Altered, Enhancement};
 use super::geometry::Ray;
@@ -15,18 +14,18 @@ use glam::Vec3;
 use relievo::light::brdf::{fresnel, mirrored, refracted};
 use relievo::light::light_warping::counted_cosine;
 
-/// How direct light is found.
+/// Sampling of direct light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Direct {
     /// Both ways, weighed against each other.
     Both,
-    /// By lights alone ([LW] equation 2).
+    /// By sampling lights ([LW] equation 2).
     Lights,
-    /// By what directions chosen by the material meet ([LW] equation 1).
+    /// By directions sampled from the material ([LW] equation 1).
     Lookups,
 }
 
-/// How paths are traced.
+/// Settings of path tracing.
 #[derive(Debug, Clone)]
 pub(crate) struct Tracing {
     pub(crate) enhancement: Enhancement,
@@ -38,21 +37,21 @@ pub(crate) struct Tracing {
 /// Bounces that no path is ended before.
 const CERTAIN_BOUNCES: usize = 3;
 
-/// What a path brings, by its way: layers that a renderer writes.
+/// Light of a path by its route: the layers of a renderer.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Passes {
-    /// From lights to the surface to the eye; the surface's colour included.
+    /// From lights via the surface to the eye, including the surface's colour.
     pub(crate) direct: PerLobe<Vec3>,
-    /// By way of other surfaces.
+    /// Via other surfaces.
     pub(crate) indirect: PerLobe<Vec3>,
-    /// Of the surface itself.
+    /// From the surface itself.
     pub(crate) emission: Vec3,
-    /// From behind everything.
+    /// From the background.
     pub(crate) background: Vec3,
 }
 
 impl Passes {
-    /// All of it.
+    /// Sum of all.
     pub(crate) fn sum(&self) -> Vec3 {
         let [d, i] = [self.direct, self.indirect].map(|[diffuse, specular]| diffuse + specular);
         d + i + self.emission + self.background
@@ -80,7 +79,7 @@ impl Passes {
     }
 }
 
-/// A point of a path, with all that the light there is to be weighed by.
+/// A vertex of a path, with everything needed to weight the light there.
 pub(crate) struct Vertex<'a> {
     pub(crate) point: Point<'a>,
     pub(crate) to_eye: Vec3,
@@ -90,22 +89,22 @@ pub(crate) struct Vertex<'a> {
 /// Light looked for and found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Found {
-    /// What is reflected of it, per lobe, over the density of the sample, without the Jacobian.
+    /// Reflected light per lobe, over the density of the sample, without the Jacobian.
     pub(crate) light: PerLobe<Vec3>,
-    /// Of the inverse warp at the light.
+    /// Jacobian of the inverse warp at the light.
     pub(crate) jacobian: f32,
-    /// The density that it was found with, and that [`Vertex::bounce`] would have found it with.
+    /// Its sampling density, and its density under [`Vertex::bounce`].
     pub(crate) densities: [f32; 2],
 }
 
-/// The way that a path goes on.
+/// Continuation of a path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounce {
-    /// Where the light is to come from: warped already.
+    /// Direction of the incoming light, already warped.
     pub(crate) direction: Vec3,
-    /// What is reflected of it, per lobe, over the density of the sample.
+    /// Reflectance per lobe, over the density of the sample.
     pub(crate) weight: PerLobe<Vec3>,
-    /// Density of `direction`; `None` where it is the only one.
+    /// Density of `direction`; `None` for the only possible one.
     pub(crate) density: Option<f32>,
 }
 
@@ -127,12 +126,12 @@ impl<'a> Vertex<'a> {
         }
     }
 
-    /// Whether light from there can reach the outside of the triangle.
+    /// Whether light from there can reach the outer side of the triangle.
     fn is_above(&self, to_light: Vec3) -> bool {
         self.point.face_normal.dot(to_light) > 0.0
     }
 
-    /// What is reflected of the light that comes from `source` and is taken to come from `to_light`.
+    /// Reflected share of the light that comes from `source` and is assigned to `to_light`.
     fn reflected(&self, to_light: Vec3, source: Vec3) -> PerLobe<Vec3> {
         let d = self.directions(to_light);
         let mut lobes = self.point.object.material.reflected(&d);
@@ -176,7 +175,7 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Goes on by what the material does ([LW] equation 1); `None` where nothing is reflected that way.
+    /// Continues by sampling the material ([LW] equation 1); `None` if nothing is reflected that way.
     pub(crate) fn bounce(&self, sampler: &mut Sampler) -> Option<Bounce> {
         let material = &self.point.object.material;
         let (lobe, at) = (sampler.one(), sampler.pair());
@@ -185,7 +184,7 @@ impl<'a> Vertex<'a> {
         }
         let to_light = material.sampled(self.point.normal, self.to_eye, lobe, at);
         let (source, jacobian) = match &self.altered.warp {
-            // The Jacobian is asked for where the light is, as it is of lights that are looked for.
+            // The Jacobian is evaluated at the light's direction, as for sampled lights.
             Some(warp) => {
                 let source = warp.warped(to_light);
                 (source, warp.unwarped(source).1)
@@ -202,8 +201,8 @@ impl<'a> Vertex<'a> {
         })
     }
 
-    /// Whether one direction, chosen by its cosine, is open for `reach`: warped ambient occlusion is the mean
-    /// ([LW] section 6.1). Light comes along the warped direction, and so does what stands in its way.
+    /// Whether one direction, sampled by its cosine, is open for `reach`: warped ambient occlusion is the mean ([LW]
+    /// section 6.1). Light comes along the warped direction, and occluders block it there.
     pub(crate) fn is_open_ambiently(
         &self,
         scene: &Scene,
@@ -253,7 +252,7 @@ pub(crate) fn light_along(
     sampler: &mut Sampler,
 ) -> Passes {
     let mut passes = Passes::default();
-    // What the path so far lets through, by the lobe of its first bounce; the eye has one only.
+    // Throughput of the path so far, by the lobe of its first bounce; from the eye there is only one.
     let mut through = [Vec3::ONE, Vec3::ZERO];
     let mut density: Option<f32> = None;
     for bounces in 0..=tracing.max_bounces {
@@ -304,7 +303,7 @@ pub(crate) fn light_along(
     passes
 }
 
-/// What is let through with one more bounce: the first one parts the lobes, later ones add theirs up.
+/// Throughput with one more bounce: the first one splits it by lobe, later ones sum theirs.
 fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLobe<Vec3> {
     match bounces {
         0 => weight.map(|weight| weight * through[0]),
@@ -312,8 +311,8 @@ fn split(bounces: usize, through: PerLobe<Vec3>, weight: PerLobe<Vec3>) -> PerLo
     }
 }
 
-/// The power heuristic: how much of a sample counts that was drawn by `way` with the density `own`, and could
-/// have been drawn by the other way with the density `other`.
+/// The power heuristic: weight of a sample drawn by `way` with the density `own`, which the other way draws with the
+/// density `other`.
 fn weight(direct: Direct, way: Direct, own: f32, other: f32) -> f32 {
     match direct {
         Direct::Both => {

@@ -1,4 +1,4 @@
-//! Pictures of a scene: many paths per pixel, and what lies at the middle of each.
+//! Pictures of a scene: many paths per pixel, and the surface at each pixel's centre.
 
 use super::camera::Camera;
 use super::geometry::Ray;
@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use relievo::light::brdf::{fresnel, mirrored, refracted};
 
-/// What is rendered, and how finely.
+/// Scene, camera and sampling of a rendering.
 pub(crate) struct Job<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) camera: Camera,
@@ -28,18 +28,18 @@ pub(crate) struct Pixel {
     pub(crate) albedo: Vec3,
     /// Share of the pixel that shows a surface.
     pub(crate) coverage: f32,
-    /// Share of directions, weighed by their cosine, from which light could come.
+    /// Cosine-weighted share of directions from which light could come.
     pub(crate) ambient: f32,
 }
 
-/// What lies at the middle of a pixel.
+/// The surface at a pixel's centre.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Middle {
     /// Unit normal, toward the eye.
     pub(crate) normal: Vec3,
     pub(crate) position: Vec3,
     pub(crate) depth: f32,
-    /// On mirrors and glass: what is seen there, and where it is.
+    /// On mirrors and glass, the position seen there.
     pub(crate) seen_by_way: Option<Vec3>,
 }
 
@@ -52,7 +52,7 @@ impl Job<'_> {
         self.each_pixel(|x, y| self.pixel(x, y))
     }
 
-    /// What lies at the middle of each pixel.
+    /// The surface at each pixel's centre.
     pub(crate) fn middles(&self) -> Vec<Option<Middle>> {
         self.each_pixel(|x, y| {
             let ray = self.camera.ray([x as f32 + 0.5, y as f32 + 0.5]);
@@ -94,7 +94,7 @@ impl Job<'_> {
         pixel
     }
 
-    /// Fills in what pictures do without: colour, coverage and ambient occlusion, unoccluded beyond `reach`.
+    /// Fills in data not needed for pictures: colour, coverage and ambient occlusion, unoccluded beyond `reach`.
     pub(crate) fn describe(&self, pixels: &mut [Pixel], reach: f32) {
         let width = self.camera.size[0];
         pixels.par_iter_mut().enumerate().for_each(|(i, pixel)| {
@@ -118,8 +118,8 @@ impl Job<'_> {
         });
     }
 
-    /// The first thing on the way of a line of sight that is neither mirror nor glass. Glass is looked
-    /// through, unless it mirrors all or most of the light.
+    /// The first surface along a sight line that is neither mirror nor glass. Sight lines pass through glass, unless it
+    /// mirrors all or most of the light.
     fn seen_by(&self, ray: &Ray, first: Point) -> Option<Vec3> {
         let (mut point, mut to_eye) = (first, -ray.direction);
         for _ in 0..MOST_CLEAR {

@@ -1,10 +1,10 @@
 //! Sample points that fill the unit square evenly.
 
-/// Numbers for one path, in 0..1, in pairs that many paths of a pixel spread evenly.
+/// Numbers for one path, in 0..1, in pairs that are evenly spread over the many paths of a pixel.
 ///
-/// Every pair is the (0, 2)-sequence of Sobol with its digits scrambled and its order shuffled, by hashes, as
-/// in B. Burley: Practical Hash-based Owen Scrambling, JCGT 9(4), 2020. Each number alone is uniform, so what
-/// is estimated with them stays unbiased; different seeds are independent.
+/// Every pair is the (0, 2)-sequence of Sobol with its digits scrambled and its order shuffled, by hashes, as in B.
+/// Burley: Practical Hash-based Owen Scrambling, JCGT 9(4), 2020. Each number alone is uniform, so estimates stay
+/// unbiased; different seeds are independent.
 #[derive(Debug, Clone)]
 pub(crate) struct Sampler {
     /// Which of the pixel's paths.
@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn pairs_fill_every_elementary_interval() {
-        // A (0, 2)-sequence: of the first 64 points each 1/64 of the square, however cut, holds one.
+        // A (0, 2)-sequence: for any division of the square into 64 elementary intervals, each holds one of the first
+        // 64 points.
         for dimension in 0..5 {
             let points: Vec<[f32; 2]> = (0..64)
                 .map(|i| {

@@ -1,4 +1,4 @@
-//! Things, what they are made of, and the light on them.
+//! Objects, their materials, and the light on them.
 
 use super::geometry::{Form, Hit, Ray, Shape};
 use super::light::{AreaLight, Lights};
@@ -8,16 +8,16 @@ use super::mesh_curvature::outer;
 use super::tree::Tree;
 use glam::{Mat3, Vec3};
 
-/// Share of a point's coordinates by which rays that leave it start off the surface.
+/// Offset from the surface of rays that leave it, as a share of the point's coordinates.
 const CLEARANCE: f32 = 1e-4;
 
 /// Something in the scene.
 pub(crate) struct Object {
     pub(crate) material: Material,
-    /// Radiance that it sends out of itself on all sides.
+    /// Radiance emitted in all directions.
     pub(crate) emission: Vec3,
     mesh: Option<Mesh>,
-    /// Which of the lights it is; those are met by chance and looked for, too.
+    /// Index of its light; area lights are both hit by chance and sampled.
     area_light: Option<usize>,
 }
 
@@ -36,14 +36,14 @@ pub(crate) struct Point<'a> {
     pub(crate) normal: Vec3,
     /// Unit normal of the triangle itself, on the side that is seen.
     pub(crate) face_normal: Vec3,
-    /// How the normal turns for a step along the surface, convex positive.
+    /// Turn of the normal for a step along the surface, positive if convex.
     pub(crate) turn: Mat3,
     /// Whether it is seen from inside.
     pub(crate) inside: bool,
     pub(crate) object: &'a Object,
 }
 
-/// What a scene is built of, one thing after another.
+/// Builder of a scene, object by object.
 #[derive(Default)]
 pub(crate) struct SceneBuilder {
     objects: Vec<Object>,
@@ -137,7 +137,7 @@ impl Scene {
         Some((self.point(ray, &hit), hit.distance))
     }
 
-    /// Whether nothing lies on the ray before `distance`.
+    /// Whether the ray is unobstructed up to `distance`.
     #[inline]
     pub(crate) fn is_open(&self, ray: &Ray, distance: f32) -> bool {
         !self.tree.is_blocked(ray, distance * (1.0 - CLEARANCE))
@@ -182,7 +182,7 @@ impl Scene {
         }
     }
 
-    /// What the object itself sends along `ray`, met `distance` away.
+    /// Radiance emitted by the object itself at `point`; area lights emit on their outer side only.
     pub(crate) fn emitted(&self, point: &Point) -> Vec3 {
         match point.object.area_light {
             Some(_) if point.inside => Vec3::ZERO,
@@ -191,8 +191,7 @@ impl Scene {
         }
     }
 
-    /// Density with which [`Lights::sample`] would have found what is met there; `None` where it never
-    /// would.
+    /// Density with which [`Lights::sample`] would have found the light hit there; `None` if it never would.
     pub(crate) fn light_density(&self, met: Option<(&Point, f32)>, direction: Vec3) -> Option<f32> {
         let density = match met {
             Some((point, distance)) => {
@@ -209,7 +208,7 @@ impl Scene {
 /// though the smooth surface does not.
 const LEAST_FACING: f32 = 1e-3;
 
-/// The unit normal, tilted just so far that it faces `to_eye`.
+/// The unit normal, tilted just enough to face `to_eye`.
 fn facing(normal: Vec3, to_eye: Vec3) -> Vec3 {
     let cosine = normal.dot(to_eye);
     if cosine >= LEAST_FACING {
@@ -220,7 +219,7 @@ fn facing(normal: Vec3, to_eye: Vec3) -> Vec3 {
 }
 
 impl Point<'_> {
-    /// A ray that leaves the surface, to the side that `direction` points to.
+    /// A ray that leaves the surface on the side of `direction`.
     #[inline]
     pub(crate) fn leaving(&self, direction: Vec3) -> Ray {
         let clearance = CLEARANCE * self.position.abs().max_element().max(1.0);

@@ -24,7 +24,7 @@ type Picture = ColorPlanes;
 
 /// Renders all of them and writes one JPEG.
 pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(), Box<dyn Error>> {
-    // Before an hour of rendering, see that there is a place for it.
+    // Check the output before an hour of rendering.
     relievo::io::output::check_writable(output, relievo::io::output::Replace::IfWritable)?;
     let warped = (Bounces::First, Bounces::None);
     let scaled = |bounces| (Bounces::None, bounces);
@@ -66,7 +66,7 @@ pub(crate) fn write_sheet(output: &Path, samples: u32, width: usize) -> Result<(
     Ok(())
 }
 
-/// One scene rendered in several ways: where it is warped and where it is scaled.
+/// One scene rendered with warping and scaling at various bounces.
 fn pictures(
     setting: Setting,
     kinds: &[(Bounces, Bounces)],
@@ -116,10 +116,10 @@ fn picture(
     }
 }
 
-/// Where highlights begin to be held back.
+/// Value from which highlights are compressed.
 const SHOULDER: f32 = 0.6;
 
-/// Light as shown: what is brighter than the shoulder nears white without reaching it.
+/// Displayed light: values above the shoulder approach white without reaching it.
 fn shown(light: Vec3) -> Vec3 {
     light.map(|v| {
         let above = (v - SHOULDER).max(0.0) / (1.0 - SHOULDER);

@@ -107,7 +107,7 @@ fn lamp(center: Vec3, target: Vec3) -> AreaLight {
     }
 }
 
-/// An upright mirror behind the thing, turned so that the camera sees its far side.
+/// An upright mirror behind the object, rotated so that the camera sees its far side.
 fn standing_mirror() -> Mesh {
     let foot = Vec3::new(1.42, 0.0, -0.95);
     let normal = Vec3::new(-0.52, 0.0, 0.85).normalize();

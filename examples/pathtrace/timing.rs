@@ -1,4 +1,4 @@
-//! What enhancement costs: render times at equal samples, in turns.
+//! Cost of enhancement: render times at equal samples, in turns.
 
 use super::enhancement::{Bounces, Enhancement};
 use super::path::{Direct, Tracing};
@@ -12,8 +12,8 @@ use std::time::Instant;
 const SIZE: [usize; 2] = [320, 240];
 const SAMPLES: u32 = 8;
 
-/// What is measured. The second is plain with nothing left out but its effect: same rays, so the difference is
-/// the arithmetic; warped paths go other ways, and take the time that those take.
+/// The kinds compared. The second repeats the first, for the noise. The third does all the work without effect: same
+/// rays as plain, so the difference is the arithmetic; warped paths take other routes, with their cost.
 fn kinds() -> [(&'static str, Enhancement); 6] {
     let kind = |warp, scale| Enhancement {
         warp,
@@ -35,7 +35,7 @@ fn kinds() -> [(&'static str, Enhancement); 6] {
     ]
 }
 
-/// Times of every kind, and how much longer than plain each took in the same round.
+/// Times of every kind, and their ratios to plain in the same round.
 pub(crate) fn table(rounds: usize) -> String {
     let scene = stage::scene(Setting::Mirrors, the_urn());
     let kinds = kinds();
@@ -90,7 +90,7 @@ pub(crate) fn table(rounds: usize) -> String {
     text
 }
 
-/// The value that this share of the others lies below, to the nearest one.
+/// The quantile for this share, to the nearest value.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

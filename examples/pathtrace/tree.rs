@@ -1,14 +1,14 @@
-//! The tree of boxes that a ray searches: built by the `bvh` crate, walked here.
+//! The bounding-volume tree: built by the `bvh` crate, traversed here.
 //!
-//! The crate's own walks give every shape whose box the line of the ray meets. A path tracer wants the nearest
-//! hit, and can leave out all boxes behind the one that it has.
+//! The crate's own traversals return every shape whose box the ray's line hits. A path tracer needs the nearest hit,
+//! and can skip all boxes behind the current one.
 
 use super::geometry::{Hit, Ray, Shape};
 use bvh::bounding_hierarchy::BoundingHierarchy;
 use bvh::bvh::{Bvh, BvhNode};
 use glam::Vec3;
 
-/// Both boxes below a node, and what is in them.
+/// Both boxes below a node, and their content.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     boxes: [[Vec3; 2]; 2],
@@ -25,7 +25,7 @@ enum Child {
 pub(crate) struct Tree {
     nodes: Vec<Node>,
     root: Option<Child>,
-    /// In the order in which a walk comes to them.
+    /// In the order of traversal.
     shapes: Vec<Shape>,
 }
 
@@ -49,7 +49,7 @@ impl Tree {
         tree
     }
 
-    /// Copies what lies below the builder's node `index`.
+    /// Copies the subtree of the builder's node `index`.
     fn copied(&mut self, from: &[BvhNode<f32, 3>], index: usize, shapes: &[Shape]) -> Child {
         match &from[index] {
             BvhNode::Leaf { shape_index, .. } => {
@@ -95,7 +95,7 @@ impl Tree {
         found
     }
 
-    /// Whether anything lies on the ray before `distance`.
+    /// Whether the ray is obstructed before `distance`.
     #[inline]
     pub(crate) fn is_blocked(&self, ray: &Ray, distance: f32) -> bool {
         let mut blocked = false;
@@ -106,8 +106,7 @@ impl Tree {
         blocked
     }
 
-    /// Calls `each` for hits nearer than `farthest`; it answers how near the next must be, or that it has
-    /// seen enough.
+    /// Calls `each` for hits nearer than `farthest`; it returns the new limit, or that it needs no more hits.
     #[inline(always)]
     fn walk(&self, ray: &Ray, mut farthest: f32, mut each: impl FnMut(Hit) -> Option<f32>) {
         let steep = ray.direction.abs().max(Vec3::splat(LEAST_COMPONENT));
@@ -179,7 +178,7 @@ impl Tree {
     }
 }
 
-/// How far along the ray its way through the box begins, if it does before `farthest`.
+/// Distance along the ray at which it enters the box, if before `farthest`.
 #[inline(always)]
 fn entry([low, high]: &[Vec3; 2], ray: &Ray, inverse: Vec3, farthest: f32) -> Option<f32> {
     let (a, b) = (

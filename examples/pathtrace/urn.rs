@@ -4,8 +4,8 @@ use super::mesh::Mesh;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Half of its section, from the middle of the hollow over the lip and down to the middle of the foot: distance
-/// from the axis, and height. It is 2 tall.
+/// Half of its section, from the middle of the hollow over the lip and down to the middle of the foot: distance from
+/// the axis, and height. It is 2 tall.
 const SECTION: [[f32; 2]; 27] = [
     [0.0, 1.58],
     [0.16, 1.585],
@@ -46,10 +46,10 @@ pub(crate) fn urn(columns: usize, rows: usize) -> Mesh {
             section[(row + 1).min(rows - 1)],
         );
         let along = (after - before).normalize_or(Vec2::X);
-        // The way is counterclockwise seen with the axis on the left: outward is to its left.
+        // The section runs counterclockwise with the axis on its left, so outward is to its left.
         let outward = -along.perp();
         let at = section[row];
-        // Nothing is carved inside the lip.
+        // No relief inside the lip.
         let carved = at.y < 1.99 && along.y < 0.3 && at.x > 0.1;
         for column in 0..columns {
             let turns = column as f32 / columns as f32;
@@ -62,7 +62,7 @@ pub(crate) fn urn(columns: usize, rows: usize) -> Mesh {
     Mesh::grid(points, columns, true)
 }
 
-/// The section at points even along its length, on a smooth curve through those given.
+/// Points evenly spaced along the section, on a smooth curve through the given ones.
 fn even_section(count: usize) -> Vec<Vec2> {
     const FINE: usize = 64;
     let point = |i: isize| Vec2::from(SECTION[i.clamp(0, SECTION.len() as isize - 1) as usize]);
@@ -95,7 +95,7 @@ fn even_section(count: usize) -> Vec<Vec2> {
     (0..count).map(at).collect()
 }
 
-/// How far the surface stands out, this many turns around and at this height.
+/// Height of the relief, this many turns around and at this height.
 fn relief(turns: f32, y: f32) -> f32 {
     let gadroons = 0.045 * rib(turns * 28.0) * within(y, 0.42, 0.86, 0.05);
     let scales = 0.030 * scales(turns * 34.0, (1.36 - y) / 0.052) * within(y, 0.955, 1.355, 0.012);
@@ -120,7 +120,7 @@ fn rib(x: f32) -> f32 {
     (1.0 - aside * aside).max(0.0).sqrt()
 }
 
-/// A round ring at the height `middle`, that stands out as far as it is half tall.
+/// A round ring at the height `middle`, protruding by half of its height.
 fn ring(y: f32, middle: f32, size: f32) -> f32 {
     (size * size - (y - middle).powi(2)).max(0.0).sqrt()
 }
@@ -138,7 +138,7 @@ fn bead(turns: f32, count: f32, y: f32, middle: f32, size: f32) -> f32 {
 /// Scales that overlap like tiles of a roof: one per unit of x, rows one unit of `down` apart.
 fn scales(x: f32, down: f32) -> f32 {
     let row = down.floor();
-    // A point may be covered by the row it is in and by the end of the one above, which lies over it.
+    // A point may be covered by its own row and by the end of the one above, which overlaps it.
     let one = |row: f32| {
         let shifted = x + 0.5 * row.rem_euclid(2.0);
         let aside = 2.0 * (shifted - shifted.floor()) - 1.0;
@@ -168,7 +168,7 @@ mod tests {
         let urn = urn(256, 200);
         let closed = urn.positions.iter().all(|p| p.is_finite());
         assert!(closed && urn.turns.iter().all(|turn| turn.is_finite()));
-        // The volume by the divergence theorem: that of a solid some 2 tall and half as wide as it is.
+        // The volume by the divergence theorem, as for a solid some 2 tall and half as wide.
         let volume: f32 = urn
             .faces
             .iter()

@@ -37,8 +37,8 @@ fn lit_by(lights: impl FnOnce(SceneBuilder) -> SceneBuilder) -> Scene {
     lights(SceneBuilder::default().sphere(Vec3::ZERO, 1.0, Material::Glossy(glossy))).build()
 }
 
-/// Light of three kinds: from all around, brighter above; a lamp in front; and one that grazes the surface
-/// where it is looked at and sinks below its horizon.
+/// Light of three kinds: from all around, brighter above; a lamp in front; and one that grazes the surface at the point
+/// seen and sinks below its horizon.
 fn scenes() -> [Scene; 3] {
     let sky = Environment::from_fn(64, 32, |x, y| {
         let sun = if (x, y) == (20, 9) { 60.0 } else { 0.0 };
@@ -65,7 +65,7 @@ fn scenes() -> [Scene; 3] {
     ]
 }
 
-/// Where the eye looks: some 25 degrees off the normal.
+/// The sight line: some 25 degrees off the normal.
 const RAY: Ray = Ray {
     origin: Vec3::new(0.3, 0.3, 4.0),
     direction: Vec3::NEG_Z,
@@ -80,7 +80,7 @@ fn vertex(scene: &Scene, hessian: [f32; 3]) -> Vertex<'_> {
     vertex
 }
 
-/// What a sample brings, all colours together, per lobe.
+/// Contribution of a sample, all colours together, per lobe.
 type Estimate<'a> = &'a dyn Fn(&mut Sampler) -> Option<PerLobe<Vec3>>;
 
 /// Batches of an estimate, per lobe.
@@ -113,7 +113,7 @@ fn lights_unwarped_and_lookups_warped_agree() {
     for (index, scene) in scenes().iter().enumerate() {
         for hessian in HESSIANS {
             let vertex = vertex(scene, hessian);
-            // Equation 1: a direction by the material, looked up where it is warped to.
+            // Equation 1: a direction sampled from the material, looked up at its warped one.
             let lookups = batches(1, &|sampler| {
                 let bounce = vertex.bounce(sampler)?;
                 let ray = vertex.point.leaving(bounce.direction);
@@ -151,7 +151,7 @@ fn lights_unwarped_and_lookups_warped_agree() {
             }
         }
     }
-    // A Jacobian happens to be near 1 here and there; where it is not, leaving it out must show.
+    // The Jacobian is near 1 in places; elsewhere, omitting it must show.
     assert!(lit >= 30, "only {lit} of 36 are lit");
     assert!(
         told_apart * 5 >= lit * 4,
@@ -192,9 +192,9 @@ fn whole_paths_agree_however_light_is_found() {
 
 #[test]
 fn a_concavity_loses_a_quarter_of_its_ambient_light() {
-    // Seen from straight above, saturated: stereographic coordinates grow by sqrt(3), so of the directions above
-    // the horizon, |p| < 1, those stay above with |p| < 1/sqrt(3), whose cosine is (1 - 1/3)/(1 + 1/3) = 1/2.
-    // Of the cosine's weight 1/4 lies below that. A convexity loses none.
+    // Seen from straight above, saturated: stereographic coordinates grow by sqrt(3), so of the directions above the
+    // horizon, |p| < 1, those with |p| < 1/sqrt(3) stay above, whose cosine is (1 - 1/3)/(1 + 1/3) = 1/2. A quarter of
+    // the cosine's weight lies below that. A convexity loses none.
     let scene = lit_by(|builder| builder);
     let ray = Ray {
         origin: 4.0 * Vec3::Z,

@@ -12,14 +12,14 @@ use crate::error::{Error, Result};
 use crate::io::output::directory_of;
 use std::path::Path;
 
-/// A command for one picture, and what is recorded of it.
+/// A command for one picture, with its record for the recipe.
 type Own<C> = (C, RecipeText, Invocation);
 
-/// Runs the command on what its arguments name; the exit code. Of several pictures that are no sequence it is 3 where some
-/// failed, and 1 where all did.
+/// Runs the command on the pictures its arguments name; returns the exit code. For several pictures that are not a
+/// sequence it is 3 if some failed, and 1 if all did.
 ///
 /// # Errors
-/// Any [`crate::Error`] of a single picture, and those that keep others from being begun.
+/// Any [`crate::Error`] of a single picture, and errors before the first of several is begun.
 pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     let (command, _) = command_of::<C>(invocation);
     let work = command.work();

@@ -74,7 +74,7 @@ impl FrameCommand for EnhanceArgs {
     }
 }
 
-/// How `enhance` makes its pictures.
+/// Strip-wise processing by `enhance`.
 struct Enhancement<'a> {
     args: &'a EnhanceArgs,
     runner: &'a Runner,

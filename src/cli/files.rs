@@ -32,7 +32,7 @@ pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
     Ok(())
 }
 
-/// Removes what killed runs left in the directories that `work` writes to, other than those `swept` before.
+/// Removes the leftovers of killed runs from the output directories of `work`, except those already `swept`.
 pub(super) fn sweep(work: &WorkArgs, swept: &mut BTreeSet<PathBuf>) {
     for (_, path) in outputs_of_frame(work).chain(recipe_of(work)) {
         let directory = directory_of(path);

@@ -26,7 +26,7 @@ use std::time::Instant;
 
 /// A command that makes one output of each frame.
 pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
-    /// What all frames have in common: lights, textures, memory.
+    /// Inputs shared by all frames: lights, textures, memory.
     type Kit: Sync;
 
     fn work(&self) -> &WorkArgs;
@@ -36,30 +36,30 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
     /// Files that only this command reads, of one frame of a sequence.
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
 
-    /// A folder that it reads all files of.
+    /// A folder whose files are all inputs.
     fn folder(&self) -> Option<&Path> {
         None
     }
 
-    /// Whether a frame cannot be made without those before it.
+    /// Whether a frame depends on the ones before it.
     fn follows_on(&self) -> bool {
         false
     }
 
-    /// Refuses arguments that do not hold up, by themselves or together.
+    /// Refuses invalid arguments, single or in combination.
     fn validate(&self) -> Result<()>;
 
-    /// Makes what all frames have in common.
+    /// Prepares the inputs shared by all frames.
     fn prepare(&self) -> Result<Self::Kit>;
 
-    /// Makes the output of one frame; what was chosen for it.
+    /// Makes the output of one frame; returns the parameters chosen for it.
     fn make(&self, kit: &Self::Kit, job: &Job) -> Result<Chosen>;
 }
 
-/// Runs the command on what its arguments name; the exit code.
+/// Runs the command on the files its arguments name; returns the exit code.
 ///
 /// # Errors
-/// Any [`crate::Error`] of a single picture, and those that keep a sequence from being begun.
+/// Any [`crate::Error`] of a single picture, and errors before a sequence is begun.
 pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     let (command, recipe) = command_of::<C>(invocation);
     let (threads, input) = (
@@ -112,14 +112,14 @@ pub(super) fn one<C: FrameCommand>(
     save_recipe(work, &recipe.with(&chosen))
 }
 
-/// Refuses arguments of `command` that do not hold up.
+/// Refuses invalid arguments of `command`.
 pub(super) fn validate<C: FrameCommand>(command: &C) -> Result<()> {
     command.work().flags.validate()?;
     command.work().output.refuse_idle()?;
     command.validate()
 }
 
-/// Refuses what can be refused before anything is read.
+/// Refuses bad arguments before any input is read.
 fn check<C: FrameCommand>(
     command: &C,
     recipe: Option<&Path>,
@@ -166,7 +166,7 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
         .iter()
         .filter_map(|w| w.run.save_recipe.as_ref())
         .collect();
-    // All frames of a sequence have one.
+    // All frames of a sequence share one.
     recipes.dedup();
     let mut recipes = recipes.into_iter();
     recipes.try_for_each(|path| known.writes("--save-recipe", path))
@@ -198,7 +198,7 @@ fn sequence<C: FrameCommand>(
     if !quiet && chosen != Chosen::default() {
         message::say(&format!("for all frames: {}", chosen.in_words()));
     }
-    // What was chosen is what the flags would say, and no frame chooses again.
+    // The chosen parameters replace the flags, so no frame chooses again.
     let mut flags = chosen.flags();
     if !samples.is_empty() {
         flags.push(Flag::new(SAMPLE_FRAMES, "none"));
@@ -240,10 +240,10 @@ fn sequence<C: FrameCommand>(
     })
 }
 
-/// What is chosen for all frames, from `samples`; those that cannot be read choose nothing.
+/// Parameters for all frames, chosen from `samples`; unreadable samples are ignored.
 ///
 /// # Errors
-/// That of the first one where none can be read.
+/// That of the first sample if none can be read.
 fn choose<C: FrameCommand>(
     command: &C,
     kit: &C::Kit,
@@ -270,11 +270,11 @@ fn choose<C: FrameCommand>(
     }
 }
 
-/// Which frames have to be made at all.
+/// The frames that have to be made.
 struct Making {
-    /// In the order of the frames: whether the output is there and whole.
+    /// By frame: whether the output exists and is complete.
     is_there: Vec<bool>,
-    /// Frames from here on need nothing of those before.
+    /// From this frame on all outputs exist, so none needs the frames before.
     last_needed: usize,
 }
 
@@ -307,7 +307,7 @@ struct Sequence<'a, C: FrameCommand> {
 }
 
 impl<C: FrameCommand> Sequence<'_, C> {
-    /// Makes frames, one after another, until there are no more or the run is to end.
+    /// Makes frames, one after another, until none is left or the run is to stop.
     fn make_frames(&self) {
         loop {
             let failed = self.failed.load(Ordering::Relaxed);
@@ -372,7 +372,7 @@ mod tests {
     use crate::error::Error;
     use clap::ArgMatches;
 
-    /// A command that makes an empty file of each frame but the second, at which it panics.
+    /// A command that makes an empty file for each frame, but panics on the second.
     struct Faulty(WorkArgs);
 
     impl FromArgMatches for Faulty {
@@ -434,7 +434,7 @@ mod tests {
         assert_eq!(code, 3);
         let is_made = |frame: i32| desk.path().join(format!("out.{frame}.png")).exists();
         assert_eq!([1, 2, 3, 4].map(is_made), [true, false, true, true]);
-        // Looked at beforehand, it is left out of what is chosen, unless there is no other.
+        // As a sample frame it is ignored, unless it is the only one.
         let sampled = ["--frames", "1,3", "--sample-frames", "2", "-q"];
         let failed = run::<Faulty>(&words(&sampled)).unwrap_err().to_string();
         assert!(failed.contains("frame 2 is not to my liking"), "{failed}");

@@ -10,10 +10,10 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
-/// Percentage of white from which on it is said.
+/// Percentage of white from which it is reported.
 const LEAST_SAID_PERCENT: f64 = 0.05;
 
-/// Share of white from which on there is too much of it.
+/// Share of white from which a warning is given.
 const BURNT: f64 = 0.01;
 
 /// Prints an error as one line.
@@ -21,7 +21,7 @@ pub(super) fn error(error: &Error) {
     say(&format!("error: {}", line_of(error)));
 }
 
-/// 2 for what the user can mend on the command line, 1 for everything else.
+/// 2 for errors in the command line or recipe, 1 for everything else.
 pub(super) fn exit_code(error: &Error) -> i32 {
     match error {
         Error::BadParameter { .. } | Error::Recipe { .. } => 2,
@@ -29,12 +29,11 @@ pub(super) fn exit_code(error: &Error) -> i32 {
     }
 }
 
-/// Says what is wrong with the command line, as one line, or prints the help that was asked for.
-/// Returns the exit code.
+/// Reports an error in the command line, as one line, or prints the requested help. Returns the exit code.
 pub(super) fn misuse(error: &clap::Error) -> i32 {
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if is_help || !error.use_stderr() {
-        // A reader that has gone away is no error.
+        // A closed pipe is not an error.
         let _ = error.print();
     } else {
         say(&format!("{}; see --help", misuse_line(error)));
@@ -60,7 +59,7 @@ pub(super) fn finding_line(finding: &Finding) -> String {
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
 }
 
-/// What is said where a greater gain would draw the steps between the codes of normals.
+/// Note that the gain was limited, since a greater one would show the steps of quantised normals.
 pub(super) fn held_gain(gain: f32) -> String {
     format!(
         "so flat a shape asks for a gain at which normals of 8 bits show their steps: held at {gain:.0}; \
@@ -68,7 +67,7 @@ pub(super) fn held_gain(gain: f32) -> String {
     )
 }
 
-/// How much of a picture is white, where that is worth a word.
+/// Share of the picture that is white, if worth reporting.
 pub(super) fn whites(whites: Whites) -> String {
     let percent = |count: usize| 100.0 * count as f64 / whites.of.max(1) as f64;
     let [after, before] = [whites.count, whites.before].map(percent);
@@ -79,7 +78,7 @@ pub(super) fn whites(whites: Whites) -> String {
     }
 }
 
-/// What is said of a picture that shows too much of its surface as mere white.
+/// Warning about a picture with too much of its surface plain white.
 pub(super) fn burnt(whites: Whites) -> Option<String> {
     let is_burnt = whites.count as f64 > BURNT * whites.of as f64;
     is_burnt.then(|| {
@@ -87,12 +86,12 @@ pub(super) fn burnt(whites: Whites) -> Option<String> {
     })
 }
 
-/// Writes one line to stderr. Where even that fails nothing more can be said.
+/// Writes one line to stderr; a failure to do so cannot be reported.
 pub(super) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(line));
 }
 
-/// Writes results to stdout, line by line; a reader that has gone away is no error, a full disk is.
+/// Writes results to stdout, line by line; a closed pipe is not an error, a full disk is.
 pub(super) fn result(lines: impl IntoIterator<Item = String>) -> Result<()> {
     let lines = lines.into_iter();
     print(
@@ -118,8 +117,8 @@ fn print(text: &str) -> Result<()> {
     }
 }
 
-/// `line` as a terminal can only show it: characters that would steer the terminal, end the line or turn the direction of
-/// writing are spelled as JSON spells them. Names come from files of anybody's making.
+/// `line` with characters escaped as in JSON that would control the terminal, end the line or change the writing
+/// direction. Names come from untrusted files.
 fn printable(line: &str) -> Cow<'_, str> {
     if !line.contains(steers) {
         return line.into();
@@ -131,8 +130,8 @@ fn printable(line: &str) -> Cow<'_, str> {
     line.chars().map(spelled).collect::<String>().into()
 }
 
-/// Whether a terminal obeys `c` rather than showing it: control characters, separators of lines and paragraphs, and marks
-/// of the direction of writing. All have at most four hexadecimal digits.
+/// Whether a terminal interprets `c` instead of showing it: control characters, line and paragraph separators, and
+/// marks of writing direction. All have at most four hexadecimal digits.
 fn steers(c: char) -> bool {
     let turns = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{206f}');
     c.is_control() || turns(c)
@@ -152,7 +151,7 @@ mod tests {
         for plain in ["Übung 面 é 🦀 ViewLayer.Normal.X", ""] {
             assert!(matches!(printable(plain), Cow::Borrowed(text) if text == plain));
         }
-        // In JSON the same spelling stands for the same characters.
+        // JSON reads the same spelling back as the same characters.
         let json = serde_json::to_string("\u{1b}\u{202e}\u{85}").unwrap();
         let read: String = serde_json::from_str(&printable(&json)).unwrap();
         assert_eq!(read, "\u{1b}\u{202e}\u{85}");

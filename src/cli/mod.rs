@@ -43,8 +43,8 @@ pub fn run() -> i32 {
     run_words(std::env::args_os())
 }
 
-/// Runs a command line, the program's name first, and returns its exit code as [`run`] does. From then on panics of the
-/// process are kept from printing: those of the command line end in a line that says so.
+/// Runs a command line, with the program's name first, and returns its exit code as [`run`] does. From then on panics
+/// in this process print nothing by themselves: those of the command line are reported in one line.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
     panics::keep_quiet();
     stop::outlive_full_files();
@@ -54,7 +54,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
     })
 }
 
-/// The commands and their flags, as clap knows them: for completions, manual pages, and whoever tries them all.
+/// The commands and their flags, in clap's form: for completions, manual pages, and exhaustive tests.
 pub fn command() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }
@@ -82,7 +82,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
     }
 }
 
-/// Says how to come by a window.
+/// Reports that this build has no window, and how to get one.
 #[cfg(not(feature = "view"))]
 fn view(_: &crate::command::commands::ViewArgs, _: &Invocation) -> Result<i32> {
     Err(crate::Error::Window {

@@ -1,4 +1,4 @@
-//! Panics: reported in one line each, and a sequence goes on.
+//! Panics: reported in one line each, and a sequence continues.
 
 use crate::error::{Error, Result};
 use std::any::Any;
@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook, take_h
 use std::path::Path;
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Where the last panic happened, as "src/file.rs:12".
+/// Location of the last panic, as "src/file.rs:12".
 static PLACE: Mutex<String> = Mutex::new(String::new());
 
 static HOOK: Once = Once::new();
@@ -27,9 +27,9 @@ pub(super) fn keep_quiet() {
     });
 }
 
-/// The result of `work` on `path`, or the panic that ended it as an error.
+/// The result of `work` on `path`; a panic becomes an error.
 ///
-/// What `work` shares with others is either unchanged or guarded by locks whose contents hold up.
+/// State that `work` shares is either immutable or behind locks that keep it consistent.
 pub(super) fn caught<T>(path: &Path, work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let place = PLACE.lock().unwrap_or_else(PoisonError::into_inner);

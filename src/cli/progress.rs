@@ -9,7 +9,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// How one frame ended.
+/// Outcome of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Status {
     Done,
@@ -35,7 +35,7 @@ pub(super) struct Tally {
     pub(super) done: usize,
     pub(super) skipped: usize,
     pub(super) missing: usize,
-    /// The numbers of those that failed.
+    /// Numbers of the failed frames.
     pub(super) failed: Vec<i32>,
 }
 
@@ -54,7 +54,7 @@ impl Tally {
     }
 }
 
-/// Shows how far a sequence has come.
+/// Shows the progress of a sequence.
 pub(super) struct Progress {
     shown: Shown,
     total: usize,
@@ -90,7 +90,7 @@ impl Progress {
         }
     }
 
-    /// Counts a frame that has ended, after `took`; `what` is its output, or what went wrong.
+    /// Counts a finished frame, after `took`; `what` is its output, or the error.
     pub(super) fn frame(&self, frame: i32, status: Status, took: Duration, what: impl Display) {
         let mut tally = self
             .tally
@@ -98,7 +98,7 @@ impl Progress {
             .expect("no frame panics while it is counted");
         tally.add(frame, status);
         let (finished, total) = (tally.finished(), self.total);
-        // What was skipped took no time and says nothing of the rest.
+        // Skipped frames took no time and predict nothing about the rest.
         let worked = tally.done + tally.failed.len();
         let left = self.started.elapsed().as_secs_f64() / worked.max(1) as f64;
         let left = left * (total - finished) as f64;
@@ -122,7 +122,7 @@ impl Progress {
         }
     }
 
-    /// Says a line that is no progress, above the bar where there is one.
+    /// Prints a line other than progress, above the bar if there is one.
     pub(super) fn say(&self, line: &str) {
         match &self.shown {
             Shown::Bar(bar) => bar.suspend(|| say(line)),
@@ -130,7 +130,7 @@ impl Progress {
         }
     }
 
-    /// Ends the tale, and says how many frames ended how.
+    /// Ends the display, and reports the number of frames by outcome.
     pub(super) fn end(self, quiet: bool) -> Tally {
         let tally = self
             .tally
@@ -158,7 +158,7 @@ impl Progress {
     }
 }
 
-/// A bar for the strips of one picture, where progress is shown as bars; else one that is not seen.
+/// A bar for the strips of one picture if progress is shown as bars; otherwise an invisible one.
 pub(super) fn strips_bar(args: &RunArgs, doing: &'static str, total: usize) -> ProgressBar {
     let on_terminal = std::io::stderr().is_terminal();
     let is_shown = match args.progress {
@@ -180,7 +180,7 @@ fn bar(total: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {per_sec}, {eta} left");
     let style = style.expect("the template is well formed");
     let bar = ProgressBar::new(total as u64).with_style(style);
-    // The tick takes a thread, which not every system has left.
+    // The tick needs a thread, and the system may have none left.
     if std::thread::Builder::new().spawn(|| ()).is_ok() {
         bar.enable_steady_tick(Duration::from_millis(250));
     }

@@ -23,7 +23,7 @@ use crate::params::Params;
 use crate::plan::{LightKinds, Plan};
 use std::path::PathBuf;
 
-/// What all frames that are lit anew have in common.
+/// Inputs shared by all relit frames.
 pub(super) struct RelightInputs {
     illumination: Illumination,
     engine: Engine,
@@ -107,11 +107,11 @@ impl FrameCommand for RelightArgs {
     }
 }
 
-/// How `relight` makes its pictures.
+/// Strip-wise processing by `relight`.
 struct Relight<'a> {
     args: &'a RelightArgs,
     kit: &'a RelightInputs,
-    /// What mirrors and lenses show.
+    /// The scene seen in mirrors and through lenses.
     scene: Option<SpecularScene>,
 }
 

@@ -12,14 +12,14 @@ use crate::light::lights::Illumination;
 use crate::plan::Plan;
 use crate::report::gpu;
 
-/// What a report is to know of a device.
+/// Device information for a report.
 #[cfg(not(feature = "gpu"))]
 pub(super) struct ReportDevice;
 
 #[cfg(not(feature = "gpu"))]
 impl ReportDevice {
     /// # Errors
-    /// [`crate::Error::NoGpu`] where there has to be a device: this build knows of none.
+    /// [`crate::Error::NoGpu`] if a device is required: this build supports none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         match backend {
             BackendArg::Gpu => backend.engine().map(|_| Self),
@@ -33,12 +33,12 @@ impl ReportDevice {
     }
 }
 
-/// What a report is to know of a device.
+/// Device information for a report.
 #[cfg(feature = "gpu")]
 pub(super) enum ReportDevice {
     /// Nothing, and why.
     None(String),
-    /// What it takes.
+    /// Opened, with an engine on it.
     Opened {
         engine: Box<Engine>,
         name: String,
@@ -50,7 +50,7 @@ pub(super) enum ReportDevice {
 #[cfg(feature = "gpu")]
 impl ReportDevice {
     /// # Errors
-    /// [`crate::Error::NoGpu`] where there has to be a device and is none.
+    /// [`crate::Error::NoGpu`] if a device is required and there is none.
     pub(super) fn of(backend: BackendArg) -> Result<Self> {
         use crate::engine::gpu::device::{Choice, Device};
         let opened = match backend {

@@ -1,4 +1,4 @@
-//! The message log of a run: keeps the output of frames that are made in parallel in the order of frames.
+//! The message log of a run: keeps the output of parallel frames in frame order.
 
 use super::message;
 use super::progress::{Progress, Status, Tally};
@@ -34,7 +34,7 @@ impl RunLog {
         }
     }
 
-    /// Whether `text` is said for the first time: of a hundred frames one warns for all.
+    /// Whether `text` is new: a warning of many frames is printed once.
     pub(super) fn is_new(&self, text: &str) -> bool {
         let mut said = self.said.lock().expect("nothing panics here");
         said.insert(text.to_string())
@@ -55,7 +55,7 @@ impl RunLog {
     }
 }
 
-/// Lets frames that are made at the same time pass one point in their order.
+/// Lets parallel frames pass one point in their order.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
     passed: Mutex<Passed>,
@@ -64,7 +64,7 @@ pub(super) struct Turns {
 
 #[derive(Debug, Default)]
 struct Passed {
-    /// All frames below this number have passed.
+    /// All frames below this number have finished.
     below: usize,
     /// Others that have.
     beyond: BTreeSet<usize>,

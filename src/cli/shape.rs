@@ -71,7 +71,7 @@ impl FrameCommand for WorkArgs {
     }
 }
 
-/// How `shape` makes its layers, or its display.
+/// Strip-wise processing by `shape`.
 struct Description<'a> {
     args: &'a WorkArgs,
     goal: Goal,

@@ -3,17 +3,17 @@
 use crate::io::output::drop_unfinished;
 use std::sync::atomic::{AtomicI32, Ordering};
 
-/// The signal that asked to stop; 0 before.
+/// The signal that requested a stop; 0 before.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
-/// Whether the first signal drops the frames in hand.
+/// Whether the first signal abandons the frames in progress.
 #[cfg(unix)]
 static DROPS: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 /// Exit code of a run that was stopped by a signal, less the signal's number.
 const STOPPED: i32 = 128;
 
-/// What a signal does first.
+/// Effect of the first signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum First {
     /// Lets the frames in hand be finished.
@@ -22,7 +22,7 @@ pub(super) enum First {
     Drop,
 }
 
-/// Exit code of a run that was asked to stop.
+/// Exit code of a run that was asked to stop; `None` if it was not.
 pub(super) fn asked() -> Option<i32> {
     match ASKED.load(Ordering::Relaxed) {
         0 => None,
@@ -30,8 +30,8 @@ pub(super) fn asked() -> Option<i32> {
     }
 }
 
-/// Minds SIGINT and SIGTERM from now on. A second signal always drops what is in hand. A program that runs several command
-/// lines has one thread that waits for signals, and they do what the last command line wants first.
+/// Handles SIGINT and SIGTERM from now on. A second signal always abandons the work in progress. A program that runs
+/// several command lines has one signal thread, and the last command line decides the effect of the first signal.
 #[cfg(unix)]
 pub(super) fn mind_signals(first: First) {
     static MINDED: std::sync::Once = std::sync::Once::new();
@@ -39,9 +39,9 @@ pub(super) fn mind_signals(first: First) {
     MINDED.call_once(|| {
         let (ready, begun) = std::sync::mpsc::channel();
         let waiting = move || wait_for_signals(ready);
-        // Without a thread, or a handler, a signal still ends the program, and leaves a temporary file at worst.
+        // Without a thread or a handler, a signal still ends the program, leaving at worst a temporary file.
         if std::thread::Builder::new().spawn(waiting).is_ok() {
-            // It comes as soon as signals are minded, or ends where they cannot be.
+            // Received once the handlers are installed; an error if they could not be.
             let _ = begun.recv();
         }
     });
@@ -65,13 +65,13 @@ fn wait_for_signals(ready: std::sync::mpsc::Sender<()>) {
     }
 }
 
-/// Makes a write beyond the largest size that the system allows fail, where it would end the program.
+/// Makes a write beyond the system's size limit fail instead of ending the program.
 #[cfg(unix)]
 pub(super) fn outlive_full_files() {
     static OUTLIVED: std::sync::Once = std::sync::Once::new();
     OUTLIVED.call_once(|| {
         let noticed = std::sync::Arc::default();
-        // Without it the signal ends the program, and leaves a temporary file at worst.
+        // Otherwise the signal ends the program, leaving at worst a temporary file.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, noticed);
     });
 }

@@ -9,9 +9,9 @@ use std::thread;
 /// Bytes of a thread's stack: as many as a main thread usually has.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Runs `run` on a pool of `threads`, or of as many as the machine lets this process have where not given.
+/// Runs `run` on a pool of `threads`, by default as many as the machine grants this process.
 ///
-/// Where the system allows fewer, those do it, down to the calling thread alone.
+/// If the system allows fewer threads, the pool is smaller, down to the calling thread alone.
 pub(super) fn on_threads<T: Send>(threads: Option<u16>, run: impl FnOnce() -> T + Send) -> T {
     let wanted = threads.map_or_else(of_machine, usize::from);
     let pool = pool_of(wanted);
@@ -54,14 +54,14 @@ fn pool_of(threads: usize) -> ThreadPool {
         })
 }
 
-/// Frames that are made at the same time, and the threads of each.
+/// Frames made in parallel, with the threads of each.
 pub(super) struct Lanes {
     threads: Vec<usize>,
 }
 
 impl Lanes {
-    /// As many frames at a time as there are pairs of threads, two at the least, as far as memory goes: what a frame does
-    /// on one thread, such as reading and compressing, then overlaps with the work of another. `in_memory` of them fit.
+    /// One lane for each pair of threads, at least two, as far as memory allows: the single-threaded parts of a frame,
+    /// such as reading and compressing, then overlap with the work of another. `in_memory` frames fit.
     pub(super) fn of(frames: usize, in_memory: u64) -> Self {
         let threads = rayon::current_num_threads();
         let lanes = threads

@@ -19,7 +19,7 @@ pub(super) fn view(args: &ViewArgs, typed: &Invocation) -> Result<i32> {
     crate::view::open(opening).map(|()| 0)
 }
 
-/// Writes what a look makes of `input` to `output`, as its command line does, and by it.
+/// Saves the result of a look on `input` to `output`, by running the look's command line.
 fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), Said> {
     let typed = look.invocation(input, output);
     match run_typed(&typed.with(&[Flag::switch("quiet")])) {

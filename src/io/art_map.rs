@@ -7,10 +7,10 @@ use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Bytes for each pixel of all pictures: its ink, and the texture that is made of it.
+/// Bytes per pixel of all pictures: its ink, and the texture made from it.
 const INK_BYTES: u64 = 8;
 
-/// Most pictures of a tonal art map: past this a step between two is not seen.
+/// Most pictures of a tonal art map: beyond it a step between two is invisible.
 const MAX_PICTURES: usize = 256;
 
 /// The ink, 0 paper to 1 black, of every picture in the folder at `path`, in the order of their names.
@@ -73,7 +73,7 @@ fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// What a picture lacks of white.
+/// Darkness of a picture: 1 minus its luminance.
 fn ink(color: &ColorPlanes) -> Plane {
     let [r, g, b] = [&color.r, &color.g, &color.b].map(Plane::samples);
     let weights = REC709_LUMINANCE;

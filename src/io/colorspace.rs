@@ -1,7 +1,7 @@
 //! Colour spaces: primaries and encoding of pictures, and their conversion for a display.
 //!
-//! Work is done in the linear light of the picture's own primaries, and layers are written so. Only what is made for a
-//! display is turned to Rec. 709, by the matrix that the chromaticities give, adapted to its white (Bradford). Data
+//! Work is done in the linear light of the picture's own primaries, and layers are written in them. Only pictures for a
+//! display are converted to Rec. 709, by the matrix from the chromaticities, adapted to its white (Bradford). Data
 //! (normals, depth, positions) have no colour and are never converted.
 
 use crate::frame::ColorPlanes;
@@ -11,21 +11,21 @@ use rayon::prelude::*;
 /// x and y of red, green and blue primaries and of white.
 pub(crate) type Chromaticities = [f32; 8];
 
-/// Of ITU-R BT.709 and sRGB.
+/// Chromaticities of ITU-R BT.709 and sRGB.
 pub(crate) const REC709: Chromaticities = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 /// AP1, of ACEScg (S-2014-004).
 pub const AP1: Chromaticities = [0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767];
 /// AP0, of ACES2065-1 (SMPTE ST 2065-1).
 pub(crate) const AP0: Chromaticities = [0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767];
 
-/// From XYZ to the responses of cones that Bradford's adaptation scales.
+/// XYZ to the cone responses scaled by Bradford's adaptation.
 const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(0.8951, -0.7502, 0.0389),
     DVec3::new(0.2664, 1.7135, -0.0685),
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// The primaries of a picture, where they were given.
+/// The primaries of a picture, if given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorSpace {
     /// Linear light of Rec. 709 primaries.
@@ -39,7 +39,7 @@ pub enum ColorSpace {
 }
 
 impl ColorSpace {
-    /// All of them, with the names that `--colorspace` gives them.
+    /// All spaces, with their names for `--colorspace`.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Linear, "linear"),
         (Self::Srgb, "srgb"),
@@ -56,7 +56,7 @@ impl ColorSpace {
         }
     }
 
-    /// The space that a `colorInteropID` names, if it is one of these.
+    /// The space named by a `colorInteropID`, if it is one of these.
     pub fn of_interop_id(id: &str) -> Option<Self> {
         match id {
             "lin_rec709_scene" => Some(Self::Linear),
@@ -68,14 +68,14 @@ impl ColorSpace {
     }
 }
 
-/// Chromaticities of real and imaginary primaries alike lie within this of 0; cameras' own reach 2.
+/// Largest absolute chromaticity of real and imaginary primaries; cameras' own reach 2.
 const FARTHEST: f32 = 10.0;
 
-/// Largest entry of a matrix between colours that are meant: those of real spaces stay below 10.
+/// Largest entry of a plausible matrix between colours: those of real spaces stay below 10.
 const LARGEST_ENTRY: f64 = 1e4;
 
-/// From linear colours with these chromaticities to CIE XYZ in which white has luminance 1. `None` where the
-/// primaries lie on a line, or numbers are unusable.
+/// Matrix from linear colours with these chromaticities to CIE XYZ with white at luminance 1. `None` for collinear
+/// primaries or unusable numbers.
 pub(super) fn xyz_from(chromaticities: Chromaticities) -> Option<DMat3> {
     let [rx, ry, gx, gy, bx, by, wx, wy] = chromaticities.map(f64::from);
     let xyz = |x: f64, y: f64| DVec3::new(x, y, 1.0 - x - y);
@@ -88,7 +88,7 @@ pub(super) fn xyz_from(chromaticities: Chromaticities) -> Option<DMat3> {
     is_moderate(matrix).then_some(matrix)
 }
 
-/// Whether a matrix makes no more of a colour than single precision holds: primaries close to a line ask for more.
+/// Whether all entries are within the reach of single precision: nearly collinear primaries exceed it.
 fn is_moderate(matrix: DMat3) -> bool {
     matrix
         .to_cols_array()
@@ -102,8 +102,7 @@ pub(super) fn luminance_weights(chromaticities: Chromaticities) -> Option<[f32; 
     Some(row.to_array().map(|weight| weight as f32))
 }
 
-/// From linear colours with these chromaticities to Rec. 709; `None` where that changes nothing, or they are
-/// unusable.
+/// Matrix from linear colours with these chromaticities to Rec. 709; `None` for Rec. 709 itself and unusable numbers.
 pub(crate) fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
     let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-4;
     if chromaticities.into_iter().zip(REC709).all(near) {
@@ -116,7 +115,7 @@ pub(crate) fn rec709_from(chromaticities: Chromaticities) -> Option<DMat3> {
     is_moderate(matrix).then_some(matrix)
 }
 
-/// Colours turned by a matrix.
+/// Colours transformed by a matrix.
 pub(crate) fn converted(color: &ColorPlanes, matrix: DMat3) -> ColorPlanes {
     let matrix = matrix.as_mat3();
     let mut made = color.clone();
@@ -148,7 +147,7 @@ mod tests {
         assert_eq!(luminance_weights([f32::NAN; 8]), None);
         let black = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.0];
         assert_eq!(luminance_weights(black), None);
-        // Numbers that no primary has, and a white of which one asks 1e5 times the primaries.
+        // Impossible primaries, and a white that needs 1e5 times the primaries.
         for (index, value) in [(0, 1e30), (3, f32::INFINITY), (6, -1e20), (7, 2e-6)] {
             let mut bad = REC709;
             bad[index] = value;

@@ -7,20 +7,20 @@ use super::surface::SurfaceSamples;
 use crate::frame::normals::{normalise, turn_to_view};
 use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vector3Planes};
 
-/// About how many pixels are looked at.
+/// Approximate number of pixels used.
 const SAMPLES: usize = 8192;
 
 /// Fewer samples decide nothing.
 const FEWEST_SAMPLES: usize = 16;
 
-/// Median sine of the angle by which points lie off the tangent planes of their neighbours, from which
-/// on depth is no distance, or has another surface than the normals.
+/// Median sine of the angle between the neighbours' tangent planes and the steps to a point, from which on the layer is
+/// no distance, or shows a different surface than the normals.
 const WORST_SINE: f64 = 0.05;
 
-/// Which kind of distance puts the points of `frame` on each other's tangent planes; with the finding.
+/// The kind of distance for which the points of `frame` lie on each other's tangent planes, with the finding.
 ///
-/// Without depth or a camera there is nothing to judge, and depth is taken as it usually comes. Half floats
-/// are too coarse for places: a step of theirs is some tenths of a pixel's size on an ordinary frame.
+/// Without depth or a camera there is no evidence, and depth is assumed to be of the usual kind. Half floats are too
+/// coarse for positions: a step of theirs is some tenths of a pixel's size on an ordinary frame.
 pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<Finding>) {
     let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
         return (StoredDepth::Planar, None);
@@ -69,7 +69,7 @@ fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Find
     (stored, Some(finding))
 }
 
-/// Median angle, in degrees, by which the points of world-space normals lie off their planes, by the better kind
+/// Median angle, in degrees, between points and the tangent planes of world-space normals, for the better-fitting kind
 /// of distance.
 pub(super) fn off_tangents(
     surface: &SurfaceSamples,

@@ -34,8 +34,8 @@ pub fn read_environment(path: &Path) -> Result<Environment> {
     read_environment_within(path, u64::MAX)
 }
 
-/// The same in about `most_bytes` at most: a larger picture is reduced while it is read, by the mean of as many pixels
-/// across as down.
+/// [`read_environment`] within about `most_bytes`: a larger picture is reduced while it is read, by averaging squares
+/// of pixels.
 ///
 /// # Errors
 /// As [`read_environment`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
@@ -67,7 +67,7 @@ pub(crate) fn read_environment_within(path: &Path, most_bytes: u64) -> Result<En
     Ok(Environment::of_layout(picture, layout))
 }
 
-/// The environment in the picture at `path`, which holds directions as `layout` says.
+/// The environment in the picture at `path`, whose directions are laid out by `layout`.
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::Unsupported`] without colour.
@@ -84,7 +84,7 @@ pub fn read_lit_sphere(path: &Path) -> Result<LitSphere> {
     read_lit_sphere_within(path, u64::MAX)
 }
 
-/// The same in about `most_bytes` at most: a larger picture is reduced as that of an environment is.
+/// [`read_lit_sphere`] within about `most_bytes`: a larger picture is reduced, as for environments.
 ///
 /// # Errors
 /// As [`read_lit_sphere`]; [`Error::Unsupported`] for a picture that is too large and can only be decoded whole.
@@ -114,7 +114,7 @@ pub(super) fn color_size(path: &Path) -> Result<[usize; 2]> {
     Ok([shown.width(), shown.height()])
 }
 
-/// A file with colour to light with, of which the header has been read.
+/// A file with colours to use as light; only its header has been read.
 struct Lights {
     file: Rc<Opened>,
     sources: Vec<RoleSource>,
@@ -152,7 +152,7 @@ impl Lights {
         })
     }
 
-    /// The colour over what is shown, reduced where it would take more than it may at so many bytes for each pixel.
+    /// The colours in the display window, reduced if they would exceed the limit at `per_pixel` bytes each.
     fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
         let pixels = self.shown.width() as u64 * self.shown.height() as u64;
         let stored = match self.file.as_ref() {
@@ -201,7 +201,7 @@ impl Lights {
         Ok(())
     }
 
-    /// What was read of all layers, added up over `shown`.
+    /// The sum of all layers over `shown`.
     fn sum(&self, read: Vec<RolePlanes>, shown: Window) -> Result<ColorPlanes> {
         let mut layers = read.into_iter().map(|mut read| {
             read.fit_to(Role::Color, shown);
@@ -215,23 +215,23 @@ impl Lights {
 /// Rows of an EXR that are read at a time to be reduced.
 const ROWS_AT_A_TIME: usize = 64;
 
-/// A picture whose rows come one after the other, each pixel the mean of those that fall on it.
+/// A picture reduced row by row, each pixel the mean of the source pixels in it.
 struct Reduced {
     from: [usize; 2],
     planes: [Plane; 3],
-    /// Sums of the row that is being made, and of how many rows.
+    /// Sums for the current row, and the number of rows in them.
     sums: [Vec<f64>; 3],
     summed: usize,
-    /// Rows that have come, and that have been made of them.
+    /// Number of source rows read, and number of rows completed.
     rows: usize,
     made: usize,
 }
 
-/// Sides are a multiple of this, where they are no shorter: as many pixels for each face of a cross.
+/// Sides are a multiple of this unless shorter, so that all faces of a cross have the same size.
 const SIDE_MULTIPLE: usize = 12;
 
 impl Reduced {
-    /// Of a picture of the size `from`, by about `factor` across and down.
+    /// Reduces a picture of the size `from` by about `factor` in both directions.
     fn new(from: [usize; 2], factor: usize) -> Self {
         let [width, height] = from.map(|side| {
             let side = (side / factor).max(1);
@@ -273,7 +273,7 @@ impl Reduced {
         self.summed += 1;
         self.rows += 1;
         let y = self.made;
-        // The row that is made ends where the next one begins.
+        // The current row ends where the next one begins.
         if self.rows == (y + 1) * from_height / height {
             for (sums, plane) in self.sums.iter_mut().zip(&mut self.planes) {
                 for (sum, v) in sums.iter_mut().zip(plane.row_mut(y)) {
@@ -305,7 +305,7 @@ fn check_size(path: &Path, shown: Window) -> Result<()> {
     }
 }
 
-/// Where a file's colour is: one layer, or two to be added up.
+/// The layers of a file's colour: one, or two to be summed.
 fn color_sources(file: &Rc<Opened>) -> Option<Vec<RoleSource>> {
     let layers = file.layer_names();
     if LIT_SPHERE_LAYERS

@@ -1,8 +1,7 @@
-//! The first directory of an EXIF block, where a camera says what a picture is.
+//! The first directory of an EXIF block, with a camera's description of a picture.
 //!
-//! A block is a TIFF without pixels: the order of its bytes, the place of its first directory, and directories of entries
-//! whose longer values lie elsewhere in the block. What is said anew is added at its end, so that all that is not
-//! understood keeps its place.
+//! A block is a TIFF without pixels: a byte order, the offset of its first directory, and directories of entries whose
+//! longer values are elsewhere in the block. New values are appended, so that all unknown data keep their offsets.
 
 use crate::params::MM_PER_INCH;
 
@@ -43,7 +42,7 @@ const CENTIMETRE: u16 = 3;
 const ENTRY_BYTES: usize = 12;
 
 impl Default for Exif {
-    /// A block that says nothing.
+    /// An empty block.
     fn default() -> Self {
         Self {
             bytes: b"MM\0*\0\0\0\0".to_vec(),
@@ -94,7 +93,7 @@ impl Exif {
         Some([across?, down?])
     }
 
-    /// What the picture is said to show.
+    /// The image description.
     pub(super) fn description(&self) -> Option<String> {
         let entry = self.entries.iter().find(|entry| entry.tag == DESCRIPTION)?;
         let length = entry.count as usize;
@@ -110,7 +109,7 @@ impl Exif {
         (entry.kind == TEXT && !text.is_empty()).then(|| text.to_string())
     }
 
-    /// Says that pixels are stored as they are looked at, where anything else is said.
+    /// Sets the orientation to upright, if there is one.
     pub(super) fn set_upright(&mut self) {
         if self.entries.iter().any(|entry| entry.tag == ORIENTATION) {
             self.set_short(ORIENTATION, 1);
@@ -133,7 +132,7 @@ impl Exif {
         self.set_text(DESCRIPTION, text);
     }
 
-    /// The block with what was set. A small picture in it is left out: it shows what the large one was.
+    /// The block with the new values. Its thumbnail is dropped, since it shows the unprocessed picture.
     pub(super) fn into_bytes(mut self) -> Vec<u8> {
         self.entries.sort_by_key(|entry| entry.tag);
         self.align();
@@ -145,7 +144,7 @@ impl Exif {
             directory.extend(self.of_long(entry.count));
             directory.extend(entry.value);
         }
-        // No other directory follows.
+        // No further directory.
         directory.extend([0; 4]);
         self.bytes[4..8].copy_from_slice(&at);
         self.bytes.extend(directory);
@@ -173,7 +172,7 @@ impl Exif {
         self.set(tag, SHORT, 1, &number);
     }
 
-    /// Sets `count` values of an entry: those of up to four bytes in their place, others at the end of the block.
+    /// Sets `count` values of an entry: up to four bytes in place, longer ones at the end of the block.
     fn set(&mut self, tag: u16, kind: u16, count: u32, values: &[u8]) {
         let mut value = [0; 4];
         if let Some(place) = value.get_mut(..values.len()) {

@@ -1,4 +1,4 @@
-//! A fence around decoders of untrusted files: what panics inside becomes an error outside.
+//! A fence around decoders of untrusted files: a panic inside becomes an error outside.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -25,7 +25,7 @@ pub(crate) fn fenced<T>(decode: impl FnOnce() -> T) -> Option<T> {
         }));
     });
     let before = FENCED.replace(true);
-    // What `decode` may leave half done is dropped with its result.
+    // State that `decode` may leave inconsistent is dropped with its result.
     let result = catch_unwind(AssertUnwindSafe(decode));
     FENCED.set(before);
     result.ok()

@@ -1,21 +1,21 @@
-//! Memory that a frame takes, estimated from headers alone.
+//! Memory needed for a frame, estimated from headers alone.
 
 use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;
 use std::path::Path;
 
-/// Bytes per pixel while a frame is made, at the least. Measured at 1920x1080, the program included: `enhance` 74,
-/// `relight` 66, `shape` 103, drawings 103.
+/// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured at 1920x1080, including the program:
+/// `enhance` 74, `relight` 66, `shape` 103, drawings 103.
 const LEAST_PER_PIXEL: u64 = 100;
 
-/// Bytes per pixel of a file without light passes, less those of its channels.
+/// Bytes per pixel for a file without light passes, excluding its channels.
 const WORK_PER_PIXEL: u64 = 60;
 
 /// Bytes per pixel of the curvature at a scale beyond the first. Measured with `shape --scale 2,4,8`.
 const SCALE_PER_PIXEL: u64 = 20;
 
-/// About how much memory it takes to make something of the picture `path`, at so many scales beyond the
-/// first; 0 where the header does not say.
+/// Approximate memory for processing the picture `path`, with `more_scales` scales beyond the first; 0 if the header
+/// does not tell.
 pub(crate) fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     let scales = SCALE_PER_PIXEL * more_scales as u64;
     let pixels = |width: usize, height: usize| width as u64 * height as u64;
@@ -23,7 +23,7 @@ pub(crate) fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
         let file = ExrFile::open(path, &Limits::default()).ok()?;
         let parts = file.parts.iter().map(|part| part.window);
         let largest = parts.map(|w| pixels(w.width(), w.height())).max()?;
-        // All may be light passes that are scaled by themselves.
+        // All channels may be light passes that are scaled separately.
         let channels = file.channel_ids().count() as u64;
         let per_pixel = LEAST_PER_PIXEL.max(WORK_PER_PIXEL + 4 * channels);
         Some(largest.saturating_mul(per_pixel + scales))

@@ -1,4 +1,4 @@
-//! The layers that a frame is made of: their places, and the planes read from them.
+//! The layers of a frame: their sources, and the planes read from them.
 
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use std::rc::Rc;
 
-/// Silhouettes come from one map: an occlusion map that was asked for spares the depth.
+/// Silhouettes use one map: an occlusion map named explicitly makes depth unnecessary.
 pub(super) fn only_occlusion(inputs: &Inputs) -> bool {
     let occlusion = inputs.occlusion.as_deref();
     occlusion.is_some_and(|name| name != NONE) && inputs.depth.is_none()
@@ -52,7 +52,8 @@ impl FrameSources {
         if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
-        // Where depth does not show coverage, alpha does: the picture is read for it. Light is compared to it too.
+        // If depth does not show coverage, alpha does, so the picture is read for it. Light is compared with the
+        // picture too.
         let depth = roles.iter().find(|s| s.role == Role::Depth);
         let implied = depth.and_then(|source| source.hint().0.depth);
         let uncovering = inputs
@@ -82,11 +83,11 @@ impl FrameSources {
         Ok(Self { roles })
     }
 
-    /// The window that the frame has: that of the picture, where one is read, else that of the normals.
+    /// The window of the frame: that of the picture, if one is read, else that of the normals.
     ///
     /// # Errors
-    /// [`Error::SizeMismatch`] where other windows cannot be brought to it: those of photos, and of files made
-    /// for other display windows. [`Error::Unsupported`] for normals that may have been made before the picture was turned.
+    /// [`Error::SizeMismatch`] if other windows cannot be adapted to it: those of photos, and of files made for other
+    /// display windows. [`Error::Unsupported`] for normals that may have been made before the picture was rotated.
     pub(super) fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
         let window = expected.window();
@@ -106,8 +107,7 @@ impl FrameSources {
         Ok(window)
     }
 
-    /// Reads the roles and the light layers, each file once.
-    /// Of a part of them only its rows are decoded.
+    /// Reads the roles and the light layers, each file once. With `part`, only its rows are decoded.
     pub(super) fn read(
         &self,
         light: &LightSources,
@@ -130,12 +130,12 @@ impl FrameSources {
         Ok((planes, light))
     }
 
-    /// What the file says that the colours of its picture mean.
+    /// Colour space of the picture by its `colorInteropID`.
     pub(super) fn interop_space(&self) -> Option<ColorSpace> {
         ColorSpace::of_interop_id(self.get(Role::Color)?.interop_id()?)
     }
 
-    /// The layers that may hold motion, of what was read of them.
+    /// The candidates for motion among the layers read.
     pub(super) fn motion(
         &self,
         planes: &mut Planes,
@@ -152,8 +152,8 @@ impl FrameSources {
     }
 }
 
-/// Refuses normals of which it is not known whether they are turned as the picture is: those without the orientation of a
-/// photo that has one, of the size that it is stored in; and those with one of their own, whose vectors would have to turn.
+/// Refuses normals whose orientation may differ from the picture's: those without the orientation tag of a photo that
+/// has one, at its stored size; and those with a tag of their own, whose vectors would have to be rotated.
 fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Result<()> {
     let orientation = |source: &RoleSource| source.photo()?.header.turned_from();
     let [width, height] = [normal.window().width(), normal.window().height()];
@@ -180,7 +180,7 @@ fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Resu
 /// The planes as read, taken out role by role.
 pub(super) struct Planes {
     roles: Vec<(Role, RolePlanes)>,
-    /// What had to be replaced.
+    /// Warnings about replaced values.
     pub(super) warnings: Vec<String>,
 }
 
@@ -198,7 +198,7 @@ impl Planes {
         self.take(role).map(RolePlanes::into_scalar)
     }
 
-    /// All that may hold motion, in the order of their sources.
+    /// All candidates for motion, in the order of their sources.
     pub(super) fn motion(&mut self) -> Vec<Vec<Plane>> {
         let taken = std::iter::from_fn(|| self.take(Role::Motion));
         taken.map(|read| read.planes).collect()

@@ -1,4 +1,4 @@
-//! What a user may specify about the inputs; the rest follows from names and data.
+//! The user's choices about inputs; everything else follows from names and data.
 
 use super::colorspace::ColorSpace;
 use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
@@ -11,15 +11,15 @@ use std::path::PathBuf;
 /// The name of no layer: a role called so is left out, where no layer and no file is called so.
 pub const NONE: &str = "none";
 
-/// Which files and layers a frame is made of, and how they are to be read.
+/// Files and layers of a frame, and how to read them.
 ///
-/// A role that is `None` is found by its layer's name or numbers; one that is named is a layer of the picture
-/// or, where no layer is called so, another file; [`NONE`] leaves it out, but for normals.
+/// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
+/// is no such layer, to another file; [`NONE`] leaves the role out, which normals do not allow.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.
     pub picture: PathBuf,
-    /// Which view of a file of several all layers are taken from; `None` takes the default.
+    /// View of a multi-view file that all layers are taken from; `None` takes the default.
     pub view: Option<String>,
     /// The colour to be enhanced.
     pub color: Option<String>,
@@ -33,18 +33,18 @@ pub struct Inputs {
     pub occlusion: Option<String>,
     /// Colour of the surface itself.
     pub albedo: Option<String>,
-    /// Importance; read only where it is named here.
+    /// Importance; read only if named here.
     pub importance: Option<String>,
-    /// Motion since the frame before, in any convention; read only where [`Needs`] ask for it.
+    /// Motion since the previous frame, in any convention; read only if [`Needs`] ask for it.
     pub motion: Option<String>,
-    /// How much of what is made is taken, 0..1, where [`Needs`] ask for it; else coverage as below.
+    /// Layer of the effect's strength, 0..1, if [`Needs`] ask for it; otherwise treated as coverage.
     pub mask: Option<String>,
-    /// Objects whose shares of a pixel are how much is taken, by their names in Cryptomatte, with `*` and `?` for any
-    /// letters, or by their numbers; a `!` before a name leaves an object out. All where there are none.
+    /// Objects the effect is limited to, by their Cryptomatte names, with `*` and `?` as wildcards, or by their
+    /// numbers; a `!` before a name excludes an object. Empty means all.
     pub objects: Vec<String>,
-    /// Where strokes go on single objects that curvature does not lead.
+    /// Stroke angles of single objects, overriding curvature.
     pub object_angles: Vec<ObjectAngle>,
-    /// Coverage: a surface was seen where it is above one half.
+    /// Coverage: pixels above one half show a surface.
     pub coverage: Option<String>,
     /// A camera file.
     pub camera: Option<PathBuf>,
@@ -52,34 +52,34 @@ pub struct Inputs {
     pub normal_space: Option<NormalSpace>,
     /// The encoding of the normals; `None` decides from the data.
     pub normal_encoding: Option<NormalEncoding>,
-    /// Axes of the normals, as stored, that point the wrong way. `None` decides from the data; where only
-    /// this is given and not the space, z is still turned toward the viewer if it points away.
+    /// Axes of the normals, as stored, that point the wrong way. `None` decides from the data; if this is given without
+    /// the space, z is still turned toward the viewer if it points away.
     pub normal_flip: Option<Flip>,
-    /// What the layer of depth holds; `None` decides from the data.
+    /// Kind of depth in its layer; `None` decides from the data.
     pub depth_kind: Option<StoredDepth>,
-    /// What colours mean; `None` goes by what files say: photos are sRGB, EXR files linear.
+    /// Colour space; `None` follows the files: photos are sRGB, EXR files linear.
     pub colorspace: Option<ColorSpace>,
-    /// Light layers; read only where they are asked for here.
+    /// Light layers; read only if requested here.
     pub light: Option<LightInputs>,
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.
     pub rows: Option<Range<usize>>,
-    /// The camera, where it is known already; it goes before all others.
+    /// The camera, if already known; it takes precedence over all others.
     pub known_camera: Option<KnownCamera>,
 }
 
-/// What a run needs of a frame beyond its shape.
+/// Requirements of a run on the frame, beyond its shape.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Needs {
     /// The picture.
     pub color: bool,
-    /// The picture, where there is one.
+    /// The picture, if there is one.
     pub color_if_any: bool,
-    /// The albedo, where there is one.
+    /// The albedo, if there is one.
     pub albedo: bool,
-    /// How view space falls onto the picture: only a foreshortened gradient asks. A camera that is
-    /// needed for nothing else is then not looked for.
+    /// The camera's projection, needed only for a foreshortened gradient. A camera needed for nothing else is then not
+    /// searched for.
     pub projection: bool,
-    /// Motion since the frame before, where there is any.
+    /// Motion since the previous frame, if there is any.
     pub motion: bool,
     /// Masks and objects as strengths of the change; else they are coverage.
     pub strength: bool,
@@ -103,16 +103,16 @@ impl Needs {
 pub struct KnownCamera {
     /// The camera.
     pub camera: Camera,
-    /// Whether it is known where in the world it stands; else only how it is turned.
+    /// Whether its position in the world is known; if not, only its rotation.
     pub is_placed: bool,
 }
 
 /// Which layers of light are wanted. A lobe that is not named is found by its layers' names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightInputs {
-    /// Whether lobes are wanted.
+    /// Whether lobes are read.
     pub lobes: LobeChoice,
-    /// Leaves out lobes of diffuse light, whatever they are called.
+    /// Leaves out diffuse lobes of any name.
     pub without_diffuse: bool,
     /// Leaves out all other lobes.
     pub without_specular: bool,
@@ -122,9 +122,9 @@ pub struct LightInputs {
     pub specular: Option<String>,
     /// The surface's diffuse colour.
     pub albedo: Option<String>,
-    /// Light groups; where there are any, lobes are not read.
+    /// Light groups; if there are any, lobes are not read.
     pub groups: Vec<GroupInput>,
-    /// Whether ambient occlusion is wanted.
+    /// Whether ambient occlusion is read.
     pub occlusion: bool,
 }
 
@@ -139,11 +139,11 @@ pub struct GroupInput {
     pub to_light: Vec<Vec3>,
 }
 
-/// How the layers of a frame were read.
+/// Conventions by which the layers of a frame were read.
 ///
-/// Given back by [`Conventions::force`] to the inputs of another frame of the same make, they spare judging it, and
-/// the frame comes out as it would where the judgement is the same, bit for bit. They go with the
-/// [`Needs`] they were loaded for: what was not needed may not have been judged.
+/// Passed on by [`Conventions::force`] to the inputs of another frame of the same kind, they save judging it, and the
+/// frame is the same, bit for bit, as long as the judgement would be. They belong to the [`Needs`] they were loaded
+/// for: unneeded conventions may not have been judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Conventions {
     /// The space of the normals.
@@ -152,7 +152,7 @@ pub struct Conventions {
     pub normal_encoding: NormalEncoding,
     /// Axes of the normals, as stored, that were flipped: those given, and those found.
     pub normal_flip: Flip,
-    /// What the layer of depth holds; `None` without depth.
+    /// Kind of depth in its layer; `None` without depth.
     pub depth_kind: Option<StoredDepth>,
 }
 

@@ -4,9 +4,9 @@
 //! dp/dy = -dq/dx instead. The sum of (dp/dy - dq/dx)^2 is the curl as the map is, that of (dp/dy + dq/dx)^2 the
 //! curl with y turned, and the smaller one is that of a surface. Noise adds as much to both.
 //!
-//! What this cannot see: a height and its negative are both surfaces, so x turned is the same as y turned, and both
-//! turned the same as neither. Of each two the usual one is taken: as it is, or y turned. Surfaces that bend along x
-//! or along y alone show nothing.
+//! Limits: a height and its negative are both surfaces, so x reversed is equivalent to y reversed, and both reversed to
+//! neither. Of each pair the usual one is assumed: as stored, or y reversed. Surfaces that bend only along x or only
+//! along y give no evidence.
 
 use crate::frame::{Mask, Vector3Planes};
 use glam::DVec3;
@@ -15,7 +15,7 @@ use glam::DVec3;
 const BLOCKS: usize = 250_000;
 /// Unit normals below this z are at silhouettes or on slopes too steep to count.
 const LEAST_NZ: f64 = 0.3;
-/// Cosine between neighbours below which an edge lies between them.
+/// Cosine between neighbouring normals below which there is an edge between them.
 const SMOOTH: f64 = 0.7;
 /// One curl is this many times the other, or neither is believed.
 const DECIDES: f64 = 2.0;
@@ -71,12 +71,12 @@ impl Curl {
         self.cells += 1;
     }
 
-    /// Whether there is too little to tell by, where it matters little too.
+    /// Whether the map is too flat to judge, in which case the choice matters little.
     pub(super) fn is_flat(&self) -> bool {
         self.cells < FEWEST_CELLS || self.as_is.max(self.y_turned) <= FLAT
     }
 
-    /// Whether y points down; `None` where the map does not show it.
+    /// Whether y points down; `None` if the map gives no evidence.
     pub(super) fn y_points_down(&self) -> Option<bool> {
         let (least, most) = (self.as_is.min(self.y_turned), self.as_is.max(self.y_turned));
         let shows = !self.is_flat() && most >= DECIDES * least;
@@ -108,7 +108,7 @@ fn block_row(normal: &Vector3Planes, mask: &Mask, side: usize, row: usize) -> Ve
                     return None;
                 }
                 let n = normal.at(x, y);
-                // With z away from the viewer both slopes change their sign, and the curl keeps its size.
+                // With z away from the viewer both slopes change sign, and the curl keeps its magnitude.
                 sum += n.truncate().extend(n.z.abs());
             }
         }
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(down.y_points_down(), Some(true));
     }
 
-    /// Flat maps, single pixels, and slopes without any order show nothing; nor does what bends along x alone.
+    /// Flat maps, single pixels, random slopes, and surfaces that bend along x alone give no evidence.
     #[test]
     fn what_shows_nothing_decides_nothing() {
         let mut state = 1_u64;

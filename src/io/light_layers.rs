@@ -45,7 +45,7 @@ const LOBES: [(Lobe, [Role; 3], Option<Role>); 6] = {
     ]
 };
 
-/// Light that curvature has no say in; it counts where lobes are compared to the picture.
+/// Light unaffected by curvature; needed only to compare the sum of the lobes with the picture.
 const REST: [Role; 4] = [
     Role::VolumeDirect,
     Role::VolumeIndirect,
@@ -53,7 +53,7 @@ const REST: [Role; 4] = [
     Role::Environment,
 ];
 
-/// What a layer is of the light.
+/// Part of the light held by a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Use {
     Lobe(Lobe, LobeLayer),
@@ -68,15 +68,15 @@ pub(super) struct LightSources {
     uses: Vec<Use>,
     sources: Vec<RoleSource>,
     groups: Vec<GroupInput>,
-    /// Lobes that there are and that nobody wants.
+    /// Lobes that exist but are not used.
     unread: Vec<Lobe>,
     findings: Vec<Finding>,
-    /// Whether all the light there is was asked for, so that it can be compared to the picture.
+    /// Whether all light was requested, so that its sum can be compared with the picture.
     whole: bool,
     picture_is_occlusion: bool,
 }
 
-/// What was read, and what is to be said of it.
+/// The light layers read, with findings and warnings.
 pub(super) struct LightRead {
     pub(super) layers: LightLayers,
     pub(super) findings: Vec<Finding>,
@@ -342,14 +342,14 @@ fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mu
     }
 }
 
-/// Blender's names of light that the surface's colour is not yet in, `DiffDir` or `Diffuse Direct`; Arnold's
-/// `diffuse_direct` holds it.
+/// Blender's names of light without the surface's colour, `DiffDir` or `Diffuse Direct`; Arnold's `diffuse_direct`
+/// includes it.
 fn is_without_color(label: &str) -> bool {
     let word = last_word(label);
     word.contains(' ') || word.ends_with("Dir") || word.ends_with("Ind")
 }
 
-/// Whether a layer that was named for the picture is the one of ambient occlusion.
+/// Whether a layer named as the picture is the one of ambient occlusion.
 fn picture_is_occlusion(inputs: &Inputs, main: &Rc<Opened>) -> Result<bool> {
     let Some(name) = &inputs.color else {
         return Ok(false);

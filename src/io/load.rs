@@ -1,4 +1,4 @@
-//! From files to a frame: reads what a goal needs, and turns everything to view space once.
+//! From files to a frame: reads the inputs a run needs, and converts everything to view space once.
 
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use super::depth::{given_depth, judge_depth};
@@ -27,27 +27,27 @@ use crate::frame::{
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A frame with all that was concluded on the way.
+/// A frame with all conclusions about its inputs.
 pub struct Loaded {
     /// The frame, in view space.
     pub frame: Frame,
-    /// The layers that may hold motion since the frame before, where it was needed.
+    /// The candidates for motion since the previous frame, if it was needed.
     pub motion: Option<MotionLayers>,
-    /// How many times as large as its files the frame has been made.
+    /// Factor by which the frame was enlarged relative to its files.
     pub enlarged: f64,
-    /// What was concluded.
+    /// Conclusions about the inputs.
     pub findings: Vec<Finding>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Bits per sample of a photo; `None` for an EXR.
     pub photo_bits: Option<u8>,
     /// Whether the picture was stored as half floats.
     pub color_is_half: bool,
-    /// Whether it is known where in the world the camera stands: positions of the world can be used.
+    /// Whether the camera's position in the world is known, so that world-space positions can be used.
     pub camera_is_placed: bool,
-    /// Whether the camera was recovered from layers, rather than given.
+    /// Whether the camera was recovered from layers instead of given.
     pub camera_is_recovered: bool,
-    /// How the layers were read.
+    /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
     pub chromaticities: Option<Chromaticities>,
@@ -55,7 +55,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// The picture as an EXR file, where it is one.
+    /// The picture as an EXR file, if it is one.
     pub fn exr(&self) -> Option<&ExrFile> {
         match self.main.as_ref() {
             Opened::Exr { file, .. } => Some(file),
@@ -63,7 +63,7 @@ impl Loaded {
         }
     }
 
-    /// What a picture made of a photo keeps of it; of an EXR nothing.
+    /// Metadata that a picture made from a photo keeps; empty for an EXR.
     ///
     /// # Errors
     /// Those of reading the file.
@@ -82,7 +82,7 @@ impl Loaded {
     }
 }
 
-/// Reads the frame that `inputs` describe: normals, what silhouettes need, and what else `needs` say.
+/// Reads the frame described by `inputs`: normals, the inputs of silhouettes, and everything else in `needs`.
 ///
 /// # Errors
 /// Any [`crate::Error`] of reading; [`crate::Error::MissingAov`] without normals or without a picture where one is
@@ -92,22 +92,22 @@ pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     InputFiles::open(inputs)?.load(inputs, needs)
 }
 
-/// The files of a frame, opened once for as many loads of its rows as there are.
+/// The files of a frame, opened once for any number of loads of its rows.
 pub(crate) struct InputFiles {
     main: Rc<Opened>,
 }
 
-/// How large a frame is, as far as headers say.
+/// Size of a frame, by its headers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
     /// The pixels that it has.
     pub window: Window,
-    /// Bytes that its photos take while they are held, decoded, and their rounding is undone.
+    /// Bytes for its decoded photos, including those for undoing their rounding.
     pub photo_bytes: u64,
 }
 
 impl InputFiles {
-    /// Opens the picture of `inputs`. Photos are let go of once they have been read.
+    /// Opens the picture of `inputs`. Photos are released after they have been read.
     ///
     /// # Errors
     /// Any [`crate::Error`] of reading a header.
@@ -115,7 +115,7 @@ impl InputFiles {
         Self::open_held(inputs, Holding::default())
     }
 
-    /// The same for rows to be read again and again: photos stay decoded.
+    /// [`InputFiles::open`] for reading rows repeatedly: photos stay decoded.
     ///
     /// # Errors
     /// As [`InputFiles::open`].
@@ -127,7 +127,7 @@ impl InputFiles {
         Self::open_held(inputs, holding)
     }
 
-    /// The same, where no more than `most_bytes` of a photo are decoded at a time: of larger ones rows are read.
+    /// [`InputFiles::open`] with at most `most_bytes` of a photo decoded at a time: of larger ones rows are read.
     ///
     /// # Errors
     /// As [`InputFiles::open`].
@@ -144,10 +144,10 @@ impl InputFiles {
         Ok(Self { main })
     }
 
-    /// How large the frame of `inputs` is.
+    /// Size of the frame of `inputs`.
     ///
     /// # Errors
-    /// As [`load`], as far as headers say.
+    /// As [`load`], except errors that only pixels reveal.
     pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
         let light = LightSources::resolve(inputs, &self.main)?;
         let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
@@ -165,7 +165,7 @@ impl InputFiles {
         })
     }
 
-    /// Reads the frame, or the rows of it that `inputs` name.
+    /// Reads the frame, or the rows of it named by `inputs`.
     ///
     /// # Errors
     /// As [`load`].
@@ -173,7 +173,7 @@ impl InputFiles {
         load_from(self.main.clone(), inputs, needs)
     }
 
-    /// Lets go of photos that are held.
+    /// Releases decoded photos.
     pub(crate) fn release(&self) {
         self.main.release();
     }
@@ -268,7 +268,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     })
 }
 
-/// What depth measures, from what is known of it or else from the frame; returns how it was stored.
+/// Settles the kind of depth, from prior knowledge or else from the frame; returns how it was stored.
 fn settle_depth_kind(
     frame: &mut Frame,
     sense: Sense,
@@ -309,7 +309,7 @@ impl Layers {
         }
     }
 
-    /// How much of what is made is taken, where that is asked for; else it is coverage too.
+    /// The strength mask, if it was requested; otherwise it counts as coverage.
     fn take_strength(&mut self, strength: Option<Plane>, needs: Needs) -> Option<Plane> {
         let strength = strength?;
         if needs.strength {
@@ -330,7 +330,7 @@ fn smaller(mut plane: Plane, other: &Plane) -> Plane {
     plane
 }
 
-/// Where a frame is read from, and the pixels that are read.
+/// Source of a frame, and the pixels to read.
 struct FrameSource<'a> {
     inputs: &'a Inputs,
     main: &'a Opened,
@@ -369,8 +369,8 @@ impl FrameSource<'_> {
         }
     }
 
-    /// Finds where a surface was seen by decoded normals, and turns these to view space; depth of `layers` becomes that of
-    /// positions where they stand in for it.
+    /// Determines the camera and the space of the decoded normals, and turns these to view space; depth of positions
+    /// takes the place of depth in `layers` where it is missing.
     fn seen_surface(
         &self,
         mut normal: Vector3Planes,
@@ -406,7 +406,7 @@ impl FrameSource<'_> {
         })
     }
 
-    /// How much of what is made is taken, 0..1: the share of objects, times the mask.
+    /// Strength of the effect, 0..1: the share of the chosen objects times the mask.
     fn strength(&self, mask: Option<Plane>) -> Result<Option<Plane>> {
         let chosen = &self.inputs.objects;
         let objects = match chosen.is_empty() {
@@ -426,7 +426,7 @@ impl FrameSource<'_> {
         })
     }
 
-    /// What is known of depth before it is compared with the frame.
+    /// Prior knowledge about depth, before it is compared with the frame.
     fn depth_sense(&self, normal: &Vector3Planes, layers: &Layers) -> Result<Sense> {
         let raw = match (self.inputs.depth_kind, &layers.depth) {
             (Some(stored), _) => return Ok(Some((stored, "as given".into()))),
@@ -446,13 +446,13 @@ impl FrameSource<'_> {
         judge_sense(&evidence, source.map(RoleSource::hint).unwrap_or_default())
     }
 
-    /// Positions, where they stand in for depth: nothing else was asked to.
+    /// Positions, where they replace depth: no depth is given, and occlusion was not chosen instead.
     fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
         layers.position.as_ref().filter(|_| is_wanted)
     }
 
-    /// Depth of positions, where they stand in for it; `mask` loses the pixels that have none.
+    /// Depth of positions, where they replace it; pixels without depth are removed from `mask`.
     fn depth_of_positions(
         &self,
         layers: &Layers,
@@ -464,7 +464,7 @@ impl FrameSource<'_> {
         Some(depth)
     }
 
-    /// Turns unit normals to view space, in place; depth of positions takes the camera too.
+    /// Turns unit normals to view space, in place; depth from positions needs the camera too.
     fn turn_to_view(
         &self,
         needs: Needs,
@@ -478,7 +478,7 @@ impl FrameSource<'_> {
         turn_to_view(self.inputs, &surface, projection, &hint, normal)
     }
 
-    /// Whether depth, or the positions that it is made of, are half floats.
+    /// Whether depth, or the positions it is computed from, are half floats.
     fn depth_is_half(&self, layers: &Layers) -> bool {
         let role = match &layers.depth {
             Some(_) => Role::Depth,
@@ -487,7 +487,7 @@ impl FrameSource<'_> {
         self.sources.get(role).is_some_and(RoleSource::is_half)
     }
 
-    /// What the frame is read from, but for what its depth measures.
+    /// Provenance of the frame, except for the kind of its depth.
     fn source(&self, chromaticities: Option<Chromaticities>) -> Source {
         let normals = self.sources.get(Role::Normal);
         Source {
@@ -510,7 +510,7 @@ impl FrameSource<'_> {
     }
 }
 
-/// The rows `rows` of a window, as far as it has them.
+/// The rows `rows` of a window, clipped to it.
 fn rows_of(window: Window, rows: &Range<usize>) -> Window {
     let row = |y: usize| window.y0 + y.min(window.height()) as i32;
     Window {

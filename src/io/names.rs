@@ -1,18 +1,18 @@
-//! The names that renderers give their layers, and what a name implies: tables, a row per role or renderer.
+//! Layer names of renderers, and their implications: tables with a row per role or renderer.
 //!
 //! A layer is looked up by the last word of its name, in lower case and without punctuation: `ViewLayer.Normal.X` is
-//! `normal`, `ray:hitN` is `rayhitn`, `__Nworld.r` is `nworld`. The word or the renderer may imply a space or a kind
-//! of depth. That is a hint: the data decide where they can, the hint where they cannot, and flags overrule both.
+//! `normal`, `ray:hitN` is `rayhitn`, `__Nworld.r` is `nworld`. The word or the renderer may imply a space or a kind of
+//! depth. That is a hint: data decide where they can, the hint where they cannot, and flags override both.
 //!
-//! To teach a name, add it to the row of its role, in the place of its preference; to teach what it implies, add a row
-//! to [`IMPLIED`]; a renderer that marks its files gets a row in [`RENDERERS`].
+//! To add a name, add it to the row of its role, in order of preference; to add an implication, add a row to
+//! [`IMPLIED`]; to recognise a renderer by its attributes, add a row to [`RENDERERS`].
 
 use super::exr::ExrFile;
 use super::inputs::StoredDepth;
 use crate::frame::NormalSpace;
 use serde::Serialize;
 
-/// How many values a role has per pixel.
+/// Number of values per pixel of a role.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arity {
     /// One.
@@ -32,7 +32,7 @@ type Rule = (Role, Arity, &'static [&'static str]);
 /// Makes [`Role`] and [`RULES`] of one table.
 macro_rules! roles {
     ($($role:ident: $arity:ident = $($name:literal)*;)*) => {
-        /// What a layer is for.
+        /// Purpose of a layer.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
         #[serde(rename_all = "kebab-case")]
         #[expect(
@@ -50,7 +50,7 @@ macro_rules! roles {
 roles! {
     Color: Color = "combined" "beauty" "rgba" "rgb" "" "image" "color" "c" "ci" "finalimage"
         "vraybeauty";
-    // Shading normals before those of the facets, and those for a denoiser last.
+    // Shading normals before geometric ones, and those for a denoiser last.
     Normal: Vector = "normal" "normals" "ns" "n" "shadingnormal" "shadingnormals" "shnormal"
         "shnormals" "normalsshading" "bumpnormals" "bumpnormal" "nn" "nworld" "worldnormal"
         "worldnormals" "normalworld" "normalsworld" "worldspacenormal" "worldspacenormals"
@@ -114,7 +114,7 @@ impl Role {
         }
     }
 
-    /// Whether the role is seen: a colour or light, rather than data. The names of light mean light.
+    /// Whether the role is a colour or light, as opposed to data. Names of light passes mean light.
     pub(super) fn is_color(self) -> bool {
         use Role::{Color, DiffuseDirect, Environment};
         self == Color || (DiffuseDirect..=Environment).contains(&self)
@@ -139,7 +139,7 @@ pub(super) fn last_word(name: &str) -> &str {
     words.last().copied().unwrap_or_default()
 }
 
-/// What the names of some renderers start with, before the word that counts.
+/// Prefixes that some renderers put before the significant word.
 const PREFIXES: &[&str] = &[
     "finalimagemovierenderqueue",
     "cgeometry",
@@ -147,7 +147,7 @@ const PREFIXES: &[&str] = &[
     "rendererinfo",
 ];
 
-/// The word that the tables know a layer by, from the last word of its name.
+/// The key of a layer in the tables, from the last word of its name.
 pub(super) fn key(word: &str) -> String {
     let word: String = word
         .chars()
@@ -161,12 +161,12 @@ pub(super) fn key(word: &str) -> String {
     }
 }
 
-/// What a name or a renderer implies of a layer.
+/// Implications of a layer's name or renderer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Hint {
     /// The space of normals.
     pub(super) space: Option<NormalSpace>,
-    /// What depth holds.
+    /// Kind of depth.
     pub(super) depth: Option<StoredDepth>,
 }
 
@@ -195,7 +195,7 @@ const fn depth(stored: StoredDepth) -> Hint {
     }
 }
 
-/// Names that mean the same whoever wrote them.
+/// Names with the same meaning from any program.
 const IMPLIED: &[(&str, Hint)] = &[
     ("nworld", WORLD),
     ("worldnormal", WORLD),
@@ -226,12 +226,13 @@ const IMPLIED: &[(&str, Hint)] = &[
     ("vrayzdepth", depth(StoredDepth::NormalizedNearIsOne)),
 ];
 
-/// A program that writes layers, how its files are known, and what their layers hold unless a name says more.
+/// A program that writes layers, the marks of its files, and the defaults for their layers unless a name is more
+/// specific.
 struct Renderer {
     name: &'static str,
-    /// How the name of an attribute of its files starts, in lower case.
+    /// Prefix of an attribute name in its files, in lower case.
     attributes: &'static [&'static str],
-    /// A word in what its files say of their maker, in lower case.
+    /// A word in its files' maker attributes, in lower case.
     maker: &'static str,
     hint: Hint,
 }
@@ -250,7 +251,7 @@ const fn marked(
     }
 }
 
-/// Who marks files, and what those hold.
+/// Renderers recognised by attributes, with the implications for their layers.
 const RENDERERS: &[Renderer] = &[
     marked(
         "Blender",
@@ -312,7 +313,7 @@ const RENDERERS: &[Renderer] = &[
     ),
 ];
 
-/// Attributes in which files say who made them.
+/// Attributes that name the program a file was made with.
 const MAKERS: &[&str] = &[
     "software",
     "renderer",
@@ -321,7 +322,7 @@ const MAKERS: &[&str] = &[
     "generator",
 ];
 
-/// What Nuke puts before the attributes of files that it has read.
+/// Removes the prefix Nuke adds to attributes of files it has read.
 pub(super) fn plain_attribute(name: &str) -> &str {
     name.strip_prefix("exr/").unwrap_or(name)
 }
@@ -333,7 +334,7 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
             .iter()
             .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
     };
-    // A file that Nuke has written again is still its renderer's in what the layers hold.
+    // A file rewritten by Nuke still has its renderer's layers.
     RENDERERS.iter().find(|renderer| {
         attributes().any(|(name, text)| {
             let starts = |mark: &&str| name.starts_with(mark);
@@ -344,7 +345,8 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
     })
 }
 
-/// What the name of a layer implies, or its words of a `space`, or else the renderer of its file; with who says so.
+/// Implications of a layer's name, or of a `space` among its words, or else of the renderer of its file; with their
+/// origin in words.
 pub(super) fn hint(layer: &str, space: Option<NormalSpace>, file: &ExrFile) -> (Hint, String) {
     let word = key(last_word(layer));
     if let Some((name, hint)) = IMPLIED.iter().find(|(name, _)| *name == word) {

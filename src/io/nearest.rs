@@ -2,7 +2,7 @@
 
 use super::roles::{Layer, Role};
 
-/// Likeness from which on a name may have been meant, 0..1.
+/// Similarity from which on a name is suggested as the intended one, 0..1.
 const ALIKE: f64 = 0.8;
 
 /// The layer with the channels of `role` whose name comes nearest to those that mean it.

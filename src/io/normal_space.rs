@@ -1,14 +1,13 @@
-//! Which space a normal map was written in, judged from the map itself.
+//! The space of a normal map, judged from the map itself.
 //!
-//! Names do not decide: one renderer's `N` is in world space, another's in view space, a third's has z
-//! pointing away. But a visible surface faces the viewer, so in the right reading nearly all normals
-//! do; where positions exist, the right reading agrees with the shape they have; and depth rises in the
-//! direction in which view-space normals lean, whatever the focal length: a plane n.P = c seen at
-//! P = D (X, Y, -1) has 1/D = (n_x X + n_y Y - n_z) / c with c < 0, so grad D is a positive multiple of
-//! (n_x, n_y).
+//! Names do not decide: one renderer's `N` is in world space, another's in view space, a third's has z pointing away.
+//! But a visible surface faces the viewer, so in the right reading nearly all normals do; with positions, the right
+//! reading agrees with their shape; and depth rises in the direction in which view-space normals lean, for any focal
+//! length: a plane n.P = c seen at P = D (X, Y, -1) has 1/D = (n_x X + n_y Y - n_z) / c with c < 0, so grad D is a
+//! positive multiple of (n_x, n_y).
 //!
-//! What this cannot see: a world-space map of a scene watched from straight above with z up *is* a
-//! view-space map, up to a turn about the view axis. Without camera and depth it is read as view space.
+//! Limit: a world-space map of a scene seen from straight above with z up *is* a view-space map, up to a rotation about
+//! the view axis. Without camera and depth it is read as view space.
 
 use super::camera::median;
 use super::inputs::Flip;
@@ -19,25 +18,25 @@ use glam::{DMat3, DVec2, DVec3};
 const WANTED: usize = 40_000;
 /// A unit normal counts as facing the viewer down to this cosine: filtering and bump tip a few over.
 const FACING: f64 = -0.05;
-/// Share of facing normals from which a reading holds.
+/// Share of facing normals from which a reading is accepted.
 const HOLDS: f64 = 0.98;
-/// The same where nothing else speaks for the reading: world-space normals of a scene that is mostly
-/// ground, seen from well above, reach 0.99 as they are.
+/// The same without other evidence for the reading: world-space normals of a scene that is mostly ground, seen from
+/// well above, reach 0.99 as they are.
 const HOLDS_ALONE: f64 = 0.995;
-/// A wrong reading turns away this share of the normals, and 10 times what the right one does.
+/// A wrong reading has at least this share of averted normals, and 10 times that of the right one.
 const TURNS_AWAY: f64 = 0.01;
 /// Share below which a reading fails.
 const FAILS: f64 = 0.9;
 /// Two readings whose normals differ by less than this on average, in degrees, are one.
 const SAME_DEG: f64 = 2.0;
-/// Median angle from the shape of the positions up to which a reading can be right: bump maps and
-/// smoothed normals stray from the facets, but not this far.
+/// Largest median angle to the shape of the positions for a correct reading: bump maps and smoothed normals deviate
+/// from the facets, but less than this.
 const SHAPE_HOLDS_DEG: f64 = 25.0;
 /// The right reading is this many times closer to the shape than a wrong one.
 const SHAPE_DECIDES: f64 = 2.0;
-/// Median angle between the lean of the normals and the slope of depth up to which a reading holds.
+/// Largest median angle between the lean of the normals and the slope of depth for a correct reading.
 const SLOPE_HOLDS_DEG: f64 = 30.0;
-/// The same angle from which a reading fails; normals that have nothing to do with the depth reach 90.
+/// The same angle from which a reading is rejected; normals unrelated to the depth reach 90.
 const SLOPE_FAILS_DEG: f64 = 60.0;
 /// Depth slopes that count: the logarithm changes this much over a picture width, well above the
 /// rounding of half floats.
@@ -49,15 +48,15 @@ const FEWEST_SHAPES: usize = 24;
 
 /// Which of x and y are reversed, in the order of the evidence.
 const REVERSED: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
-/// Axes count as reversed where the mean angle to the slope of depth is above the first as they are, below the
-/// second once turned round, and falls to less than a share of it. Means, because half a picture of floor
-/// leans the same way with x reversed.
+/// Axes count as reversed if the mean angle to the slope of depth is above the first of these as stored, below the
+/// second once reversed, and falls to less than a share of it. Means, because half a picture of floor leans the same
+/// way with x reversed.
 const REVERSED_DEG: (f64, f64) = (10.0, 25.0);
 const REVERSED_SHARE: f64 = 0.5;
 /// They also do where that angle is above the first and falls to less than this share of it: no other reading fits as well.
 const SURELY_REVERSED: (f64, f64) = (4.0, 0.2);
 
-/// What the normals turned out to be.
+/// Conclusion about the space of the normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalSpaceConclusion {
     /// The space is known.
@@ -67,9 +66,9 @@ pub enum NormalSpaceConclusion {
         /// Axes that point the wrong way and have to be negated first.
         flip: Flip,
     },
-    /// Not view space, so world space by elimination, but there is no camera to turn them with.
+    /// Not view space, so world space by elimination, but no camera is known to rotate them with.
     WorldWithoutCamera,
-    /// More than one reading holds, or none does.
+    /// More than one reading is plausible, or none is.
     Ambiguous,
 }
 
@@ -105,22 +104,22 @@ pub struct NormalSpaceEvidence {
 /// A judgement on the space of a normal map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalSpaceVerdict {
-    /// What the normals are.
+    /// Conclusion about the normals.
     pub conclusion: NormalSpaceConclusion,
-    /// The numbers that it rests on.
+    /// The numbers behind it.
     pub evidence: NormalSpaceEvidence,
-    /// The same in one line, for a person.
+    /// A one-line explanation for the user.
     pub reason: String,
 }
 
 /// Judges which space `normal` was written in.
 ///
-/// `normal` holds the components as read (signed, not necessarily of unit length), `position` a layer
-/// of world-space positions, `depth` distances that grow away from the viewer, `camera` the camera where
-/// it is known; planes and mask fill `data_window`. Normals of length zero and values that are not finite are passed over.
+/// `normal` holds the components as read (signed, not necessarily of unit length), `position` a layer of world-space
+/// positions, `depth` distances that grow away from the viewer, `camera` the camera if known; planes and mask fill
+/// `data_window`. Zero-length and non-finite normals are skipped.
 ///
-/// With no camera, positions or depth, normals that nearly all have z toward the viewer are taken for
-/// view space; see the module on what that misses.
+/// With no camera, positions or depth, normals are taken for view space if nearly all have z toward the viewer; the
+/// module's documentation describes the limit of that.
 pub fn judge_normal_space(
     normal: &Vector3Planes,
     mask: &Mask,
@@ -191,7 +190,7 @@ impl Input<'_> {
     /// The normal at a pixel under each reading, in view space.
     fn readings(&self, x: usize, y: usize) -> Option<Readings> {
         let n = at(self.normal, x, y)?;
-        // Filtering shortens normals at edges; the shortest ones have no direction left.
+        // Filtering shortens normals at edges; the shortest ones have no meaningful direction.
         let n = n.try_normalize().filter(|_| n.length() > 0.1)?;
         Some(Readings {
             view: n,
@@ -240,7 +239,7 @@ impl Input<'_> {
         let here = seen(x, y)?;
         let run = |before: f64, after: f64| {
             let (a, b) = (here - before, after - here);
-            // Away from edges both halves are alike, up to what rounding does to short steps.
+            // Away from edges both halves agree, up to the effect of rounding on short steps.
             ((a - b).abs() < 0.5 * (a.abs() + b.abs()) + 2e-3).then_some(0.5 * (a + b))
         };
         let right = run(seen(x - 1, y)?, seen(x + 1, y)?)?;
@@ -307,7 +306,7 @@ impl Tally {
     fn add_slope(&mut self, readings: &Readings, slope: DVec2) {
         let off = |n: DVec3| {
             let lean = n.truncate();
-            // A normal that does not lean where depth rises is as wrong as one that leans sideways.
+            // A normal that does not lean where depth rises counts as leaning sideways.
             if lean.length() < LEAST_LEAN {
                 90.0
             } else {
@@ -412,8 +411,8 @@ fn concluded(e: &NormalSpaceEvidence) -> Concluded {
         })
 }
 
-/// Whether mean angles to the slope of depth, in degrees, as the axes are and with some turned round, show that they are
-/// reversed.
+/// Whether axes are reversed, judged by mean angles to the slope of depth, in degrees: with the axes as stored, and
+/// with some reversed.
 pub(super) fn is_reversed(as_is: f64, turned: f64) -> bool {
     let (least, share) = SURELY_REVERSED;
     let surely = as_is > least && turned < share * as_is;
@@ -421,7 +420,7 @@ pub(super) fn is_reversed(as_is: f64, turned: f64) -> bool {
     surely || (as_is > least && turned < most && turned < REVERSED_SHARE * as_is)
 }
 
-/// View space with x or y the wrong way round, where depth shows it.
+/// View space with x or y reversed, if depth shows it.
 fn by_reversed_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let angles = e.slope_reversed_deg?;
     let best = (1..4).min_by(|&a, &b| angles[a].total_cmp(&angles[b]))?;
@@ -470,7 +469,7 @@ fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
         .then_some((WORLD, "world: agrees with the positions"))
 }
 
-/// The reading whose normals lean the way depth rises.
+/// The reading whose normals lean toward rising depth.
 fn by_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let view = e.slope_view_deg?;
     let as_view = match better_view(e).1.0 {

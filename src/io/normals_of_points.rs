@@ -3,8 +3,8 @@
 use crate::frame::{Vector3Planes, step_between};
 use glam::DVec3;
 
-/// Unit normals of the surface through `points`, turned `toward` the viewer; 0 where there is no point, or no other
-/// beside it along one axis. `wraps` where the left and right edge of the picture are one.
+/// Unit normals of the surface through `points`, facing `toward` the viewer; 0 without a point, or without a neighbour
+/// along one axis. With `wraps` the left and right edges of the picture are adjacent.
 pub(super) fn normals_of_points(
     size: [usize; 2],
     wraps: bool,

@@ -17,7 +17,7 @@ pub(super) struct Notes {
     pub(super) warnings: Vec<String>,
 }
 
-/// Most characters of a line of evidence and of the flag that goes with it.
+/// Most characters of a line with evidence and its flag.
 const LINE: usize = 80;
 
 /// Why a layer was chosen, and as many of the others as the line has room for beside the `flag`.
@@ -45,7 +45,7 @@ fn evidence(chosen: &Chosen, flag: &str) -> String {
 /// Up to this share of samples of depth that were missing is not worth a word, percent.
 const FEW_HOLES_PERCENT: f64 = 0.1;
 
-/// From this share of a surface at steps of depth on, they are no outlines of things.
+/// From this share of a surface at depth steps on, the steps are not outlines of objects.
 const MANY_STEPS: f64 = 0.15;
 
 /// Neighbours whose depths differ by a larger factor lie on two surfaces.
@@ -107,7 +107,7 @@ impl Notes {
         }
     }
 
-    /// Says how many samples of depth were filled.
+    /// Reports the number of filled depth samples.
     pub(super) fn on_filled(&mut self, filled: usize, mask: &Mask) {
         let share = 100.0 * filled as f64 / mask.count().max(1) as f64;
         if share > FEW_HOLES_PERCENT {
@@ -117,7 +117,7 @@ impl Notes {
         }
     }
 
-    /// Says where so much of a surface lies at steps of depth that little of it is left.
+    /// Warns if so much of a surface is at depth steps that little of it is left.
     pub(super) fn on_steps(&mut self, frame: &Frame) {
         let Some(depth) = &frame.depth else {
             return;
@@ -131,7 +131,7 @@ impl Notes {
         }
     }
 
-    /// Says where nothing of a picture is chosen.
+    /// Warns if the chosen objects are not in the picture.
     pub(super) fn on_strength(&mut self, strength: &Plane, is_part: bool) {
         if !is_part && strength.samples().iter().all(|&share| share == 0.0) {
             self.warnings

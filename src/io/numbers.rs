@@ -1,5 +1,5 @@
-//! Which layers hold normals, positions and depth by their numbers, where no name says so: normals are of unit length, as they
-//! are or encoded as 0..1, and the others are of the surface that the normals are of.
+//! Layers of normals, positions and depth recognised by their numbers, for files whose names do not tell: normals have
+//! unit length, stored directly or encoded as 0..1, and the others fit the surface with these normals.
 
 use super::exr::{ExrFile, SampleType};
 use super::roles::{self, Layer, Match, Role};
@@ -18,15 +18,15 @@ const UNIT: f64 = 0.025;
 const UNIT_SHARE: f64 = 0.5;
 /// Share of the covered pixels that may be longer: nothing lengthens normals but lossy compression.
 const LONGER_SHARE: f64 = 0.02;
-/// Length of the mean of unit vectors from which on all are alike, so that nothing follows.
+/// Length of the mean of unit vectors above which they are all alike and give no evidence.
 const ALIKE: f64 = 0.9999;
-/// Share of the unit vectors that must not lie along an axis, as the colours of masks do.
+/// Share of the unit vectors that must not be along an axis, as the colours of masks are.
 const OFF_AXIS_SHARE: f64 = 0.05;
 /// Fewest covered pixels that suffice.
 const FEWEST: usize = 16;
 /// A misfit up to this is that of one surface.
 const AGREES: f64 = 0.1;
-/// How much better than depth along the view axis other depth must fit to be taken for better.
+/// Factor by which other depth must fit better than depth along the view axis to be preferred.
 const USUAL: f64 = 2.0;
 
 /// A role found by the numbers of a layer.
@@ -40,7 +40,7 @@ pub(super) struct RoleByNumbers {
     pub(super) others: Vec<String>,
 }
 
-/// How vectors hold unit normals.
+/// Encoding of unit normals in a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Encoding {
     Signed,
@@ -48,7 +48,7 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// The unit normal that `stored` holds, if it holds one.
+    /// The unit normal encoded in `stored`, if it is one.
     fn unit(self, stored: Vector3<f64>) -> Option<Vector3<f64>> {
         let v = self.decoded(stored);
         ((v.norm() - 1.0).abs() < UNIT).then(|| v.normalize())
@@ -70,7 +70,7 @@ struct Normals {
     share: f64,
 }
 
-/// The roles of layers whose names mean nothing, as far as no name gives them. Layers that cannot be read are skipped.
+/// Roles, not yet given by names, of layers with meaningless names. Layers that cannot be read are skipped.
 pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNumbers> {
     let picture = roles::find(layers, Role::Color);
     let is_float = |layer: &&Layer| {
@@ -91,7 +91,7 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     let normals = match roles::find(layers, Role::Normal) {
         Some(_) if open.is_empty() => None,
         Some(found) => {
-            // A second layer of normals holds no positions, though its steps are square to normals too.
+            // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
             samples(file, &[found]).into_iter().find_map(normals_of)
         }
@@ -121,13 +121,13 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     roles
 }
 
-/// Samples of those layers that have the channels of `role`.
+/// Samples of the layers that have the channels of `role`.
 fn of_layers(file: &ExrFile, layers: &[&Layer], role: Role) -> Vec<Sampled> {
     let found: Vec<Match> = layers.iter().filter_map(|l| l.matched(role)).collect();
     samples(file, &found)
 }
 
-/// Takes the layers of normals out of `vectors`; the best of them is found.
+/// Removes the layers of normals from `vectors`; returns the best of them.
 fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<Normals> {
     let (mut found, mut rest) = (Vec::new(), Vec::new());
     for sampled in vectors.drain(..) {
@@ -162,7 +162,7 @@ fn normals_of(sampled: Sampled) -> Option<Normals> {
     })
 }
 
-/// How the vectors are unit normals, and the share of those that are; none where they are not.
+/// The encoding in which the vectors are unit normals, with the share of those that are; `None` if there is none.
 fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
     let stored: Vec<_> = sampled
         .vectors()
@@ -187,7 +187,7 @@ fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
     share(Encoding::Signed).or_else(|| share(Encoding::Unsigned).filter(|_| is_positive))
 }
 
-/// The layer whose points, of one of the `kinds`, the usual one first, are best those of the surface that `normals` are of.
+/// The layer whose points, of one of the `kinds` (the usual one first), best fit the surface with these `normals`.
 fn best(
     normals: &Normals,
     role: Role,

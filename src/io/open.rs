@@ -8,8 +8,8 @@ use std::path::Path;
 /// Opens `path` for reading.
 ///
 /// # Errors
-/// Any error of the system, and one that says so where `path` is a directory, a pipe, a socket or a device: a plain open
-/// of a pipe waits until a writer appears, and a device may never end.
+/// Any error of the system, and a clear one if `path` is a directory, a pipe, a socket or a device: a plain open of a
+/// pipe waits until a writer appears, and a device may never end.
 pub(crate) fn open_input(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -17,7 +17,7 @@ pub(crate) fn open_input(path: &Path) -> io::Result<File> {
     {
         use rustix::fs::OFlags;
         use std::os::unix::fs::OpenOptionsExt;
-        // Bits of a flag set, in the type that the system call takes.
+        // Converts the flags to the type of the system call.
         options.custom_flags((OFlags::NONBLOCK | OFlags::NOCTTY).bits().cast_signed());
     }
     let file = options.open(path)?;

@@ -1,4 +1,4 @@
-//! Input files whose header has been read, and the files that go with them.
+//! Input files whose header has been read, and their companion files.
 
 use super::exr::{self, ExrFile, Limits};
 use super::nearest;
@@ -14,13 +14,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// An input file of which the header has been read: an EXR's layers, or a photo.
+/// An input file whose header has been read: an EXR's layers, or a photo.
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
-        /// Its layers, of one view where there are several.
+        /// Its layers, of one view if there are several.
         layers: Vec<Layer>,
-        /// All views, and the one whose layers are used.
+        /// All views, and the one in use.
         views: Vec<String>,
         view: Option<String>,
         /// The roles found by numbers, computed when first needed.
@@ -33,18 +33,18 @@ pub(super) enum Opened {
     },
 }
 
-/// Files that have been opened to go with another.
+/// Files opened as companions of another.
 pub(super) struct Companions {
     files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
     pub(super) holding: Holding,
 }
 
-/// How the samples of photos are held once they are decoded.
+/// Policy for holding the decoded samples of photos.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Holding {
     /// Most bytes of samples of one photo: of others rows alone are read.
     pub(super) most_bytes: u64,
-    /// Whether they stay for the next rows to be read.
+    /// Whether they are kept for the next rows.
     pub(super) stay: bool,
 }
 
@@ -81,12 +81,12 @@ impl Opened {
         Self::open_view(path, None)
     }
 
-    /// The file with the layers of one view: the one that is wanted, else the default.
+    /// The file with the layers of one view: the requested one, else the default.
     pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
         Self::open_held(path, wanted, Holding::default())
     }
 
-    /// The same, and how samples of photos are held.
+    /// The same, with the policy for samples of photos.
     pub(super) fn open_held(
         path: &Path,
         wanted: Option<&str>,
@@ -111,7 +111,7 @@ impl Opened {
         }))
     }
 
-    /// A file that goes with this one: of the same view, if it has several. It is opened once.
+    /// A companion file: of the same view, if it has several. It is opened once.
     pub(super) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
         let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
         if let Some(file) = companions.find(path) {
@@ -171,7 +171,7 @@ impl Opened {
         }
     }
 
-    /// Lets go of the samples of photos, its own and those of files that go with it.
+    /// Releases the samples of photos, its own and those of companion files.
     pub(super) fn release(&self) {
         let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
         let files = companions.files.borrow();
@@ -181,7 +181,7 @@ impl Opened {
         }
     }
 
-    /// What the file says about itself.
+    /// The file's text attributes.
     pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
         match self {
             Self::Exr { file, .. } => Some(&file.attributes),
@@ -197,7 +197,7 @@ impl Opened {
         }
     }
 
-    /// The layers that messages list, or `otherwise` where there are none.
+    /// The layers to list in messages, or `otherwise` without any.
     pub(super) fn found(&self, otherwise: &str) -> String {
         match self.layer_names() {
             names if names.is_empty() => otherwise.into(),

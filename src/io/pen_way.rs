@@ -1,25 +1,25 @@
-//! The path of a plotter's pen: the order and direction of lines that keep its travel in the air short.
+//! Path of a plotter's pen: an order and direction of lines with little travel in the air.
 //!
-//! From where the pen is the nearest end of a line is taken next, found in a grid of ends; then stretches of the way are
-//! turned about where that shortens it (2-opt), among lines that are near in the order. Both take time that is linear in
-//! the number of lines.
+//! The pen repeatedly goes to the nearest end of a line, found in a grid of ends; then stretches of the path are
+//! reversed if that shortens it (2-opt), among lines close to each other in the order. Both take time linear in the
+//! number of lines.
 
 use glam::Vec2;
 
 /// A line by its number, and whether it is drawn from its last point to its first.
 pub(super) type Drawn = (usize, bool);
 
-/// Rings of cells in which the nearest end is looked for; beyond that the pen goes to the next cell that has any.
+/// Rings of cells searched for the nearest end; beyond them the pen goes to the next cell with any.
 const MOST_RINGS: usize = 12;
 
 /// Ends in a cell, on average.
 const ENDS_PER_CELL: f32 = 2.0;
 
-/// How many lines apart those are between which the way is turned about, and how often all are gone through.
+/// Largest distance in the order between the ends of a reversed stretch, and number of passes over all lines.
 const REACH: usize = 32;
 const ROUNDS: usize = 2;
 
-/// The order in which lines are drawn, each by both its ends, by a pen that comes from `from`.
+/// Drawing order of lines, given by both their ends, for a pen starting at `from`.
 pub(super) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
     let mut way = nearest_first(ends, from);
     for _ in 0..ROUNDS {
@@ -30,7 +30,7 @@ pub(super) fn pen_way(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
     way
 }
 
-/// How far the pen goes in the air, from `from` to the end of the last line, and where it is then.
+/// Travel in the air, from `from` to the last line, and the pen's final position.
 pub(super) fn in_the_air(way: &[Drawn], ends: &[[Vec2; 2]], from: Vec2) -> (f64, Vec2) {
     way.iter().fold((0.0, from), |(length, at), &drawn| {
         let [start, end] = ends_of(drawn, ends);
@@ -38,7 +38,7 @@ pub(super) fn in_the_air(way: &[Drawn], ends: &[[Vec2; 2]], from: Vec2) -> (f64,
     })
 }
 
-/// Where a line starts and ends as it is drawn.
+/// Start and end of a line as drawn.
 fn ends_of((number, is_reversed): Drawn, ends: &[[Vec2; 2]]) -> [Vec2; 2] {
     let [first, last] = ends[number];
     match is_reversed {
@@ -59,7 +59,7 @@ fn nearest_first(ends: &[[Vec2; 2]], from: Vec2) -> Vec<Drawn> {
     way
 }
 
-/// Turns about stretches of the way; whether that shortened it.
+/// Reverses stretches of the path; returns whether that shortened it.
 fn shorten(way: &mut [Drawn], ends: &[[Vec2; 2]], from: Vec2) -> bool {
     let mut is_shorter = false;
     let mut before = from;
@@ -93,10 +93,10 @@ fn shorten(way: &mut [Drawn], ends: &[[Vec2; 2]], from: Vec2) -> bool {
     is_shorter
 }
 
-/// What a turn has to gain, above rounding.
+/// Least gain of a reversal, above rounding.
 const LEAST_GAIN_PX: f32 = 1e-3;
 
-/// The ends of lines that are not drawn yet, by the cells that they lie in.
+/// The ends of lines not yet drawn, by cell.
 struct Ends<'a> {
     ends: &'a [[Vec2; 2]],
     cells: Vec<Vec<Drawn>>,
@@ -142,7 +142,7 @@ impl<'a> Ends<'a> {
     fn nearest(&mut self, at: Vec2) -> Option<Drawn> {
         let mut found: Option<(f32, Drawn)> = None;
         for ring in 0..=MOST_RINGS {
-            // What lies farther out is farther away.
+            // Rings farther out hold only farther ends.
             if found.is_some_and(|(distance, _)| distance < (ring as f32 - 1.0) * self.side) {
                 break;
             }
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn ruled_lines_are_drawn_to_and_fro() {
-        // From the left every line starts a pixel from where the one before ended.
+        // Starting at the left, every line begins a pixel from the end of the previous one.
         let ends = ruled(101);
         let way = pen_way(&ends, Vec2::ZERO);
         assert_eq!(
@@ -228,7 +228,7 @@ mod tests {
             let laid: Vec<_> = (0..count).map(|number| (number, false)).collect();
             let [short, long] = [way, laid].map(|way| in_the_air(&way, &ends, Vec2::ZERO).0);
             assert!(short <= long, "{short} of {long}");
-            // Of 500 lines across 1000 pixels the nearest of 1000 ends is some 20 pixels away, of all at random 500.
+            // For 500 lines across 1000 pixels the nearest of 1000 ends is some 20 pixels away, a random one 500.
             assert!(count < 500 || short < 0.15 * long, "{short} of {long}");
         }
     }

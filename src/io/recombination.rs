@@ -6,11 +6,11 @@ use crate::quantile::quantile;
 /// A median needs no more pixels than this.
 const ENOUGH_PIXELS: usize = 1 << 16;
 
-/// Pixels darker than this have no relative difference to speak of.
+/// Pixels darker than this have no meaningful relative difference.
 const MIN_LIGHT: f32 = 1e-4;
 
-/// Median over the covered pixels of `|sum - picture| / picture`, channels taken together, where the sum is
-/// of all lobes, `(direct + indirect) * color` each, and of `rest`. `None` where the picture is dark.
+/// Median over the covered pixels of `|sum - picture| / picture`, over all channels, where the sum is that of all
+/// lobes, `(direct + indirect) * color` each, and of `rest`. `None` for a dark picture.
 pub(super) fn difference(
     picture: &ColorPlanes,
     lobes: &[LobeLayers],
@@ -85,7 +85,7 @@ mod tests {
             albedo: None,
         }];
         let rest = [grey([0.25, 0.0, 0.0])];
-        // The sum is 1.25, 1 and 4.5; the picture 1, 2 and black: 0.25 and 0.5, of which the upper is taken.
+        // The sum is 1.25, 1 and 4.5; the picture 1, 2 and black: 0.25 and 0.5, with the upper one as the median.
         let picture = grey([1.0, 2.0, 0.0]);
         let full = Mask::full(3, 1);
         assert_eq!(difference(&picture, &lobes, &rest, &full), Some(0.5));

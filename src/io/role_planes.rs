@@ -15,7 +15,7 @@ pub(super) struct RolePlanes {
 }
 
 impl RolePlanes {
-    /// The planes of a photo, of which the last one is alpha if it has any.
+    /// The planes of a photo; the last one is alpha if it has any.
     pub(super) fn of_photo(photo: &StoredPhoto, mut planes: Vec<Plane>, window: Window) -> Self {
         let alpha = photo.header.has_alpha().then(|| planes.pop()).flatten();
         Self {
@@ -67,7 +67,7 @@ impl RolePlanes {
         self.window = window;
     }
 
-    /// A vector of three components; those of one plane are alike.
+    /// A vector of three components; those of a single plane are equal.
     pub(super) fn into_vector(self) -> Vector3Planes {
         Vector3Planes::of(self.planes)
     }
@@ -82,7 +82,7 @@ impl RolePlanes {
         ColorPlanes::of(self.planes)
     }
 
-    /// Replaces samples that are not finite; returns how many there were.
+    /// Replaces non-finite samples; returns their number.
     pub(super) fn sanitise(&mut self) -> usize {
         let planes = self.planes.iter_mut().chain(&mut self.alpha);
         planes.map(sanitise).sum()

@@ -18,9 +18,9 @@ pub(crate) struct Layer {
     pub name: String,
     /// Component (lower case, `r` for `red`) and channel index within the part.
     pub components: Vec<(String, usize)>,
-    /// Whether the name is that of the part, the channels being called `R` or `Z` alone.
+    /// Whether the name is that of the part, with channels called only `R` or `Z`.
     pub bare: bool,
-    /// The view it belongs to, such as the left eye's, where it belongs to one.
+    /// Its view, such as the left eye's, if any.
     pub view: Option<String>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Match {
     pub part: usize,
     /// One channel index for a scalar or grey layer, two for motion, else three.
     pub channels: Vec<usize>,
-    /// The channel that holds the coverage of the layer.
+    /// The coverage channel of the layer.
     pub alpha: Option<usize>,
 }
 
@@ -82,7 +82,7 @@ fn split_component(channel: &str) -> (&str, String) {
 }
 
 impl Layer {
-    /// What the words of its name say.
+    /// Meaning of the words of its name.
     pub(super) fn said(&self) -> Said {
         said(&self.name, self.view.as_deref())
     }
@@ -92,19 +92,19 @@ impl Layer {
         self.is_listed() || self.said().role.is_some()
     }
 
-    /// Whether its name is one letter, which may mean anything: `c` is a picture to some.
+    /// Whether its name is a single letter, which is ambiguous: some use `c` for a picture.
     pub(super) fn is_letter(&self) -> bool {
         self.key().len() == 1
     }
 
-    /// Whether the table of names knows it.
+    /// Whether it is in the table of names.
     pub(crate) fn is_listed(&self) -> bool {
         let key = self.key();
         let mut rules = RULES.iter();
         rules.any(|(_, _, names)| names.contains(&key.as_str()))
     }
 
-    /// The word the table knows the layer by: the last of its name that is not its view.
+    /// Its key in the table: the last word of its name that is not its view.
     fn key(&self) -> String {
         let is_view = |word: &&str| {
             let view = self.view.as_deref();
@@ -169,7 +169,7 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
         .or_else(|| in_first_part(layers, role))
 }
 
-/// The layers whose words give them `role` where the table does not know their names, the best first.
+/// The layers given `role` by their words if their names are not in the table, the best first.
 pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
     let mut found: Vec<_> = layers
         .iter()
@@ -187,8 +187,8 @@ pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
     found.into_iter().map(|(_, found)| found).collect()
 }
 
-/// Colour or depth of a first part called anything ("main", "subimage00"), whose channels have no
-/// names of their own: what nameless channels are, unless the part's name means something else.
+/// Colour or depth of a first part with any name ("main", "subimage00") whose channels have no layer names of their
+/// own: read like nameless channels, unless the part's name means something else.
 fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
     let layer = layers.iter().find(|layer| layer.part == 0 && layer.bare)?;
     let has = |name: &str| layer.components.iter().any(|(c, _)| c == name);
@@ -386,7 +386,7 @@ mod tests {
         assert_eq!(find(&part, Role::Motion).unwrap().channels, [0, 1]);
         let backward = single_part(&["backward.u", "backward.v", "forward.u", "forward.v"]);
         assert_eq!(find(&backward, Role::Motion).unwrap().channels, [0, 1]);
-        // What leads to the next frame only is no way back.
+        // Motion to the next frame only is not motion back.
         let forward = single_part(&["forward.u", "forward.v"]);
         assert_eq!(find(&forward, Role::Motion), None);
         assert_eq!(

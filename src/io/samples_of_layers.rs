@@ -35,7 +35,7 @@ impl Band {
         self.planes[0].height()
     }
 
-    /// The vector at a pixel; where there is one channel, all components are alike.
+    /// The vector at a pixel; a single channel gives equal components.
     pub(super) fn at(&self, x: usize, y: usize) -> Vector3<f64> {
         let last = self.planes.len() - 1;
         Vector3::from_fn(|axis, _| f64::from(self.planes[axis.min(last)].at(x, y)))
@@ -49,7 +49,7 @@ impl Band {
 }
 
 impl Sampled {
-    /// All vectors that are finite.
+    /// All finite vectors.
     pub(super) fn vectors(&self) -> impl Iterator<Item = Vector3<f64>> {
         let of_band = |band: &'_ Band| {
             let at: Vec<_> = band.pixels().map(|[x, y]| band.at(x, y)).collect();
@@ -60,7 +60,7 @@ impl Sampled {
     }
 }
 
-/// Samples of those `layers` of `file` that can be read; those of one window follow each other.
+/// Samples of the readable `layers` of `file`; those with the same window are adjacent.
 pub(super) fn samples(file: &ExrFile, layers: &[Match]) -> Vec<Sampled> {
     let window = |found: &Match| file.parts[found.part].window;
     let mut windows: Vec<Window> = Vec::new();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameList(Vec<i32>);
 
-/// More frames than anything lasts: what is beyond is a slip of the pen.
+/// More frames than any sequence has: a longer list is a typing error.
 const MOST_FRAMES: usize = 1_000_000;
 
 impl FrameList {
@@ -82,7 +82,7 @@ fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
     })
 }
 
-/// The whole number that `text` begins with, a minus allowed, and what follows.
+/// The integer at the start of `text`, possibly negative, and the rest.
 fn leading_number(text: &str) -> Option<(i32, &str)> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let count = digits.bytes().take_while(u8::is_ascii_digit).count();
@@ -90,15 +90,15 @@ fn leading_number(text: &str) -> Option<(i32, &str)> {
     Some((number.parse().ok()?, rest))
 }
 
-/// Whether `name` stands for a file of each frame: it has `##` or more, or `%d`, `%04d`.
+/// Whether `name` is a pattern for the file of each frame: it has `##` or more, or `%d`, `%04d`.
 ///
-/// A single `#` is a letter like others, unless `frames` are given.
+/// A single `#` is an ordinary character unless `frames` are given.
 pub fn is_pattern(name: &str) -> bool {
     placeholders(name).any(|place| place.length > 1)
 }
 
-/// The name for one frame: every row of `#` becomes the number, zeros before it up to that many digits; so
-/// does `%04d`, and `%d` without zeros. `None` where there is no place for a number.
+/// The name for one frame: every run of `#` becomes the number, zero-padded to that many digits; so does `%04d`, and
+/// `%d` without padding. `None` without a placeholder.
 pub fn of_frame(name: &str, frame: i32) -> Option<String> {
     let mut made = String::new();
     let mut from = 0;
@@ -115,7 +115,7 @@ pub(crate) fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
 }
 
-/// What frames are asked for, and of which names; `None` for a single picture.
+/// The requested frames, for names with a placeholder; `None` for a single picture.
 ///
 /// # Errors
 /// [`Error::BadParameter`] for names that have a place for frame numbers without `frames`, and for `frames`
@@ -157,7 +157,7 @@ pub(crate) fn frames_of<'a>(
     }
 }
 
-/// Where a number goes in a name.
+/// Placeholder of the frame number in a name.
 struct Placeholder {
     start: usize,
     length: usize,
@@ -184,7 +184,7 @@ fn placeholders(name: &str) -> impl Iterator<Item = Placeholder> {
     })
 }
 
-/// Length and digits of the place for a number that `text` begins with.
+/// Length and digits of the placeholder at the start of `text`.
 fn placeholder(text: &[u8]) -> Option<(usize, usize)> {
     let hashes = text.iter().take_while(|&&b| b == b'#').count();
     if hashes > 0 {
@@ -246,7 +246,7 @@ mod tests {
         assert!(list("5-1").unwrap_err().contains("backward"));
         assert!(list("1--3").unwrap_err().contains("backward"));
         assert!(list("1-5x0").unwrap_err().contains("step of 0"));
-        // No step passes over two thousand million frames one by one.
+        // Steps over long ranges do not visit every frame between.
         assert_eq!(
             list("1-2147483647x1000000000").unwrap(),
             [1, 1_000_000_001, 2_000_000_001]
@@ -257,7 +257,7 @@ mod tests {
                 .contains("leaves no frame")
         );
         assert!(list("1-2147483647y2").unwrap_err().contains("more than"));
-        // All others of every one.
+        // The complement of every frame is empty.
         assert!(list("-1-9y01").unwrap_err().contains("leaves no frame"));
         assert_eq!(list("1-9y1,4"), Ok(vec![4]));
         assert!(list("0-2147483647").unwrap_err().contains("more than"));
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(of("%04d/shot.%d.exr").unwrap(), "0042/shot.42.exr");
         assert_eq!(of("s_###_%3d").unwrap(), "s_042_042");
         assert_eq!(of_frame("a.##.png", 12345).unwrap(), "a.12345.png");
-        // As C prints it.
+        // In the format of C.
         assert_eq!(of_frame("a.####.png", -7).unwrap(), "a.-007.png");
         for none in ["shot.exr", "100%.png", "%s.png", "%x4d", "%123d"] {
             assert_eq!(of(none), None, "{none}");

@@ -1,4 +1,4 @@
-//! Which layer of which file each role is read from, and the reading.
+//! The file and layer of each role, and reading them.
 
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType};
@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
 
-/// Where the planes of one role are.
+/// Source of the planes of one role.
 #[derive(Clone)]
 pub(super) struct RoleSource {
     pub(super) role: Role,
@@ -92,7 +92,7 @@ impl RoleSource {
         Self::by_role(role, file).or_else(|| Self::only_layer(role, file))
     }
 
-    /// A file named for a role serves it whatever its layer is called.
+    /// A file named for a role serves it under any layer name.
     fn only_layer(role: Role, file: &Rc<Opened>) -> Option<Self> {
         let layer = match file.as_ref() {
             Opened::Exr { layers, .. } => Some(layers.iter().find_map(|l| l.matched(role))?),
@@ -159,7 +159,7 @@ impl RoleSource {
         Rc::ptr_eq(&self.file, &other.file) && places[0].is_some() && places[0] == places[1]
     }
 
-    /// What messages call this source.
+    /// Name of this source in messages.
     pub(super) fn label(&self) -> &str {
         match &self.layer {
             Some(layer) if layer.layer.is_empty() => "bare channels",
@@ -191,7 +191,7 @@ impl RoleSource {
         self.layer.is_some()
     }
 
-    /// What the name of its layer, or the file's renderer, implies of it; with who says so.
+    /// Hint from the name of its layer, or from the file's renderer, with its origin in words.
     pub(super) fn hint(&self) -> (Hint, String) {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => {
@@ -203,7 +203,7 @@ impl RoleSource {
         }
     }
 
-    /// The pixels this source holds.
+    /// The window of this source.
     pub(super) fn window(&self) -> Window {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
@@ -222,7 +222,7 @@ impl RoleSource {
         }
     }
 
-    /// What the file says of the colours of its part.
+    /// The `colorInteropID` of its part.
     pub(super) fn interop_id(&self) -> Option<&str> {
         match (self.file.as_ref(), &self.layer) {
             (Opened::Exr { file, .. }, Some(layer)) => {
@@ -271,7 +271,7 @@ impl RoleSource {
         }
     }
 
-    /// Bytes that it takes to undo the rounding of its vectors, where rows of them are read.
+    /// Bytes for undoing the rounding of its vectors while rows of them are read.
     pub(super) fn unrounding_bytes(&self) -> u64 {
         match self.file.as_ref() {
             Opened::Photo { photo, .. } if has_coarse_vectors(photo) => {
@@ -296,7 +296,7 @@ impl RoleSource {
     }
 }
 
-/// The layer that plays `role` where the table of names knows none.
+/// The layer for `role` if the table of names knows none.
 fn by_words_or_numbers(
     role: Role,
     layers: &[Layer],
@@ -356,8 +356,8 @@ pub(super) fn read_all(sources: &[RoleSource]) -> Result<Vec<RolePlanes>> {
     read_rows(sources, None, None)
 }
 
-/// [`read_all`] of these rows alone, counted as windows count them, as far as each source has them; colours are in
-/// `colorspace`, where it is known.
+/// [`read_all`] for these rows only, in window coordinates, clipped to each source; colours are in `colorspace`, if
+/// known.
 pub(super) fn read_rows(
     sources: &[RoleSource],
     rows: Option<Range<i32>>,
@@ -415,8 +415,8 @@ pub(super) fn read_rows(
     Ok(planes.into_iter().flatten().collect())
 }
 
-/// A photo is colour only where colour or light is wanted: then it is linear and multiplied by its alpha, as a
-/// frame's picture is. As data its values are taken as they are.
+/// A photo is treated as colour only if colour or light is wanted: then it is linear and multiplied by its alpha, like
+/// a frame's picture. As data its values are used as stored.
 fn photo_planes(
     photo: &StoredPhoto,
     role: Role,
@@ -439,7 +439,7 @@ fn photo_planes(
     Ok(read)
 }
 
-/// Whether a photo holds vectors in codes of 8 bits.
+/// Whether a photo holds vectors in 8-bit codes.
 fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
     photo.header.bits == 8 && photo.header.color_channels() == 3
 }

@@ -1,5 +1,5 @@
-//! Reading the scene that mirrors and lenses show: the frame's own specular pixels, back faces, what lies behind, the
-//! surroundings, and, where a renderer writes them, the points that bent sight lines meet.
+//! Reading the scene seen in mirrors and through lenses: the frame's own specular pixels, back faces, objects behind,
+//! the surroundings, and, from renderers that write them, the hit points of bent sight lines.
 
 use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
@@ -31,17 +31,17 @@ pub struct SpecularInputs {
     pub back: Option<PathBuf>,
     /// The scene without its specular things, seen by the same camera: depth, and normals and colour if any.
     pub behind: Option<PathBuf>,
-    /// What lies around a specular thing: an equirectangular map of world-space positions, or of distances, and
-    /// normals and colour if any.
+    /// Surroundings of a specular object: an equirectangular map of world-space positions, or of distances, with
+    /// optional normals and colour.
     pub surroundings: Option<PathBuf>,
-    /// Where a map of distances was seen from: a camera file, of which only `world_to_camera` counts.
+    /// Viewpoint of a map of distances: a camera file, with only `world_to_camera` used.
     pub surroundings_camera: Option<PathBuf>,
     /// World-space points that bent sight lines meet: a layer of the picture, or a file.
     pub hit_position: Option<String>,
 }
 
 impl SpecularInputs {
-    /// Whether anything is to be read.
+    /// Whether there is nothing to read.
     pub fn is_empty(&self) -> bool {
         let Self {
             mask,
@@ -59,12 +59,12 @@ impl SpecularInputs {
     }
 }
 
-/// Reads what `inputs` name, to go with the frame that was `loaded`. Surroundings that are `known` from an earlier
-/// frame are not read again.
+/// Reads `inputs`, to go with the frame that was `loaded`. Surroundings `known` from an earlier frame are not read
+/// again.
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::BadParameter`] for inputs that lack one another;
-/// [`Error::Undetermined`] where the frame's camera, or the place of it, is not known.
+/// [`Error::Undetermined`] if the frame's camera or its position is unknown.
 pub fn load_specular(
     inputs: &SpecularInputs,
     loaded: &Loaded,
@@ -183,7 +183,7 @@ fn specular_mask(name: &str, loaded: &Loaded) -> Result<Mask> {
     Ok(Mask::new(plane.map(|share| share > 0.5)))
 }
 
-/// World-space points in view space; what is not there, 0 or not finite, becomes NaN.
+/// Converts world-space points to view space; missing ones, 0 or not finite, become NaN.
 fn in_view(position: &Vector3Planes, camera: &Camera) -> Vector3Planes {
     let (width, height) = (position.x.width(), position.x.height());
     Vector3Planes::from_fn(width, height, |x, y| match position.at(x, y) {
@@ -284,7 +284,7 @@ impl Layer<'_> {
         }
     }
 
-    /// Mask and unit normals in view space, read as those of the frame are; depth becomes 0 outside the mask.
+    /// Mask and unit normals in view space, read like those of the frame; depth becomes 0 outside the mask.
     fn with_normals(&self, mut normal: Vector3Planes, depth: &mut Plane) -> (Mask, Vector3Planes) {
         let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);

@@ -1,18 +1,18 @@
 //! Whether layers show one surface: steps between its neighbouring points are perpendicular to its normals.
 //!
-//! `n . A t = 0` holds for all steps `t` with one matrix `A` (3 x 3) that turns the space of the points into that of the
-//! normals. For positions `t` is their difference; for depth `d` it is that of `d (u, v, 1)`, with picture coordinates `u` and
-//! `v`, and `A` holds the lens too; for parallel projections that of `(u, v, d)`.
+//! `n . A t = 0` holds for all steps `t` with one matrix `A` (3 x 3) that maps the space of the points to that of the
+//! normals. For positions `t` is their difference; for depth `d` it is that of `d (u, v, 1)`, with picture coordinates
+//! `u` and `v`, and `A` includes the lens; for parallel projections that of `(u, v, d)`.
 //!
-//! The least eigenvalue of the second moments of `n t^T` over all steps, with those of `n` and of `t` turned to 1 first, tells
-//! how well that can be met: 0 exactly, about 1 where the two have nothing to do with each other.
+//! The least eigenvalue of the second moments of `n t^T` over all steps, after whitening those of `n` and of `t` to 1,
+//! measures the fit: exactly 0 for a perfect one, about 1 for unrelated layers.
 
 use super::samples_of_layers::{Band, Sampled};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Fewest steps that tell anything.
+/// Fewest steps that count as evidence.
 const FEWEST: usize = 100;
-/// Normals beside each other that turn more than this cosine are those of an edge.
+/// Adjacent normals with a smaller cosine between them are on an edge.
 const SMOOTH: f64 = 0.95;
 /// A step this many times as long as three quarters of all is an edge.
 const EDGE: f64 = 10.0;
@@ -21,7 +21,7 @@ const CHANGING: f64 = 0.15;
 /// Second moments along one axis below this share of those along another are no evidence.
 const FLAT: f64 = 1e-10;
 
-/// How the numbers of a layer are points.
+/// Interpretation of a layer's numbers as points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Points {
     /// They are positions.
@@ -37,13 +37,13 @@ pub(super) enum Points {
 /// A normal and a step to the neighbour.
 struct Step {
     normal: Vector3<f64>,
-    /// How far the numbers of the layer differ.
+    /// Difference of the layer's numbers.
     change: f64,
     step: Vector3<f64>,
 }
 
-/// How far `layer`, read as `points`, is from being of the surface that `normals` are of, 0..1; none where too little shows. Both
-/// hold the same pixels; `normal` makes unit normals of what the layer of normals holds.
+/// Misfit of `layer`, read as `points`, to the surface with these `normals`, 0..1; `None` without enough evidence. Both
+/// hold the same pixels; `normal` decodes the stored normals.
 pub(super) fn misfit(
     normals: &Sampled,
     normal: impl Fn(Vector3<f64>) -> Option<Vector3<f64>>,
@@ -79,7 +79,7 @@ pub(super) fn misfit(
     least_moment(&without_edges(steps)?)
 }
 
-/// The point at a pixel and what the layer holds there.
+/// The point at a pixel, and the layer's value there.
 fn point(
     band: &Band,
     points: Points,
@@ -120,7 +120,7 @@ fn without_edges(mut steps: Vec<Step>) -> Option<Vec<Step>> {
     (steps.len() >= FEWEST).then_some(steps)
 }
 
-/// What three quarters of `values` stay below; none of too few.
+/// The 75th percentile of `values`; `None` for too few.
 fn usual(mut values: Vec<f64>) -> Option<f64> {
     if values.len() < FEWEST {
         return None;
@@ -143,7 +143,7 @@ fn least_moment(steps: &[Step]) -> Option<f64> {
     Some(moments.symmetric_eigenvalues().min().max(0.0))
 }
 
-/// What turns vectors so that their second moments are 1; none where they lie in a plane.
+/// Transform of vectors to unit second moments; `None` if they lie in a plane.
 fn whitening(vectors: impl Iterator<Item = Vector3<f64>>) -> Option<Matrix3<f64>> {
     let (mut moments, mut count) = (Matrix3::zeros(), 0.0);
     for v in vectors {

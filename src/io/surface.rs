@@ -3,7 +3,7 @@
 use crate::frame::{Mask, Plane, Vector3Planes, Window};
 use std::collections::BTreeMap;
 
-/// What the camera and the space of the normals are judged from.
+/// Evidence for the camera and the space of the normals.
 #[derive(Clone, Copy)]
 pub(super) struct SurfaceSamples<'a> {
     pub(super) mask: &'a Mask,

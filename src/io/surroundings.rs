@@ -18,23 +18,23 @@ use std::rc::Rc;
 /// Median residual, in pixels, above which positions are no equirectangular panorama.
 const WORST_RESIDUAL_PX: f64 = 1.0;
 
-/// Error of normals made from points, of which facets leave the most.
+/// Error of normals computed from points, mostly due to facets.
 const MADE_ROUNDING: f32 = 1e-3;
 
-/// Bytes for each pixel of a map: its planes as they are read, and points, normals and colour made of them.
+/// Bytes per pixel of a map: its planes as read, and the points, normals and colours made from them.
 const BYTES_PER_PIXEL: u64 = 96;
 
-/// About how much memory the surroundings in the panorama at `path` take, by its header.
+/// Approximate memory for the surroundings in the panorama at `path`, by its header.
 ///
 /// # Errors
-/// As [`read_surroundings`], as far as headers say.
+/// As [`read_surroundings`], except errors that only pixels reveal.
 pub(crate) fn surroundings_bytes(path: &Path) -> Result<u64> {
     let window = place_in(&Opened::open(path)?)?.window();
     let pixels = window.width() as u64 * window.height() as u64;
     Ok(pixels.saturating_mul(BYTES_PER_PIXEL))
 }
 
-/// Where points are: positions, or else distances.
+/// The layer of points: positions, or else distances.
 fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
     let find = |role| RoleSource::resolve(role, None, file);
     let place = match find(Role::Position)? {
@@ -50,12 +50,12 @@ fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
     })
 }
 
-/// The surroundings in the panorama at `path`: world-space positions, from which the viewpoint is recovered,
-/// or distances from there together with a `pose` file; normals, else made from the points; colour where there is any.
+/// The surroundings in the panorama at `path`: world-space positions, from which the viewpoint is recovered, or
+/// distances together with a `pose` file; normals, or else normals computed from the points; colour if any.
 ///
 /// # Errors
-/// Any [`Error`] of reading; [`Error::MissingAov`] without positions or distances;
-/// [`Error::Unsupported`] for what is no equirectangular map, or distances without a pose.
+/// Any [`Error`] of reading; [`Error::MissingAov`] without positions or distances; [`Error::Unsupported`] for a map
+/// that is not equirectangular, or distances without a pose.
 pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surroundings> {
     let file = Opened::open(path)?;
     let find = |role| RoleSource::resolve(role, None, &file);

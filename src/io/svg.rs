@@ -1,5 +1,5 @@
 //! Lines to SVG: in millimetres, grouped by width, so that a plotter rarely changes its pen, and optionally in an order
-//! that keeps its travel in the air short.
+//! with little travel in the air.
 
 use crate::error::{Error, Result};
 use crate::frame::Window;
@@ -27,21 +27,21 @@ pub struct Drawing<'a> {
     pub layers: Vec<(&'static str, Vec<Line<'a>>)>,
     /// Dots below all layers: middles and radii, in pixels.
     pub dots: Vec<(Vec2, f32)>,
-    /// Whether lines are ordered and thinned for a plotter, with a layer for each of its pens within those of the drawing.
+    /// Whether lines are ordered and thinned for a plotter, with a layer for each pen inside those of the drawing.
     pub is_plotted: bool,
 }
 
 /// The points of a line and its width at each.
 pub type Line<'a> = (&'a [Vec2], &'a [f32]);
 
-/// How far, in pixels, a path may leave out a bend, and one for a plotter.
+/// Largest deviation, in pixels, of a simplified path, and of one for a plotter.
 const BEND_PX: f32 = 0.04;
 const PLOTTED_BEND_PX: f32 = 0.1;
 
 /// Bends that may be left out in a row.
 const MOST_LEFT_OUT: usize = 64;
 
-/// Widths of a group over those of the one before.
+/// Ratio of the widths of a group to those of the previous one.
 const WIDTH_STEP: f32 = 1.2;
 
 /// Writes `drawing` to `file`, called `path` in errors.
@@ -73,7 +73,7 @@ fn write(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     writeln!(file, "</svg>")
 }
 
-/// Writes dots and lines as they were laid.
+/// Writes dots and lines in the order they were drawn, lines grouped by width.
 fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     let corner = drawing.corner();
     if !drawing.dots.is_empty() {
@@ -96,7 +96,7 @@ fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What one pen draws, in its order.
+/// The paths of one pen, in drawing order.
 struct Pen<'a> {
     step: i32,
     paths: Vec<&'a [Vec2]>,
@@ -105,7 +105,7 @@ struct Pen<'a> {
 }
 
 impl<'a> Pen<'a> {
-    /// What a pen of this width draws, from the corner of the page on.
+    /// The paths of a pen of this width, relative to the corner of the page.
     fn new(step: i32, paths: Vec<(Line<'a>, RangeInclusive<usize>)>, corner: Vec2) -> Self {
         let paths = paths.into_iter().map(|(line, range)| &line.0[range]);
         let paths: Vec<&[Vec2]> = paths.collect();
@@ -145,7 +145,7 @@ impl<'a> Pen<'a> {
     }
 }
 
-/// Writes dots and lines in the order in which a plotter is to draw them, and how far its pen goes in the air.
+/// Writes dots and lines in plotting order, and the pen's travel in the air.
 fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     let corner = drawing.corner();
     let dots: Vec<[Vec2; 2]> = drawing.dots.iter().map(|&(at, _)| [at, at]).collect();
@@ -185,7 +185,7 @@ fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()
     Ok(())
 }
 
-/// The start of a group that drawing programs and plotters take for a layer.
+/// The start of a group that drawing programs and plotters treat as a layer.
 fn layer_group(id: &str, label: &str) -> String {
     format!("<g id=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\"")
 }
@@ -216,7 +216,7 @@ impl Drawing<'_> {
         pixels / self.dpi * MM_PER_INCH
     }
 
-    /// Where on the page points are counted from.
+    /// Origin of the points on the page.
     fn corner(&self) -> Vec2 {
         let (window, data) = (self.display_window, self.data_window);
         Vec2::new(
@@ -331,8 +331,9 @@ mod tests {
             vec![("strokes", vec![(&far, &[1.0; 2]), (&near, &[1.0; 3])])],
             true,
         );
-        // Points lie (10, -20) from the corner of the page. From there the pen goes to the dot at (11, 2), then 11.2 to
-        // the near line's first point at (0, 0), and from its last 10 on to the far line's last. A bend of 0.04 is left out.
+        // Points are at (10, -20) from the corner of the page. From there the pen goes to the dot at (11, 2), then 11.2
+        // to the near line's first point at (0, 0), and from its last 10 on to the far line's last. A bend of 0.04 is
+        // left out.
         let paths = "<path d=\"M0.00 0.00L40.00 0.00\"/>\n<path d=\"M50.00 0.00L10.00 20.00\"/>\n";
         assert!(page.contains(paths), "{page}");
         assert!(page.contains("<circle cx=\"11.00\" cy=\"2.00\" r=\"0.500\"/>"));

@@ -1,7 +1,7 @@
-//! Which view, such as an eye of a stereo pair, each layer belongs to, and the layers of one of them.
+//! Views of layers, such as the eyes of a stereo pair, and the selection of one.
 //!
-//! Files say so in two ways: a part has a `view`, or a word of a channel's name is one, as in `left.Normal.X` or
-//! `Normal.left.X`. Then `multiView` lists the views, and what bears none of their names belongs to the first.
+//! Files mark views in two ways: a part has a `view`, or a word of a channel's name is one, as in `left.Normal.X` or
+//! `Normal.left.X`. Then `multiView` lists the views, and layers without a view's name belong to the first.
 
 use super::exr::ExrFile;
 use super::roles::Layer;
@@ -46,10 +46,10 @@ pub(super) fn mark(file: &ExrFile, layers: &mut [Layer]) -> Vec<String> {
     views
 }
 
-/// Keeps the layers of one view: the one that is wanted, else the default. `views` are all there are.
+/// Keeps the layers of one view: the requested one, else the default. `views` lists all views of the file.
 ///
 /// # Errors
-/// [`Error::BadParameter`] for a view that is not there.
+/// [`Error::BadParameter`] for an unknown view.
 pub(super) fn keep(
     file: &ExrFile,
     layers: &mut Vec<Layer>,

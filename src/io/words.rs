@@ -1,25 +1,25 @@
-//! The words of a layer's name, used where no table knows the name itself.
+//! The words of a layer's name, for names that are in no table.
 //!
-//! A name is split at punctuation, changes of case and digits, and what is still unknown into words of the table:
-//! `VRayNormals`, `geo_n_world` and `camN.001` all hold a word for normals, and words that go with it. The words of the
-//! last piece that means anything count: `ViewLayer.camN` is not in view space for its prefix. A word that means
-//! something else excludes: `normal_strength`, `rayDepth`, `crypto_object`.
+//! A name is split at punctuation, changes of case and digits, and unknown remainders into words of the table:
+//! `VRayNormals`, `geo_n_world` and `camN.001` all hold a word for normals, with qualifying words. The words of the
+//! last meaningful piece count: the prefix does not make `ViewLayer.camN` view space. A word with another meaning
+//! excludes: `normal_strength`, `rayDepth`, `crypto_object`.
 //!
-//! To teach a word, add it to [`WORDS`].
+//! To add a word, add it to [`WORDS`].
 
 use super::names::Role;
 use crate::frame::NormalSpace;
 
-/// What a word says of a layer.
+/// Meaning of a word in a layer's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Meaning {
     /// The role that the layer plays.
     Plays(Role),
-    /// The same, where all other words are known: short words mean many things.
+    /// The same, if all other words are known: short words have many meanings.
     MayPlay(Role),
     /// The space of vectors.
     Space(NormalSpace),
-    /// How well the layer serves, less for more; 0 for words that say nothing.
+    /// Preference of the layer, smaller is better; 0 for words without meaning.
     Goes(u8),
     /// The layer plays none of the roles of this table.
     Excludes,
@@ -27,7 +27,7 @@ enum Meaning {
 
 use Meaning::{Excludes, Goes, MayPlay, Plays, Space};
 
-/// What words mean, in lower case; two that follow each other, such as `base color`, are looked up as one first.
+/// Meanings of words in lower case; two adjacent words, such as `base color`, are first looked up as one.
 const WORDS: &[(Meaning, &[&str])] = &[
     (
         Plays(Role::Normal),
@@ -224,10 +224,10 @@ const WORDS: &[(Meaning, &[&str])] = &[
     ),
 ];
 
-/// What the name of a layer says.
+/// Meaning of a layer's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Said {
-    /// The words that count, of which unknown ones are left as they are.
+    /// The words that count; unknown ones are left as they are.
     pub(super) words: Vec<String>,
     /// The role, where exactly one is meant.
     pub(super) role: Option<Role>,
@@ -239,7 +239,7 @@ pub(super) struct Said {
     pub(super) rank: (usize, u8),
 }
 
-/// What the words of `name` say, `view` of a stereo file left out.
+/// Meaning of the words of `name`, ignoring the `view` of a stereo file.
 pub(super) fn said(name: &str, view: Option<&str>) -> Said {
     let is_view = |piece: &&str| view.is_some_and(|view| piece.eq_ignore_ascii_case(view));
     let mut words = Vec::new();
@@ -291,8 +291,8 @@ fn meaning(word: &str) -> Option<Meaning> {
         .map(|(meaning, _)| *meaning)
 }
 
-/// The words of one piece of a name, in lower case. Numbers say nothing, but belong to a letter before them: `P1` is no
-/// `P`.
+/// The words of one piece of a name, in lower case. Numbers have no meaning, but stay attached to a letter before them:
+/// `P1` is not `P`.
 fn words_of(piece: &str) -> Vec<String> {
     let split = split(piece);
     let mut words = Vec::new();
@@ -348,11 +348,11 @@ fn split(piece: &str) -> Vec<String> {
     words
 }
 
-/// Longest word that is taken apart; longer ones are no names of renderers.
+/// Longest word to be split; longer ones are not renderers' names.
 const LONGEST: usize = 48;
 
-/// The words of the table that `text`, in lower case, is made of, as few as can be; none where something is left over.
-/// Words of one letter stand first or last, beside one of three or more.
+/// The fewest words of the table that `text`, in lower case, consists of; `None` if something is left over. One-letter
+/// words are first or last, beside one of three or more.
 fn known_words(text: &str) -> Option<Vec<String>> {
     if !text.is_ascii() || text.len() > LONGEST {
         return None;

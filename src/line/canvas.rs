@@ -11,20 +11,20 @@ use std::sync::Arc;
 /// An unfinished drawing.
 #[derive(Default)]
 pub(crate) struct Canvas {
-    /// The surface seen in mirrors and lenses, with its edges, at which lines stop like at others.
+    /// The surface seen in mirrors and lenses, with its edges, which stop lines like any others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
-    /// The luminance of the tone, where no picture of it is kept.
+    /// The luminance of the tone, if no picture of it is kept.
     pub(crate) luminance: Option<Plane>,
-    /// The optical densities to be drawn, where they do not follow from luminance alone.
+    /// The optical densities to draw, if they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
-    /// Lines along edges, and what they cover.
+    /// Lines along edges, and their coverage.
     pub(crate) contours: Option<(Plane, Vec<Contour>)>,
-    /// Lines inside surfaces, and what they cover.
+    /// Lines inside surfaces, and their coverage.
     pub(crate) interior: Option<(Plane, Vec<Contour>)>,
     /// The directions of strokes.
     pub(crate) directions: Vec<Vector2Planes>,
-    /// Where the texture of strokes lies.
+    /// Placement of the stroke texture.
     pub(crate) coordinates: Option<TextureCoordinates>,
-    /// The texture of strokes, where it is not given.
+    /// The texture of strokes, unless it is given.
     pub(crate) art_map: Option<Arc<TonalArtMap>>,
 }

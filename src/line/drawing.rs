@@ -62,8 +62,8 @@ fn leave_white(run: &mut Run) {
     finish(run, tone, blank, Vec::new());
 }
 
-/// What is drawn: the picture made so far, or that of the frame; or the luminance of one that is not kept; or densities
-/// that were found of all these.
+/// The tone to draw: the picture made so far, or that of the frame; or the luminance of one that is not kept; or
+/// densities computed from any of these.
 pub(crate) struct Tone {
     density: Option<Plane>,
     made: Option<ColorPlanes>,
@@ -118,7 +118,7 @@ impl Tone {
     }
 }
 
-/// What a drawing's tone comes from, of what there is: the picture that was `made`, its `luminance`, or the frame's own.
+/// The source of a drawing's tone: `luminance`, else the picture that was `made`, else the frame's own.
 pub(crate) fn shown<'a>(
     made: Option<&'a ColorPlanes>,
     luminance: Option<&'a Plane>,
@@ -139,7 +139,7 @@ fn covering(mut density: Plane) -> Plane {
     density
 }
 
-/// Puts the drawing together of its strokes and of what the canvas holds.
+/// Assembles the drawing from its strokes and the content of the canvas.
 pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
     let (plan, memory) = (run.plan, run.memory);

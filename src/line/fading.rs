@@ -2,7 +2,7 @@
 
 use crate::frame::Plane;
 
-/// Leaves `share`, 0..1, of the `ink` of a layer, or as much of that as `strength`, 0..1, says for each pixel.
+/// Scales the `ink` of a layer by `share`, 0..1, and by `strength`, 0..1, of each pixel.
 pub(crate) fn faded(ink: &mut Plane, strength: Option<&Plane>, share: f32) {
     if strength.is_none() && share == 1.0 {
         return;

@@ -1,28 +1,29 @@
-//! A drawing on a device, as its stages hand it on to one another and as it is read.
+//! A drawing on a device, as passed between its stages and read back.
 //!
-//! What follows something from pixel to pixel is left to the CPU: lines along edges and inside surfaces (while the device
-//! makes strokes), the texture's strokes, and where the texture has moved to. What those stages make lies on the canvas of
-//! the CPU's own run, by their own passes. Strips are not drawn here at all: lines and directions spread across them, so the
-//! CPU has to make most of such a drawing, and a pass for the rest saves less than carrying directions and ink to and fro.
+//! Work that follows something from pixel to pixel is left to the CPU: lines along edges and inside surfaces (while the
+//! device makes strokes), the texture's strokes, and the movement of the texture. The results of those stages are on
+//! the canvas of the CPU's own run, by their own passes. Strips are not drawn here at all: lines and directions spread
+//! across them, so the CPU has to make most of such a drawing, and a pass for the rest saves less than transferring
+//! directions and ink costs.
 
 use crate::engine::gpu::recorder::Submitted;
 use crate::error::Result;
 
-/// What is of a drawing on the device; what the CPU has of it lies on the canvas of its own run.
+/// The part of a drawing on the device; the CPU's part is on the canvas of its own run.
 #[derive(Default)]
 pub(crate) struct DeviceCanvas<'a> {
-    /// Edges on their way to the CPU, which follows them.
+    /// Edges being read back for the CPU, which follows them.
     pub(crate) edges: Option<Result<PendingReadback<'a>>>,
     /// The directions of strokes.
     pub(crate) fields: Option<StrokeFields>,
     /// The strokes.
     pub(crate) hatched: Option<Hatched>,
-    /// How much of the paper lines along edges cover.
+    /// Coverage of the paper by lines along edges.
     pub(crate) contours: Option<wgpu::Buffer>,
 }
 
 impl DeviceCanvas<'_> {
-    /// What is read, in the order in which [`DeviceCanvas::put`] takes it.
+    /// The buffers to read back, in the order expected by [`DeviceCanvas::put`].
     pub(crate) fn wanted(&self) -> impl Iterator<Item = &wgpu::Buffer> {
         let fields = self.fields.iter().map(|fields| &fields.further);
         let hatched = self.hatched.iter().flat_map(|h| [&h.chosen, &h.ink]);
@@ -37,11 +38,11 @@ impl DeviceCanvas<'_> {
     }
 }
 
-/// Edges on their way from the device.
+/// Edges being read back from the device.
 pub(crate) enum PendingReadback<'d> {
-    /// In lists, of which so many are cracks and creases.
+    /// In lists, with these numbers of cracks and creases.
     Listed(Submitted<'d>, [usize; 2]),
-    /// As planes of weights: there are too many for lists.
+    /// As planes of weights: too many for lists.
     InPlanes(Submitted<'d>),
 }
 
@@ -49,9 +50,9 @@ pub(crate) enum PendingReadback<'d> {
 pub(crate) struct StrokeFields {
     /// Unit directions in the picture, x right and y up, of each family: their x, and their y.
     pub(crate) directions: Vec<[wgpu::Buffer; 2]>,
-    /// How many patches there are after the first ones of all cells.
+    /// Number of patches after the first ones of all cells.
     pub(crate) further: wgpu::Buffer,
-    /// For how many there is room: where there are more, directions are missing.
+    /// Room for patches: beyond it, directions are missing.
     pub(crate) room: u32,
 }
 
@@ -68,6 +69,6 @@ pub(crate) struct Hatched {
     /// The numbers chosen, paper white among them.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) densities: wgpu::Buffer,
-    /// How much of the paper they cover.
+    /// Coverage of the paper by strokes.
     pub(crate) ink: wgpu::Buffer,
 }

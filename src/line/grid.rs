@@ -6,7 +6,7 @@ use crate::frame::{Mask, Plane};
 use glam::Vec2;
 use std::ops::Range;
 
-/// Cells of `step` by `step` pixels; those that hold any surface are covered.
+/// Cells of `step` by `step` pixels; those with any surface are covered.
 pub(crate) struct Grid {
     pub(crate) step: usize,
     pub(crate) mask: Mask,
@@ -30,7 +30,7 @@ impl Grid {
         Self { step, mask }
     }
 
-    /// The means over cells of `row(y)(x)`, of what is covered.
+    /// The means over cells of `row(y)(x)`, over covered pixels.
     pub(crate) fn means<const N: usize, Sample: Fn(usize) -> [f32; N]>(
         &self,
         pixels: &Mask,
@@ -86,8 +86,8 @@ impl Grid {
         })
     }
 
-    /// What a plane of cells has at the `width` pixels of row `y`: the mean of the four cells around, by distance, of
-    /// those covered.
+    /// A plane of cells interpolated at the `width` pixels of row `y`: the mean of the four cells around, weighted by
+    /// distance, of those covered.
     pub(crate) fn row(&self, cells: &Plane, y: usize, width: usize) -> Vec<f32> {
         if self.step == 1 {
             return cells.row(y).to_vec();
@@ -101,7 +101,7 @@ impl Grid {
                 *sum += Vec2::new(weight * sample, weight);
             }
         }
-        // All pixels between two middles of cells have the same two beside them.
+        // All pixels between the centres of two cells share these two as neighbours.
         let shares: Vec<f32> = (0..2 * self.step).map(|rest| self.share(rest)).collect();
         let (mut cell, mut rest) = self.cell(0);
         let last = cells.width() - 1;

@@ -11,7 +11,7 @@ pub(super) struct InkCells {
 }
 
 impl InkCells {
-    /// The ink of a plane, 0..1 each pixel, in cells of `side` pixels, each with a share of those around it.
+    /// The ink of a plane, 0..1 per pixel, in cells of `side` pixels, smoothed with their neighbours.
     pub(super) fn of_plane(ink: &Plane, side: f32) -> Self {
         let size = [ink.width(), ink.height()].map(|length| (length as f32 / side) as usize + 1);
         let mut cells = Self {
@@ -48,7 +48,7 @@ impl InkCells {
         self.amounts[y * self.size[0] + x] += amount;
     }
 
-    /// Every amount with a share of those around it.
+    /// The amounts smoothed with their neighbours.
     pub(super) fn evened(&self) -> Self {
         let [width, height] = self.size;
         let mut evened = self.blank();
@@ -68,7 +68,7 @@ impl InkCells {
         evened
     }
 
-    /// The amount at a place, between those of the cells around it.
+    /// The amount at a place, interpolated between the cells around it.
     pub(super) fn at(&self, at: Vec2) -> f32 {
         let place = (at / self.side - 0.5).max(Vec2::ZERO);
         let last = [self.size[0] - 1, self.size[1] - 1];
@@ -84,7 +84,7 @@ impl InkCells {
         above + share.y * (under - above)
     }
 
-    /// By what to multiply the ink drawn at a place so that it is as much as `wanted`, within `limits`; 1 where none is.
+    /// Factor for the ink drawn at a place to reach the amount in `wanted`, within `limits`; 1 where none is drawn.
     pub(super) fn mend(&self, wanted: &Self, at: Vec2, limits: [f32; 2]) -> f32 {
         match self.at(at) {
             drawn if drawn > 0.0 => (wanted.at(at) / drawn).clamp(limits[0], limits[1]),

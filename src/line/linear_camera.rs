@@ -1,14 +1,13 @@
-//! General linear cameras: the rays beside one bent by a mirror or lens, and where they see a point.
+//! General linear cameras: the rays neighbouring one bent by a mirror or lens, and the image position of a point along
+//! them.
 //!
-//! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) and have slopes
-//! (sigma, tau) there; three of them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and
-//! one of those goes through any given point. Changes: the paper leaves A', B' and C' of equation 6
-//! undefined; with slopes *relative* to the plane, `x = u + z sigma` and `y = v + z tau`, they are
-//! `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a = sigma2 - sigma1`,
-//! `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a little
-//! along a stroke, which in f32 costs degrees; `foot_direction` is the limit of that in
-//! closed form. Practice: give the plane the steps between the feet of neighbouring rays as axes, and
-//! (u, v) is an offset in pixels.
+//! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) with slopes (sigma, tau); three of
+//! them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and one of those passes through any given
+//! point. Changes: the paper leaves A', B' and C' of equation 6 undefined; with slopes *relative* to the plane, `x = u
+//! + z sigma` and `y = v + z tau`, they are `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a =
+//! sigma2 - sigma1`, `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a
+//! little along a stroke, which in f32 costs degrees; `foot_direction` is its limit in closed form. Practice: with the
+//! steps between the feet of neighbouring rays as the plane's axes, (u, v) is an offset in pixels.
 
 use crate::frame::Ray;
 use glam::{DMat3, DVec2, DVec3};
@@ -19,7 +18,7 @@ use num_traits::Float;
 pub(crate) struct LinearCamera<F> {
     /// (sigma, tau) of the first ray.
     slope: [F; 2],
-    /// (a, c): what slopes gain from one foot to the next along u.
+    /// (a, c): change of the slopes from one foot to the next along u.
     along_u: [F; 2],
     /// (b, d): likewise along v.
     along_v: [F; 2],
@@ -36,8 +35,8 @@ impl<F: Float> LinearCamera<F> {
         }
     }
 
-    /// Where the ray through a point (x, y, z) has its foot: [LA] equation 6. `None` on the focal locus,
-    /// where rays beside one another meet.
+    /// The foot of the ray through a point (x, y, z): [LA] equation 6. `None` on the focal locus, where neighbouring
+    /// rays meet.
     #[cfg(test)]
     pub(crate) fn foot_of(&self, [x, y, z]: [F; 3]) -> Option<[F; 2]> {
         let [s, t] = self.slope;
@@ -47,11 +46,11 @@ impl<F: Float> LinearCamera<F> {
         (!is_focal).then(|| [u / area, v / area])
     }
 
-    /// Which way the foot moves, (du, dv) of any length and either sense, when the point that the first
-    /// ray meets at height `z` moves along a `direction`: equation 6 in the limit of no motion.
+    /// Direction in which the foot moves, (du, dv) of any length and either sense, when the point hit by the first ray
+    /// at height `z` moves along a `direction`: equation 6 in the limit of no motion.
     ///
-    /// On the focal locus the foot moves infinitely fast, and its direction is still a limit. It is 0
-    /// only there, for directions that the rays do not spread along.
+    /// On the focal locus the foot moves infinitely fast, but its direction still has a limit. It is 0 only there, for
+    /// directions along which the rays do not spread.
     #[inline]
     pub(crate) fn foot_direction(&self, z: F, direction: [F; 3]) -> [F; 2] {
         let [s, t] = self.slope;
@@ -90,13 +89,13 @@ pub struct LocalCamera {
     local_from_view: DMat3,
 }
 
-/// Least sine between the steps: below it the surface is seen along itself.
+/// Least sine between the steps: below it the surface is seen edge-on.
 const MIN_SINE: f64 = 1e-6;
 
 impl LocalCamera {
-    /// The camera of the ray of a pixel and those beside it, given per pixel: `steps`, how feet and
-    /// directions change from pixel to pixel along u and v, by differences to either side or better
-    /// across both. `None` where the feet lie on a line or a ray along their plane.
+    /// The camera of a pixel's ray and the adjacent ones, given per pixel: `steps`, the changes of feet and directions
+    /// from pixel to pixel along u and v, by one-sided or, better, central differences. `None` if the feet are
+    /// collinear or a ray is in their plane.
     #[inline]
     pub fn new(ray: Ray, steps: [Ray; 2]) -> Option<Self> {
         let [u, v] = steps.map(|step| step.start);
@@ -130,7 +129,7 @@ impl LocalCamera {
         })
     }
 
-    /// The direction in pixels, (du, dv) of any length, in which a tangent at a `point` on the ray is seen.
+    /// The image direction in pixels, (du, dv) of any length, of a tangent at a `point` on the ray.
     #[inline]
     pub fn seen(&self, point: DVec3, tangent: DVec3) -> DVec2 {
         let height = (self.local_from_view * (point - self.foot)).z;
@@ -140,7 +139,7 @@ impl LocalCamera {
             .into()
     }
 
-    /// The same in space: the direction of any length in which the foot moves on its plane.
+    /// The same in space: the direction, of any length, in which the foot moves on its plane.
     #[inline]
     pub fn seen_on_plane(&self, point: DVec3, tangent: DVec3) -> DVec3 {
         let seen = self.seen(point, tangent);
@@ -148,8 +147,8 @@ impl LocalCamera {
     }
 }
 
-/// The direction in pixels, of any length, in which a tangent is seen where the points that rays meet change by
-/// `steps` from pixel to pixel: the pseudo-inverse `[dP/di dP/dj]^+ V`. `None` where no step has a part along it.
+/// The image direction in pixels, of any length, of a tangent where the hit points of rays change by `steps` from pixel
+/// to pixel: the pseudo-inverse `[dP/di dP/dj]^+ V`. `None` if no step has a component along it.
 #[inline]
 pub(crate) fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> {
     let [a, b] = steps;
@@ -159,7 +158,7 @@ pub(crate) fn seen_by_steps(steps: [DVec3; 2], tangent: DVec3) -> Option<DVec2> 
     let spreads = determinant > MIN_SINE * MIN_SINE * size * size;
     let seen = match spreads {
         true => DVec2::new(bb * along.x - ab * along.y, aa * along.y - ab * along.x),
-        // Of rank 1 the pseudo-inverse is the transpose, but for its length.
+        // For rank 1 the pseudo-inverse is the transpose, up to scale.
         false => along,
     };
     seen.try_normalize()
@@ -194,8 +193,8 @@ mod tests {
 
     #[test]
     fn the_ray_through_a_point_is_found_again() {
-        // x = u + z sigma(u, v), y = v + z tau(u, v) by equation 5; the foot has to come back. How far off
-        // rounding may put it grows as D shrinks: away from the focal locus, |D| above 0.1 of its terms.
+        // x = u + z sigma(u, v), y = v + z tau(u, v) by equation 5; this must recover the foot. The effect of rounding
+        // grows as D shrinks: away from the focal locus, |D| above 0.1 of its terms.
         let mut numbers = Numbers(Pcg64::new(6, 1));
         let (mut found, mut worst, mut worst_f32) = (0, 0.0_f64, 0.0_f64);
         for _ in 0..200_000 {
@@ -248,7 +247,7 @@ mod tests {
 
     #[test]
     fn on_the_focal_locus_there_is_no_foot_but_still_a_direction() {
-        // Slopes that fall by 1/2 along u meet at height 2: everything there is seen along u.
+        // Slopes that decrease by 1/2 along u meet at height 2: everything there is seen along u.
         let camera = LinearCamera::new([[0.3, 0.1], [-0.2, 0.1], [0.3, 0.1]]);
         assert_eq!(camera.foot_of([0.6, 0.2, 2.0]), None);
         let direction = camera.foot_direction(2.0, [0.4, 0.3, 0.0]);
@@ -257,7 +256,7 @@ mod tests {
             let [u, v] = camera.foot_direction(height, [0.4, 0.3, 0.0]);
             assert!((v / u).abs() < 1e-8);
         }
-        // Across it alone, rays do not spread: the steps of the points met tell.
+        // Along v alone rays do not spread, so the steps of hit points decide.
         let [u, v] = camera.foot_direction(2.0, [0.0, 0.3, 0.0]);
         assert_eq!([u, v], [0.0, 0.0]);
         assert_eq!(
@@ -268,8 +267,8 @@ mod tests {
 
     #[test]
     fn a_pinhole_sees_as_a_perspective_does() {
-        // Rays from an eye at 2 above the plane, through its points (u, v): the camera of a picture. A
-        // point at height z is seen from (0, 0, 2) at (x, y) 2 / (2 - z).
+        // Rays from an eye at height 2 above the plane, through its points (u, v): the camera of a picture. A point at
+        // height z is seen from (0, 0, 2) at (x, y) 2 / (2 - z).
         let pinhole = LinearCamera::new([[0.0, 0.0], [-0.5, 0.0], [0.0, -0.5]]);
         let [u, v] = pinhole.foot_of([0.3, -0.7, -4.0]).unwrap();
         assert!((u - 0.1).abs() < 1e-12 && (v + 0.7 / 3.0).abs() < 1e-12);

@@ -2,7 +2,7 @@
 
 use crate::frame::{ColorPlanes, Plane};
 
-/// Black layers, given as how much of the paper each covers, 0..1, over one another on white paper.
+/// Black layers, given by their coverage of the paper, 0..1, over one another on white paper.
 pub fn on_paper(layers: &[&Plane]) -> ColorPlanes {
     let (first, rest) = layers.split_first().expect("a drawing has a layer");
     let mut white = first.map(|ink| 1.0 - ink);
@@ -17,7 +17,7 @@ pub fn on_paper(layers: &[&Plane]) -> ColorPlanes {
     }
 }
 
-/// How high the paper stands at a pixel, 0..1: noise of about two pixels, the same for a seed everywhere.
+/// Height of the paper at a pixel, 0..1: noise of about two pixels' size, fixed by the seed and the position.
 #[inline]
 pub(crate) fn grain(x: i32, y: i32, seed: u64) -> f32 {
     let at = |dx: i32, dy: i32| unit(hash(x.wrapping_add(dx), y.wrapping_add(dy), seed));
@@ -39,15 +39,15 @@ pub(crate) const BESIDE: f32 = 0.15;
 
 pub(crate) const SPREAD: f32 = 1.8;
 
-/// What a pencil line that would cover `coverage` leaves on paper as high as `grain`: graphite sits on what
-/// stands out, and a soft rim breaks up before its middle does.
+/// Ink of a pencil line of this `coverage` on paper of the height `grain`: graphite sticks to the raised parts, and a
+/// soft edge breaks up before its middle does.
 #[inline]
 pub(crate) fn graphite(coverage: f32, grain: f32) -> f32 {
     let reach = coverage * (1.0 + GRIP) - GRIP * (1.0 - grain);
     LIGHTEST_BLACK * reach.clamp(0.0, 1.0)
 }
 
-/// How deep the paper's valleys are against the pressure of a line.
+/// Depth of the paper's valleys relative to the pressure of a line.
 pub(crate) const GRIP: f32 = 0.7;
 
 /// The coverage of graphite that is pressed hard.

@@ -17,7 +17,7 @@ fn product(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(low.x, low.y + a.x * b.y + a.y * b.x);
 }
 
-// Mixes the bits of a place and the seed; the high half of what that gives.
+// Mixes the bits of a position and the seed; returns the high half of the result.
 fn hash(x: u32, y: u32) -> u32 {
     var mixed = vec2<u32>(y ^ params.seed_low, x ^ params.seed_high);
     for (var k = 0u; k < HASH_ROUNDS; k++) {
@@ -32,14 +32,14 @@ fn unit(bits: u32) -> f32 {
     return f32(bits >> 8u) / f32(1u << 24u);
 }
 
-// How high the paper stands at a pixel, 0..1.
+// Height of the paper at a pixel, 0..1.
 fn grain(x: u32, y: u32) -> f32 {
     let beside = unit(hash(x + 1u, y)) + unit(hash(x - 1u, y)) + unit(hash(x, y + 1u)) + unit(hash(x, y - 1u));
     let mean = GRAIN_HERE * unit(hash(x, y)) + GRAIN_BESIDE * beside;
     return clamp(0.5 + GRAIN_SPREAD * (mean - 0.5), 0.0, 1.0);
 }
 
-// What a pencil line that would cover so much leaves on paper so high: graphite sits on what stands out.
+// Ink of a pencil line of this coverage on paper of this height: graphite sticks to the raised parts.
 fn graphite(coverage: f32, grain: f32) -> f32 {
     let reach = coverage * (1.0 + GRIP) - GRIP * (1.0 - grain);
     return LIGHTEST_BLACK * clamp(reach, 0.0, 1.0);

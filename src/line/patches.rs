@@ -1,5 +1,5 @@
-//! Patches: the part of one surface that lies in one cell of a coarser grid. Pixels of different surfaces never
-//! share a patch, so that whatever is passed from patch to patch stays on its surface.
+//! Patches: the part of one surface in one cell of a coarser grid. Pixels of different surfaces never share a patch, so
+//! values passed from patch to patch stay on their surface.
 
 /// Label of a pixel that belongs to no patch: uncovered, or on an edge.
 pub(crate) const NO_PATCH: u8 = u8::MAX;
@@ -7,8 +7,8 @@ pub(crate) const NO_PATCH: u8 = u8::MAX;
 /// Largest side of a cell: its pixels have labels of one byte.
 pub(crate) const MAX_CELL_PX: usize = 8;
 
-/// Labels the open pixels of one cell, row by row in `labels` as in `open`, by the patch they hang together
-/// in through their sides; returns how many patches there are. Patches are numbered by their first pixels.
+/// Labels the open pixels of one cell, row by row in `labels` as in `open`, by the patch they are connected to through
+/// their sides; returns the number of patches. Patches are numbered by their first pixels.
 #[inline]
 pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usize {
     labels.fill(NO_PATCH);
@@ -49,8 +49,8 @@ pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usiz
     count
 }
 
-/// The patches of two neighbouring cells that go on in each other: `first` and `second` are labels along
-/// the side they share. Pairs of those that share most of it come first, and no patch goes on in two.
+/// Pairs of patches that continue across the side between two neighbouring cells; `first` and `second` are labels along
+/// that side. Pairs that share most of it come first, and no patch is in two.
 #[inline]
 pub(crate) fn joined(first: &[u8], second: &[u8], mut join: impl FnMut(u8, u8)) {
     const MOST: usize = MAX_CELL_PX;
@@ -131,7 +131,7 @@ mod tests {
         };
         const NO: u8 = NO_PATCH;
         assert_eq!(join(&[0, 0, NO, 1], &[0, 0, NO, 1]), [(0, 0), (1, 1)]);
-        // 0 touches 0 once and 1 twice: it goes on in 1, and 0 in nothing.
+        // 0 touches 0 once and 1 twice: it continues in 1, and the other 0 in none.
         assert_eq!(join(&[0, 0, 0, 0], &[0, NO, 1, 1]), [(0, 1)]);
         assert_eq!(join(&[NO, 0, NO, 0], &[0, NO, 0, NO]), []);
     }

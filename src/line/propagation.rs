@@ -1,18 +1,18 @@
-//! Directions of what a mirror or lens shows, brought back to the picture ([LA] sections 5.3 and 5.4).
+//! Directions of surfaces seen in a mirror or lens, brought back to the picture ([LA] sections 5.3 and 5.4).
 //!
-//! Theory: the rays that leave at neighbouring pixels are a general linear camera whose plane lies in the back
-//! faces, the external one; those inside are another, the internal one, whose plane lies in the front. The paper
-//! projects a tangent at the point met through the external camera onto the back faces, that through the internal
-//! one onto the front, and that onto the picture. Changes: the axes of both planes are the steps of their rays
-//! from pixel to pixel, so an offset on either is an offset in pixels as it stands; the internal camera then
-//! adds nothing but errors of its own order (tested), and drawings leave it out. Steps are taken across both neighbours where there are two, which
-//! is of second order. Practice: [`external_camera`], and [`LocalCamera::seen`] of a tangent.
+//! Theory: the rays that leave at neighbouring pixels are a general linear camera whose plane lies in the back faces,
+//! the external one; those inside are another, the internal one, whose plane lies in the front. The paper projects a
+//! tangent at the hit point through the external camera onto the back faces, the result through the internal one onto
+//! the front, and that onto the picture. Changes: the axes of both planes are the steps of their rays from pixel to
+//! pixel, so an offset on either is directly an offset in pixels; the internal camera then adds nothing but errors of
+//! its own order (tested), and drawings omit it. Steps are central differences where both neighbours exist, which is of
+//! second order. Practice: [`external_camera`], and [`LocalCamera::seen`] for a tangent.
 
 use super::linear_camera::LocalCamera;
 use crate::frame::{Ray, SURFACE_JUMP};
 use crate::trace::Path;
 
-/// The paths of the pixels beside one, as far as there are any.
+/// The paths of the adjacent pixels, where they exist.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Beside<'a> {
     /// Left and right.
@@ -21,8 +21,8 @@ pub struct Beside<'a> {
     pub up: [Option<&'a Path>; 2],
 }
 
-/// The camera of the rays that leave a mirror or lens: external refractions, or reflections. `None` where an axis has
-/// no neighbour, or the surface is seen along itself.
+/// The camera of the rays that leave a mirror or lens: external refractions, or reflections. `None` if an axis has no
+/// neighbour, or the surface is seen edge-on.
 #[inline]
 pub fn external_camera(here: &Path, beside: &Beside) -> Option<LocalCamera> {
     camera(here, beside, |path| Some(path.leaving()))
@@ -43,7 +43,7 @@ fn camera(here: &Path, beside: &Beside, ray: impl Fn(&Path) -> Option<Ray>) -> O
     LocalCamera::new(own, steps)
 }
 
-/// How a ray changes from pixel to pixel, from the paths on both sides or on one.
+/// Change of a ray from pixel to pixel, from the paths on both sides or on one.
 fn step(
     own: &Ray,
     [before, after]: [Option<&Path>; 2],

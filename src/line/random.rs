@@ -1,4 +1,4 @@
-//! Random numbers, the same for a seed on every machine.
+//! Random numbers, determined by the seed on every machine.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -33,7 +33,7 @@ impl Response {
         }
     }
 
-    /// All thresholds, entry by entry.
+    /// All thresholds, in the order of entries.
     #[cfg(feature = "gpu")]
     pub(super) fn thresholds(&self) -> &[f32] {
         &self.thresholds

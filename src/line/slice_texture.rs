@@ -9,7 +9,7 @@ use crate::line::stroke_texture::BATCH;
 pub(super) struct SliceTexture {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// How much ink each texel of each slice holds, 0..1.
+    /// Ink of each texel of each slice, 0..1.
     slices: Vec<Vec<f32>>,
 }
 
@@ -37,7 +37,7 @@ impl SliceTexture {
         }
     }
 
-    /// How much ink each texel of each slice holds, row by row.
+    /// Ink of each texel of each slice, row by row.
     #[cfg(feature = "gpu")]
     pub(super) fn samples(&self) -> impl Iterator<Item = f32> {
         self.slices.iter().flatten().copied()
@@ -48,8 +48,8 @@ impl SliceTexture {
         (self.slices.len() - 1) as f32
     }
 
-    /// As [`super::stroke_texture::StrokeTexture::cover`], at thresholds that are slices and shares of the
-    /// way to the next.
+    /// As [`super::stroke_texture::StrokeTexture::cover`], with thresholds that are slice numbers plus a fraction of
+    /// the way to the next.
     #[inline(always)]
     pub(super) fn cover(&self, white: &mut [f32], at: &Places, threshold: &[f32; BATCH]) {
         for (i, white) in white.iter_mut().enumerate() {
@@ -89,7 +89,8 @@ impl SliceTexture {
     }
 }
 
-/// The texels before and after a place along a side of a texture that repeats, and how far it is from the one to the other.
+/// The texels before and after a position along a side of a repeating texture, and the fraction of the way between
+/// them.
 #[inline(always)]
 pub(crate) fn within(at: f32, size: usize) -> (usize, usize, f32) {
     let at = at.rem_euclid(size as f32);

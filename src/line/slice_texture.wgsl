@@ -28,7 +28,7 @@ fn of_slice(slice: u32, x: Within, y: Within) -> f32 {
     return mix_of(upper, lower, y.share);
 }
 
-// What is inked at a place in texels, at a threshold: a slice and a share of the way to the next.
+// Ink at a position in texels, at a threshold: a slice number plus a fraction of the way to the next.
 fn ink(at: vec2<f32>, threshold: f32) -> f32 {
     let x = within(at.x, params.texture_width);
     let y = within(at.y, params.texture_height);

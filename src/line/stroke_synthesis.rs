@@ -4,22 +4,22 @@ use super::paper::rough;
 use super::random::Random;
 use crate::params::{Stroke, Style};
 
-/// What a [`super::tonal_art_map::TonalArtMap`] is made of.
+/// The basis of a [`super::tonal_art_map::TonalArtMap`].
 pub(super) struct Canvas {
     pub(super) side: usize,
     pub(super) texels_per_px: f32,
-    /// Where each texel begins to take ink and where it is full, 0..1.
+    /// Tones at which each texel begins to take ink and is full, 0..1.
     pub(super) ramps: Vec<[f32; 2]>,
 }
 
-/// Strokes that lie end to end on a square: fewer would show that it repeats.
+/// Number of strokes laid end to end across the square: fewer would reveal the repetition.
 const STROKES_ACROSS: f32 = 6.0;
 
 /// Fewest and most texels along a side: a quarter of a million in all stay in the cache.
 const MIN_SIDE: usize = 128;
 const MAX_SIDE: usize = 512;
 
-/// Thinnest stroke in texels: what is thinner shows as grey either way.
+/// Thinnest stroke in texels: thinner ones show as grey either way.
 const MIN_WIDTH: f32 = 0.5;
 
 impl Canvas {
@@ -75,11 +75,11 @@ impl Habits {
         }
     }
 
-    /// How much later than its middle a stroke reaches this many half widths away.
+    /// Delay with which a stroke reaches this many half widths from its middle.
     fn reaches(&self, half_widths: f32) -> f32 {
         let within = half_widths.min(1.0);
         let past = half_widths - within;
-        // A nib on paper leaves a line of some width at once.
+        // A nib leaves a line of some width at once.
         let swelled = (within - NIB).max(0.0) / (1.0 - NIB);
         self.swell * swelled + (0.02 + 0.5 * (self.swell + 0.2)) * past + 0.005 * half_widths
     }
@@ -92,12 +92,12 @@ struct Painter<'a> {
     habits: Habits,
     side: usize,
     ramps: Vec<[f32; 2]>,
-    /// Where each lane lies, and where its strokes begin.
+    /// Position of each lane, and of the start of its strokes.
     starts: Vec<(f32, f32)>,
     random: &'a mut Random,
 }
 
-/// Where a stroke lies, and when it appears.
+/// Position of a stroke, and the tone at which it appears.
 struct Mark {
     x: f32,
     y: f32,
@@ -106,8 +106,7 @@ struct Mark {
 }
 
 impl Painter<'_> {
-    /// Draws lanes of strokes as far apart as light tones have them, then lanes midway between those,
-    /// until they touch.
+    /// Draws lanes of strokes at the distance for light tones, then lanes midway between those, until they touch.
     fn fill(&mut self) {
         let Habits {
             half_width,
@@ -120,7 +119,7 @@ impl Painter<'_> {
         let mut from = 0.0;
         loop {
             let pitch = side / lanes as f32;
-            // The tone that the lanes so far give where they are pressed hard.
+            // The tone reached by the lanes so far when pressed hard.
             let to = (2.0 * half_width * side / pitch / side).min(1.0);
             for lane in 0..lanes {
                 let place = radical_inverse(lane, lanes);
@@ -140,7 +139,7 @@ impl Painter<'_> {
         }
     }
 
-    /// Draws strokes end to end along a lane; `order` tells by chance when each appears.
+    /// Draws strokes end to end along a lane; `order` turns a random number into the time each appears.
     fn lane(&mut self, y: f32, pitch: f32, order: impl Fn(f32) -> f32) {
         let side = self.side as f32;
         let count = (side / self.habits.length).round().max(1.0);
@@ -158,8 +157,8 @@ impl Painter<'_> {
         }
     }
 
-    /// Where the strokes of a lane begin, in strokes, 0..1: of several places by chance that which is farthest from
-    /// where those of the lanes beside it do, so that no ends meet in a hole.
+    /// Start of a lane's strokes, in strokes, 0..1: of several random candidates the one farthest from the starts in
+    /// adjacent lanes, so that ends do not form a hole.
     fn start(&mut self, y: f32, pitch: f32) -> f32 {
         let side = self.side as f32;
         let near = |&&(other, _): &&(f32, f32)| {
@@ -223,21 +222,21 @@ impl Painter<'_> {
     }
 }
 
-/// How many lanes away others count as beside one, and how many places are tried. More of either make a
-/// pattern of ends that leans one way, and strokes seem to.
+/// Distance in lanes up to which lanes are adjacent, and number of candidates. More of either make a slanting pattern
+/// of ends, and strokes seem to slant.
 const BESIDE: f32 = 1.2;
 const TRIES: usize = 3;
 
-/// How far, in strokes, one strays along its lane.
+/// Random offset of a stroke along its lane, in strokes.
 const STRAY: f32 = 0.15;
 
-/// Length of a stroke over its share of a lane: strokes that meet end to end leave a gap as often as not.
+/// Length of a stroke relative to its share of a lane: strokes end to end leave a gap as often as not.
 const OVERLAP: f32 = 1.05;
 
-/// How much earlier or later than its lane a stroke may come, as a share of all lanes.
+/// Random variation of a stroke's time relative to its lane's, as a share of all lanes.
 const ORDER_JITTER: f32 = 0.12;
 
-/// The place, 0..1, of the i-th of `count` things in an order in which any first few are spread evenly.
+/// The position, 0..1, of the i-th of `count` items in an order whose every prefix is evenly spread.
 fn radical_inverse(i: usize, count: usize) -> f32 {
     let bits = usize::BITS - count.next_power_of_two().leading_zeros() - 1;
     match bits {
@@ -249,7 +248,7 @@ fn radical_inverse(i: usize, count: usize) -> f32 {
 /// Half widths past which no pressure spreads a stroke.
 const MOST_RELUCTANT: f32 = 1.3;
 
-/// Graphite: greys come before black, and the grain of the paper takes it unevenly.
+/// Graphite: greys come before black, unevenly by the grain of the paper.
 fn soften(ramps: &mut [[f32; 2]], side: usize, random: &mut Random) {
     let grain = grain(side, random);
     for (ramp, grain) in ramps.iter_mut().zip(grain) {
@@ -272,10 +271,10 @@ fn grain(side: usize, random: &mut Random) -> Vec<f32> {
         .collect()
 }
 
-/// Of the grain that graphite takes.
+/// Contrast of the grain for graphite.
 const SPREAD: f32 = 1.6;
 
-/// Puts thresholds in the order of all texels: even steps from the first to the last to take ink.
+/// Ranks the thresholds of all texels: even steps from the first to the last to take ink.
 fn rank(ramps: &mut [[f32; 2]]) {
     let finite = |v: f32| v.is_finite();
     let top = ramps
@@ -285,7 +284,7 @@ fn rank(ramps: &mut [[f32; 2]]) {
         .fold(0.0, f32::max)
         .max(1e-6);
     for ramp in ramps.iter_mut() {
-        // What no stroke reached takes ink last.
+        // Texels reached by no stroke take ink last.
         *ramp = ramp.map(|v| if finite(v) { v / top } else { 1.0 });
     }
     let mut counts = vec![0_u32; RANKS + 1];

@@ -6,13 +6,13 @@ use super::stroke_synthesis::Canvas;
 /// Pixels that are worked on together.
 pub const BATCH: usize = 64;
 
-/// Texels by the thresholds between which they take ink: a square that repeats.
+/// Texels by the thresholds between which they take ink: a repeating square.
 #[derive(Debug, Clone)]
 pub(super) struct StrokeTexture {
     /// Texels along a side, a power of two.
     pub(super) side: usize,
-    /// Where each texel begins to take ink, and where it is full, both in 0..1 times [`STEPS`]. Rows are a
-    /// texel longer than the side, and end with their first.
+    /// Thresholds at which each texel begins to take ink, and is full, both in 0..1 times [`STEPS`]. Rows are a texel
+    /// longer than the side, and end with a copy of their first.
     ramps: Vec<u8>,
 }
 
@@ -22,10 +22,10 @@ pub(super) const STEPS: f32 = 255.0;
 /// Bytes of a texel.
 const RAMP: usize = 2;
 
-/// Places at which coverage is measured.
+/// Number of positions at which coverage is measured.
 const MEASURED: usize = 1 << 16;
 
-/// Thresholds at which it is.
+/// Number of thresholds at which coverage is measured.
 const BINS: usize = 4096;
 
 impl StrokeTexture {
@@ -44,7 +44,7 @@ impl StrokeTexture {
         }
     }
 
-    /// Takes from `white` what is inked at positions `at` (texels across and down), at thresholds.
+    /// Removes from `white` the ink at positions `at` (texels across and down), at thresholds.
     #[inline(always)]
     pub(super) fn cover(&self, white: &mut [f32], at: &mut Places, threshold: &[f32; BATCH]) {
         let count = white.len().min(BATCH);
@@ -93,7 +93,7 @@ impl StrokeTexture {
 
     /// The mean ink at even steps of the threshold, measured as a drawing has it: anywhere between texels.
     pub(super) fn mean_inks(&self, random: &mut Random) -> Vec<f64> {
-        // Ink rises over each ramp by the same amount per step: its second differences are at the ends.
+        // Ink rises linearly over each ramp, so its second differences are at the ends.
         let mut bends = vec![0.0_f64; BINS + 2];
         let mut bend = |at: f32, by: f64| {
             let at = at / STEPS * BINS as f32;
@@ -126,10 +126,10 @@ impl StrokeTexture {
     }
 }
 
-/// Places in a texture, in texels across and down, and then what lies there.
+/// Positions in a texture, in texels across and down, then the texels there.
 #[derive(Debug)]
 pub(crate) struct Places {
-    /// Across; where texels were fetched, from the left ones to the right ones.
+    /// Across; after texels are fetched, from the left ones to the right ones.
     pub(super) x: [f32; BATCH],
     /// Down; likewise.
     pub(super) y: [f32; BATCH],
@@ -150,7 +150,7 @@ impl Default for Places {
 }
 
 impl Places {
-    /// Where the i-th place begins to take ink and where it is full.
+    /// Thresholds at which the i-th position begins to take ink and is full.
     #[inline(always)]
     fn ramp(&self, i: usize) -> [f32; RAMP] {
         let (across, down) = (self.x[i], self.y[i]);
@@ -160,7 +160,7 @@ impl Places {
     }
 }
 
-/// Where a texel begins to take ink and where it is full, of two bytes of a word.
+/// Thresholds at which a texel begins to take ink and is full, from two bytes of a word.
 #[inline(always)]
 pub(crate) fn ramp_of(word: u32) -> [f32; RAMP] {
     let byte = |k: usize| (word >> (8 * k) & 0xff) as i32 as f32;

@@ -1,6 +1,6 @@
-// A texture of strokes, as the tones at which each texel turns from paper to ink: a square that repeats.
+// A texture of strokes, as the tones at which each texel turns from paper to ink: a repeating square.
 
-// Where a texel begins to take ink and where it is full, of two bytes of a word.
+// Thresholds at which a texel begins to take ink and is full, from two bytes of a word.
 fn ramp_of(word: u32) -> vec2<f32> {
     return vec2<f32>(f32(word & 0xffu), f32((word >> 8u) & 0xffu));
 }
@@ -11,7 +11,7 @@ fn ramp_between(word: u32, across: f32) -> vec2<f32> {
     return left + across * (ramp_of(word >> 16u) - left);
 }
 
-// What is inked at a place in texels, at a threshold.
+// Ink at a position in texels, at a threshold.
 fn ink(at: vec2<f32>, threshold: f32) -> f32 {
     let corner = floor(at);
     let within = at - corner;

@@ -1,4 +1,4 @@
-//! From the luminance of a picture to the optical density that is drawn.
+//! From the luminance of a picture to the optical density of the drawing.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;
@@ -30,7 +30,7 @@ impl<'a> ToneOf<'a> {
         }
     }
 
-    /// Three planes, zeros where there is none, and the weights that make them the luminance.
+    /// Three planes, zeros for missing ones, and the weights that make them the luminance.
     fn planes(self) -> ([Option<&'a Plane>; 3], [f32; 3]) {
         match self {
             Self::Picture(color, weights) => ([&color.r, &color.g, &color.b].map(Some), weights),
@@ -39,12 +39,12 @@ impl<'a> ToneOf<'a> {
     }
 }
 
-/// Samples of a plane that there is not.
+/// Samples of a missing plane.
 static ZEROS: [f32; BATCH] = [0.0; BATCH];
 
 /// The optical densities that are drawn.
 pub(crate) enum Densities<'a> {
-    /// Those of a picture.
+    /// Densities of a picture.
     OfPicture(PictureDensities<'a>),
     /// These.
     Found(&'a Plane),
@@ -59,7 +59,7 @@ impl Densities<'_> {
         }
     }
 
-    /// What `row(y)(x, density)` makes of the densities of the covered pixels; 0 elsewhere.
+    /// `row(y)(x, density)` for the densities of the covered pixels; 0 elsewhere.
     pub(crate) fn mapped<Sample: Fn(usize, f32) -> f32>(
         &self,
         frame: &Frame,

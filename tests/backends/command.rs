@@ -63,7 +63,7 @@ fn the_program_writes_what_the_cpu_writes() {
                     let apart = Product::Strokes.difference(&[found], &[expected]);
                     let allowed = Product::Strokes.tolerance();
                     assert!(apart < allowed, "{work}: {name} is off by {apart:e}");
-                // Directions leap where two curvatures are alike, or to their opposites, which are the same.
+                // Directions jump where two curvatures are equal, or to their opposites, which are equivalent.
                 } else if !name.starts_with("relievo.Direction") {
                     let apart = Product::Picture.difference(&[found], &[expected]);
                     assert!(apart < 2e-5, "{work}: {name} is off by {apart:e}");

@@ -1,4 +1,4 @@
-//! Lines along edges that the device lists, or hands out in planes where there are too many.
+//! Lines along edges that the device lists, or returns as planes if there are too many.
 
 use super::drawing::assert_drawn;
 use super::{on_gpu, with_color};
@@ -15,7 +15,7 @@ fn wall(width: usize, height: usize) -> Frame {
     with_color(scene.frame(width, height))
 }
 
-/// What a disc covers of pixels, by the distance of its border from their middles.
+/// Coverage of pixels by a disc, from the distance between its border and their centres.
 fn disc(width: usize, height: usize) -> Plane {
     let middle = DVec2::new(0.48 * width as f64, 0.53 * height as f64);
     Plane::from_fn(width, height, |x, y| {
@@ -25,13 +25,13 @@ fn disc(width: usize, height: usize) -> Plane {
     })
 }
 
-/// A number in 0..1 for each pixel, like no other.
+/// A pseudo-random number in 0..1 for each pixel.
 fn noise(x: usize, y: usize) -> f32 {
     let wave = (12.9898 * x as f32 + 78.233 * y as f32).sin();
     (43758.547 * wave).rem_euclid(1.0)
 }
 
-/// Frames in which edges are found by all there is to find them by.
+/// Frames whose edges come from every kind of evidence.
 fn edged() -> Vec<(&'static str, Frame)> {
     let balls = ExactScene::two_balls(30.0, 38.0, 82.2, 70.4);
     let near = with_color(balls.in_perspective().frame(165, 141));
@@ -50,7 +50,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
     unmapped.depth = None;
     unmapped.mask = Mask::new(disc.map(|share| share >= 0.5));
 
-    // A step of 80 from one column to the next, of which normals that lean by 20 to 1 explain 20, or tell the contrary.
+    // A step of 80 between two columns, of which normals that lean by 20 to 1 explain 20, or the opposite.
     let leaning = |scene: ExactScene| {
         let mut frame = with_color(scene.frame(150, 120));
         let depth = |x: usize| DISTANCE as f32 - if x < 70 { 0.0 } else { 80.0 };
@@ -103,7 +103,7 @@ fn lines_along_listed_edges() {
     });
 }
 
-/// More than one crack for four pixels, more than one crease for two, or both: there is no room for them in lists.
+/// More than one crack per four pixels, more than one crease per two, or both: the lists have no room for them.
 #[test]
 fn lines_along_edges_that_are_too_many_to_be_listed() {
     on_gpu(|runner| {

@@ -1,4 +1,4 @@
-//! Directions of the surface's own curvature: every form of surface, seen every way, stored every way.
+//! Directions of the surface's own curvature: every kind of surface, under every projection, in every storage.
 
 use super::{assert_alike, on_gpu, plan};
 use crate::common::cpu;

@@ -19,7 +19,7 @@ use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
 use relievo::report::scenes::{ExactScene, Surface};
 
-/// Asserts that both backends draw the same, and gives the ink of the CPU's strokes and contours in all.
+/// Asserts that both backends draw the same, and returns the total ink of the CPU's strokes and contours.
 #[track_caller]
 pub(super) fn assert_drawn(
     name: &str,
@@ -176,13 +176,13 @@ fn styles_families_and_scales() {
                     let name = format!("{scene}, {name}, {tone_name}");
                     let [strokes, contours] = assert_drawn(&name, runner, &frame, line, tone);
                     let pixels = frame.mask.count() as f32;
-                    // Of one tone under the lamp hardly any paper is left.
+                    // A single tone under the lamp leaves hardly any paper.
                     let most = if tone_name == "in new light" {
                         1.0
                     } else {
                         0.95
                     };
-                    // Where tones are light no line is laid.
+                    // Light tones get no lines.
                     let least = if line.strokes.style == Style::Lines {
                         0.01
                     } else {
@@ -313,7 +313,7 @@ fn a_picture_too_large_for_the_device_is_drawn_in_strips() {
     );
 }
 
-/// A surface that comes nearer and turns: its texture is laid anew now and then, and several drawings share in it.
+/// A surface that approaches and rotates: its texture is laid anew now and then, and several maps share the drawing.
 #[test]
 fn strokes_move_with_the_surface() {
     let Ok(device) = Device::open(Choice::Any) else {
@@ -335,7 +335,7 @@ fn strokes_move_with_the_surface() {
             holed.x.row_mut(9 * i + 30)[30..60].fill(value);
             holed.y.row_mut(9 * i + 31)[50..90].fill(-value);
         }
-        // Steps just below what parts surfaces, and just above.
+        // Steps just below the threshold that separates surfaces, and just above.
         let mut stepped = whole.clone();
         for (i, depth) in stepped
             .depth

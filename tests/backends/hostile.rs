@@ -1,4 +1,4 @@
-//! Values and sizes that files and callers bring: the GPU makes of them what the CPU makes.
+//! Hostile values and sizes from files and callers: the GPU treats them as the CPU does.
 
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::cpu;
@@ -10,7 +10,7 @@ use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 use relievo::report::scenes::frames::masked;
 
-/// What no renderer means by a colour.
+/// Values that no renderer means as a colour.
 pub(super) const HOSTILE: [f32; 7] = [
     f32::NAN,
     f32::INFINITY,

@@ -1,4 +1,4 @@
-//! The kernels as text: valid wherever there is no device to say so.
+//! The kernels as text: validated even where there is no device.
 
 use relievo::engine::gpu::kernel_sources;
 use wgpu::naga::front::wgsl;

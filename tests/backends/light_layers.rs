@@ -1,4 +1,4 @@
-//! Light that a file tells apart: lobes, light groups, ambient occlusion.
+//! Light separated in a file: lobes, light groups, ambient occlusion.
 
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::cpu;
@@ -14,7 +14,7 @@ fn light(frame: &Frame, size: f32, wave: f32) -> ColorPlanes {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let plane = |k: f32| {
         Plane::from_fn(width, height, |x, y| {
-            // Below 0 at the troughs: what no renderer means, and some write.
+            // Below 0 at the troughs: never meant by a renderer, but written by some.
             size * (0.9 + (wave * x as f32 + 0.05 * k * y as f32).sin())
         })
     };

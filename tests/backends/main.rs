@@ -25,7 +25,7 @@ use relievo::product::Product;
 use relievo::report::scenes::{ExactScene, Surface};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Runs a test on the device that all share, one at a time; says so, once, where there is none.
+/// Runs a test on the shared device, one at a time; without a device prints a notice once.
 fn on_gpu(test: impl FnOnce(&gpu::Runner)) {
     static RUNNER: OnceLock<Option<Mutex<gpu::Runner>>> = OnceLock::new();
     let runner = RUNNER.get_or_init(|| match Device::open(Choice::Any) {
@@ -34,7 +34,7 @@ fn on_gpu(test: impl FnOnce(&gpu::Runner)) {
             Some(Mutex::new(gpu::Runner::new(device)))
         }
         Err(error) => {
-            // A machine that has to have a device says so.
+            // Fails on a machine that requires a device.
             assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none(), "{error}");
             println!("SKIPPED: {error}");
             None
@@ -49,7 +49,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
 }
 
-/// Asserts that both backends make the same of a frame, and tells how far they are apart.
+/// Asserts that both backends give the same result for a frame, and prints their difference.
 #[track_caller]
 fn assert_same(name: &str, runner: &gpu::Runner, plan: &Plan, frame: &Frame) {
     let expected = cpu::run(plan, frame).unwrap();

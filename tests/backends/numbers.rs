@@ -1,5 +1,5 @@
-//! Numbers at the ends of what single precision holds: what is none is left out on reading, and both backends make the
-//! same of the rest.
+//! Numbers at the limits of single precision: invalid ones are dropped on reading, and both backends treat the rest
+//! alike.
 
 use super::{assert_same, on_gpu, plan, waves};
 use crate::common::exr::Stored;
@@ -22,7 +22,7 @@ fn scattered(plane: &Plane, every: usize, values: &[f32]) -> Plane {
     })
 }
 
-/// The vectors made unit length again, up to their smallest components; those of none look at the eye.
+/// The vectors renormalised down to their smallest components; zero ones face the eye.
 fn unit(vectors: &Vector3Planes) -> Vector3Planes {
     let (width, height) = (vectors.x.width(), vectors.x.height());
     let at = |x: usize, y: usize| {
@@ -41,7 +41,7 @@ fn unit(vectors: &Vector3Planes) -> Vector3Planes {
     }
 }
 
-/// The frame as it is after it was written to a file and read.
+/// The frame after being written to a file and read back.
 fn as_read(frame: &Frame) -> Frame {
     let color = frame.color.as_ref().unwrap();
     let layers = [
@@ -75,7 +75,7 @@ fn what_is_no_number_in_a_file() {
     frame.normal.z = scattered(&whole.normal.z, 73, &hostile);
     frame.depth = Some(scattered(whole.depth.as_ref().unwrap(), 79, &hostile));
     let color = frame.color.as_mut().unwrap();
-    // Beside the largest number there is no telling others apart.
+    // Beside the largest number others are indistinguishable.
     color.g = scattered(&color.g, 83, &hostile[..3]);
     let read = as_read(&frame);
     let covered = read.mask.count();
@@ -89,8 +89,8 @@ fn what_is_no_number_in_a_file() {
     });
 }
 
-/// Devices may take what is below the least normal number, 1.2e-38, for 0. Of normals and occlusion that is at most as
-/// much of a difference; a depth so small is one of an edge either way.
+/// Devices may flush numbers below the least normal one, 1.2e-38, to 0. For normals and occlusion the difference is no
+/// larger than that; such a small depth makes an edge either way.
 #[test]
 fn zeros_of_both_signs_and_numbers_next_to_them() {
     let tiny = [0.0, -0.0, 1e-40, -1e-40, f32::MIN_POSITIVE, 1e-30];
@@ -99,7 +99,7 @@ fn zeros_of_both_signs_and_numbers_next_to_them() {
             let mut frame = waves(80, 60);
             frame.normal.x = scattered(&frame.normal.x, 61, &tiny);
             frame.normal.y = scattered(&frame.normal.y, 67, &tiny);
-            // Seen edge on, and from behind.
+            // Seen edge-on, and from behind.
             frame.normal.z = scattered(&frame.normal.z, 241, &[-0.0, 0.0, 1e-40, -0.3]);
             frame.normal = unit(&frame.normal);
             frame.normal_length = Some(Plane::from_fn(80, 60, |x, y| {

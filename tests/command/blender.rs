@@ -1,4 +1,4 @@
-//! What Blender and OpenImageIO show of our layers; each test is skipped, with a line, where they are not installed.
+//! Our layers as read by Blender and OpenImageIO; each test is skipped, with a notice, where they are not installed.
 
 use crate::common::exr::channel;
 use crate::common::program::{fixture, relievo};
@@ -31,7 +31,7 @@ const PASSES: [&str; 18] = [
     "DirectionViewY",
 ];
 
-/// What a program prints of files; `None`, with a line, where `probe` shows that it is not installed.
+/// Output of a program on files; `None`, with a notice, if `probe` shows that it is not installed.
 fn printed(program: &str, probe: &[&str], arguments: &[&str], files: &[String]) -> Option<String> {
     let run = |arguments: &[&str], files: &[String]| {
         Command::new(program)
@@ -54,7 +54,7 @@ fn printed(program: &str, probe: &[&str], arguments: &[&str], files: &[String]) 
     Some(said)
 }
 
-/// The bust's shape in every way that its layers may go to a file.
+/// The bust's shape, with its layers written in every way.
 fn written(desk: &Path) -> Vec<String> {
     let ways = ["keep", "channels", "results"];
     let made = ways.map(|way| {

@@ -6,7 +6,7 @@ use image::{Rgb, RgbImage};
 use relievo::frame::Plane;
 use std::path::Path;
 
-/// A channel of what a command makes of the fixture `name`.
+/// A channel of a command's result for the fixture `name`.
 fn made(desk: &Path, command: &str, name: &str, layer: &str) -> Plane {
     let input = fixture(name).display().to_string();
     let output = "--layers results --depth-of-output float -q -o out.exr";
@@ -71,7 +71,7 @@ fn sharp_frames_keep_their_samples() {
 #[test]
 fn a_soft_form_in_8_bits_has_no_rings() {
     let desk = tempfile::tempdir().unwrap();
-    // A dome of radius 3000 px, whose normals turn by a code in 24 pixels: its curvature is the same everywhere.
+    // A dome of radius 3000 px, whose normals change by a code in 24 pixels: its curvature is constant.
     let (size, radius) = (480, 3000.0);
     let mut map = RgbImage::new(size, size);
     for (x, y, pixel) in map.enumerate_pixels_mut() {
@@ -90,7 +90,8 @@ fn a_soft_form_in_8_bits_has_no_rings() {
             .done()
             .stderr
     };
-    // So flat a form asks for a gain of more than 200. At the finest scale what may be left of a step would show at 153.
+    // Such a flat shape needs a gain of more than 200. At the finest scale the possible remainder of a step would show
+    // at 153.
     let held = shape("--scale 0.5");
     assert!(
         held.contains("held at 153") && held.contains("8 bits"),

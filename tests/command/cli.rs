@@ -1,4 +1,4 @@
-//! The real binary on the fixtures: what it writes, what it says, and how it refuses.
+//! The real binary on the fixtures: its files, its messages, and its refusals.
 
 use crate::common::bits;
 use crate::common::exr::Part;
@@ -54,12 +54,12 @@ impl Desk {
         self.0.path().join(name)
     }
 
-    /// Names of all files here: temporary ones are never left behind.
+    /// Names of all files here, to check that temporary ones are never left behind.
     fn names(&self) -> Vec<String> {
         program::names(self.0.path(), "")
     }
 
-    /// Runs `verb input -o output`, and then whatever `flags` hold.
+    /// Runs `verb input -o output` with additional `flags`.
     fn run(&self, verb: &str, input: &Path, output: &str, flags: &[&str]) -> Ran {
         let output = self.path(output);
         let head = [
@@ -130,7 +130,7 @@ fn tablet(desk: &Desk, normal: &Path, output: &str, flags: &[&str]) -> PathBuf {
     desk.make("enhance", &fixture("tablet.color.jpg"), output, &flags)
 }
 
-// What is written.
+// Output files.
 
 #[test]
 fn every_kind_of_picture_is_written_and_shows_more_shape() {
@@ -206,7 +206,7 @@ fn shape_appends_the_contracts_layers_and_keeps_the_rest() {
                 assert_eq!(output.attributes.get(name), Some(text), "{name}");
             }
         }
-        // The input's compressed blocks are copied as they are: its last bytes stand in the output.
+        // The input's compressed blocks are copied unchanged: its last bytes are in the output.
         let (old, new) = (
             fs::read(fixture(fixture_name)).unwrap(),
             fs::read(desk.path(fixture_name)).unwrap(),
@@ -318,7 +318,7 @@ fn a_gpu_is_refused_where_the_program_has_none() {
     let gears = fixture("gears.exr");
     let line = desk.run("enhance", &gears, "a.exr", &["--backend", "gpu"]);
     assert!(line.refused(1).contains("--features gpu"));
-    // What was not asked for is not missed.
+    // An unrequested GPU is not missed.
     let ran = desk.run("enhance", &gears, "a.exr", &["--backend", "auto"]);
     assert!(!ran.done().stderr.contains("GPU"));
 }
@@ -506,7 +506,7 @@ fn threads_change_no_byte() {
     }
 }
 
-// What is said.
+// Messages.
 
 #[test]
 fn inspect_tells_roles_camera_and_space() {
@@ -667,7 +667,7 @@ fn quiet_says_nothing_and_verbose_says_what_was_concluded() {
     assert!(usual.stderr.contains("curvature gain"));
     let verbose = desk.run("enhance", &gears, "c.png", &["-v"]).done();
     assert!(verbose.stderr.contains("orthographic"));
-    // An error is said even so.
+    // Errors are printed even so.
     desk.run("enhance", Path::new("none.exr"), "d.png", &["-q"])
         .refused(1);
 }
@@ -708,7 +708,7 @@ fn a_full_disk_behind_stdout_is_told_and_one_behind_stderr_is_survived() {
     }
 }
 
-// What is refused.
+// Refusals.
 
 #[test]
 fn misuse_is_one_line_and_exit_code_2() {
@@ -741,7 +741,7 @@ fn misuse_is_one_line_and_exit_code_2() {
         let line = desk.run("enhance", &gears, output, flags).refused(2);
         assert!(line.contains(expected), "{line}");
     }
-    // No flag is like it: nothing is said of values that begin with dashes.
+    // No similar flag exists; values that begin with dashes are not mentioned.
     let line = desk
         .run("enhance", &gears, "a.png", &["--zoom", "3"])
         .refused(2);
@@ -779,7 +779,7 @@ fn inputs_are_never_replaced() {
         )
         .refused(2);
     assert!(line.contains("normal.png"), "{line}");
-    // By another spelling of its name, and as the file of timings.
+    // Under another spelling of its name, and as the file of timings.
     let around = text(&desk.path(".").join("gears.exr"));
     desk.run("enhance", Path::new(&around), "gears.exr", &[])
         .refused(2);
@@ -847,7 +847,7 @@ fn what_cannot_be_done_is_one_line_and_exit_code_1() {
     let flags = ["--normal", small.to_str().unwrap()];
     says(run(&color, &flags), &["256x256", "128x256"]);
 
-    // World-space normals, and nothing to find a camera by.
+    // World-space normals, and no evidence for a camera.
     let file = open(&bust);
     let planes = ["Combined.R", "Combined.G", "Combined.B", "Combined.A"]
         .into_iter()
@@ -879,7 +879,7 @@ fn what_cannot_be_done_is_one_line_and_exit_code_1() {
     assert_eq!(desk.names(), ["taken.png"]);
 }
 
-// What inputs mean.
+// Interpretation of inputs.
 
 #[test]
 fn a_camera_file_gives_the_picture_of_the_recovered_camera() {
@@ -929,7 +929,7 @@ fn flipping_an_axis_undoes_a_flipped_map() {
     let undone = tablet(&desk, &flipped, "undone.png", &["--normal-flip", "y"]);
     let (most, differ) = difference(&plain, &wrong);
     assert!(most > 20.0 && differ > 0.1, "{most}, {differ}");
-    // Without the flag the slopes tell: their curl is a thirtieth of that with y turned. A flag has the last word.
+    // Without the flag the slopes decide: their curl is a thirtieth of that with y reversed. A flag overrides them.
     let told = tablet(&desk, &flipped, "told.png", &[]);
     assert!(difference(&plain, &told).0 < 1.5);
     let kept = tablet(&desk, &flipped, "kept.png", &["--normal-flip", "none"]);

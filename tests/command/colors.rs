@@ -35,7 +35,7 @@ fn acescg_is_shown_in_srgb_and_kept_in_layers() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
     write_wall(&here.join("given.exr"), [0.5, 0.4, 0.2], None);
-    // The file itself says AP1.
+    // The file itself states AP1.
     let ap1 = relievo::io::colorspace::AP1;
     write_wall(&here.join("tagged.exr"), [0.5, 0.4, 0.2], Some(ap1));
     // 1.70505 * 0.5 - 0.62179 * 0.4 - 0.08326 * 0.2, and so on, of the published matrix.
@@ -87,7 +87,7 @@ fn encoded_colours_are_made_linear_and_data_are_not() {
     )
     .ended(0);
     assert_eq!(pixel(&here.join("shape.exr"), "normal.z"), 1.0);
-    // A photo of linear numbers: what is stored is what counts.
+    // A photo of linear numbers: the stored values count.
     relievo(
         here,
         "enhance in.exr -o linear.png --scaling 0 --view-transform none",
@@ -132,7 +132,7 @@ fn new_light_does_not_burn() {
     );
     assert!(said.contains(" % white, "), "{said}");
     assert_eq!(brightest("clipped.png"), 1.0);
-    // An EXR holds light as it is.
+    // An EXR stores light unchanged.
     for (name, more) in [("a.exr", ""), ("b.exr", "--exposure -1 --highlights clip")] {
         relievo(here, &format!("{light} -o {name} --layers results {more}")).ended(0);
     }
@@ -158,7 +158,7 @@ fn enhancement_burns_nothing_that_did_not() {
     assert_eq!([white(&plain), white(&shown)], [0, 0]);
     assert!(white(&clipped) > 100);
     for ((plain, clipped), shown) in plain.iter().zip(clipped).zip(shown) {
-        // Brighter still, and no darker than it was; what became darker has its bytes.
+        // Brighter still, and not darker than before; darker values have unchanged bytes.
         let is_kept = clipped <= *plain && shown == clipped;
         assert!(is_kept || (clipped > *plain && shown >= *plain && shown <= clipped));
     }

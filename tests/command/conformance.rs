@@ -1,6 +1,6 @@
-//! The binary on files that others made: every known kind of OpenEXR, damaged ones, and real renders.
+//! The binary on third-party files: every known kind of OpenEXR, damaged ones, and real renders.
 //!
-//! The files are no part of this project; where they are not at hand the tests say so and pass.
+//! The files are not part of this project; where they are missing the tests print a notice and pass.
 
 use crate::common::program::Ran;
 use crate::common::real_files::real;
@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// No file may keep the program busy for longer.
+/// Longest time for any file.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
-/// Nor take more memory, in units of 1024 bytes.
+/// Most memory for any file, in units of 1024 bytes.
 const MEMORY_LIMIT: u32 = 2_000_000;
 
 /// All files under `directory`, in order.
@@ -112,7 +112,7 @@ fn any_file_is_read_or_refused_with_one_line() {
         assert_done_or_told(&inspected, file, "inspect");
         done[0] += usize::from(inspected.code == Some(0));
 
-        // As it is, and with its picture taken for normals, so that every pixel is decoded.
+        // Once as it is, and once with its picture as normals, so that every pixel is decoded.
         let any_normals = [
             "--normal".as_ref(),
             file.as_os_str(),
@@ -194,7 +194,7 @@ fn renders_show_their_roles() {
             assert_eq!(found, expected, "{role} of {}", file.display());
             *count += usize::from(expected.is_some());
         }
-        // A problem, where there is one, names the flag that solves it.
+        // A problem, if there is one, names the flag that solves it.
         if let Some(problem) = inspection["problem"].as_str() {
             assert!(problem.contains("--"), "{problem}");
         }

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What one file may take.
+/// Longest time for one file.
 const LIMIT: Duration = Duration::from_secs(10);
 
-/// Address space that one file may take, in KiB: threads reserve far more than they use.
+/// Address space for one file, in KiB: threads reserve far more than they use.
 const MOST_KIB: u64 = 4 << 20;
 
 /// Names the file for [`one_file`].
@@ -46,7 +46,7 @@ fn what_was_found_stays_mended() {
     );
 }
 
-/// What goes wrong with a file, in a process of its own.
+/// The failure of a file, in a process of its own.
 fn failure(file: &Path) -> Option<String> {
     let place = tempfile::tempdir().unwrap();
     let said = place.path().join("said");

@@ -1,4 +1,4 @@
-//! What a build pulls in.
+//! Dependencies of a build.
 
 #[cfg(not(feature = "view"))]
 use crate::common::program::{fixture, run};
@@ -22,7 +22,7 @@ fn without_features_there_is_neither_a_window_nor_a_graphics_device() {
     }
 }
 
-/// A build without the window says how to come by one.
+/// A build without the window names the way to get one.
 #[cfg(not(feature = "view"))]
 #[test]
 fn a_build_without_a_window_says_so_in_one_line() {

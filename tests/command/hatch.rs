@@ -58,7 +58,7 @@ fn an_svg_holds_lines_in_millimetres() {
     assert!(page.starts_with("<svg ") && page.ends_with("</svg>\n"));
     assert!(page.contains("width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 480 360\""));
     assert!(!page.contains("NaN") && !page.contains("inf"));
-    // Every point lies on the page, but for lines that run off it.
+    // Every point is on the page, except on lines that run off it.
     let numbers = page.split("<path d=\"").skip(1).flat_map(|path| {
         let path = path.split('"').next().unwrap();
         let points = path

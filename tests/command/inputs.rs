@@ -41,7 +41,7 @@ pub(crate) fn write_bumps(
     Part::of(picture.into_iter().chain(layers)).write(path);
 }
 
-/// A picture of these planes, by the extension of its name.
+/// Writes a picture of these planes, in the format of its extension.
 pub(crate) fn write_planes(
     path: &Path,
     [r, g, b]: [Plane; 3],
@@ -65,7 +65,7 @@ pub(crate) fn write_planes(
     .unwrap();
 }
 
-/// A desk with frames of these numbers, each of its own brightness.
+/// A desk with frames of these numbers, each with its own brightness.
 pub(crate) fn desk(numbers: std::ops::RangeInclusive<i32>) -> tempfile::TempDir {
     let desk = tempfile::tempdir().unwrap();
     for number in numbers {
@@ -74,7 +74,7 @@ pub(crate) fn desk(numbers: std::ops::RangeInclusive<i32>) -> tempfile::TempDir 
     desk
 }
 
-/// The bytes of a file; of a PNG those that it shows: the others say by which settings it was made.
+/// The bytes of a file; for a PNG those of its pixels, since the others record its settings.
 pub(crate) fn bytes(directory: &Path, name: &str) -> Vec<u8> {
     let file = fs::read(directory.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
     shown(&file).unwrap_or(file)

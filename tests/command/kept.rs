@@ -1,4 +1,4 @@
-//! What pictures keep of the photo they are made of, and what they say of themselves.
+//! Metadata that pictures keep of their photo, and metadata about themselves.
 
 use super::inputs::write_planes;
 use crate::common::program::relievo;
@@ -9,10 +9,10 @@ use relievo::io::picture::ViewTransform;
 use std::fs::{self, File};
 use std::path::Path;
 
-/// Columns and rows of the photo as it is stored.
+/// Stored columns and rows of the photo.
 const STORED: [usize; 2] = [64, 48];
 
-/// A JPEG that is dark but for its upper left quarter, with segments of these names and contents after its first two bytes.
+/// A JPEG, dark except for its upper left quarter, with segments of these names and contents after its first two bytes.
 fn write_photo(path: &Path, segments: &[(u8, Vec<u8>)]) {
     let [width, height] = STORED;
     let is_light = |x, y| x < width / 2 && y < height / 2;
@@ -57,7 +57,7 @@ fn icc(space: &[u8; 4]) -> (u8, Vec<u8>) {
     (0xe2, [&name[..], &profile].concat())
 }
 
-/// A JFIF segment (APP0): its name, version 1.2, so many pixels per inch, no small picture.
+/// A JFIF segment (APP0): its name, version 1.2, a resolution in pixels per inch, no thumbnail.
 fn jfif(dpi: u16) -> (u8, Vec<u8>) {
     let [high, low] = dpi.to_be_bytes();
     let numbers = [1, 2, 1, high, low, high, low, 0, 0];
@@ -86,8 +86,8 @@ fn photos_stand_as_their_orientation_has_them() {
     let here = desk.path();
     write_normals(&here.join("n.png"), [48, 64]);
     write_normals(&here.join("lying.png"), STORED);
-    // The upper left corner as it is stored comes to: 6, a quarter turn clockwise, the upper right; 8, the other way, the
-    // lower left; 5, columns for rows, where it is.
+    // The stored upper left corner moves to: for 6, a quarter turn clockwise, the upper right; for 8, the other way,
+    // the lower left; for 5, columns for rows, where it is.
     for (orientation, corner) in [(6, [40, 8]), (8, [8, 56]), (5, [8, 8])] {
         write_photo(&here.join("in.jpg"), &[exif(orientation)]);
         let words = "enhance in.jpg --normal n.png -o out.png -q";
@@ -104,7 +104,7 @@ fn photos_stand_as_their_orientation_has_them() {
         );
         assert!(said.contains(&expected), "{said}");
     }
-    // Rows of a turned photo are not read without the whole of it.
+    // Rows of a rotated photo cannot be read without the whole of it.
     let sparing = "relight n.png --normal n.png --environment in.jpg -o out.png --max-memory 8K";
     let said = relievo(here, sparing).error(1);
     assert!(
@@ -138,10 +138,10 @@ fn pictures_keep_profile_and_resolution_and_what_the_camera_said() {
         ] {
             assert!(holds(text), "{name}: {text}");
         }
-        // The same words make the same file.
+        // The same command makes the same file.
         relievo(here, &words).done();
         assert!(file == bytes(here, name), "{name}");
-        // What was written is read as a photo is: 240 pixels per inch are 9449 per metre, 240.005 again.
+        // The result is read like a photo: 240 pixels per inch are 9449 per metre, 240.005 again.
         let again = format!("enhance {name} --normal n.png -q -o again.png");
         relievo(here, &again).done();
         let png = png::Decoder::new(std::io::BufReader::new(
@@ -150,7 +150,7 @@ fn pictures_keep_profile_and_resolution_and_what_the_camera_said() {
         let dims = png.read_info().unwrap().info().pixel_dims.unwrap();
         assert_eq!((dims.xppu, dims.yppu), (9449, 9449), "{name}");
     }
-    // What is given goes before what the photo says: after its version and unit, 300 in two bytes.
+    // Flags override the photo's data: after its version and unit, 300 in two bytes.
     for command in ["enhance", "relight", "shape"] {
         let words = format!("{command} in.jpg --normal n.png --dpi 300 -q -o out.jpg");
         relievo(here, &words).done();
@@ -159,7 +159,7 @@ fn pictures_keep_profile_and_resolution_and_what_the_camera_said() {
             *b"JFIF\0\x01\x02\x01\x01\x2c\x01\x2c"
         );
     }
-    // A display of curvature has colours of its own, and a profile of grey is none of colours.
+    // A display of curvature has colours of its own, and a profile of grey does not fit colours.
     relievo(here, "shape in.jpg --normal n.png -q -o out.png").done();
     assert_eq!(decoder(&here.join("out.png")).icc_profile().unwrap(), None);
     write_photo(&here.join("in.jpg"), &[exif(6), icc(b"GRAY")]);
@@ -200,7 +200,7 @@ fn quality_is_of_jpegs_alone() {
 fn several_pictures_are_each_made_on_their_own() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    // One lies, the other stands, and the third has no normals.
+    // One is landscape, the next portrait, and the third has no normals.
     for (name, orientation) in [("a", 1), ("b", 6), ("c", 1)] {
         write_photo(&here.join(format!("{name}.jpg")), &[exif(orientation)]);
     }
@@ -216,7 +216,7 @@ fn several_pictures_are_each_made_on_their_own() {
     assert_eq!(made, ["a.png", "b.png"]);
     let one = Photo::read(&here.join("b.png")).unwrap();
     assert_eq!(Photo::read(&here.join("made/new/b.png")).unwrap(), one);
-    // Names of one's own, and one file for all, or one that two would write.
+    // User-defined names; one file for all; one written by two.
     relievo(
         here,
         "enhance a.jpg --normal {name}_n.png -q -o {name}_e.jpg",

@@ -9,7 +9,7 @@ use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 64];
 
-/// What a frame holds beside normals and a picture.
+/// Content of a frame beside normals and a picture.
 #[derive(Clone, Copy)]
 enum With {
     /// Motion of 3 pixels to the right and 2 up, as Blender stores it.
@@ -67,7 +67,7 @@ fn drawing(directory: &Path, name: &str) -> Plane {
     photo.channels[0].clone()
 }
 
-/// Whether `now` is `before` moved by 3 pixels to the right and 2 up.
+/// Whether `now` is `before` shifted by 3 pixels to the right and 2 up.
 fn is_moved(now: &Plane, before: &Plane) -> bool {
     let mut pixels = (0..SIZE[1] - 2).flat_map(|y| (3..SIZE[0]).map(move |x| (x, y)));
     pixels.all(|(x, y)| (now.at(x, y) - before.at(x - 3, y + 2)).abs() < 0.02)
@@ -83,8 +83,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     }
     let sequence = "in.####.exr --frames 1-3 --tone picture";
     let said = hatch(desk.path(), &format!("{sequence} -o out.%04d.png")).ended(0);
-    // Each has its 98th percentile for a white point; the median of them holds for all: no frame is made as bright
-    // as another.
+    // Each has its 98th percentile as white point; their median applies to all: no frame is made as bright as another.
     assert!(said.contains("for all frames:"), "{said}");
     assert!(said.contains("white point 0.8000"), "{said}");
     let [second, third] = ["out.0002.png", "out.0003.png"].map(|n| drawing(desk.path(), n));
@@ -93,7 +92,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(first.samples().iter().any(|&white| white < 0.5));
     assert!(is_moved(&third, &second));
 
-    // A tone of its own for each: the second and third are alike, and go with the surface.
+    // A tone for each: the second and third are alike, and move with the surface.
     let tone = "--white-point 1.5";
     let outputs = "-o out.%04d.png";
     hatch(desk.path(), &format!("{sequence} {tone} {outputs}")).ended(0);
@@ -101,7 +100,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     assert!(is_moved(&third, &second));
     assert!(!is_moved(&second, &second));
 
-    // Still strokes are still, as they are in single pictures.
+    // Fixed strokes stay, as in single pictures.
     let still = "--motion none -o still.####.png";
     hatch(desk.path(), &format!("{sequence} {tone} {still}")).ended(0);
     let alone = "in.0003.exr --tone picture -o alone.png";
@@ -117,7 +116,7 @@ fn strokes_of_a_sequence_move_by_its_motion() {
     let [second, third] = ["forward.0002.png", "forward.0003.png"].map(|n| drawing(desk.path(), n));
     assert!(is_moved(&second, &third));
 
-    // Named by layer; a frame left out: twice the motion, said once.
+    // Named by layer; a skipped frame means twice the motion, reported once.
     let gap = "in.####.exr --frames 1-3x2 --tone picture";
     let named = "--motion ViewLayer.Vector -o gap.####.png";
     let said = hatch(desk.path(), &format!("{gap} {tone} {named}")).ended(0);
@@ -142,7 +141,7 @@ fn cameras_tell_the_motion_of_what_stands_still() {
     let drawings = [1, 2, 3].map(|n| drawing(desk.path(), &format!("out.000{n}.png")));
     assert!(is_moved(&drawings[1], &drawings[0]));
     assert!(is_moved(&drawings[2], &drawings[1]));
-    // Without them there is nothing to go by.
+    // Without them there is no evidence.
     for number in 1..=2 {
         write_frame(desk.path(), number, 0.4, With::Nothing);
     }
@@ -184,7 +183,7 @@ fn what_is_no_sequence_is_refused_in_one_line() {
         let line = hatch(desk.path(), flags).refused(2);
         assert!(line.contains(said), "{flags}: {line}");
     }
-    // A frame that is not there, and motion that is not: the frames before are done.
+    // A missing frame, and missing motion: earlier frames are done.
     let sequence = "in.####.exr --frames 1-2 -o a.####.png";
     let stderr = hatch(desk.path(), sequence).ended(1);
     assert!(stderr.contains("in.0002.exr: cannot read"), "{stderr}");

@@ -1,4 +1,4 @@
-//! Names of anybody's making: of layers, parts, files and settings.
+//! Untrusted names: of layers, parts, files and settings.
 
 use super::inputs::desk;
 use crate::common::exr::Part;
@@ -8,7 +8,7 @@ use relievo::frame::Plane;
 /// A colour, a bell, the start of a line, a new line, a one-byte escape, and writing from right to left.
 const STEERING: &str = "\u{1b}[31mA\u{7}B\rC\nD\u{9b}2JE\u{202e}F\u{2066}G";
 
-/// Neither stdout nor stderr holds a byte that a terminal obeys, save the ends of lines.
+/// Neither stdout nor stderr contains a byte that controls a terminal, except line ends.
 #[track_caller]
 fn is_plain(ran: &Ran) {
     for text in [&ran.stdout, &ran.stderr] {
@@ -30,7 +30,7 @@ fn no_name_reaches_the_terminal_raw() {
     assert!(text.stdout.contains("\\u001b[31mA\\u0007B"));
     let json = relievo(here, "inspect --json named.exr");
     is_plain(&json);
-    // In JSON nothing is lost.
+    // JSON loses nothing.
     let read: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     let layer = &read[0]["parts"][0]["layers"][0]["name"];
     assert_eq!(layer.as_str(), Some(STEERING));
@@ -71,7 +71,7 @@ fn no_name_reaches_the_terminal_raw() {
     ] {
         is_plain(&run(here, &words));
     }
-    // One that works, and says so.
+    // A successful one, with verbose output.
     let named = format!("{STEERING}.exr");
     std::fs::copy(here.join("in.0001.exr"), here.join(&named)).unwrap();
     let output = format!("{STEERING}.png");

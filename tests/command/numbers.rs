@@ -9,7 +9,7 @@ use relievo::io::exr::{ChannelId, ExrFile};
 use std::fs;
 use std::path::Path;
 
-/// Runs a command line that must be refused with one line that holds `expected`, and leave nothing.
+/// Runs a command line that must be refused with one line containing `expected`, and leave no files.
 #[track_caller]
 fn refused(here: &Path, words: &str, code: i32, expected: &str) {
     let said = relievo(here, words).ended(code);
@@ -110,7 +110,7 @@ fn numbers_out_of_range_are_refused_with_their_range() {
             expected,
         );
     }
-    // As many lights as that are not made first.
+    // That many lights must not be created first.
     let lights = "--area-light 1,1,1 ".repeat(1000);
     let words = format!("relight {lights} --samples 100000 in.0001.exr -o out.png");
     refused(
@@ -194,8 +194,8 @@ fn cameras_out_of_range_are_refused() {
 fn what_overflows_in_spite_of_all_ranges_is_not_written() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    // Stages keep to single precision, which ends at 3.4e38. But of AP1 a display shows 1.7 times the red, less others:
-    // of a grey of 3e38 that is infinite on the way.
+    // Stages stay within single precision, up to 3.4e38. But for AP1 a display shows 1.7 times the red, less others:
+    // for a grey of 3e38 that overflows on the way.
     let plane = |value| Plane::filled(16, 16, value);
     let (grey, zero, one) = (plane(3e38), plane(0.0), plane(1.0));
     let picture = ["R", "G", "B"].map(|name| (name, &grey));

@@ -5,7 +5,7 @@ use crate::common::program::{fixture, relievo};
 use relievo::frame::Plane;
 use std::path::Path;
 
-/// What `relievo enhance` of the hazy render, or of `input`, makes of red, half floats.
+/// Red, in half floats, of `relievo enhance` on the hazy render, or on `input`.
 fn red(desk: &Path, input: &str, flags: &str) -> Plane {
     let words = format!("enhance {input} --layers results -q -o out.exr {flags}");
     relievo(desk, &words).done();
@@ -60,7 +60,7 @@ fn an_object_is_changed_by_its_share_of_each_pixel_as_in_the_whole() {
             changed += usize::from(at(&share) > 0.5 && change.abs() > 0.05 * at(&before));
         }
     }
-    // Of some 12,000 pixels of the head a good part is changed by more than a twentieth.
+    // Of some 12,000 pixels of the head a good part changes by more than a twentieth.
     assert!(changed > 2000, "{changed}");
 }
 
@@ -80,7 +80,7 @@ fn a_mask_is_a_strength_and_coverage_is_not() {
     let made = red(desk.path(), &gears, "--mask mask.exr");
     for y in 0..height {
         let rows = [&made, &shape, &before].map(|plane| plane.row(y));
-        // What is chosen for the whole is chosen with a mask: where all is taken no bit differs.
+        // With a mask the parameters are those chosen for the whole: where the mask is full no bit differs.
         assert_eq!(rows[0][..100], rows[1][..100]);
         assert_eq!(rows[0][200..], rows[2][200..]);
         for x in 100..200 {
@@ -89,7 +89,7 @@ fn a_mask_is_a_strength_and_coverage_is_not() {
             assert!(error.abs() <= (made + all + none) / 2048.0, "{error}");
         }
     }
-    // Where nothing is covered there is no shape: beside it the picture comes out otherwise.
+    // Uncovered pixels have no shape, so the picture beside them comes out differently.
     let covered = red(desk.path(), &gears, "--coverage mask.exr");
     assert!((0..height).any(|y| covered.row(y)[..100] != shape.row(y)[..100]));
     assert!((0..height).all(|y| covered.row(y)[101..] == before.row(y)[101..]));
@@ -142,8 +142,8 @@ fn strokes_have_an_angle_by_object() {
         recipe.contains("object-angle = [\"Head=90\", \"H*d=0\"]"),
         "{recipe}"
     );
-    // Strokes change on the head alone, and where the fog's specks beside it take directions from up to 32 pixels away. Of the
-    // two angles the last one counts.
+    // Strokes change on the head alone, and where the fog's specks beside it take directions from up to 32 pixels away.
+    // The last of the two angles counts.
     assert_eq!(turned, drawn("--object-angle Head=0", "again"));
     let share = head(&haze);
     let mut changed = 0;
@@ -180,7 +180,7 @@ fn depth_that_fog_lacks_is_filled_and_said() {
     let (mut inside, mut missing, mut edges) = (0, 0, 0);
     let depth = channel(Path::new(&haze), "ViewLayer.Depth.Z");
     for (i, &share) in share.samples().iter().enumerate() {
-        // Fog takes up to a quarter of the head's own pixels.
+        // Fog covers up to a quarter of the head's own pixels.
         if share > 0.6 {
             inside += 1;
             missing += usize::from(depth.samples()[i] > 1e9);
@@ -258,7 +258,7 @@ fn a_drawing_fades_with_the_share_of_an_object() {
 fn what_no_manifest_names_is_found_by_the_hash_of_its_name() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr");
-    // The same file with a manifest that cannot be read: one letter of its key is another, of the same length.
+    // The same file with an unreadable manifest: one letter of its key is changed, at the same length.
     let mut bytes = std::fs::read(&haze).unwrap();
     let at = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).position(|w| w == what);
     while let Some(found) = at(&bytes, b"/manifest\0") {

@@ -1,4 +1,4 @@
-//! Outputs that cannot be written leave one line and no debris, and layers go where they are asked to.
+//! Outputs that cannot be written give one line and leave no debris, and layers go where requested.
 
 use super::inputs::{bytes, desk};
 use crate::common::program::{Ran, names, relievo};
@@ -40,7 +40,7 @@ fn layers_go_beside_the_input_into_it_or_alone() {
             channels.iter().all(|name| names.contains(name)),
             "{how}: {names:?}"
         );
-        // With channels the compression of the input is kept.
+        // Adding channels keeps the compression of the input.
         let expected = if how == "channels" { "none" } else { "zips" };
         assert_eq!(last.compression, expected, "{how}");
         let own = names.contains(&"N.X");
@@ -48,7 +48,7 @@ fn layers_go_beside_the_input_into_it_or_alone() {
     }
 }
 
-/// What a run cannot write, and what it says.
+/// Unwritable outputs, with their messages.
 #[cfg(unix)]
 #[test]
 fn what_cannot_be_written_is_one_line_and_no_debris() {
@@ -89,7 +89,7 @@ fn a_disk_that_fills_up_leaves_the_old_file() {
     let here = desk.path();
     relievo(here, "enhance in.0001.exr -o out.exr").ended(0);
     let before = bytes(here, "out.exr");
-    // No file may grow beyond 8 KiB: the write fails in the middle.
+    // No file may exceed 8 KiB: the write fails in the middle.
     let words = format!(
         "trap '' XFSZ; ulimit -f 8; exec {} enhance in.0001.exr -o out.exr --scaling 0.5 --backend cpu",
         env!("CARGO_BIN_EXE_relievo")
@@ -102,7 +102,7 @@ fn a_disk_that_fills_up_leaves_the_old_file() {
     assert_eq!(names(here, ".relievo"), [""; 0]);
 }
 
-/// What is read is never written over, and no file is written twice, however it is spelled.
+/// Inputs are never overwritten, and no file is written twice, under any spelling.
 #[cfg(unix)]
 #[test]
 fn files_are_compared_and_not_their_names() {
@@ -175,7 +175,7 @@ fn files_are_compared_and_not_their_names() {
     assert_eq!(names(here, "o."), [""; 0]);
 }
 
-/// A path that cannot be written to is found before the frame is read: here there is none.
+/// An unwritable path is detected before the frame is read: here there is no frame.
 #[test]
 fn bad_paths_are_found_before_any_work() {
     let desk = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Photos and what goes with them: headers first, pixels when they are needed, no more than fits.
+//! Photos and companion files: headers first, pixels when needed, within memory.
 
 use super::inputs::write_planes;
 use crate::common::program::relievo;
@@ -18,7 +18,7 @@ fn write_grey(path: &Path, [width, height]: [u32; 2], value: impl Fn(u32, u32) -
     writer.write_image_data(&codes).unwrap();
 }
 
-/// A PNG that claims so many pixels, and holds none of them.
+/// A PNG that claims these pixels, and contains none of them.
 fn write_header(path: &Path, [width, height]: [u32; 2]) {
     let encoder = png::Encoder::new(File::create(path).unwrap(), width, height);
     let mut writer = encoder.write_header().unwrap();
@@ -111,7 +111,7 @@ fn environments_are_reduced_to_what_may_be_used() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
     write_small(here);
-    // Brighter to the right and upward, by steps far finer than what they are reduced by.
+    // Brighter to the right and upward, in steps far finer than the reduction.
     let sky = |x: usize, y: usize| [x as f32 / 512.0, 0.3, 1.0 - y as f32 / 256.0];
     for name in ["sky.png", "sky.jpg", "sky.hdr"] {
         write_color(&here.join(name), [512, 256], sky);
@@ -137,7 +137,7 @@ fn environments_are_reduced_to_what_may_be_used() {
             );
         }
     }
-    // Half of 500 KiB is less than the 384 that its samples take.
+    // Half of 500 KiB is less than the 384 KiB of its samples.
     let said = lit("sky.jpg", "500K", 1);
     assert!(
         said.contains("sky.jpg") && said.contains("decoded whole"),

@@ -91,7 +91,7 @@ fn help_of(command: &str) -> String {
     run(Path::new("."), [command, "--help"]).done().stdout
 }
 
-/// What `help` says of `option`: its line, and the lines after it up to the next option.
+/// The entry of `option` in `help`: its line, and the lines after it up to the next option.
 fn entry_of(help: &str, option: &str) -> Option<String> {
     let named = format!("{option} ");
     let mut lines = help
@@ -118,7 +118,7 @@ fn option_rows() -> Vec<(String, String)> {
 
 #[test]
 fn the_defaults_are_those_of_the_program() {
-    // An option that several commands have means the same in all: params hold its default once.
+    // An option shared by several commands has the same meaning in all: params hold its default once.
     let helps = ["enhance", "relight", "hatch"].map(help_of);
     let rows = option_rows();
     for (option, default) in &rows {

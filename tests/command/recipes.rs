@@ -1,4 +1,4 @@
-//! Recipes: any command line, kept and run again.
+//! Recipes: any command line, saved and run again.
 
 use super::inputs::{bytes, desk};
 use crate::common::program::relievo;
@@ -22,12 +22,12 @@ fn a_recipe_is_the_command_line_it_was_made_of() {
     ] {
         assert!(recipe.lines().any(|l| l == line), "{line} in\n{recipe}");
     }
-    // What was chosen automatically is in it too.
+    // It includes automatically chosen values.
     assert!(recipe.contains("curvature-gain = "), "{recipe}");
     relievo(here, "run look.toml in.0001.exr -o two.png").ended(0);
     assert!(bytes(here, "one.png") == bytes(here, "two.png"));
 
-    // The command line has the last word; what it rules out is dropped.
+    // The command line overrides it; conflicting keys are dropped.
     relievo(
         here,
         "run look.toml in.0001.exr -o three.png --contrast 0.5 --iterations 4",
@@ -104,7 +104,7 @@ fn the_recipe_is_recorded_in_the_output() {
         "{recipe}"
     );
     assert!(file.attributes["software"].starts_with("relievo "));
-    // It can be taken out and run.
+    // It can be extracted and run.
     fs::write(here.join("look.toml"), recipe).unwrap();
     relievo(
         here,
@@ -152,7 +152,7 @@ fn what_was_chosen_is_for_the_same_frames() {
         assert!(both[0] != both[1], "{input}");
         both
     });
-    // Another file chooses anew, and says so; the same frames do not.
+    // Another file chooses anew, and reports it; the same frames do not.
     let (made, said) = picture("run look.toml other.exr");
     assert!(made == other[1] && said.contains("--keep-levels"), "{said}");
     let (made, said) = picture("run look.toml other.exr --keep-levels");

@@ -29,7 +29,7 @@ fn tablet(directory: &Path, output: &str, flags: &[&str]) -> Photo {
 /// A small sky, bright to the left of the viewer.
 fn sky(directory: &Path) -> PathBuf {
     let path = directory.join("sky.hdr");
-    // Column 16 of 64 is a quarter turn left of what the viewer looks at.
+    // Column 16 of 64 is a quarter turn left of the view direction.
     let pixel = |x: u32, _| image::Rgb([if (8..24).contains(&x) { 4.0_f32 } else { 0.25 }; 3]);
     image::Rgb32FImage::from_fn(64, 32, pixel)
         .save(&path)
@@ -121,7 +121,7 @@ fn every_material_runs_in_an_environment() {
 
 #[test]
 fn an_environment_lights_from_the_side_where_it_is_bright() {
-    // Left of the map's middle is left of the viewer; turned by half it is right.
+    // Left of the map's middle is left of the viewer; rotated by half a turn it is right.
     let desk = tempfile::tempdir().unwrap();
     let sky = sky(desk.path());
     assert!(read_environment(&sky).unwrap().radiance([-1.0, 0.0, 0.0])[0] > 3.0);

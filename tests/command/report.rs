@@ -1,4 +1,4 @@
-//! `relievo report`: its files, and what the numbers in them have to hold to.
+//! `relievo report`: its files, and bounds on their numbers.
 
 use crate::common::program::{Ran, fixture, run};
 use serde_json::Value;
@@ -95,7 +95,7 @@ fn the_files_are_there_and_others_stay() {
     }
     // The frame, three scenes, directions, the rim, lights and equations, directions of strokes, strokes, mirrors.
     assert_eq!(count, 11);
-    // A star that is no mark of bold differs from one that is.
+    // A star that does not mark bold differs from one that does.
     assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
     let bars = |line: &str| line.replace("\\|", "").matches('|').count();
@@ -116,7 +116,7 @@ fn the_summary_goes_to_stdout_and_progress_to_stderr() {
         "{stdout}"
     );
     assert!(stdout.contains("all as declared"), "{stdout}");
-    // How many lights are enough, and whether prefiltered maps serve.
+    // The number of lights that suffices, and whether prefiltered maps are usable.
     assert!(
         stdout.contains("99 pixels in 100 are within 1/255 of white by")
             && stdout.contains("lights for plain diffuse light")
@@ -239,8 +239,8 @@ fn the_closed_forms_are_met() {
         .into_iter()
         .filter(|(name, _)| name.contains("ball") || name.contains("waves"))
     {
-        // Sobel's derivative of waves of 64 pixels is off by k^2/4 of itself, 2.4e-3 of a trace of 0.067
-        // at slopes of 0.5: 3e-4 relative to the slope; first-order steps of 0.25 add as much.
+        // Sobel's derivative of waves of 64 pixels has a relative error of k^2/4, 2.4e-3 for a trace of 0.067 at slopes
+        // of 0.5: 3e-4 relative to the slope; first-order steps of 0.25 add as much.
         let errors = &row["against_closed_form"];
         if row["solver"] == "chebyshev" {
             assert!(number(&errors["max"]) < 8e-4, "{name}: {errors}");
@@ -335,7 +335,7 @@ fn half_floats_cost_less_than_bytes() {
     }
 }
 
-/// What was measured of light on the frame.
+/// Measurements of light on the frame.
 fn light_on_frame() -> &'static Value {
     let subjects = RUN.json["light"]["subjects"].as_array().unwrap();
     assert_eq!(subjects.len(), 1, "a quick report lights the frame alone");
@@ -521,7 +521,7 @@ fn a_dozen_or_two_levels_break_the_fewest_strokes() {
             number(&rows.iter().find(at).unwrap()["unbroken"])
         };
         let best = [12, 16, 24].map(unbroken);
-        // [LA] section 6.2 takes 12 to 24. Fewer turn in jumps, more cut strokes to pieces.
+        // [LA] section 6.2 uses 12 to 24. Fewer turn in jumps, more cut strokes to pieces.
         for levels in [4, 72, 360] {
             let worse = unbroken(levels);
             assert!(
@@ -550,7 +550,7 @@ fn tones_are_drawn_within_two_hundredths() {
     }
 }
 
-/// What was measured of mirrors by `steps`, `refinements` or `map_heights`.
+/// Measurements of mirrors by `steps`, `refinements` or `map_heights`.
 fn mirror_rows(varied: &str) -> &'static [Value] {
     RUN.json["mirrors"][varied].as_array().unwrap()
 }
@@ -588,7 +588,7 @@ fn mirrors_are_found_by_steps_refinements_and_rows() {
         falls(&columns[2..], 0.4) && columns[5] < 1e-4,
         "{columns:?}"
     );
-    // So are the directions of their curvature, up to the errors of what is seen beside one another.
+    // So are the directions of their curvature, up to errors from the spacing of adjacent hits.
     let turned = of("map_heights", |row| {
         number(&row["direction_on_columns"]["median"])
     });
@@ -675,7 +675,7 @@ fn what_cannot_be_done_is_said_in_one_line() {
     assert_eq!(fs::read_to_string(file).unwrap(), "not a directory");
 }
 
-/// A build that knows of no device says nothing of one.
+/// A build without device support does not mention devices.
 #[cfg(not(feature = "gpu"))]
 #[test]
 fn a_device_is_not_told_of() {

@@ -1,4 +1,4 @@
-//! Frame after frame: one choice for all, and what happens to frames that fail, are missing or are there already.
+//! Frame after frame: one choice for all, and the handling of frames that fail, are missing or already exist.
 
 use super::inputs::{bytes, desk, write_frame};
 use crate::common::program::{names, relievo};
@@ -122,7 +122,7 @@ fn a_frame_that_fails_stops_the_run_or_is_left_behind() {
     assert!(said.contains("1 missing"), "{said}");
     assert!(said.contains("1 failed: 2"), "{said}");
     assert_eq!(names(here, ".relievo"), [""; 0]);
-    // None at all is a plain failure.
+    // A sequence without any frame fails plainly.
     relievo(
         here,
         "enhance in.####.exr --frames 2 -o out.####.png --keep-going",
@@ -200,7 +200,7 @@ fn a_camera_that_stands_still_is_recovered_once() {
     relievo(here, words).ended(0);
     let recipe = fs::read_to_string(here.join("look.toml")).unwrap();
     assert!(recipe.contains("still-camera = "), "{recipe}");
-    // Found anew it is the same, as the frames are.
+    // Determined anew it is the same, like the frames.
     relievo(here, "enhance in.2.exr -o alone.png").ended(0);
     relievo(here, "run look.toml in.2.exr -o by_recipe.png").ended(0);
     assert!(bytes(here, "alone.png") == bytes(here, "by_recipe.png"));

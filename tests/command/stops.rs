@@ -25,7 +25,7 @@ fn begun(directory: &Path, words: &str) -> Child {
         .unwrap()
 }
 
-/// Waits until there are `count` outputs called so, or a minute has passed.
+/// Waits until there are `count` outputs with this prefix, or a minute has passed.
 fn wait_for(directory: &Path, begin: &str, count: usize) {
     let started = Instant::now();
     while names(directory, begin).len() < count && started.elapsed() < Duration::from_secs(60) {
@@ -97,7 +97,7 @@ fn what_a_killed_run_left_is_removed_by_the_next() {
     relievo(here, "enhance in.0001.exr -o ./out.png").ended(0);
     assert!(!left.exists() && held.exists() && foreign.exists());
     assert!(!young.exists() && living.exists());
-    // Sequences sweep too, and the folders of whatever else they write.
+    // Sequences sweep too, including the folders of their other outputs.
     std::fs::create_dir(here.join("times")).unwrap();
     let times = here.join("times").join(young.file_name().unwrap());
     for path in [&young, &times] {

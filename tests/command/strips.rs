@@ -1,4 +1,4 @@
-//! Pictures that do not fit in the memory they are given: the same bits, strip by strip.
+//! Pictures larger than the memory allowed: the same bits, strip by strip.
 
 use super::inputs::{bytes, write_bumps, write_planes};
 use crate::common::program::relievo;
@@ -86,7 +86,7 @@ fn write_photos(here: &Path) {
         let light = |x, y| hue * normal(x, y).z * (0.6 + 0.4 * wave(x / 7 + y / 5));
         Plane::from_fn(width, height, light)
     });
-    // Nothing in the first rows, then a rim, then all.
+    // Empty in the first rows, then a rim, then full.
     let alpha = Plane::from_fn(width, height, |_, y| {
         (y as f32 / 20.0 - 1.0).clamp(0.0, 1.0)
     });
@@ -116,7 +116,7 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
         ),
         ("f.exr", "enhance in16.png --normal n8.png"),
         ("g.png", "shape in8.jpg --normal n8.png"),
-        // What burns is dimmed by what the whole needs.
+        // Burning light is dimmed by the exposure of the whole.
         (
             "h.png",
             "relight in8.jpg --normal n8.png --light 30,40,9,9,9 --method plain",
@@ -126,13 +126,13 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
             let words = format!("{work} -o {kind}.{name} --max-memory {memory}");
             relievo(here, &words).ended(0);
         }
-        // The recipe in an EXR says nothing of memory.
+        // The recipe in an EXR does not mention memory.
         let [whole, strips] = ["whole", "strips"].map(|k| bytes(here, &format!("{k}.{name}")));
         assert!(whole == strips, "{name}");
     }
 }
 
-/// Less than the 313 MiB of the whole: an EXR that is written takes more besides.
+/// Less than the 313 MiB of the whole: writing an EXR needs more besides.
 fn least_of(name: &str) -> &'static str {
     if name.ends_with("exr") {
         "310M"

@@ -1,4 +1,4 @@
-//! As many threads as the system gives.
+//! As many threads as the system allows.
 
 use super::inputs::{bytes, desk};
 use crate::common::program::{Ran, relievo};
@@ -11,7 +11,7 @@ fn more_threads_than_any_machine_has_are_refused() {
     assert!(said.contains("65535 is not in 1..=512"), "{said}");
 }
 
-/// Where memory for stacks ends, fewer threads do the work, and make the same picture.
+/// When memory for stacks runs out, fewer threads do the work, and make the same picture.
 #[cfg(target_os = "linux")]
 #[test]
 fn where_threads_are_scarce_fewer_do_the_work() {
@@ -20,7 +20,7 @@ fn where_threads_are_scarce_fewer_do_the_work() {
     relievo(here, "enhance in.0001.exr -o all.png").ended(0);
     let run = |words: &str| {
         let program = env!("CARGO_BIN_EXE_relievo");
-        // 512 stacks of 8 MiB take 4 GiB.
+        // 512 stacks of 8 MiB need 4 GiB.
         let script = format!("ulimit -v 2500000; exec {program} {words}");
         Ran::of(Command::new("sh").args(["-c", &script]).current_dir(here)).ended(0)
     };

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// How samples are stored.
+/// Type of stored samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stored {
     Half,

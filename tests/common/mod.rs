@@ -1,4 +1,4 @@
-//! What the tests share: inputs, runs of the program, and frames turned and mirrored.
+//! Shared by the tests: inputs, runs of the program, and rotated and mirrored frames.
 
 #![allow(dead_code, reason = "each test binary uses its own part")]
 #![allow(unreachable_pub, reason = "each test binary is its own crate")]
@@ -42,9 +42,9 @@ pub fn through_a_file(layers: &[(&str, &Plane)], stored: Stored) -> Loaded {
     io::load(&inputs, needs).unwrap()
 }
 
-/// The frame as seen in a mirror that stands to its left: columns reversed, x of vectors negated.
+/// The frame as seen in a mirror to its left: columns reversed, x of vectors negated.
 ///
-/// The camera's world is mirrored with it, so that its rotation stays one.
+/// The camera's world is mirrored with it, so that its rotation stays proper.
 pub fn mirrored(frame: &Frame) -> Frame {
     let shown = frame.display_window;
     let flip = |x: i32| shown.x0 + shown.x1 - x;
@@ -86,7 +86,7 @@ pub fn mirrored(frame: &Frame) -> Frame {
     )
 }
 
-/// The frame turned a quarter counterclockwise: what was at the right is at the top.
+/// The frame rotated a quarter turn counterclockwise: the right side becomes the top.
 ///
 /// The world stays as it is; the camera is rolled.
 pub fn quarter_turned(frame: &Frame) -> Frame {
@@ -188,7 +188,7 @@ pub fn direction_at(found: &Vector2Planes, x: usize, y: usize) -> DVec2 {
     DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into())
 }
 
-/// The value below which this share of the sorted values lies.
+/// The quantile of the sorted values for this share.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[((sorted.len() - 1) as f64 * share).round() as usize]
 }
@@ -206,21 +206,21 @@ pub fn bits(plane: &Plane) -> Vec<u32> {
     plane.samples().iter().map(|s| s.to_bits()).collect()
 }
 
-/// A plane turned the way `quarter_turned` turns a frame.
+/// A plane rotated like a frame by `quarter_turned`.
 pub fn quarter_turned_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
     Plane::from_fn(plane.height(), plane.width(), |x, y| {
         plane.at(plane.width() - 1 - y, x)
     })
 }
 
-/// A plane mirrored the way `mirrored` mirrors a frame.
+/// A plane mirrored like a frame by `mirrored`.
 pub fn mirrored_plane<T: Copy>(plane: &Plane<T>) -> Plane<T> {
     Plane::from_fn(plane.width(), plane.height(), |x, y| {
         plane.at(plane.width() - 1 - x, y)
     })
 }
 
-/// How samples and vectors move: the sample at (x, y) comes from `from(x, y)`.
+/// Rearrangement of samples and vectors: the sample at (x, y) comes from `from(x, y)`.
 struct Rearranged<P, V> {
     width: usize,
     height: usize,
@@ -278,7 +278,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             occlusion: frame.occlusion.as_ref().map(plane),
             importance: frame.importance.as_ref().map(plane),
             strength: frame.strength.as_ref().map(plane),
-            // No scene of tests has objects with directions of their own.
+            // No test scene has objects with directions of their own.
             stroke_fallback: None,
             color: frame.color.as_ref().map(colors),
             albedo: frame.albedo.as_ref().map(colors),

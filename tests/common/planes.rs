@@ -3,7 +3,7 @@
 use relievo::engine::Outcome;
 use relievo::frame::Plane;
 
-/// Every plane there is; those of the picture last.
+/// All planes; those of the picture last.
 pub fn planes(outcome: &Outcome) -> Vec<(&'static str, &Plane)> {
     let shape = &outcome.shape;
     let (gradient, hessian) = (shape.gradient.as_ref(), shape.hessian.as_ref());

@@ -71,7 +71,7 @@ impl Ran {
         errors[0].into()
     }
 
-    /// The only line of a refusal with exit code `code`; it says what to do next.
+    /// The only line of a refusal with exit code `code`; it must name a remedy.
     #[track_caller]
     pub fn refused(self, code: i32) -> String {
         assert_eq!(self.stdout, "", "an error leaves stdout alone");
@@ -79,7 +79,7 @@ impl Ran {
         assert!(line.starts_with("error: "), "{line}");
         assert!(line.ends_with('\n'), "{line}");
         assert_eq!(line.lines().count(), 1, "{line}");
-        // What the system refused it explains in its own words.
+        // Refusals by the system carry its own explanation.
         let advises = line.contains("; ") || line.contains(": cannot ");
         assert!(advises, "no word on what to do next: {line}");
         line

@@ -1,4 +1,4 @@
-//! New light on a small scene: all that is asked of it, every material and method.
+//! New light on a small scene: every material and method.
 
 use glam::DVec3;
 use relievo::frame::Frame;
@@ -8,7 +8,7 @@ use relievo::params::{Material, Method, RelightParams, Samples, ScalingParams, S
 use relievo::plan::{Available, LightKinds, Plan};
 use relievo::report::scenes::{ExactScene, Surface};
 
-/// What a test asks for.
+/// Settings of a test.
 #[derive(Clone)]
 pub struct Asked {
     pub shape: ShapeParams,

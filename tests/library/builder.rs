@@ -1,4 +1,4 @@
-//! Frames of samples in memory: equal to those of files bit for bit, whatever the layout, and refused with a reason.
+//! Frames from samples in memory: equal to those from files bit for bit, in any layout, and refused with a reason.
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -13,7 +13,7 @@ use relievo::io::{self, Needs};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The channels of the only part of a file, as they are stored.
+/// The channels of the only part of a file, as stored.
 fn raw_channels(path: &Path) -> BTreeMap<String, FlatSamples> {
     let image = exr::prelude::read()
         .no_deep_data()
@@ -198,7 +198,7 @@ fn camera() -> Camera {
     }
 }
 
-/// What a hostile file says, and how the same is built.
+/// Content of a hostile file, and the builder's equivalent.
 struct Case {
     layers: Vec<(&'static str, Plane)>,
     sample_type: OutputType,
@@ -260,7 +260,7 @@ impl Case {
         io::load(&inputs, needs).unwrap().frame
     }
 
-    /// Builds the same of what the file holds.
+    /// Builds the same frame from the file's content.
     fn build(&self, path: &Path) -> Frame {
         let channels = raw_channels(path);
         let rgb = |name: &str| samples(&channels, name, ["R", "G", "B"]);
@@ -366,7 +366,7 @@ fn hostile_samples_are_sanitised_as_those_of_files() {
         assert!(read.mask.count() > WIDTH, "{}", read.mask.count());
         let mut built = case.build(&path);
         if case.depth.is_none() {
-            // Of a file the normals are asked whether positions are places; these are not.
+            // For a file the normals decide whether positions are places; these are not.
             assert_eq!(built.source.depth_kind, DepthKind::Planar);
             built.source.depth_kind = read.source.depth_kind;
         }
@@ -380,7 +380,7 @@ fn hostile_samples_are_sanitised_as_those_of_files() {
     }
 }
 
-/// A few normals and depths, to be laid out in every way.
+/// A few normals and depths, for every layout.
 fn ramp() -> [Plane; 3] {
     [0.25, 0.5, 1.0].map(|step| {
         Plane::from_fn(5, 4, |x, y| {
@@ -460,8 +460,8 @@ fn integers_are_read_as_those_of_photos() {
     // The file's picture is read for its coverage; memory has none.
     built.color.clone_from(&read.frame.color);
     assert_same(&built, &read.frame);
-    // 16 bits and half floats say the same, to their precision, but that the steps of 8 bits are kept: the smoothest normals
-    // with these codes are up to half a step of 2/255 away.
+    // 16 bits and half floats give the same, to their precision, except that the steps of 8 bits remain: the smoothest
+    // normals with these codes are up to half a step of 2/255 away.
     let wide: Vec<u16> = stored.iter().map(|&v| u16::from(v) * 257).collect();
     let half: Vec<f16> = stored
         .iter()
@@ -478,7 +478,7 @@ fn integers_are_read_as_those_of_photos() {
     }
 }
 
-/// The message of what cannot be built.
+/// The message for a builder that fails.
 fn refusal(builder: FrameBuilder) -> String {
     builder.build().expect_err("refused").to_string()
 }

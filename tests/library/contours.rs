@@ -1,5 +1,4 @@
-//! Contours against scenes whose edges are known: where lines run, how wide they are, that each edge has one,
-//! and that they meet.
+//! Contours in scenes with known edges: their positions and widths, one for each edge, and their junctions.
 
 use crate::common::cpu;
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
@@ -47,7 +46,7 @@ fn interpolated(ink: &Plane, p: Vec2) -> f32 {
     row(y) * (1.0 - share.y) + row(y + 1) * share.y
 }
 
-/// How often ink starts along a straight way, looked at every tenth of a pixel.
+/// Number of ink runs along a straight line, sampled every tenth of a pixel.
 fn runs_of_ink(ink: &Plane, from: Vec2, to: Vec2) -> usize {
     let steps = (10.0 * from.distance(to)) as usize;
     let is_inked = |i: usize| {
@@ -110,19 +109,19 @@ fn a_disc_is_one_smooth_closed_line() {
     assert_eq!(drawing.contour_lines.len(), 1);
     let line = &drawing.contour_lines[0];
     assert!(line.is_closed() && line.kind == ContourKind::Silhouette);
-    // A crack lies within half a pixel of the edge that passes between its pixels.
+    // A crack is within half a pixel of the edge between its pixels.
     let off = farthest_from_circle(line);
     assert!(off < 0.5, "{off}");
-    // Over s pixels a circle turns by s/R: over 12 pixels by 0.2 rad. Were the steps between pixels left in,
-    // single turns would be 0 or 0.8 rad.
+    // Over s pixels a circle turns by s/R: over 12 pixels by 0.2 rad. With the steps between pixels left in, single
+    // turns would be 0 or 0.8 rad.
     let points = evenly(line, 12.0);
     for three in points.windows(3) {
         let turn = (three[1] - three[0]).angle_to(three[2] - three[1]);
         assert!((turn.abs() - 12.0 / RADIUS).abs() < 0.1, "turns by {turn}");
     }
-    // Before the background, and almost at one depth: a rim pixel lies up to 1 px inside, the surface there
-    // sqrt(R^2 - (R-1)^2) = 11 px nearer than the rim, 2.7 % of the distance of 400. Over 0.4 in the logarithm
-    // 40 % of the width are lost: here up to 2.7 %.
+    // Before the background, and almost at one depth: a rim pixel is up to 1 px inside, where the surface is sqrt(R^2 -
+    // (R-1)^2) = 11 px nearer than the rim, 2.7 % of the distance of 400. Over 0.4 in the logarithm 40 % of the width
+    // are lost: here up to 2.7 %.
     let width = ContourParams::default().width_px;
     assert!(line.widths.iter().all(|&w| w <= width && w > 0.97 * width));
     let sum: f32 = ink(&drawing).samples().iter().sum();
@@ -141,8 +140,8 @@ fn alpha_tells_where_between_pixels_the_edge_is() {
         ..disc()
     };
     let line = &drawn(&smooth).contour_lines[0];
-    // Sums of coverage along rows or columns miss a slanted edge of slope m by up to m/8 where it leaves the
-    // four pixels looked at, here never: 1/16 pixel of sampling, and what smoothing adds.
+    // Sums of coverage along rows or columns miss a slanted edge of slope m by up to m/8 where it leaves the four
+    // pixels considered, here never: 1/16 pixel of sampling, plus smoothing.
     let off = farthest_from_circle(line);
     assert!(off < 0.2, "{off}");
 }
@@ -157,7 +156,7 @@ fn one_run_of_ink_on_every_way_across_an_edge() {
     }
 }
 
-/// Where the balls of `two_balls(40, 50)` are seen: near and far, with their radii.
+/// Image positions of the balls of `two_balls(40, 50)`: near and far, with their radii.
 fn balls() -> (Frame, [(Vec2, f32); 2]) {
     let (near, far, cx, cy) = (40.0, 50.0, 90.2, 100.4);
     let frame = ExactScene::two_balls(near, far, cx, cy).frame(200, 200);
@@ -175,7 +174,7 @@ fn the_nearer_ball_is_outlined_whole_and_the_farther_joins_it() {
     for i in 0..360 {
         let way = Vec2::from_angle(i as f32 * PI / 180.0);
         let edge = near + near_radius * way;
-        // Where the farther ball's own outline is close by, both are crossed.
+        // Near the farther ball's own outline both are crossed.
         if (edge.distance(far) - far_radius).abs() > 9.0 {
             let runs = runs_of_ink(ink, edge - 6.0 * way, edge + 6.0 * way);
             assert_eq!(runs, 1, "near ball, {i} degrees");
@@ -315,9 +314,9 @@ fn mirrored_and_turned_frames_give_mirrored_and_turned_drawings() {
         let drawing = drawn(&frame);
         let mirror = drawn(&mirrored(&frame));
         let turned = drawn(&quarter_turned(&frame));
-        // Silhouettes are the same to rounding, but are cut into pieces from another end on, each within 0.03 px
-        // of the line. Bands two pixels wide are thinned to the one or the other, whose neighbours differ: a
-        // crease moves by up to a tenth of a pixel. A line moved by d changes 2 d of ink per pixel of length.
+        // Silhouettes are equal to rounding, but are divided into pieces from another end, each within 0.03 px of the
+        // line. Bands two pixels wide are thinned to one of the two, whose neighbours differ: a crease moves by up to a
+        // tenth of a pixel. A line moved by d changes 2 d of ink per pixel of length.
         let all: f32 = drawing.contour_lines.iter().map(length).sum();
         for (case, other) in [
             (mirrored_plane(ink(&drawing)), mirror),

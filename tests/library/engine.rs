@@ -44,7 +44,7 @@ fn shape() -> ShapeParams {
     }
 }
 
-/// Parameters of which none is chosen from the frame.
+/// Parameters with nothing chosen from the frame.
 fn given() -> ScalingParams {
     ScalingParams {
         curvature_gain: Adaptive::Fixed(3.0),
@@ -97,7 +97,7 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
     let (frame, engine) = (waves(), Engine::cpu());
     let request = Request::enhance(shape(), ScalingParams::default());
     let token = CancelToken::new();
-    // In the middle: as soon as the diffusion begins.
+    // In the middle: as soon as diffusion begins.
     let tell = |at: Progress| {
         if at.stage == "diffusion" {
             token.cancel();
@@ -116,8 +116,8 @@ fn a_cancelled_run_ends_and_the_next_does_not() {
     assert_eq!(red(&after.color), red(&anew.color));
 }
 
-/// A run of each kind is cancelled as each of its passes begins. Then the same session, with whatever it kept, makes the
-/// samples of one that was never cancelled.
+/// A run of each kind is cancelled as each of its passes begins. Afterwards the same session, with its cached products,
+/// gives the samples of one that was never cancelled.
 #[test]
 fn wherever_a_run_is_cancelled_its_session_stays_whole() {
     let (frame, light, scaling) = (waves(), lamp(), ScalingParams::default());
@@ -150,7 +150,7 @@ fn wherever_a_run_is_cancelled_its_session_stays_whole() {
                 };
                 let run = Run::new().progress(&tell).cancel(&token);
                 let stopped = session.run(request, &run).err();
-                // What is kept by then may leave the pass out.
+                // Cached products may make the pass unnecessary.
                 let is_met = matches!(stopped, Some(Error::Cancelled)) && token.is_cancelled();
                 assert!(is_met || with_kept && stopped.is_none(), "{pass}");
                 let again = session.run(request, &Run::new()).unwrap();

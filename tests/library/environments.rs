@@ -72,7 +72,7 @@ fn made_up() -> Environment {
     })
 }
 
-/// All maps there are: the made-up one, and the real ones where they are present.
+/// All maps: the synthetic one, and the real ones if present.
 fn maps() -> Vec<(String, Environment)> {
     let files = [
         "courtyard_512.hdr",
@@ -102,7 +102,7 @@ fn more_lights_err_less() {
         let cut = counts.map(|n| of(&median_cut(&map, n)));
         let uniform = counts.map(|n| of(&uniform_lights(&map, n)));
         println!("{name:<22} lights {counts:?}: median cut {cut:.5?}, uniform {uniform:.5?}");
-        // Four times the lights halve the size of regions; what is asked for is half the gain of that.
+        // Four times the lights halve the size of regions; half of the corresponding gain is required.
         for pair in cut.windows(2) {
             assert!(pair[1] < 0.7 * pair[0], "{name}: {cut:?}");
         }
@@ -223,7 +223,7 @@ fn what_cannot_light_is_refused_in_one_line() {
 #[test]
 fn layers_of_a_lit_sphere_are_added_up() {
     let planes = [0.25, 0.5].map(|value| Plane::filled(16, 16, value));
-    // The lower right quarter of what is shown.
+    // The lower right quarter of the display window.
     let mut part = Part::new(Window::at(16, 16, 16, 16));
     for (layer, plane) in ["diffuse", "specular"].iter().zip(&planes) {
         for component in ["R", "G", "B"] {

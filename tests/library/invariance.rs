@@ -1,5 +1,4 @@
-//! What must change nothing: mirrors, turns, crops, windows, threads, tiles and whatever lies outside the
-//! mask.
+//! Invariance under mirrors, rotations, crops, windows, threads, tiles and any content outside the mask.
 
 use crate::common::cpu;
 use crate::common::planes::planes;
@@ -45,7 +44,7 @@ fn frames() -> Vec<Frame> {
     frames_of_size(1)
 }
 
-/// The same in pictures so many times as large.
+/// The same in pictures `times` as large.
 fn frames_of_size(times: usize) -> Vec<Frame> {
     let px = |length: f64| length * times as f64;
     let balls = ExactScene::two_balls(px(22.0), px(31.0), px(51.3), px(44.6)).in_perspective();
@@ -121,7 +120,7 @@ fn a_turned_picture_gives_the_turned_result() {
         for ((name, expected), (_, found)) in scalars(&plain).into_iter().zip(scalars(&turned)) {
             assert_close(name, found, &quarter_turned_plane(expected));
         }
-        // Counterclockwise: what pointed right points up.
+        // Counterclockwise: right becomes up.
         if let (Some(plain), Some(turned)) = (plain.shape.gradient, turned.shape.gradient) {
             assert_close("gradient.y", &turned.y, &quarter_turned_plane(&plain.x));
             assert_close(
@@ -216,7 +215,7 @@ fn a_crop_gives_the_same_bits_away_from_its_border() {
 
 #[test]
 fn moving_the_windows_changes_nothing() {
-    // A picture without a camera may lie anywhere: overscan, negative origins.
+    // A picture without a camera may be anywhere: overscan, negative origins.
     for (mut frame, case) in frames()
         .into_iter()
         .flat_map(|f| CASES.map(|case| (f.clone(), case)))

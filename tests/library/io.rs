@@ -1,4 +1,4 @@
-//! Files in and out: round trips, copies with a part added, and files that lie.
+//! Files in and out: round trips, copies with a part added, and files with false claims.
 
 use crate::common::bits;
 use crate::common::real_files::real;
@@ -55,7 +55,7 @@ fn appended(input: &ExrFile, part: &OutputPart) -> Vec<u8> {
     file.into_inner()
 }
 
-/// A small file with what is awkward: overscan, odd names, samples that are no numbers.
+/// A small file with awkward content: overscan, odd names, NaN samples.
 fn awkward() -> (Plane, Plane, Vec<u8>) {
     let mut float = Plane::from_fn(37, 35, |x, y| (x as f32 - 7.3) * y as f32);
     float.samples_mut()[..5].copy_from_slice(&[
@@ -201,7 +201,7 @@ fn check_append(path: &Path) {
     assert_eq!(bits(&after[before.len()]), bits(&plane));
 }
 
-/// Opens and reads whatever `path` holds; an error must be one line and name the file.
+/// Opens and reads any content of `path`; an error must be one line and name the file.
 fn survive(path: &Path) -> Result<(), String> {
     let attempt = || -> relievo::Result<()> {
         let file = ExrFile::open(path, &Limits::default())?;
@@ -290,7 +290,7 @@ fn patched(bytes: &[u8], name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The bytes in which the first text called `attribute` has no type: what was its type belongs to its value.
+/// The bytes with the first text attribute `attribute` stripped of its type, which joins its value.
 fn without_type(bytes: &[u8], attribute: &str) -> Vec<u8> {
     let key = format!("{attribute}\0string\0");
     let at = bytes
@@ -381,7 +381,7 @@ fn dwa_counters_are_not_believed() {
     }
 }
 
-/// A small generator of numbers that look random (xorshift), the same in every run.
+/// A small pseudo-random generator (xorshift), the same in every run.
 struct Dice(u64);
 
 impl Dice {

@@ -1,4 +1,4 @@
-//! Layers under names that no table holds: found by the words of their names, else by their numbers.
+//! Layers with names in no table: found by the words of their names, else by their numbers.
 
 use crate::common::exr::{Part, Stored, write};
 use relievo::frame::{Plane, Window};
@@ -221,7 +221,8 @@ fn a_file_without_normals_names_the_nearest_layer() {
         ),
         "{line}"
     );
-    // What means something else is no guess, and what holds no numbers, or one, or all alike, is no evidence.
+    // Names with another meaning are not guessed at, and layers without numbers, with one, or all alike give no
+    // evidence.
     for (size, value) in [
         (SIZE, f32::NAN),
         (SIZE, f32::INFINITY),
@@ -253,7 +254,7 @@ fn none_leaves_a_layer_out() {
         load(&inputs, Needs::default())
     };
     let has_depth = |change: &dyn Fn(&mut Inputs)| with(change).unwrap().frame.depth.is_some();
-    // Positions stand in for depth where they are not left out too.
+    // Positions replace depth unless they are left out too.
     assert!(has_depth(&|inputs| inputs.depth = none()));
     assert!(!has_depth(
         &|inputs| (inputs.depth, inputs.position) = (none(), none())

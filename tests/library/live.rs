@@ -1,4 +1,4 @@
-//! A runner that keeps a frame makes what one makes that begins anew, and no more of it than a change touches.
+//! A session that keeps a frame gives the results of a fresh one, and recomputes only what a change affects.
 
 use crate::common::bits;
 use crate::common::cpu;
@@ -38,7 +38,7 @@ fn light(azimuth: f32) -> Illumination {
     }
 }
 
-/// What is asked for.
+/// A request.
 #[derive(Clone)]
 struct Asked {
     goal: Goal,
@@ -180,7 +180,7 @@ fn what_is_kept_changes_no_bit() {
     }
 }
 
-/// The passes that `asked` makes run after `before` has.
+/// The passes run for `asked` after `before`.
 fn passes_of(live: &mut Session<Frame>, before: &Asked, asked: &Asked) -> Vec<&'static str> {
     before.run_on(live);
     let counts = live.counts().clone();
@@ -200,7 +200,7 @@ fn only_what_a_change_touches_is_made_anew() {
         let after = before.with(change);
         passes_of(&mut live, before, &after)
     };
-    // Light and its scaling leave shape alone.
+    // Light and its scaling do not affect shape.
     assert_eq!(passes(&relight, |a| a.azimuth = 30.0), ["relight"]);
     assert_eq!(passes(&relight, |a| a.scaling.scaling = 1.5), ["relight"]);
     assert_eq!(
@@ -211,14 +211,14 @@ fn only_what_a_change_touches_is_made_anew() {
         passes(&enhance, |a| a.scaling.scaling = 1.5),
         ["radiance-scaling"]
     );
-    // A scale is diffused anew, between the same edges.
+    // A new scale repeats the diffusion, between the same edges.
     let another_scale = |a: &mut Asked| a.shape.scale = Scale::Iterations(30);
     let expected = ["auto-gain", "diffusion", "relight", "trace"];
     assert_eq!(passes(&relight, another_scale), expected);
-    // The gain is of the same curvature.
+    // A given gain applies to the same curvature.
     let told_gain = |a: &mut Asked| a.scaling.curvature_gain = Adaptive::Fixed(4.0);
     assert_eq!(passes(&enhance, told_gain), ["radiance-scaling"]);
-    // Other edges make everything anew but what is of the picture alone.
+    // Other edges recompute everything except products of the picture alone.
     let other_edges = |a: &mut Asked| a.shape.crease = SoftThreshold { lo: 20.0, hi: 40.0 };
     let expected = [
         "auto-gain",
@@ -228,7 +228,7 @@ fn only_what_a_change_touches_is_made_anew() {
         "trace",
     ];
     assert_eq!(passes(&enhance, other_edges), expected);
-    // Of a drawing in another light directions and contours stay.
+    // A drawing in another light keeps directions and contours.
     let other_light = passes(&hatch, |a| a.azimuth = 30.0);
     assert_eq!(other_light, ["auto-white", "hatching", "relight"]);
 }

@@ -45,8 +45,8 @@ fn expected(exact: &Exact, projection: Projection) -> Option<DVec2> {
     Some(DVec2::new(seen.x, -seen.y).normalize())
 }
 
-/// Whether a pixel and a neighbour along either axis are open: at a corner of edges the direction is its
-/// neighbours'.
+/// Whether a pixel and a neighbour along either axis are open: at a corner of edges the direction comes from its
+/// neighbours.
 fn has_rays(conductance: &Plane, x: usize, y: usize) -> bool {
     let (width, height) = (conductance.width(), conductance.height());
     let open = |x: usize, y: usize| x < width && y < height && conductance.at(x, y) > 0.0;
@@ -115,7 +115,7 @@ fn scenes(radius: f64) -> Vec<(&'static str, ExactScene)> {
     ]
 }
 
-/// In perspective, from three radii away, a pixel being as large as before.
+/// In perspective, from three radii away, with pixels of the same size as before.
 fn deep(scene: ExactScene, radius: f64) -> ExactScene {
     let Projection::Orthographic { cx, cy, .. } = scene.projection else {
         panic!("already in perspective");
@@ -225,7 +225,7 @@ fn coarse_normals_are_compared_farther_away() {
             let half = rounded(frame.clone(), 1.0 / 4096.0, |v| {
                 half::f16::from_f32(v).to_f32()
             });
-            // What was measured: p95 7.1 and 1.9 at the most.
+            // Measured: p95 of at most 7.1 and 1.9.
             for (stored, frame, bound) in [("8 bits", in_8_bits(frame), 8.0), ("half", half, 2.0)] {
                 let [one, auto] = [Adaptive::Fixed(1.0), Adaptive::Auto].map(|step| {
                     let errors = errors_deg(&scene, &frame, step);
@@ -288,7 +288,7 @@ fn balls_and_planes_take_the_fixed_axis_and_show_no_noise() {
 
 #[test]
 fn an_umbilic_takes_its_neighbours_direction() {
-    // A capsule: the cylinder of radius 60 around y goes over into balls where its ends lie.
+    // A capsule: the cylinder of radius 60 around y continues in balls at its ends.
     let frame = {
         let tube = ExactScene::orthographic(Surface::cylinder(60.0, DVec3::X), 100.0, 100.0);
         let mut frame = tube.frame(200, 200);
@@ -309,13 +309,13 @@ fn an_umbilic_takes_its_neighbours_direction() {
         without_depth(frame.clone())
     };
     let (found, _) = directions(&frame, Adaptive::Auto);
-    // Across the axis on the tube; on the caps its neighbours' across too, as far as the waves go from
-    // the seam: along the middle row all the way.
+    // Across the axis on the tube; on the caps also across, from their neighbours, as far as the waves reach from the
+    // seam: along the middle row all the way.
     for x in 45..155 {
         let t = direction_at(&found, x, 100);
         assert!(t.x.abs() < 0.02, "({x}, 100): {t}");
     }
-    // Not the fixed direction by chance: turned by a quarter, it is the other axis.
+    // Not the fixed direction by chance: rotated by a quarter turn, it is the other axis.
     let turned = quarter_turned(&frame);
     let (found, _) = directions(&turned, Adaptive::Auto);
     for y in 45..155 {
@@ -372,7 +372,7 @@ fn turned_and_mirrored_pictures_give_turned_and_mirrored_directions() {
                 let (turned, _) = directions(&quarter_turned(&frame), Adaptive::Auto);
                 let (width, height) = (frame.mask.width(), frame.mask.height());
                 for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-                    // What pixels find themselves; where two curvatures are alike in size either may win.
+                    // Pixels' own directions; where two curvatures are equal in magnitude either may win.
                     let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
                     if exact.and_then(|e| expected(&e, scene.projection)).is_none() {
                         continue;
@@ -441,7 +441,7 @@ fn the_unit_of_length_changes_nothing() {
             for (x, y) in (0..open.height()).flat_map(|y| (0..open.width()).map(move |x| (x, y))) {
                 let exact = scene.exact(x, y).filter(|_| open.at(x, y) > 0.0);
                 if exact.and_then(|e| expected(&e, scene.projection)).is_some() {
-                    // Depth is rounded anew.
+                    // Depth is rounded again.
                     let angle = angle_deg(direction_at(&found, x, y), direction_at(&plain, x, y));
                     assert!(
                         angle < 0.05,
@@ -468,7 +468,7 @@ fn depth_may_be_measured_along_the_sight_line() {
         frame.source.depth_kind = DepthKind::Ray;
         let errors = errors_deg(&scene, &frame, Adaptive::Auto);
         let p95 = quantile(&errors, 0.95);
-        // As from planar depth: see the table of the second order.
+        // As for planar depth: see the table of the second order.
         assert!(p95 < 0.1, "{name}: {p95} degrees");
     }
 }

@@ -1,4 +1,4 @@
-//! Where the surface lies, from whatever layers give it: positions, or depth of any kind.
+//! Surface points from any layers that give them: positions, or depth of any kind.
 
 use crate::common::cpu;
 use crate::common::exr::{Part, Stored};
@@ -56,8 +56,8 @@ fn loaded(path: &Path, camera: Option<&Path>) -> Loaded {
     io::load(&inputs, needs).unwrap()
 }
 
-/// The 95th percentile of the angle, in degrees, between the directions of two frames, and what points
-/// the first were taken from.
+/// The 95th percentile of the angle, in degrees, between the directions of two frames, and the source of the first
+/// one's points.
 fn compared(frame: &Frame, truth: &Frame) -> (f64, Points) {
     let run = |frame: &Frame| {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());

@@ -1,7 +1,7 @@
 //! With a reference height a look survives resolution: the same scene at 270, 540 and 1080 lines.
 //!
-//! Lengths are in pixels at the reference height of 540 lines. What is found is compared with the closed
-//! form, so that the errors stated hold between any two resolutions too, added up.
+//! Lengths are in pixels at the reference height of 540 lines. Results are compared with the closed form, so the bounds
+//! also hold between any two resolutions, added up.
 
 use crate::common::cpu;
 use glam::{DVec2, DVec3};
@@ -18,7 +18,7 @@ const GAIN: f32 = 30.0;
 /// The scale of most tests, in pixels at the reference height.
 const SIGMA: f64 = 12.0;
 
-/// Pixels of a picture of so many lines per pixel of the reference.
+/// Pixels per reference pixel in a picture of `lines` lines.
 fn factor(lines: usize) -> f64 {
     lines as f64 / f64::from(REFERENCE)
 }
@@ -65,7 +65,7 @@ fn waves(lines: usize) -> Frame {
     frame
 }
 
-/// Where a pixel's centre lies, in pixels of the reference, y up.
+/// Position of a pixel's centre, in pixels of the reference, y up.
 fn position(x: usize, y: usize, scale: f64) -> DVec2 {
     DVec2::new(x as f64 + 0.5, -(y as f64 + 0.5)) / scale
 }
@@ -91,12 +91,12 @@ fn wave_error(lines: usize, sigma: f64, shape: ShapeParams) -> f64 {
     largest
 }
 
-/// How far kappa may be from the closed form at so many lines, 0.0061 at the least of them.
+/// Largest error of kappa against the closed form at `lines` lines, at least 0.0061.
 ///
-/// Per pixel the wave number is q = K / factor. Sobel's kernel finds sin(q_x)(1 + cos q_y)/2 for q_x:
-/// the trace is low by at most 5/24 q^2. Diffusion for a time t decays with 2(1 - cos q) for q^2, off by
-/// t q^4/12, and a step of dt by t q^4 dt/2 more. A relative error e of x moves tanh(x) by at most
-/// max(x sech^2 x) e = 0.448 e. Rounding and the expansion add less than 3e-4.
+/// Per pixel the wave number is q = K / factor. Sobel's kernel gives sin(q_x)(1 + cos q_y)/2 for q_x: the trace is low
+/// by at most 5/24 q^2. Diffusion for a time t decays with 2(1 - cos q) for q^2, off by t q^4/12, and a step of dt by t
+/// q^4 dt/2 more. A relative error e of x moves tanh(x) by at most max(x sech^2 x) e = 0.448 e. Rounding and the
+/// expansion add less than 3e-4.
 fn allowed(lines: usize, sigma: f64) -> f64 {
     let q = K / factor(lines);
     let time = 0.5 * (sigma * factor(lines)).powi(2);
@@ -174,7 +174,7 @@ fn balls(lines: usize) -> ExactScene {
     }
 }
 
-/// Which ball is seen at a position of the picture at the reference height and all around it.
+/// The ball seen at a position of the picture at the reference height and all around it.
 fn well_inside(scene: &ExactScene, x: f64, y: f64, margin: f64) -> Option<usize> {
     let seen = |x, y| scene.exact_at(x, y).map(|exact| exact.surface);
     let here = seen(x, y)?;
@@ -226,7 +226,7 @@ fn balls_keep_their_kappa_at_every_resolution() {
     }
 }
 
-// What the height is that of ------------------------------------------------------------------
+// The height that the reference refers to ----------------------------------------------------
 
 #[test]
 fn the_picture_at_its_reference_height_keeps_its_bits() {
@@ -244,7 +244,7 @@ fn a_crop_counts_the_lines_of_the_whole_picture() {
     let whole = waves(270);
     let part = Window::at(0, 40, 135, 160);
     let cropped = whole.crop(part);
-    // The display takes what kappa takes; layers take directions too, from farther away.
+    // The display needs the inputs of kappa; layers also need directions, from farther away.
     let plan = |frame| {
         let available = Available::in_frame(frame);
         Plan::new(Goal::Display, available, shape, ScalingParams::default()).unwrap()

@@ -1,4 +1,4 @@
-//! Hostile values: whatever a file or a caller brings, no panic, and no NaN or infinity in a result.
+//! Hostile values: for any input from a file or a caller, no panic, and no NaN or infinity in a result.
 
 use crate::common::cpu;
 use crate::common::exr::Stored;
@@ -88,7 +88,7 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
     Plan::new(goal, Available::in_frame(frame), shape, scaling).unwrap()
 }
 
-/// How many planes a goal must have given: an outcome without planes has no NaN either.
+/// Least number of planes for a goal: an outcome without planes has no NaN either.
 fn least_planes(goal: Goal, scaling: &ScalingParams) -> usize {
     match goal {
         Goal::Layers => 16,
@@ -250,7 +250,7 @@ fn long_diffusion_settles() {
     assert_finite_under(&ball(13, 11), "ball", &settings);
 }
 
-/// Colour far past any display, and past what most settings can scale within a float.
+/// Colours far beyond any display, and beyond the range that most settings can scale within a float.
 #[test]
 fn enormous_colours_stay_finite() {
     let lit = |peak: f32| {
@@ -268,7 +268,7 @@ fn enormous_colours_stay_finite() {
             ..ball(29, 23)
         }
     };
-    // The largest scaling, e^60 or 1e26, would take these out of range.
+    // The largest scaling, e^60 or 1e26, would overflow for these.
     assert_finite(&lit(1e30), "colours of 1e30");
 }
 
@@ -335,7 +335,7 @@ fn spoilt(frame: &Frame, poison: f32) -> Frame {
             b: spoil(&c.b),
         }),
         alpha: frame.alpha.as_ref().map(spoil),
-        // An occlusion map has no mask of its own: what it says beside the surface is the border's.
+        // An occlusion map has no mask of its own: its values beside the surface belong to the border.
         ..poisoned(frame, poison)
     }
 }
@@ -465,7 +465,7 @@ fn normals_without_direction_are_left_out_and_no_others() {
             }
             let frame = render.through_a_file(stored).frame;
             for (i, (n, covered)) in cases.iter().enumerate() {
-                // Half floats hold no 3e38: it becomes 65504 and so a normal of some direction.
+                // Half floats cannot hold 3e38: it becomes 65504 and so a normal of some direction.
                 if stored == Stored::Float || n.max_element() < 1e5 || !n.is_finite() {
                     assert_eq!(frame.mask.at(2 * i + 1, 3), *covered, "{n}");
                 }

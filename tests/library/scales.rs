@@ -26,7 +26,7 @@ fn gradient(frame: &Frame, shape: ShapeParams) -> Vector2Planes {
     cpu::run(&plan, frame).unwrap().shape.gradient.unwrap()
 }
 
-/// Whether two values are the same bits, the sign of 0 apart.
+/// Whether two values are the same bits, except for the sign of 0.
 fn same(a: f32, b: f32) -> bool {
     a == b
 }

@@ -88,7 +88,7 @@ fn at_scattered_positions(check: impl Fn(&str, &ExactScene, DVec2, Exact)) {
     }
 }
 
-/// How far two numbers are apart, as a part of `scale`.
+/// Asserts that two numbers are equal to within `tolerance`, relative to `scale`.
 #[track_caller]
 fn assert_near(found: f64, expected: f64, scale: f64, tolerance: f64, what: &str) {
     let error = (found - expected).abs() / scale;
@@ -186,8 +186,8 @@ fn normals_are_unit_and_give_the_gradient() {
     });
 }
 
-/// With no foreshortening the divergence of `-(n_x, n_y)` is the sum of the surface's own curvatures,
-/// whatever the slant, in orthographic projection.
+/// With no foreshortening the divergence of `-(n_x, n_y)` is the sum of the surface's own curvatures, for any slant, in
+/// orthographic projection.
 #[test]
 fn divergence_of_the_normal_is_the_object_curvature() {
     at_scattered_positions(|name, scene, at, exact| {
@@ -232,7 +232,7 @@ fn principal_directions_are_tangent_and_square() {
     });
 }
 
-/// A ball bends by -1/R every way; seen head on so does its height.
+/// A ball curves by -1/R in all directions; seen head on so does its height.
 #[test]
 fn ball_curvature() {
     let scene = orthographic(Surface::ball(40.0));
@@ -384,7 +384,7 @@ fn ellipsoid_curvature() {
     assert!(checked > 1500, "{checked} seen");
 }
 
-/// A graph of second order has one Hessian everywhere, whatever the slope.
+/// A graph of second order has the same Hessian everywhere, for any slope.
 #[test]
 fn saddle_hessian() {
     let scene = orthographic(Surface::saddle(0.02, -0.01, 0.4));
@@ -544,7 +544,7 @@ fn frames_hold_the_exact_samples() {
     }
 }
 
-/// All that a frame says about its surfaces: samples outside the mask and the picture left out.
+/// Compares all surface data of two frames, except samples outside the mask and the picture.
 fn assert_same_surfaces(a: &Frame, b: &Frame, tolerance: f32, name: &str) {
     assert_eq!(a.data_window, b.data_window, "{name}");
     assert_eq!(a.display_window, b.display_window, "{name}");
@@ -593,8 +593,8 @@ fn four_quarter_turns_change_nothing() {
     }
 }
 
-/// A point of the world falls on the turned picture where its pixel went, and the turned normal is
-/// that of the turned camera.
+/// A point of the world appears in the rotated picture at its rotated pixel, and the rotated normal is that of the
+/// rotated camera.
 #[test]
 fn quarter_turn_and_mirror_keep_camera_and_samples_together() {
     for (name, scene) in every_scene() {

@@ -15,7 +15,7 @@ fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
     cpu::run(&plan, frame).unwrap()
 }
 
-/// Nothing but the surface itself: no diffusion, the viewer's height field.
+/// The surface itself: no diffusion, the viewer's height field.
 fn exact_settings(foreshortening: f32) -> ShapeParams {
     ShapeParams {
         foreshortening,
@@ -230,7 +230,7 @@ fn check_direction(
 
 #[test]
 fn without_foreshortening_the_mean_is_that_of_the_object() {
-    // At f = 0, div(-n_xy) is k1 + k2 of the surface itself, whatever its tilt, orthographically.
+    // At f = 0, div(-n_xy) is k1 + k2 of the surface itself, for any tilt, orthographically.
     for (name, scene) in scenes().into_iter().take(10) {
         let outcome = described(&scene.frame(256, 256), exact_settings(0.0));
         let mean = outcome.shape.curvatures.unwrap().mean;
@@ -326,8 +326,8 @@ fn diffusing(iterations: u32) -> ShapeParams {
 
 #[test]
 fn nothing_leaks_through_a_closed_silhouette() {
-    // A disc of radius 20 stands out in the occlusion map; the slopes inside change, those outside
-    // must keep their bits after any number of steps.
+    // A disc of radius 20 stands out in the occlusion map; the slopes inside change, those outside must keep their bits
+    // after any number of steps.
     let from_centre = |x: usize, y: usize| (x as f64 - 32.0).hypot(y as f64 - 32.0);
     let scene = |inside: f64, solver| {
         let wave = |x: usize, y: usize| 0.3 * ((x + 2 * y) as f64 * 0.4).sin();
@@ -405,8 +405,8 @@ fn diffusion_keeps_the_mean() {
     }
 }
 
-/// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann
-/// borders, of eigenvalue -2 (1 - cos k). Returns how far a diffused one is from `decay` of itself.
+/// The slope cos(k (x + 1/2)) with k = 2 pi / 32 is an eigenvector of the operator with Neumann borders, of eigenvalue
+/// -2 (1 - cos k). Returns the deviation of a diffused one from `decay` of itself.
 fn wave_error(settings: ShapeParams, decay: impl Fn(f64) -> f64) -> f64 {
     let k = 2.0 * std::f64::consts::PI / 32.0;
     let wave = |x: usize| 0.5 * (k * (x as f64 + 0.5)).cos();

@@ -68,7 +68,7 @@ fn expected(exact: &Exact, projection: Projection) -> Option<[DVec2; 2]> {
     Some([seen(tangents[0])?, seen(tangents[1])?])
 }
 
-/// How squarely the surface is seen.
+/// Cosine of the angle between the surface's normal and the sight line.
 fn facing(scene: &ExactScene, exact: &Exact, x: usize, y: usize) -> f64 {
     let line = scene.projection.to_eye(x as f64 + 0.5, y as f64 + 0.5);
     exact.normal.dot(line.extend(1.0).normalize())
@@ -148,9 +148,9 @@ fn strokes_run_around_cylinders_and_along_them() {
                         "{axis} {rounding:.4} {passes}: {:.3} / {:.3}, {:.3} / {:.3}",
                         around[0], around[1], along[0], along[1]
                     );
-                    // The normals give the directions to a small part of a degree. A pass keeps straight
-                    // lines, of those along the axis in a parallel projection; rings seen at a slant
-                    // bend, and near the rim, where the kernel is cut off, all of it to one side.
+                    // The normals give the directions to a small part of a degree. A pass preserves straight lines,
+                    // those along the axis in a parallel projection; rings seen at a slant bend, and near the rim,
+                    // where the kernel is cut off, all of it to one side.
                     let straight =
                         passes == 0 || axis.z == 0.0 && scene.projection == flat.projection;
                     let bound = if straight { 0.5 } else { 1.25 };
@@ -190,8 +190,8 @@ fn both_families_follow_the_curvature() {
                         let bound = second_order.max(0.5) + rounded;
                         assert!(larger[1] < bound && lesser[1] < bound, "{name} of {radius}");
                     } else if radius == 256.0 {
-                        // Passes of 24 px round the tube of 77 px off; what they cost is the bend of the
-                        // field, not noise: 8 bits and floats are alike.
+                        // Passes of 24 px round the tube of 77 px off; the loss is the bend of the field, not noise: 8
+                        // bits and floats are alike.
                         let bound = if name == "torus" { 8.0 } else { 5.0 };
                         assert!(
                             larger[1] < bound && lesser[1] < 3.0,
@@ -280,8 +280,8 @@ fn the_surface_fallback_is_upright_and_across() {
     }
 }
 
-/// How often the field turns by half a turn around squares of four pixels of one surface: where strokes meet in a point or
-/// part around one.
+/// Number of half turns of the field around squares of four pixels of one surface: points where strokes converge or
+/// part.
 fn singular_squares(field: &Vector2Planes, frame: &Frame) -> usize {
     let depth = frame.depth.as_ref().unwrap();
     let is_one_surface = |square: [(usize, usize); 4]| {
@@ -377,7 +377,7 @@ fn one_family_is_the_same_alone() {
 
 #[test]
 fn nothing_crosses_a_silhouette() {
-    // A tilted cylinder before a torus. What the normals of one are changes no bit of the other.
+    // A tilted cylinder before a torus. The normals of one change no bit of the other.
     let near =
         Surface::cylinder(25.0, DVec3::new(0.3, 1.0, 0.2)).moved(DVec3::new(0.0, 0.0, 200.0));
     let scene = ExactScene {
@@ -390,7 +390,7 @@ fn nothing_crosses_a_silhouette() {
         let mut frame = frame.clone();
         for (x, y) in places(&frame) {
             if scene.exact(x, y).is_some_and(|e| e.surface == changed) {
-                // As if turned by a quarter.
+                // As if rotated by a quarter turn.
                 let [nx, ny] = [frame.normal.x.at(x, y), frame.normal.y.at(x, y)];
                 frame.normal.x.row_mut(y)[x] = -ny;
                 frame.normal.y.row_mut(y)[x] = nx;

@@ -1,4 +1,4 @@
-//! Controls: they change what their flags are called, and go back to their defaults.
+//! Controls: they have the names of their flags, change them, and return to their defaults.
 
 use super::{Window, fixture};
 use eframe::egui::{accesskit::Role, vec2};
@@ -36,7 +36,7 @@ fn a_number_that_is_chosen_can_be_told() {
     window.click("curvature gain auto");
     let told: f32 = window.value("curvature-gain").unwrap().parse().unwrap();
     assert!(told > 0.0);
-    // It begins at what was chosen: nothing changes.
+    // It begins at the chosen value: nothing changes.
     assert_eq!(window.pixels(), before);
     window.click("curvature gain auto");
     assert_eq!(window.value("curvature-gain"), None);
@@ -78,7 +78,7 @@ fn lights_are_added_and_removed() {
     window.click("remove light 1");
     assert_eq!(window.view().said(), None);
     assert_ne!(window.pixels(), before);
-    // Without that too there is nothing to be seen by, and it is said.
+    // Without that too there is no light, which is reported.
     window.slide("ambient", -1.0);
     let said = window.view().said().unwrap().to_string();
     assert!(said.contains("--light"), "{said}");

@@ -28,7 +28,7 @@ fn a_recipe_makes_the_same_picture_from_the_command_line_bit_for_bit() {
         let arguments = ["run".as_ref(), &*recipe, &*input, "-o".as_ref(), &*picture];
         run(place.path(), arguments).done();
         assert!(pixels_of(&picture) == shown, "{command} differs");
-        // What the viewer writes itself is the same file.
+        // The viewer's own file is the same.
         let own = place.path().join(format!("{command}.own.png"));
         window.view().save_picture(&own);
         window.settle();

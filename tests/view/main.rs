@@ -16,7 +16,7 @@ use relievo::view::View;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How long anything here may take.
+/// Time limit for anything here.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A viewer that is open on `input`, when it shows it.
@@ -46,7 +46,7 @@ impl Window {
         self.harness.state_mut().as_mut().unwrap()
     }
 
-    /// Goes on until all that was asked for is there.
+    /// Continues until all pending results are there.
     fn settle(&mut self) {
         let start = Instant::now();
         loop {
@@ -63,7 +63,7 @@ impl Window {
     }
 
     fn click(&mut self, label: &str) {
-        // Families are called as commands are; those stand first.
+        // Families have the names of commands; those come first.
         let first = self.harness.get_all_by_label(label).next();
         first
             .unwrap_or_else(|| panic!("nothing is called {label}"))
@@ -105,7 +105,7 @@ impl Window {
         self.harness.step();
     }
 
-    /// The middle of what is called so, and half its size.
+    /// The centre of the element with this label, and half its size.
     fn place_of(&self, label: &str) -> (Pos2, Vec2) {
         let rect = self.harness.get_by_label(label).rect();
         (rect.center(), 0.5 * rect.size())

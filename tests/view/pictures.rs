@@ -1,4 +1,4 @@
-//! What is shown: in turned light, before and after, layer by layer, pixel by pixel.
+//! Displayed pictures: in rotated light, before and after, layer by layer, pixel by pixel.
 
 use super::{Window, fixture};
 use eframe::egui::{Key, Modifiers, vec2};
@@ -43,7 +43,7 @@ fn layers_are_shown_one_by_one() {
     }
     window.press(Modifiers::NONE, Key::L);
     assert_eq!(window.pixels(), seen[0]);
-    // All of one shape: it was found once.
+    // All of one shape, computed once.
     let counts = window.view().counts();
     assert_eq!(counts["edges-and-gradient"], 1);
     assert_eq!(counts["diffusion"], 1);

@@ -1,10 +1,10 @@
-//! The camera from attributes of a file, in the forms that renderers write.
+//! The camera from a file's attributes, in the forms renderers write.
 //!
-//! The standard's `worldToCamera` and `worldToNDC` are row-vector matrices to a camera that looks along +z, with
-//! (0, 0) at the top left of the display window and (1, 1) at its bottom right. Writers depart from it: pbrt
-//! transposes both, others look along -z, or count from -1 to 1 with y up. V-Ray and Redshift write the
-//! camera's own placing in the world and its field of view, Unreal strings in a left-handed world. So all
-//! readings that make sense are tried, the standard's first, and whatever positions or normals there are choose.
+//! The standard's `worldToCamera` and `worldToNDC` are row-vector matrices to a camera that looks along +z, with (0, 0)
+//! at the top left of the display window and (1, 1) at its bottom right. Writers depart from it: pbrt transposes both,
+//! others look along -z, or count from -1 to 1 with y up. V-Ray and Redshift write the camera-to-world transform and
+//! the field of view, Unreal strings in a left-handed world. So every plausible reading is tried, the standard's first,
+//! and the layers of positions or normals decide.
 
 use crate::frame::{Camera, Projection, Window};
 use crate::io::names::plain_attribute;
@@ -21,7 +21,8 @@ pub(super) struct Candidate {
 
 /// A turn may be off orthonormal by this much.
 const ROTATION_TOLERANCE: f64 = 2e-3;
-/// The view axis is seen within this share of the picture from its middle, unless the lens is shifted more.
+/// Largest offset of the view axis from the middle of the picture, as a share of it; a larger lens shift is not
+/// accepted.
 const MOST_SHIFT: f64 = 0.4;
 
 /// Axes of a camera as view space has them: x right, y up, z toward the viewer.
@@ -53,7 +54,7 @@ pub(super) fn candidates(
     found
 }
 
-/// The pixels that the camera is made for.
+/// The pixels of the camera's picture.
 struct Picture {
     display: Window,
     aspect: f64,
@@ -236,14 +237,14 @@ impl Attributes<'_> {
     }
 }
 
-/// The numbers in a text, whatever stands between them: `X=1.5 Y=-2 Z=3`, `(1.5, -2, 3)`, `1.5 -2 3`.
+/// The numbers in a text, with any separators: `X=1.5 Y=-2 Z=3`, `(1.5, -2, 3)`, `1.5 -2 3`.
 fn numbers(text: &str) -> Vec<f64> {
     text.split(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)))
         .filter_map(|word| word.parse().ok())
         .collect()
 }
 
-/// Whether the turn to the view mirrors.
+/// Whether the world-to-view transform mirrors.
 pub(super) fn is_mirrored(camera: &Camera) -> bool {
     camera.view_from_world.matrix3.determinant() < 0.0
 }
@@ -265,12 +266,12 @@ fn rigid(matrix: DMat4) -> Option<DAffine3> {
     is_turn.then(|| DAffine3::from_mat3_translation(turn, affine.translation / scale))
 }
 
-/// How coordinates of the picture are counted.
+/// Convention of normalised device coordinates.
 #[derive(Clone, Copy)]
 struct Ndc {
-    /// From -1 to 1 rather than from 0 to 1.
+    /// -1 to 1 instead of 0 to 1.
     signed: bool,
-    /// With y up rather than down.
+    /// y up instead of down.
     up: bool,
 }
 
@@ -308,7 +309,7 @@ impl Ndc {
         let (x, y) = (right.x - here.x, here.y - up.y);
         let middle = picture.corner() + 0.5 * picture.size();
         let shift = ((here - middle) / picture.size()).abs().max_element();
-        // Pixels are as wide as they say: what takes 0..1 for -1..1 keeps that, but moves the axis.
+        // Both axes must give the same pixel size: reading 0..1 as -1..1 keeps that, but moves the view axis.
         let square = (y / (x * picture.aspect) - 1.0).abs() < 0.02;
         if !(x > 0.0 && y > 0.0 && shift < MOST_SHIFT && square && far.is_finite()) {
             return None;

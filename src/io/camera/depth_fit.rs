@@ -11,24 +11,24 @@ const RANKED: usize = 5_000;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
 const TRIM: f64 = 4.0;
 const HUBER: f64 = 1.5;
-/// Residuals below this, about a degree, are not distinguished: where most of a picture is one exact
-/// plane, the rest still has its say.
+/// Residuals below this, about a degree, count alike, so that a picture dominated by one exact plane still lets the
+/// rest count.
 const FINEST: f64 = 0.02;
-/// Residual, about three degrees, at which fits are compared: what lies far beyond counts as a miss.
+/// Residual scale for comparing fits, about three degrees: far larger residuals count as misses.
 const COMPARED: f64 = 0.05;
 /// Error of a patch's normal on plane surface, and its growth with the bend of the patch: facets under
 /// smooth normals, and slopes that change within it.
 const FLAT_ERROR: f64 = 0.003;
 const BEND_ERROR: f64 = 0.3;
-/// A fit is given up for a later one that leaves less than this share of its loss.
+/// A fit is replaced by a later one whose loss is less than this share of its own.
 const CLEARLY_BETTER: f64 = 0.8;
-/// Facets under smooth normals pull all of a picture one way: by about this share of the mean residual
-/// for the turn, and by all of it for the lens. On the renders this was tried with, the lens was off by a
-/// hundredth to three times what it says, the turn by a fiftieth to three times.
+/// Facets under smooth normals bias the whole fit one way: the rotation by about this share of the mean residual, the
+/// lens by all of it. On the renders tried, the actual error of the lens was between a hundredth and three times this
+/// estimate, that of the rotation between a fiftieth and three times.
 const TURN_BIAS: f64 = 0.05;
 /// Residuals count no more than this towards that mean.
 const OUTLYING: f64 = 0.2;
-/// Surfaces seen at a flatter angle than this cosine are left out: their slope changes within a patch.
+/// Surfaces seen at a flatter angle than this cosine are left out, since their slope changes within a patch.
 const GRAZING: f64 = 0.2;
 
 /// A lens and a turn, with how well they fit.
@@ -39,22 +39,22 @@ pub(super) struct Fit {
     pub(super) turn: Rotation3<f64>,
     /// Median distance between unit normals.
     pub(super) residual: f64,
-    /// Mean loss, from 0 for a perfect fit to 1 for none; other than the median, it is not content
-    /// with one plane that fills most of the picture.
+    /// Mean loss, from 0 for a perfect fit to 1 for a useless one; unlike a median, it is not satisfied by one plane
+    /// that fills most of the picture.
     pub(super) loss: f64,
 }
 
-/// How sure a fit is: standard errors, from the scatter between tiles of the picture.
+/// Standard errors of a fit, from the scatter between tiles of the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Certainty {
-    /// Of the turn about its least certain axis, in radians.
+    /// Rotation about its least certain axis, in radians.
     pub(super) turn: f64,
-    /// Of the logarithm of the lens's number.
+    /// Logarithm of the lens parameter.
     pub(super) lens: f64,
 }
 
-/// The proper rotation that best carries weighted normals onto those of the slopes (Wahba's problem),
-/// or with `mirrored` the best improper one.
+/// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
+/// the best improper one.
 fn best_turn(
     lens: Lens,
     patches: &[Patch],
@@ -86,7 +86,7 @@ fn loss(residual: f64) -> f64 {
     square / (square + COMPARED * COMPARED)
 }
 
-/// Weight of a patch for its shape alone; 1 where it is plane.
+/// Weight of a patch for its shape alone; 1 for a plane.
 fn shape_weight(patch: &Patch) -> f64 {
     let relative = BEND_ERROR * patch.bend / FLAT_ERROR;
     1.0 / (1.0 + relative * relative)
@@ -168,7 +168,7 @@ impl Fit {
         Self::at(lens(log), &spread_out(patches, RANKED))
     }
 
-    /// The first of these fits, unless another one is clearly better, polished.
+    /// The first of these fits, unless another is clearly better, then polished.
     pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<Self> {
         let some = spread_out(patches, RANKED);
         let polished: Vec<Fit> = fits
@@ -182,7 +182,7 @@ impl Fit {
         Some(best.polished(patches).unwrap_or(best))
     }
 
-    /// The first of these fits, unless another one is clearly better.
+    /// The first of these fits, unless another is clearly better.
     pub(super) fn best(fits: &[Fit]) -> Option<Self> {
         let (first, others) = fits.split_first()?;
         let better = |best: Fit, fit: &Fit| {
@@ -195,7 +195,7 @@ impl Fit {
         Some(others.iter().fold(*first, better))
     }
 
-    /// Turn and lens polished together, on patches that are not seen at a grazing angle.
+    /// Rotation and lens polished together, on patches not seen at a grazing angle.
     pub(super) fn polished(mut self, patches: &[Patch]) -> Option<Self> {
         for _ in 0..12 {
             let weights = weights(&self.residuals(patches), patches);
@@ -234,7 +234,7 @@ impl Fit {
             normal += weight * j.transpose() * j;
             gradient += weight * j.transpose() * off;
         }
-        // A lens that leaves no trace stays where it is.
+        // A lens parameter without influence keeps its value.
         normal[(3, 3)] += 1e-9 * normal.trace() + f64::MIN_POSITIVE;
         normal.cholesky().map(|c| c.solve(&-gradient))
     }
@@ -253,8 +253,8 @@ impl Fit {
         patches.iter().filter(facing).copied().collect()
     }
 
-    /// The typical residual of the patches that the turn rests on, of this fit and of the best mirrored
-    /// one at the same lens.
+    /// The typical residual of the patches that determine the rotation, for this fit and for the best mirrored one with
+    /// the same lens.
     pub(super) fn telling_residuals(&self, patches: &[Patch]) -> (f64, f64) {
         let telling = |turn: &Matrix3<f64>| {
             telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)
@@ -266,8 +266,8 @@ impl Fit {
         )
     }
 
-    /// Mean square sine by which normals lean away from their main direction, the lesser way: what
-    /// holds a turn about that direction. Only what normals and slopes agree on counts.
+    /// Mean square sine of the normals' deviation from their main direction, along the narrower axis: this constrains
+    /// rotation about that direction. Only features in both normals and slopes count.
     pub(super) fn spread(&self, patches: &[Patch]) -> f64 {
         let (hessian, _, total) = self.curvature(patches);
         let turn: Matrix3<f64> = hessian.fixed_view::<3, 3>(0, 0).into_owned();
@@ -317,8 +317,8 @@ impl Fit {
     }
 }
 
-/// Median residual, each patch counting by how far its normal leans off the commonest direction. One
-/// plane that fills most of a picture fits whatever the rest does, and would hide it.
+/// Median residual, each patch weighted by its normal's deviation from the dominant direction. Otherwise one plane that
+/// fills most of a picture, which fits in any case, would hide the rest.
 fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
     let sum: Matrix3<f64> = patches
         .iter()

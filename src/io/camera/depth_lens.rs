@@ -1,14 +1,14 @@
-//! The normal that a lens sees in the slope of depth.
+//! The view-space normal implied by the slope of depth under a given lens.
 //!
-//! With `(p, q)` the change of the logarithm of planar depth per pixel and `(u, v)` the place on the
-//! picture, a perspective of focal length `f` sees the normal `(f p, f q, 1 + u p + v q)`; a parallel
-//! projection with `k` pixels per unit sees `(k z p, k z q, 1)`. Both follow from the cross product of
-//! the two tangents. One number is thus unknown besides the turn.
+//! With `(p, q)` the change of the logarithm of planar depth per pixel and `(u, v)` the position in the picture, a
+//! perspective of focal length `f` gives the normal `(f p, f q, 1 + u p + v q)`; a parallel projection with `k` pixels
+//! per unit gives `(k z p, k z q, 1)`. Both follow from the cross product of the two tangents. So one number is unknown
+//! besides the rotation.
 
 use super::depth_samples::Patch;
 use nalgebra::Vector3;
 
-/// What the unknown number of a lens means, and which distance depth holds.
+/// The projection, with the meaning of its one unknown parameter, and the kind of distance in the depth layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     /// Perspective, depth along the view axis; the number is the focal length.
@@ -27,8 +27,8 @@ pub(super) struct Lens {
 }
 
 impl Lens {
-    /// The normal of a patch in view space, by its slope. The view vector `(-u, -v, f) / f` times the
-    /// normal before it is made unit length is 1 for a perspective.
+    /// The normal of a patch in view space, by its slope, not normalised. Its product with the view vector `(-u, -v, f)
+    /// / f` is 1 for a perspective.
     fn raw_normal(&self, patch: &Patch) -> Vector3<f64> {
         let (f, seen, mut slope) = (self.number, patch.seen, patch.slope);
         if self.kind == Kind::Parallel {

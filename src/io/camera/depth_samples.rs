@@ -7,14 +7,14 @@ use nalgebra::{Vector2, Vector3};
 
 /// Pixels tried; about half survive on a typical picture.
 const CANDIDATES: usize = 40_000;
-/// Patches that suffice; with fewer, smaller and rougher ones are let in.
+/// Enough patches; with fewer, smaller and rougher ones are accepted.
 const ENOUGH: usize = 2_000;
-/// How strictly patches are chosen.
+/// Criteria for choosing patches.
 #[derive(Clone, Copy)]
 struct Choice {
     /// Pixels to each side of the middle one.
     reach: usize,
-    /// Length from which a normal counts as unfiltered.
+    /// Shortest normal that counts as unfiltered.
     shortest: f64,
     /// Length of the mean of a patch's normals as a share of their own: at 0.99 they lie 8 degrees about
     /// it, and no sharp crease runs through.
@@ -35,27 +35,26 @@ const FINE: [Choice; 3] = [
     choice(1, 0.95, 0.98),
     choice(1, 0.9, 0.96),
 ];
-/// Strictest first, where renderers took depth at a random place inside each pixel or rounded it to
-/// half floats. A plane fitted to 7x7 pixels has an eighth of that error in its slope that one fitted
-/// to 3x3 has.
+/// Strictest first, for renderers that sample depth at a random place inside each pixel, or round it to half floats.
+/// The slope of a plane fitted to 7x7 pixels has an eighth of the error of one fitted to 3x3.
 const COARSE: [Choice; 4] = [
     choice(3, 0.98, 0.99),
     choice(2, 0.98, 0.99),
     choice(1, 0.98, 0.98),
     choice(1, 0.9, 0.96),
 ];
-/// How far off the middle of the pixel, in pixels, depth has to be taken for that.
+/// Offset of depth samples from the pixel centre, in pixels, from which the coarse criteria apply.
 const OFF_CENTRE: f64 = 0.2;
-/// Places at which its error is measured.
+/// Number of pixels at which the error of depth is measured.
 const PROBES: usize = 4_000;
 /// Normals longer than this are not normals.
 const LONGEST: f64 = 1.05;
-/// Depths from here on stand for "nothing there" in some renderer.
+/// Depths from here on mean "no surface" in some renderers.
 const FARTHEST: f64 = 1e9;
 /// Scatter of depth about the fitted plane, in pixels of its slope: random places in the pixel give
 /// 0.3 to 0.4, a step from one surface to the next gives about 1.
 const SCATTER_PX: f64 = 0.7;
-/// Scatter, as a slope seen from a width's distance, that is let pass on surfaces that face the viewer.
+/// Tolerated scatter on surfaces that face the viewer, as a slope seen from a distance of one width.
 const SCATTER_SLOPE: f64 = 0.03;
 /// Tiles along each side of the picture; errors within one are taken to be related.
 pub(super) const TILES: usize = 12;
@@ -71,9 +70,9 @@ pub(super) struct Patch {
     pub(super) slope: Vector2<f64>,
     /// Unit normal in the space of the normal map.
     pub(super) normal: Vector3<f64>,
-    /// How far normals lie about their mean, as an angle in radians.
+    /// Spread of the normals about their mean, as an angle in radians.
     pub(super) bend: f64,
-    /// Which tile of the picture it lies in.
+    /// Index of its tile of the picture.
     pub(super) tile: usize,
 }
 
@@ -123,7 +122,7 @@ impl NormalsAndDepth<'_> {
         best
     }
 
-    /// Whether depth was rounded to half floats.
+    /// Whether depth looks rounded to half floats.
     fn is_half(&self) -> bool {
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), PROBES);
@@ -136,7 +135,7 @@ impl NormalsAndDepth<'_> {
             .all(|depth| f16::from_f32(depth).to_f32() == depth)
     }
 
-    /// How far from the middle of its pixel depth was typically taken, in pixels.
+    /// Typical offset of depth samples from the pixel centre, in pixels.
     fn off_centre(&self) -> Option<f64> {
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), PROBES);
@@ -151,8 +150,8 @@ impl NormalsAndDepth<'_> {
         (found.len() > PROBES / 40).then(|| quantile(&mut found, 0.5) / 0.6745)
     }
 
-    /// Error of depth in pixels of its slope, from one fourth difference: it cancels what is smooth and
-    /// adds up the errors of five pixels to `sqrt(70)` times that of one.
+    /// Error of depth in pixels of its slope, from one fourth difference, which cancels smooth shape and adds up the
+    /// errors of five pixels to `sqrt(70)` times that of one.
     fn off_centre_at(&self, x: usize, y: usize) -> Option<f64> {
         let at = |x: usize, y: usize| {
             let depth = f64::from(self.depth.at(x, y));
@@ -164,7 +163,7 @@ impl NormalsAndDepth<'_> {
         let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
         let slope = (2.0 * (e - a) + d - b) / 10.0;
         let slope = slope.hypot(0.5 * (at(x, y - 1)? - at(x, y + 1)?));
-        // Errors on surface that faces the viewer do no harm, whatever share of its slope they are.
+        // Errors on surfaces facing the viewer are harmless, however large relative to the slope.
         let facing = SCATTER_SLOPE * c / self.display_window.width().max(1) as f64;
         Some(fourth.abs() / (70f64.sqrt() * (slope + facing)))
     }
@@ -181,7 +180,7 @@ impl NormalsAndDepth<'_> {
         .collect()
     }
 
-    /// The patch around a pixel; `None` where it is not one smooth surface.
+    /// The patch around a pixel; `None` unless it is one smooth surface.
     fn patch(&self, x: usize, y: usize, choice: Choice) -> Option<Patch> {
         if !self.mask.at(x, y) {
             return None;
@@ -267,7 +266,7 @@ impl NormalsAndDepth<'_> {
     }
 }
 
-/// The step along rows and columns that leaves about `wanted` of `count` pixels.
+/// The step along rows and columns that keeps about `wanted` of `count` pixels.
 fn stride(count: usize, wanted: usize) -> usize {
     ((count as f64 / wanted as f64).sqrt().ceil() as usize).max(1)
 }

@@ -8,10 +8,10 @@ use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
 
-/// How far a rotation may be from orthonormal: rows printed with four digits still pass.
+/// Largest deviation of a rotation from orthonormal: rows printed with four digits still pass.
 const ROTATION_TOLERANCE: f64 = 2e-3;
 
-/// Least and greatest uniform scale of a matrix: what its squares and cubes keep in double precision.
+/// Smallest and largest uniform scale of a matrix, whose squares and cubes double precision still holds.
 const SCALES: (f64, f64) = (1e-12, 1e12);
 
 /// Longest side of the picture that a camera was made for, as of windows of OpenEXR.
@@ -552,7 +552,7 @@ mod tests {
         assert!(message(r#"{"intrinsics_px": {"fx": 9}}"#).contains("no fy"));
         assert!(message(r#"{"focal_px": 9, "resolution": [0, 0]}"#).contains("resolution"));
         assert!(message("[1, 2]").contains("array of 2"));
-        // What single precision does not hold.
+        // Values outside the range of single precision.
         for (text, expected) in [
             (
                 r#"{"focal_px": 1e-300}"#,

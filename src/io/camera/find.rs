@@ -11,17 +11,17 @@ use crate::io::normal_space::judge_normal_space;
 use crate::io::surface::SurfaceSamples;
 use glam::DVec3;
 
-/// What findings about the camera are called.
+/// Subject of findings about the camera.
 pub(in crate::io) const CAMERA: &str = "camera";
 
-/// About how many positions a camera is compared with.
+/// Approximate number of positions for testing a camera.
 const PROBES: usize = 2000;
 /// A camera that positions contradict by more than this share of the picture's width is not theirs.
 const MOST_OFF: f64 = 0.005;
-/// Normals that fit a camera worse than this, as a share, do not speak for it.
+/// Largest misfit, as a share, of normals that still count as evidence for a camera.
 const WORST_MISFIT: f64 = 0.2;
 
-/// A search for the camera, with what it found on the way.
+/// A search for the camera, with its findings so far.
 pub(in crate::io) struct CameraSearch<'a> {
     inputs: &'a Inputs,
     surface: &'a SurfaceSamples<'a>,
@@ -31,7 +31,7 @@ pub(in crate::io) struct CameraSearch<'a> {
     pub(in crate::io) findings: Vec<Finding>,
 }
 
-/// A camera, and what it rests on.
+/// A camera with its evidence.
 #[derive(Debug, Clone)]
 pub(in crate::io) struct FoundCamera {
     pub(in crate::io) camera: Camera,
@@ -63,8 +63,8 @@ impl<'a> CameraSearch<'a> {
         }
     }
 
-    /// The camera whose place in the world is known: from a file, from attributes, or from positions. `normal` helps
-    /// to decide how attributes are read.
+    /// The camera with a known world-space position: from a file, from attributes, or from positions. `normal` helps to
+    /// decide between readings of attributes.
     ///
     /// # Errors
     /// Those of reading the file.
@@ -239,7 +239,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
     Some((candidate.clone(), cost))
 }
 
-/// Median distance, in pixels, between where positions were seen and where a camera sees them.
+/// Median distance, in pixels, between the pixels of positions and their projections by the camera.
 fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
     let covered = pixels(surface).filter_map(|(x, y)| {
         let point = position.at(x, y);
@@ -258,7 +258,7 @@ fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector
     }
 }
 
-/// How badly normals, taken for the world's, go with a camera: 0 well, 1 not at all.
+/// Misfit between a camera and normals assumed to be in world space: 0 for a good fit, 1 for none.
 fn misfit(camera: &Camera, surface: &SurfaceSamples, normal: &Vector3Planes) -> f64 {
     let SurfaceSamples {
         mask,
@@ -280,7 +280,7 @@ fn pixels<'a>(surface: &'a SurfaceSamples) -> impl Iterator<Item = (usize, usize
     covered.step_by((mask.count() / PROBES).max(1))
 }
 
-/// The camera in words; its place only where it is known.
+/// The camera in words; its position only if known.
 fn described(camera: &Camera) -> String {
     let turn = camera.view_from_world.matrix3;
     let eye = camera.view_from_world.inverse().translation;

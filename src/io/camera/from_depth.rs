@@ -1,18 +1,16 @@
 //! The camera's rotation and lens from depth and world-space normals, without positions.
 //!
-//! The idea: depth alone gives the normal of every small patch of surface in view space, once the
-//! focal length is known; the normal map gives the same normals in world space. One rotation carries
-//! all of the latter onto the former, and the focal length that does it best is the right one. So: for
-//! each focal length the best rotation (Wahba's problem, by singular values, reweighted against
-//! outliers), a scan over focal lengths, then both together by Gauss-Newton.
+//! The idea: once the focal length is known, depth alone gives the normal of every small patch of surface in view
+//! space; the normal map gives the same normals in world space. One rotation maps the latter onto the former, and the
+//! right focal length is the one that fits best. So: the best rotation for each focal length (Wahba's problem, by
+//! singular values, reweighted against outliers), a scan over focal lengths, then both together by Gauss-Newton.
 //!
-//! What that buys: smoothed normals on flat facets and depth rounded to half floats cancel over
-//! thousands of patches. The focal length scales every slope, so wherever normals differ enough to fix
-//! the rotation they fix it too: to a hundredth or so where the rotation is known to a tenth of a
-//! degree.
+//! In practice: the errors of smoothed normals on flat facets and of depth rounded to half floats cancel over thousands
+//! of patches. The focal length scales every slope, so wherever normals differ enough to fix the rotation they fix it
+//! too: to about a hundredth where the rotation is known to a tenth of a degree.
 //!
-//! How to use it: give a normal map in any space. Where it was view space, the rotation
-//! comes out as none. The place of the eye stays open: the translation is zero.
+//! How to use it: give a normal map in any space. For view space the rotation comes out as the identity. The eye's
+//! position stays unknown: the translation is zero.
 
 use super::depth_fit::{Certainty, Fit};
 use super::depth_lens::{Kind, Lens};
@@ -27,16 +25,16 @@ use glam::{DAffine3, DVec2, DVec3};
 const FEWEST: usize = 24;
 /// Focal lengths that are tried, in widths of the display window: 137 degrees of view to 2.
 const FOCAL_SHARES: (f64, f64) = (0.2, 30.0);
-/// Pixels per unit that are tried, as multiples of what makes the median slope one of 45 degrees.
+/// Range of pixels per unit tried, as multiples of the value at which the median slope is 45 degrees.
 const UNIT_FACTORS: (f64, f64) = (0.03, 30.0);
 /// Steps of the scan over either.
 const STEPS: usize = 16;
 /// A focal length less certain than this share is called uncertain.
 const UNCERTAIN_FOCAL: f64 = 0.1;
-/// Typical angle between normals and slopes, in degrees, from which a fit is none.
+/// Typical angle between normals and slopes, in degrees, from which a fit is rejected.
 const WORST_RESIDUAL_DEG: f64 = 15.0;
-/// From this angle on, in degrees, a mirrored fit is looked for; it counts where it leaves less than that, and less
-/// than this share of the angle.
+/// From this angle on, in degrees, a mirrored fit is tried; it is accepted if its angle is below this and below this
+/// share of the other.
 const MIRRORED_RESIDUAL_DEG: f64 = 6.0;
 const MIRRORED_SHARE: f64 = 0.4;
 /// Rotation less certain than this, in degrees, is no answer.
@@ -47,10 +45,10 @@ const LEAST_SPREAD: f64 = 1e-6;
 /// A camera recovered from depth and normals, with the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthCamera {
-    /// The camera. Its translation is zero, for normals say nothing of places; its turn mirrors where the
-    /// normals are left-handed, or one of their axes is reversed.
+    /// The camera. Its translation is zero, since normals carry no positions; its rotation mirrors if the normals are
+    /// left-handed or have one axis reversed.
     pub camera: Camera,
-    /// What depth holds. Under a parallel camera the two are the same, and it is `Planar`.
+    /// Kind of distance in the depth layer. Under a parallel camera both kinds are the same: `Planar`.
     pub depth_kind: DepthKind,
     /// Median angle between the turned normals and the slopes of depth, in degrees.
     pub residual_deg_median: f64,
@@ -58,9 +56,9 @@ pub struct DepthCamera {
     pub rotation_uncertainty_deg: f64,
     /// One standard error of the focal length (or of pixels per unit), as a share of it.
     pub focal_uncertainty: f64,
-    /// Whether the focal length is less certain than a tenth of it.
+    /// Whether the standard error of the focal length is more than a tenth of it.
     pub focal_uncertain: bool,
-    /// How many patches of surface were used.
+    /// Number of surface patches used.
     pub samples: usize,
 }
 
@@ -110,7 +108,7 @@ pub fn recover_camera_from_depth(
         Ok(answer) => return Ok(answer.report(&surface)),
         Err(failure) => failure,
     };
-    // Seen in a mirror across its y axis a left-handed world is right-handed.
+    // Mirrored across its y axis, a left-handed world is right-handed.
     let may_be_mirrored = matches!(
         failure,
         RecoveryFailure::Mirrored | RecoveryFailure::NormalsDisagree { .. }
@@ -204,7 +202,7 @@ fn angle_deg(distance: f64) -> f64 {
     (2.0 * (0.5 * distance).min(1.0).asin()).to_degrees()
 }
 
-/// The fit of the kind of lens and depth that fits best, and the patches that it rests on.
+/// The best fit over kinds of lens and depth, with the patches it was determined from.
 fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
     let scanned: Vec<Fit> = [Kind::Planar, Kind::Ray, Kind::Parallel]
         .into_iter()
@@ -219,7 +217,7 @@ fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
     Some((Fit::chosen(&scanned, &patches)?, patches))
 }
 
-/// The numbers to try for a kind of lens; `None` where depth is the same everywhere.
+/// The range of parameters to try for a kind of lens; `None` if depth is constant.
 fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
     let ((low, high), unit) = match kind {
         Kind::Planar | Kind::Ray => (FOCAL_SHARES, width),

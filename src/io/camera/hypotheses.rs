@@ -4,13 +4,13 @@ use super::model::{Model, orthonormal};
 use super::samples::Sample;
 use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, SVector, SymmetricEigen, Vector2, Vector3};
 
-/// Handfuls of this many samples give one guess each; outliers spoil few of the small ones, noise
-/// spoils few of the large ones.
+/// Random subsets, as (size, count), one guess each; few of the small ones contain outliers, few of the large ones
+/// suffer from noise.
 const HANDFULS: [(usize, usize); 2] = [(8, 80), (40, 24)];
 /// A cloud thinner than this share of its length is also tried as a plane.
 const THIN: f64 = 0.05;
 
-/// Sums of squares of a cloud about the origin, by axis, and those axes: longest first.
+/// Sums of squares of a point cloud about the origin along its principal axes, with those axes: longest first.
 pub(super) fn principal_axes(samples: &[Sample]) -> (Vector3<f64>, Matrix3<f64>) {
     let sum: Matrix3<f64> = samples.iter().map(|s| s.point * s.point.transpose()).sum();
     let eigen = SymmetricEigen::new(sum);
@@ -24,10 +24,10 @@ pub(super) fn principal_axes(samples: &[Sample]) -> (Vector3<f64>, Matrix3<f64>)
     (values, axes)
 }
 
-/// Guesses for `samples`, in no order. The same samples give the same guesses.
+/// Guesses for `samples`, in no particular order. The same samples give the same guesses.
 ///
-/// `width` is that of the display window in pixels: focal lengths are tried in proportion to it
-/// where the samples leave them open.
+/// `width` is that of the display window in pixels: where the samples leave the focal length open, values proportional
+/// to it are tried.
 pub(super) fn hypotheses(samples: &[Sample], width: f64) -> Vec<Model> {
     let mut guesses = Vec::new();
     add_linear_fits(samples, &mut guesses);
@@ -181,7 +181,7 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
     if !square.iter().chain(right.iter()).all(|e| e.is_finite()) {
         return None;
     }
-    // A plane leaves one direction open; the pseudo-inverse gives it no share.
+    // A plane leaves one direction undetermined; the pseudo-inverse sets it to zero.
     let map = square
         .svd(true, true)
         .solve(&right, 1e-12 * square.amax())
@@ -203,7 +203,7 @@ fn parallel_camera(samples: &[Sample]) -> Option<Model> {
     ))
 }
 
-/// Cameras that see the plane through the first two of `axes` as `samples` were seen.
+/// Cameras under which the plane through the first two of `axes` projects onto `samples`.
 fn planar_cameras(samples: &[Sample], axes: &Matrix3<f64>, width: f64, guesses: &mut Vec<Model>) {
     let flat = |s: &Sample| {
         let p = axes.transpose() * s.point;

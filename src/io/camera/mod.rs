@@ -1,5 +1,5 @@
-//! The camera: read from a file or from attributes, or recovered from a layer of world-space positions, or as far as that
-//! goes from depth and world-space normals.
+//! The camera: read from a file or from attributes, or recovered from a layer of world-space positions or, except for
+//! its position, from depth and world-space normals.
 
 mod attributes;
 mod depth_fit;

@@ -18,14 +18,14 @@ type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
 /// Median distance of a 2-vector of unit normal noise from its mean, `sqrt(2 ln 2)`.
 const MEDIAN_RADIUS: f64 = 1.177_410_022_515_474_7;
-/// Residuals beyond this many standard deviations are left out: 1 in 90 of normal ones.
+/// Residuals beyond this many standard deviations are discarded: 1 in 90 if they are normally distributed.
 const TRIM: f64 = 3.0;
 /// Residuals beyond this many standard deviations are pulled linearly (Huber).
 const HUBER: f64 = 1.5;
 /// Depths along the view, in units of the centroid's, below which a point counts as behind the eye.
 const NEAREST: f64 = 1e-6;
 
-/// Squares of the picture across its width over which residuals are averaged, and samples that a mean takes.
+/// Squares across the picture's width for averaging residuals, and the fewest samples for a mean.
 const SQUARES_ACROSS: u32 = 8;
 const FEWEST_IN_SQUARE: usize = 16;
 
@@ -65,13 +65,13 @@ impl Free {
 pub(super) struct Model {
     /// View from normalised world.
     pub(super) rotation: Rotation3<f64>,
-    /// Where the centroid is seen, less the principal point.
+    /// Image position of the centroid relative to the principal point.
     pub(super) shift: Vector2<f64>,
     /// Pixel widths per unit at the depth of the centroid.
     pub(super) scale: f64,
     /// One over the centroid's depth.
     pub(super) convergence: f64,
-    /// Where the view axis is seen.
+    /// Image position of the view axis.
     pub(super) principal: Vector2<f64>,
 }
 
@@ -86,7 +86,7 @@ impl Model {
         }
     }
 
-    /// The model of opposite convergence that sees the plane through the first two of `axes` the same.
+    /// The model of opposite convergence with the same image of the plane through the first two of `axes`.
     pub(super) fn facing_plane(&self, axes: &Matrix3<f64>) -> Self {
         // Depth along the plane changes sign with the convergence; the third axis follows from the two.
         let turned = self.rotation.matrix() * axes;
@@ -104,7 +104,7 @@ impl Model {
         }
     }
 
-    /// Distance between where the sample was seen and where it should be, as a vector.
+    /// Difference between the observed and the projected position, as a vector.
     pub(super) fn residual(&self, sample: &Sample) -> Option<Vector2<f64>> {
         let p = self.rotation * sample.point;
         let w = 1.0 - self.convergence * p.z;
@@ -122,8 +122,8 @@ impl Model {
         quantile(&mut errors, 0.5)
     }
 
-    /// Median over squares of the picture, so many of them across its `width`, of how far their samples are off in the mean:
-    /// a measure that samples scattered about their place do not move.
+    /// Median over squares of the picture, of which there are a fixed number across its `width`, of their samples' mean
+    /// error: insensitive to samples scattered about their positions.
     pub(super) fn mean_error(&self, samples: &[Sample], width: f64) -> f64 {
         let side = width.max(1.0) / f64::from(SQUARES_ACROSS);
         let mut squares: BTreeMap<[i64; 2], (Vector2<f64>, usize)> = BTreeMap::new();
@@ -160,7 +160,7 @@ impl Model {
         let w = 1.0 - self.convergence * p.z;
         let s = self.scale / w;
         let at = (self.scale * p.xy() + self.shift) / w;
-        // How the picture moves with depth, and with a small turn omega: dp = omega x p.
+        // Derivatives of the image position by depth and by a small rotation omega: dp = omega x p.
         let (uz, vz) = (at.x * self.convergence / w, at.y * self.convergence / w);
         let (x, y, z) = (p.x, p.y, p.z);
         #[rustfmt::skip]
@@ -242,7 +242,7 @@ impl Model {
         self
     }
 
-    /// The polished model: trimming and descent in turns, each with the noise measured afresh.
+    /// The polished model: alternates trimming and descent, re-estimating the noise each time.
     pub(super) fn polished(self, samples: &[Sample], free: Free, rounds: usize) -> Self {
         let mut model = self;
         for _ in 0..rounds {
@@ -268,7 +268,7 @@ impl Model {
     pub(super) fn covariance(&self, samples: &[Sample], sigma: f64, free: Free) -> Option<Normal> {
         let (normal, _) = self.normal_equations(samples, f64::INFINITY, free);
         let count = free.count();
-        // Scaled to a unit diagonal, so that units do not decide what counts as singular.
+        // Scaled to a unit diagonal, so that the test for singularity does not depend on units.
         let size = Step::from_fn(|i, _| normal[(i, i)].sqrt().max(1e-300));
         let scaled = Normal::from_fn(|r, c| normal[(r, c)] / (size[r] * size[c]));
         let inverse = scaled.cholesky()?.inverse();

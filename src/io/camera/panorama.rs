@@ -1,4 +1,4 @@
-//! Where a panorama was seen from, and which way up, from its world-space positions.
+//! Viewpoint and orientation of a panorama, from its world-space positions.
 
 use super::file::dmat3;
 use super::samples::quantile;
@@ -9,37 +9,37 @@ use nalgebra::{Matrix3, Vector3};
 /// The place and the turn of an equirectangular panorama.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PanoramaPose {
-    /// Where it was seen from, in world space.
+    /// Viewpoint in world space.
     pub center: DVec3,
     /// World space to the map's own: x right, y up, -z in the middle of the picture.
     pub map_from_world: DMat3,
-    /// Median angle between where pixels look and where their positions lie, in pixels.
+    /// Median angle between directions of pixels and those of their positions, in pixels.
     pub residual_px: f64,
 }
 
-/// About how many pixels are looked at.
+/// Approximate number of pixels used.
 const SAMPLES: usize = 4000;
 
 /// Fewer decide nothing.
 const FEWEST: usize = 16;
 
-/// Rounds of turning and placing; each round leaves a fraction of the error.
+/// Rounds of alternating rotation and centre; each reduces the error by a constant factor.
 const ROUNDS: usize = 400;
 
 /// A round that moves the centre by less, as a share of the distances, is the last.
 const SETTLED: f64 = 1e-13;
 
-/// A pixel: where it looks in the map's own space, and the position that it shows.
+/// A pixel: its direction in the map's own space, and its position.
 struct Sighting {
     direction: DVec3,
     position: DVec3,
 }
 
-/// The pose recovered from the `positions` of a panorama, where `seen` is true. `None` where too few are seen, or they are
-/// no panorama of these proportions: its mirror image, a cube, a fisheye.
+/// The pose recovered from the `positions` of a panorama, where `seen` is true. `None` with too few positions, or for
+/// anything but a panorama of these proportions: its mirror image, a cube, a fisheye.
 ///
-/// In turns the positions are turned onto the directions of their pixels (Wahba's problem), and the centre is put
-/// where the lines through the positions along those directions come closest to each other.
+/// Alternates between rotating the positions onto the directions of their pixels (Wahba's problem), and moving the
+/// centre to the point closest to the lines through the positions along those directions.
 pub(crate) fn recover_panorama(
     positions: &Vector3Planes,
     seen: &Plane<bool>,
@@ -79,7 +79,7 @@ pub(crate) fn recover_panorama(
     })
 }
 
-/// Pixels spread over the map, with those near the poles thinned out as their solid angle is.
+/// Pixels spread over the map, thinned out near the poles in proportion to solid angle.
 fn sightings(positions: &Vector3Planes, seen: &Plane<bool>) -> Vec<Sighting> {
     let (width, height) = (seen.width(), seen.height());
     let step = ((width * height) as f64 / SAMPLES as f64).sqrt().max(1.0) as usize;
@@ -98,7 +98,7 @@ fn sightings(positions: &Vector3Planes, seen: &Plane<bool>) -> Vec<Sighting> {
     found
 }
 
-/// The rotation that best carries directions from the centre onto those of the map.
+/// The rotation that best maps directions from the centre onto those of the map.
 fn turned(sightings: &[Sighting], center: DVec3) -> Option<DMat3> {
     let mut sum = Matrix3::zeros();
     for s in sightings {

@@ -1,17 +1,16 @@
 //! The camera from a layer of world-space positions.
 //!
-//! The idea: every covered pixel pairs a point with its picture, so a few thousand of them fix the
-//! camera. Guesses come from linear fits (Hartley-normalised direct linear transform, a homography
-//! where the points lie in a plane, an affine map for parallel projections) to all samples and to
-//! random handfuls. The best few are polished by trimmed, Huber-weighted Levenberg-Marquardt over the
-//! parameters a render camera has: rotation, centre and one focal length, with square pixels times
-//! the pixel aspect and the principal point at the centre of the display window.
+//! The idea: every covered pixel pairs a point with its image position, so a few thousand of them fix the camera.
+//! Guesses come from linear fits (Hartley-normalised direct linear transform, a homography for points in a plane, an
+//! affine map for parallel projections) to all samples and to random subsets. The best few are polished by trimmed,
+//! Huber-weighted Levenberg-Marquardt over the parameters of a render camera: rotation, centre and one focal length,
+//! with square pixels times the pixel aspect and the principal point at the centre of the display window.
 //!
-//! What that buys: positions in half float, 100 units off the origin, leave the view axis uncertain by
-//! 0.1 degree in the eleven free parameters of the linear fit, and by less than 0.01 in these seven.
+//! In practice: positions in half float, 100 units off the origin, leave the view axis uncertain by 0.1 degree with the
+//! eleven free parameters of the linear fit, and by less than 0.01 with these seven.
 //!
-//! How to use it: the layer must hold positions, not distances, in one space for the whole picture. Where
-//! that is left-handed, the turn to the view mirrors. Panoramas, fisheyes and layers in object space fit no camera and are refused.
+//! How to use it: the layer must hold positions, not distances, in one space for the whole picture. A left-handed space
+//! gives a mirroring rotation. Panoramas, fisheyes and layers in object space fit no camera and are refused.
 
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
@@ -25,24 +24,24 @@ use nalgebra::{Matrix3, Vector3};
 const FEWEST: usize = 24;
 /// Samples that rank the guesses.
 const RANKING: usize = 600;
-/// Guesses that are polished on those samples.
+/// Number of guesses polished on those samples.
 const FINALISTS: usize = 8;
 /// Errors below this many pixels do not rank one guess above another.
 const LEAST_ERROR_PX: f64 = 0.01;
 /// Rotation less certain than this, in degrees, is no answer.
 const WORST_ROTATION_DEG: f64 = 1.0;
-/// Focal length less certain than this share is no answer where the points lie in a plane.
+/// Largest uncertainty of the focal length, as a share, that is accepted if the points lie in a plane.
 const WORST_FOCAL: f64 = 0.1;
-/// Times what rounding explains up to which samples may scatter about the places that a camera sees.
+/// Largest scatter of samples about their projections, as a multiple of that explained by rounding.
 const MOST_SCATTER: f64 = 4.0;
-/// Share of what rounding explains up to which samples that scatter may lie beside those places in the mean.
+/// Largest mean offset of scattered samples from their projections, as a share of that explained by rounding.
 const LEAST_BESIDE: f64 = 0.5;
 /// A perspective that moves no sample by more than this many pixels is called parallel.
 const LEAST_PERSPECTIVE_PX: f64 = 0.02;
 /// A parameter counts as different from zero from this many standard errors on.
 const SIGNIFICANT: f64 = 6.0;
 
-/// What makes a left-handed world a right-handed one.
+/// Converts between a left-handed and a right-handed world.
 pub(super) const MIRROR: DVec3 = DVec3::new(1.0, -1.0, 1.0);
 
 /// A camera found in a position layer, with the evidence for it.
@@ -50,13 +49,13 @@ pub(super) const MIRROR: DVec3 = DVec3::new(1.0, -1.0, 1.0);
 pub struct RecoveredCamera {
     /// The camera; its turn mirrors where the world is left-handed.
     pub camera: Camera,
-    /// Median distance, in pixel widths, between where samples were seen and where the camera sees them.
+    /// Median distance, in pixel widths, between samples and their projections.
     pub residual_px_median: f64,
-    /// The same distance that 95 % of the samples stay below.
+    /// 95th percentile of the same distance.
     pub residual_px_p95: f64,
     /// Share of samples that agree with the camera within the noise of the others, 0..1.
     pub inlier_share: f64,
-    /// How many samples were used.
+    /// Number of samples used.
     pub samples: usize,
 }
 
@@ -69,7 +68,7 @@ pub enum RecoveryFailure {
     TooFewPoints {
         /// Pixels that hold one.
         found: usize,
-        /// Pixels that it takes.
+        /// Fewest pixels required.
         needed: usize,
     },
     /// The points lie in a plane, or nearly so, in a way that many cameras fit.
@@ -103,13 +102,13 @@ pub enum RecoveryFailure {
     TooFewPatches {
         /// Places that show some.
         found: usize,
-        /// Places that it takes.
+        /// Fewest patches required.
         needed: usize,
     },
-    /// All normals point the same way, so the turn of the picture about it stays open.
+    /// All normals point the same way, so the rotation about them is undetermined.
     #[error("the normals all point the same way, which leaves a turn about it open")]
     ParallelNormals,
-    /// No turn carries the normals onto the slopes of depth.
+    /// No rotation maps the normals onto the slopes of depth.
     #[error(
         "the normals do not follow the slopes of depth (the best camera is {residual_deg:.0} degrees off); \
          a panorama, or depth that is scaled or not a distance"
@@ -126,8 +125,8 @@ pub enum RecoveryFailure {
 /// `display_window` unless the positions show a lens shift clearly. The same input always gives the
 /// same bits.
 ///
-/// A mirrored (left-handed) scene under a parallel camera cannot be distinguished from a right-handed one,
-/// nor can one that lies in a plane.
+/// A mirrored (left-handed) scene cannot be distinguished from a right-handed one if the camera is parallel or the
+/// scene lies in a plane.
 ///
 /// # Errors
 /// If the positions do not determine a camera or fit none.
@@ -154,7 +153,7 @@ pub fn recover_camera(
     let mut samples = gather(position, mask, data_window, display_window, aspect);
     match Fit::of(&samples, display_window) {
         Err(RecoveryFailure::Mirrored) => {
-            // Seen in a mirror across its y axis the world is right-handed.
+            // Mirrored across its y axis the world is right-handed.
             samples.mirror();
             let found = Fit::of(&samples, display_window)?;
             let mut report = found.report(&samples, display_window, aspect);
@@ -184,7 +183,7 @@ impl Fit {
             });
         }
         let (extent, _) = principal_axes(&samples.list);
-        // A line, or a single point, leaves a turn about it open.
+        // A line or a single point leaves the rotation about it undetermined.
         let length = extent.x.sqrt();
         let rounding = samples.quantum / samples.spread.max(f64::MIN_POSITIVE);
         if samples.spread <= 0.0 || extent.y.sqrt() <= (1e-6 + rounding) * length {
@@ -230,7 +229,7 @@ impl Fit {
         }))
     }
 
-    /// Whether the lens shift explains what a camera without one leaves unexplained.
+    /// Whether a lens shift explains the residual of the centred camera.
     fn shift_is_real(&self, centred_sigma: f64, half: bool) -> bool {
         let gain = if half { 0.4 } else { 0.7 };
         let Some(covariance) = self.covariance() else {
@@ -244,13 +243,13 @@ impl Fit {
         self.model.covariance(&self.kept, self.sigma, self.free)
     }
 
-    /// Refuses a camera that leaves more unexplained than rounding, jitter and compression can.
+    /// Refuses a camera whose residual exceeds the combined effect of rounding, jitter and compression.
     fn check_residual(&self, samples: &Samples, display: Window) -> Result<(), RecoveryFailure> {
         let residual_px = self.model.median_error(&samples.list);
         let rounding_px = samples.quantum / samples.spread * self.model.scale;
         let diagonal = (display.width() as f64).hypot(display.height() as f64);
         let limit = 1.0 + 0.002 * diagonal.min(2000.0) + rounding_px;
-        // Out of focus and in motion positions lie about the place that the camera sees, not beside it.
+        // Out of focus and in motion positions scatter about the projected point, without bias.
         let is_scatter = || {
             let width = display.width() as f64;
             residual_px <= MOST_SCATTER * limit
@@ -311,7 +310,7 @@ impl Fit {
         )
     }
 
-    /// Whether the samples stand out of a plane by no more than their noise.
+    /// Whether the samples deviate from a plane by no more than their noise.
     fn is_flat(&self, samples: &[Sample]) -> bool {
         let (_, axes) = principal_axes(&self.kept);
         let normal: Vector3<f64> = axes.column(2).into_owned();
@@ -411,10 +410,10 @@ fn rotation_error_deg(covariance: &Matrix3<f64>) -> f64 {
         .to_degrees()
 }
 
-/// Models by how much of the samples they leave unexplained, best first.
+/// Models ordered by the share of samples they leave unexplained, best first.
 ///
-/// The least median error of all sets how far off a sample still counts as explained. The medians
-/// themselves would not do: where a plane holds most samples, models that fit nothing else tie.
+/// A sample counts as explained within a few times the least median error of all models. Comparing the medians
+/// themselves would fail: if most samples lie in a plane, models that fit nothing else tie.
 fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
     let medians = models.iter().map(|m| m.median_error(samples));
     let limit = 3.0 * medians.fold(f64::INFINITY, f64::min).max(LEAST_ERROR_PX);
@@ -433,7 +432,7 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
     for model in models {
         let model = model.polished(samples, free, 4);
         polished.push(model);
-        // A plane is seen alike by an eye in front of it and a reversed one behind it.
+        // A plane has the same image for an eye in front of it and a reversed one behind it.
         if model.convergence < 0.0 {
             polished.push(model.facing_plane(&axes).polished(samples, free, 4));
         }
@@ -447,7 +446,7 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
     Some(Fit::new(best, samples, free))
 }
 
-/// The first few of the ranked guesses that differ from one another.
+/// The first few distinct ones among the ranked guesses.
 fn finalists(ranked: Vec<(f64, Model)>) -> Vec<Model> {
     let mut chosen: Vec<Model> = Vec::new();
     for (_, model) in ranked {

@@ -6,14 +6,14 @@ use nalgebra::{Vector2, Vector3};
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
 const WANTED: usize = 20_000;
-/// Pixels looked at to find that many; edges and gaps cost some.
+/// Pixels examined to find that many; edges and gaps cost some.
 const CANDIDATES: usize = 2 * WANTED;
 /// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
 const ENOUGH: usize = 400;
-/// Coordinates from here on stand for "nothing there" in some renderer.
+/// Coordinates from here on mean "no surface" in some renderers.
 const FARTHEST: f64 = 1e9;
 
-/// A surface point and where it was seen.
+/// A surface point and its image position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     /// Position less the centroid, in units of the spread.
@@ -51,7 +51,7 @@ struct Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// The position at column `x` of row `y`, where one was seen.
+    /// The position at column `x` of row `y`, if there is one.
     fn at(&self, x: isize, y: isize) -> Option<Vector3<f64>> {
         let plane = &self.position.x;
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
@@ -65,15 +65,14 @@ impl Layer<'_> {
         )
         .map(f64::from);
         let real = p.iter().all(|c| c.is_finite() && c.abs() < FARTHEST);
-        // The origin itself is what renderers write where they saw nothing.
+        // Renderers write the origin itself where there is no surface.
         (real && p != Vector3::zeros()).then_some(p)
     }
 
-    /// Whether the surface runs on smoothly for two pixels to either side.
+    /// Whether the surface continues smoothly for two pixels to either side.
     ///
-    /// A pixel on or beside an edge has, among the four steps along a row or column, one or two
-    /// that dwarf the others. Where in its pixel a renderer took its sample makes single steps
-    /// short, so the measure is the second shortest one.
+    /// For a pixel on or beside an edge, one or two of the four steps along a row or column dwarf the others. Jittered
+    /// sample positions make single steps short, so the measure is the second shortest one.
     fn is_smooth(&self, x: isize, y: isize, quantum: f64) -> bool {
         [(1, 0), (0, 1)].into_iter().all(|(dx, dy)| {
             let mut line = [Vector3::zeros(); 5];
@@ -90,7 +89,7 @@ impl Layer<'_> {
     }
 }
 
-/// At most 20,000 covered pixels of `position`, away from edges where enough of those exist.
+/// At most 20,000 covered pixels of `position`, away from edges if there are enough of those.
 pub(super) fn gather(
     position: &Vector3Planes,
     mask: &Mask,
@@ -124,7 +123,7 @@ pub(super) fn gather(
 
 type Candidate = (usize, usize, Vector3<f64>);
 
-/// Covered pixels, evenly thinned to a multiple of what is wanted.
+/// Covered pixels, evenly thinned to a multiple of the number wanted.
 fn candidates(layer: &Layer) -> Vec<Candidate> {
     let (width, height) = (layer.position.x.width(), layer.position.x.height());
     let stride = (layer.mask.count() / CANDIDATES).max(1);
@@ -141,14 +140,13 @@ fn candidates(layer: &Layer) -> Vec<Candidate> {
         .collect()
 }
 
-/// At most `count` elements, evenly over the list.
+/// At most `count` elements, evenly spread over the list.
 pub(super) fn spread_out<T: Copy>(list: &[T], count: usize) -> Vec<T> {
     let count = count.min(list.len());
     (0..count).map(|i| list[i * list.len() / count]).collect()
 }
 
-/// Whether the coordinates look written as half floats; a share of stray values, as a resampling of
-/// the edges leaves them, does not count.
+/// Whether the coordinates look stored as half floats; a share of stray values, from resampled edges, is tolerated.
 fn is_half(candidates: &[Candidate]) -> bool {
     let halves = candidates
         .iter()
@@ -206,7 +204,7 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
     (middle + mean, (square / count).sqrt())
 }
 
-/// The value that a share `q` of `values` lies below; 0 for none. Reorders `values`.
+/// The `q` quantile of `values`; 0 for none. Reorders `values`.
 pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
     crate::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
 }

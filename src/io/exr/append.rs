@@ -1,4 +1,4 @@
-//! Adding a part to a copy of a file, without touching what is there.
+//! Adding a part to a copy of a file, leaving the existing parts as they are.
 
 use super::ExrFile;
 use super::attributes::Attributes;
@@ -46,7 +46,7 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     Ok((out, ready))
 }
 
-/// The input's attributes, with those added that only a file of several parts must have.
+/// The input's attributes, plus those that only a multi-part file must have.
 fn named_parts(input: &ExrFile) -> Vec<Attributes> {
     let mut parts = input.header.parts.clone();
     for (i, header) in input.header.meta.headers.iter().enumerate() {
@@ -76,7 +76,7 @@ fn free_name(name: &str, parts: &[Attributes]) -> String {
         .unwrap_or_default()
 }
 
-/// Copies all chunks in the order in which they lie in the file, except those of part `without`.
+/// Copies all chunks in file order, except those of part `without`.
 pub(super) fn copy_chunks(
     input: &ExrFile,
     out: &mut ChunkSink<impl Write + Seek>,

@@ -1,7 +1,7 @@
 //! Header attributes, byte for byte.
 //!
-//! They are kept as they stand in the file, so that a copy gives back every one of them: in the same
-//! order, of unknown types, and with values no reader understands.
+//! They are kept as stored in the file, so that a copy reproduces every one of them: in the same order, of unknown
+//! types, and with values no reader understands.
 
 use super::fault::{Fault, Parsed};
 use crate::frame::Window;
@@ -167,7 +167,7 @@ impl<R: Read> HeaderReader<R> {
             }
             let kind = self.name()?;
             if kind.is_empty() {
-                // The `exr` crate would take what follows for its type.
+                // The `exr` crate would read the following bytes as its type.
                 let name = text_of_bytes(&name);
                 return Err(Fault::Damaged(format!("attribute {name:?} has no type")));
             }

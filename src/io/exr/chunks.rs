@@ -1,4 +1,4 @@
-//! Chunks: where the compressed blocks of pixels lie in a file.
+//! Chunks: the compressed blocks of pixels in a file.
 
 use super::ExrFile;
 use super::fault::{Fault, Parsed};
@@ -6,7 +6,7 @@ use crate::io::open::open_input;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
-/// Which block of a part a chunk holds, as the chunk itself says.
+/// The block of a part that a chunk claims to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// The first row of a block of rows.
@@ -39,7 +39,7 @@ impl<'a> ChunkReader<'a> {
         })
     }
 
-    /// Where the first `count` chunks of `part` start.
+    /// Offsets of the first `count` chunks of `part`.
     pub(super) fn offsets(&mut self, part: usize, count: usize) -> Parsed<Vec<u64>> {
         let header = &self.exr.header;
         let stored = header.meta.headers[part].chunk_count;
@@ -94,7 +94,7 @@ impl<'a> ChunkReader<'a> {
         Ok(RawChunk { part, place, bytes })
     }
 
-    /// Where the last chunk read ends.
+    /// End of the last chunk read.
     pub(super) fn position(&self) -> u64 {
         self.position
     }
@@ -127,7 +127,7 @@ impl<'a> ChunkReader<'a> {
         Ok(())
     }
 
-    /// Moves to `position`, keeping what is buffered where that is near.
+    /// Moves to `position`, keeping the buffer if it is near.
     fn seek(&mut self, position: u64) -> Parsed<()> {
         let step = i128::from(position) - i128::from(self.position);
         match i64::try_from(step) {

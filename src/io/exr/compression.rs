@@ -1,15 +1,15 @@
-//! How the pixels of a written part are compressed.
+//! Compression of the pixels of a written part.
 
 use crate::error::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 
-/// How the pixels of a part are compressed when it is written.
+/// Compression of the pixels of a part when it is written.
 ///
 /// All but the last two are lossless. `Default` is ZIP, which every program reads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum OutputCompression {
-    /// Not at all.
+    /// Uncompressed.
     None,
     /// Runs of equal bytes: small only where the picture is flat.
     Rle,
@@ -20,15 +20,15 @@ pub enum OutputCompression {
     Zip,
     /// Wavelets, 32 rows at a time: smallest for grainy pictures.
     Piz,
-    /// DWA, 32 rows at a time: loses detail that is not seen, of colours alone. Of those it makes half floats,
-    /// whatever they are: what is larger than 65504 is clamped, NaN becomes 0.
+    /// DWA, 32 rows at a time: loses invisible detail, in colours only. It stores colours of any type as half floats:
+    /// values beyond 65504 are clamped, NaN becomes 0.
     Dwaa,
     /// DWA, 256 rows at a time.
     Dwab,
 }
 
 impl OutputCompression {
-    /// All of them.
+    /// All compressions.
     pub const ALL: [OutputCompression; 7] = [
         OutputCompression::None,
         OutputCompression::Rle,
@@ -52,7 +52,7 @@ impl OutputCompression {
         }
     }
 
-    /// Whether some samples are not the same after it.
+    /// Whether some samples change.
     pub fn is_lossy(self) -> bool {
         matches!(self, OutputCompression::Dwaa | OutputCompression::Dwab)
     }
@@ -70,8 +70,8 @@ impl OutputCompression {
         }
     }
 
-    /// Refuses to lose precision of channels that are no colour: those that DWA takes for one by the
-    /// last token of their name, in a layer that lacks red, green or blue.
+    /// Refuses to lose precision of channels that are not colours but that DWA treats as such by the last token of
+    /// their name, in a layer without red, green or blue.
     pub(super) fn check_channels(self, names: &[&str]) -> Result<()> {
         let is_color = |name: &str| {
             let layer = name.strip_suffix(last_token(name)).unwrap_or_default();
@@ -95,7 +95,7 @@ fn last_token(name: &str) -> &str {
     name.rsplit('.').next().unwrap_or(name)
 }
 
-/// Whether DWA takes the floating-point channel `name` for colour, of which it loses precision.
+/// Whether DWA treats the floating-point channel `name` as colour, with loss.
 pub(super) fn dwa_spoils(name: &str) -> bool {
     ["R", "G", "B", "Y", "RY", "BY"].contains(&last_token(name))
 }
@@ -146,7 +146,7 @@ mod tests {
         let dwaa = |names: &[&str]| OutputCompression::Dwaa.check_channels(names).is_ok();
         assert!(dwaa(&["R", "G", "B", "A"]));
         assert!(dwaa(&["relievo.R", "relievo.G", "relievo.B", "Z"]));
-        // Of a vector X, Y, Z it would spoil exactly Y.
+        // In a vector X, Y, Z it would spoil only Y.
         assert!(!dwaa(&["normal.X", "normal.Y", "normal.Z"]));
         assert!(!dwaa(&["Y"]));
         assert!(!dwaa(&["R", "G", "B", "flow.R", "flow.G"]));

@@ -19,8 +19,8 @@ use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use std::ops::Range;
 
-/// Whether ZIP and what is not compressed are decoded and encoded here: where numbers in memory are as
-/// they are in files, low byte first.
+/// Whether ZIP and uncompressed blocks are decoded and encoded here: on machines that store numbers in the byte order
+/// of the files, low byte first.
 pub(super) const OWN_CODEC: bool = cfg!(target_endian = "little");
 
 /// A channel to be read: where its samples lie in a row of a decompressed block.
@@ -40,7 +40,7 @@ impl Slot {
         }
     }
 
-    /// Converts samples given as words of 16 bits, low ones first.
+    /// Converts samples given as 16-bit words, low words first.
     fn convert_words(self, words: &[u16], into: &mut [f32]) {
         let bits = |&[low, high]: &[u16; 2]| u32::from(low) | u32::from(high) << 16;
         match self.sample_type {
@@ -95,9 +95,9 @@ fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> u
 
 /// A decompressed block: for each row, all samples of one channel after another.
 pub(super) enum Block {
-    /// As they are in memory.
+    /// In the layout of memory.
     Bytes(Vec<u8>),
-    /// As ZIP prepares them.
+    /// In ZIP's preprocessed form.
     Differences(Vec<u8>),
 }
 
@@ -105,12 +105,12 @@ pub(super) enum Block {
 pub(super) enum Rows<'t> {
     /// The samples of some channels, in planes as wide as the picture.
     Samples(Vec<(Slot, &'t mut [f32])>),
-    /// All channels as they are stored, laid out as in a block as wide as the picture.
+    /// All channels as stored, laid out as in a block as wide as the picture.
     Bytes(&'t mut [u8]),
 }
 
 impl<'t> Rows<'t> {
-    /// Takes the first `rows` rows out.
+    /// Splits off the first `rows` rows.
     pub(super) fn split_off_top(&mut self, rows: usize, layout: &Layout) -> Rows<'t> {
         let pixels = rows * layout.width;
         match self {
@@ -130,8 +130,7 @@ impl<'t> Rows<'t> {
         }
     }
 
-    /// Copies what `block`, whose pixels are those of `area`, holds of the rows `rows`: the rows
-    /// that are here.
+    /// Copies the part of `block`, whose pixels are those of `area`, in the rows `rows`: those held here.
     pub(super) fn fill(
         &mut self,
         block: &Block,
@@ -232,7 +231,7 @@ fn copy_row(
     }
 }
 
-/// Decompresses a block of `part` that lies at `place`, where its part says; it has `size` bytes.
+/// Decompresses a block of `part` to `size` bytes; `place` is already checked against the part.
 pub(super) fn decode_block(
     bytes: Vec<u8>,
     meta: &MetaData,
@@ -241,7 +240,7 @@ pub(super) fn decode_block(
     size: usize,
 ) -> Parsed<Block> {
     let header = &meta.headers[part];
-    // What compression would not have made smaller is stored as it is.
+    // Blocks that compression would not shrink are stored uncompressed.
     if OWN_CODEC && bytes.len() == size {
         return Ok(Block::Bytes(bytes));
     }
@@ -311,7 +310,7 @@ fn compressed_block(compressed_pixels_le: Vec<u8>, place: Place) -> CompressedBl
     }
 }
 
-/// Tile coordinates that have been compared with those expected, so none is negative.
+/// Converts tile coordinates already compared with the expected ones, so none is negative.
 fn tile_coordinates([x, y, level_x, level_y]: [i32; 4]) -> TileCoordinates {
     TileCoordinates {
         tile_index: Vec2(x as usize, y as usize),
@@ -319,8 +318,8 @@ fn tile_coordinates([x, y, level_x, level_y]: [i32; 4]) -> TileCoordinates {
     }
 }
 
-/// Refuses DWA chunks whose counters exceed what a block of `size` pixels can hold: the decoder
-/// allocates as much as they say.
+/// Refuses DWA chunks whose counters exceed the content of a block of `size` pixels: the decoder allocates memory by
+/// them.
 fn check_dwa_counters(bytes: &[u8], size: Vec2<usize>, header: &Header) -> Parsed<()> {
     let raw = size.area() * header.channels.bytes_per_pixel;
     if bytes.is_empty() || bytes.len() == raw {

@@ -22,16 +22,15 @@ const BATCH_BYTES: usize = 32 << 20;
 
 /// Compresses the rows of a part, block by block.
 ///
-/// Rows that do not fill a block wait for the next ones, so the blocks do not depend on how the rows
-/// are cut.
+/// Incomplete blocks wait for the next rows, so the blocks do not depend on how the rows are divided.
 pub(super) struct Encoder {
     header: Header,
     sources: Vec<Source>,
     /// Rows of a block.
     block_rows: usize,
-    /// Rows that have been taken, those that wait included.
+    /// Rows taken, including those waiting.
     taken: usize,
-    /// Rows that wait, as they will stand in their block.
+    /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
     /// Samples of them that were clamped.
     waiting_clamped: Clamped,
@@ -39,12 +38,12 @@ pub(super) struct Encoder {
     clamped: u64,
 }
 
-/// Finite samples that half floats cannot hold, and that became the largest that they can.
+/// Numbers of finite samples beyond half floats, clamped to the largest one.
 #[derive(Debug, Clone, Copy, Default)]
 struct Clamped {
-    /// Of channels that DWA takes for colour, where it is used.
+    /// Samples clamped in channels that DWA treats as colour, if it is used.
     colors: u64,
-    /// Of others.
+    /// Samples clamped in other channels.
     others: u64,
 }
 
@@ -55,11 +54,11 @@ struct Encoded {
     clamped: u64,
 }
 
-/// Rows to be written: the same of every plane that is given.
+/// Rows to write: the same of every plane.
 pub(super) struct Strip<'a> {
     pub(super) planes: &'a [&'a Plane],
     pub(super) rows: Range<usize>,
-    /// The same rows of the part that is added to, if there is one, as it stores them.
+    /// The same rows of the part that channels are added to, if any, as stored.
     pub(super) kept: &'a [u8],
 }
 
@@ -91,7 +90,7 @@ impl Encoder {
         self.header.layer_size.height() - self.taken
     }
 
-    /// How many rows should be given at one time, at most.
+    /// Most rows to pass at a time.
     pub(super) fn batch_rows(&self) -> usize {
         let block_bytes = self.block_rows * self.row_bytes();
         let blocks = (BATCH_BYTES / block_bytes.max(1)).clamp(1, 1024);
@@ -110,7 +109,7 @@ impl Encoder {
         self.taken % self.block_rows
     }
 
-    /// Takes rows, at least one, and returns the index of the first block that became complete, and their bytes.
+    /// Takes at least one row, and returns the index of the first completed block, and the bytes of all completed ones.
     pub(super) fn take(&mut self, strip: &Strip) -> Parsed<(usize, Vec<Vec<u8>>)> {
         let waiting = self.waiting_rows();
         let first = self.taken / self.block_rows;
@@ -152,7 +151,7 @@ impl Encoder {
         Ok((first, bytes.collect()))
     }
 
-    /// Appends the rows `rows` of a strip as they stand in a block.
+    /// Appends the rows `rows` of a strip in the layout of a block.
     fn lay_rows(&self, strip: &Strip, rows: Range<usize>, raw: &mut Vec<u8>) -> Clamped {
         let mut clamped = Clamped::default();
         let mut halves = Vec::new();
@@ -179,7 +178,7 @@ impl Encoder {
         clamped
     }
 
-    /// Compresses a block of which samples were `clamped` as it was laid.
+    /// Compresses a block, given the samples `clamped` while it was laid out.
     fn encoded(
         &self,
         first_row: usize,
@@ -213,8 +212,8 @@ impl Encoder {
         )
     }
 
-    /// Moves samples that DWA takes for colour into `-most..=most`, NaN apart: how many were outside, and the
-    /// largest size of one before.
+    /// Clamps samples that DWA treats as colour to `-most..=most`, except NaN; returns the number outside and the
+    /// largest previous magnitude.
     fn clamp_colors(&self, raw: &mut [u8], most: f32) -> (u64, f32) {
         let (mut count, mut largest) = (0, 0.0_f32);
         let mut clamp = |v: f32| {
@@ -239,7 +238,7 @@ impl Encoder {
         (count, largest)
     }
 
-    /// Calls `each` with every row of every channel that DWA takes for colour, in a block that is not compressed.
+    /// Calls `each` with every row of every channel that DWA treats as colour, in an uncompressed block.
     fn for_colors(&self, mut raw: &mut [u8], mut each: impl FnMut(SampleType, &mut [u8])) {
         let width = self.header.layer_size.width();
         while !raw.is_empty() {
@@ -254,7 +253,7 @@ impl Encoder {
         }
     }
 
-    /// Whether every sample that DWA takes for colour is finite when a block is read back.
+    /// Whether every sample that DWA treats as colour is finite after decoding.
     fn decodes_finite(&self, first_row: usize, rows: usize, bytes: &[u8]) -> Parsed<bool> {
         let (compression, section) = (self.header.compression, self.section(first_row, rows));
         let decoded = fenced(|| {
@@ -302,23 +301,23 @@ impl Clamped {
 /// The largest half float.
 const HALF_MAX: f32 = f16::MAX.to_f32_const();
 
-/// Colours up to this size stay finite whatever DWA makes of them.
+/// Colours up to this magnitude stay finite through DWA.
 ///
-/// DWA stores `1 + ln(v) / 2.2` of what is above 1, as cosines of 8x8 pixels that are off by their tolerance and by
-/// the rounding of half floats; above 65520 a half float is infinite. So all errors at a pixel together may come to
-/// `ln(65520 / 32768) / 2.2 = 0.315`. Tolerances are 0.00045 times JPEG's tables over their least entry, and a cosine
-/// is at most 1/4 at a pixel: 0.0415 in luminance, and 0.036 in each chroma. Rounding adds 2^-11 of each cosine, which
-/// with values up to 5.73 (their squares add up to 64 times that of a pixel) is at most
-/// `2^-13 * sqrt(64 * 64 * 5.73^2) = 0.045` and for chroma half of it. Blue is luminance plus 1.8556 times a chroma:
-/// `0.0865 + 1.8556 * 0.0585 = 0.195`, and 0.004 for its own rounding before and after.
+/// DWA stores `1 + ln(v) / 2.2` for values above 1, as cosines of 8x8 pixels with errors of their tolerance and of
+/// rounding to half floats; above 65520 a half float is infinite. So the errors at a pixel may add up to `ln(65520 /
+/// 32768) / 2.2 = 0.315`. Tolerances are 0.00045 times JPEG's tables over their least entry, and a cosine is at most
+/// 1/4 at a pixel: 0.0415 in luminance, and 0.036 in each chroma. Rounding adds 2^-11 of each cosine, which with values
+/// up to 5.73 (their squares add up to 64 times that of a pixel) is at most `2^-13 * sqrt(64 * 64 * 5.73^2) = 0.045`
+/// and half of it for chroma. Blue is luminance plus 1.8556 times a chroma: `0.0865 + 1.8556 * 0.0585 = 0.195`, plus
+/// 0.004 for its own rounding before and after.
 const DWA_SAFE: f32 = 32768.0;
 
-/// Whether DWA takes a channel for colour.
+/// Whether DWA treats a channel as colour.
 fn is_color(channel: &ChannelDescription) -> bool {
     dwa_spoils(&text_of_bytes(channel.name.as_slice()))
 }
 
-/// Appends a row of samples; how many finite ones were too large for their type.
+/// Appends a row of samples; returns the number of finite ones too large for their type.
 fn lay_samples(
     row: &[f32],
     sample_type: OutputType,
@@ -337,7 +336,7 @@ fn lay_samples(
         OutputType::Half => {
             halves.resize(row.len(), f16::ZERO);
             halves.convert_from_f32_slice(row);
-            // Rare: what was finite and is no more.
+            // Rare: finite samples that became infinite.
             if halves.iter().any(|half| half.is_infinite()) {
                 for (half, &v) in halves.iter_mut().zip(row) {
                     clamped += u64::from(v.is_finite() && half.is_infinite());

@@ -1,4 +1,4 @@
-//! What is wrong with a file, before its path is attached.
+//! Faults of a file, before its path is attached.
 
 use crate::error::Error;
 use std::io;

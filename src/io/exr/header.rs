@@ -1,4 +1,4 @@
-//! The header: what the file says about itself, checked before anything is allocated for it.
+//! The file header, checked before anything is allocated for it.
 
 use super::attributes::{Attributes, HeaderReader, text_of_bytes};
 use super::fault::{Fault, Parsed};
@@ -32,7 +32,7 @@ pub(super) struct FileHeader {
     pub(super) parts: Vec<Attributes>,
     /// The same, typed.
     pub(super) meta: MetaData,
-    /// Where the offset tables start.
+    /// Start of the offset tables.
     pub(super) end: u64,
 }
 
@@ -102,10 +102,10 @@ fn raw_header(read: &mut HeaderReader<impl Read>) -> Parsed<(u32, Vec<Attributes
     Ok((flags, parts))
 }
 
-/// Refuses what cannot be read, and settles contradictions about the type the way OpenEXR does.
+/// Refuses unsupported parts, and settles contradictions about the type the way OpenEXR does.
 fn check_part(part: &mut Attributes, flags: u32) -> Parsed<()> {
     if flags & (MULTI_PART | DEEP) == 0 {
-        // Only the version field counts in these files, and it does not say "deep".
+        // Only the version field counts in these files, and it is not "deep".
         let tiled = flags & TILED != 0;
         part.set_text("type", if tiled { "tiledimage" } else { "scanlineimage" });
     }

@@ -1,4 +1,4 @@
-//! How the pixels of a part are divided into blocks.
+//! Division of a part's pixels into blocks.
 
 use super::chunks::Place;
 use ::exr::meta::BlockDescription;
@@ -95,12 +95,12 @@ impl Layout {
         }
     }
 
-    /// All rows of the bands `bands`.
+    /// Rows of the bands `bands`.
     pub(super) fn rows_of(&self, bands: &Range<usize>) -> Range<usize> {
         bands.start * self.band_rows..(bands.end * self.band_rows).min(self.height)
     }
 
-    /// Where block `block` of band `band` lies.
+    /// Area of block `block` in band `band`.
     pub(super) fn area(&self, band: usize, block: usize) -> Area {
         let x = block * self.block_columns;
         Area {
@@ -109,7 +109,7 @@ impl Layout {
         }
     }
 
-    /// What the chunk of block `block` in band `band` has to say about its place.
+    /// The place expected in the chunk of block `block` in band `band`.
     pub(super) fn place(&self, band: usize, block: usize) -> Place {
         match self.tiled {
             true => Place::Tile([block as i32, band as i32, 0, 0]),

@@ -1,4 +1,4 @@
-//! What a file holds: parts, their channels, and how samples are stored.
+//! Content of a file: parts, channels, and types of samples.
 
 use super::compression::dwa_spoils;
 use crate::frame::Window;
@@ -14,11 +14,11 @@ pub struct Part {
     pub window: Window,
     /// The compression, in lower case: "none", "zip", "dwaa".
     pub compression: String,
-    /// Whether the pixels are stored in tiles rather than rows.
+    /// Whether the pixels are stored in tiles instead of rows.
     pub tiled: bool,
     /// The channels, in alphabetical order.
     pub channels: Vec<Channel>,
-    /// What the colours mean, as `colorInteropID` says, such as "lin_rec709_scene" or "data".
+    /// Meaning of the colours by `colorInteropID`, such as "lin_rec709_scene" or "data".
     pub color_interop_id: Option<String>,
 }
 
@@ -27,11 +27,11 @@ pub struct Part {
 pub struct Channel {
     /// The full name, such as "ViewLayer.Normal.X".
     pub name: String,
-    /// How a sample is stored.
+    /// Type of the stored samples.
     pub sample_type: SampleType,
 }
 
-/// How a sample is stored.
+/// Type of stored samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SampleType {
     /// 16-bit floating point.
@@ -64,7 +64,7 @@ pub struct ChannelId {
 impl Part {
     /// Whether the compression changed the samples of the channel at index `channel`.
     ///
-    /// DWA goes by the last token of the name: of a vector X, Y, Z it spoils exactly Y.
+    /// DWA decides by the last token of the name: in a vector X, Y, Z it spoils only Y.
     pub fn is_lossy(&self, channel: usize) -> bool {
         let Channel { name, sample_type } = &self.channels[channel];
         match self.compression.as_str() {

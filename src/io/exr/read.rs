@@ -27,8 +27,8 @@ impl ExrFile {
     /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
     /// window of each channel's part.
     ///
-    /// Only the blocks that hold such rows are read. The limits count for the rows, not for the
-    /// whole picture. For one range after another a [`RowReader`](super::RowReader) is cheaper.
+    /// Only the blocks with such rows are read. The limits apply to the rows, not to the whole picture. For consecutive
+    /// ranges a [`RowReader`](super::RowReader) is cheaper.
     ///
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.
@@ -106,7 +106,7 @@ impl ExrFile {
         self.check_memory(planes + 3 * band)
     }
 
-    /// Refuses what would need more bytes of memory than allowed.
+    /// Refuses to use more bytes of memory than allowed.
     pub(super) fn check_memory(&self, needed: u128) -> Parsed<()> {
         match needed <= u128::from(self.limits.max_bytes) {
             true => Ok(()),
@@ -122,7 +122,7 @@ impl ExrFile {
     }
 }
 
-/// Where the blocks of a part lie, at full resolution.
+/// Offsets of the blocks of a part, at full resolution.
 pub(super) struct PartBlocks {
     part: usize,
     pub(super) layout: Layout,
@@ -168,7 +168,7 @@ impl PartBlocks {
         Ok(())
     }
 
-    /// Divides rows into bands, the first and the last of which may be cut.
+    /// Divides rows into bands, the first and the last of which may be partial.
     fn bands<'t>(&self, mut target: Rows<'t>, rows: &Range<usize>) -> Vec<Band<'t>> {
         let layout = &self.layout;
         let cut = |index: usize| {
@@ -217,7 +217,7 @@ impl PartBlocks {
             .zip(bands)
             .map(|(blocks, band)| self.decode_band(blocks, band, meta))
             .collect();
-        // In order, so that of several faults always the same one is reported.
+        // In order, so that the first of several faults is the one reported, always the same.
         results.into_iter().collect()
     }
 

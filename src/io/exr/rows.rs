@@ -47,10 +47,10 @@ impl<'f> RowReader<'f> {
         open().map_err(|fault| fault.at(&exr.path))
     }
 
-    /// The rows `rows` of the wanted channels, in the order in which they are wanted, counted from
-    /// the top of the data window of each channel's part.
+    /// The rows `rows` of the wanted channels, in the order requested, counted from the top of the data window of each
+    /// channel's part.
     ///
-    /// The limits count for the rows, each of which is held twice, and for the blocks they touch.
+    /// The limits apply to the rows, each of which is held twice, and to the blocks they touch.
     ///
     /// # Panics
     /// If the part of a wanted channel has fewer rows.
@@ -103,7 +103,7 @@ fn parts_of(chunks: &mut ChunkReader, wanted: &[ChannelId]) -> Parsed<Vec<PartRo
     Ok(parts)
 }
 
-/// Consecutive rows of some buffers, kept so that those that are wanted again need not be read.
+/// Consecutive rows of some buffers, kept so that rows wanted again need not be read.
 pub(super) struct HeldRows<T> {
     held: Range<usize>,
     /// Elements in a row of a buffer.

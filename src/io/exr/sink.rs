@@ -1,4 +1,4 @@
-//! Where chunks go.
+//! Writing of chunks and their offset tables.
 
 use super::header::MULTI_PART;
 use std::io::{Seek, SeekFrom, Write};
@@ -6,18 +6,18 @@ use std::io::{Seek, SeekFrom, Write};
 /// A file whose chunks are being written: keeps the offset tables and writes them last.
 pub(super) struct ChunkSink<'w, W> {
     w: &'w mut W,
-    /// Where the file starts in `w`.
+    /// Start of the file in `w`.
     start: u64,
-    /// Where the tables start.
+    /// Start of the offset tables.
     tables_at: u64,
-    /// Where the next chunk goes.
+    /// Position of the next chunk.
     position: u64,
     tables: Vec<Vec<u64>>,
     multi_part: bool,
 }
 
 impl<'w, W: Write + Seek> ChunkSink<'w, W> {
-    /// Writes the header and leaves room for tables of the given sizes, one for each part.
+    /// Writes the header and reserves tables of the given sizes, one for each part.
     pub(super) fn new(
         w: &'w mut W,
         start: u64,

@@ -1,16 +1,16 @@
-//! Whether a file ends where its blocks of pixels do.
+//! Check for truncated files: whether all blocks of pixels lie within the file.
 
 use super::ExrFile;
 use super::chunks::ChunkReader;
 use super::fault::Parsed;
 
 impl ExrFile {
-    /// Whether all blocks of pixels are there. They are not decoded.
+    /// Whether all blocks of pixels are there, without decoding them.
     pub fn is_whole(&self) -> bool {
         self.ends_within().unwrap_or(false)
     }
 
-    /// Whether the last block ends within the file; an error where others are missing.
+    /// Whether the last block ends within the file; an error if others are missing.
     fn ends_within(&self) -> Parsed<bool> {
         let mut chunks = ChunkReader::open(self)?;
         let mut last = 0;

@@ -45,12 +45,11 @@ pub fn append_part(
 /// Writes a copy of `input` in which the part at index `part` also has the channels of `added`, for
 /// programs that see only one part. `target` is only named in errors.
 ///
-/// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text
-/// attributes of `added` are set. Its pixels are compressed anew, the way they were if that is
-/// lossless, else with ZIP; tiles become rows, at full resolution alone. Other parts are copied as
-/// they are. Where a layer of `added` has a channel that the part has too, the layer is renamed: bare
-/// channels go to a layer named like `added`. Its window must be that of the part; of the rest of its
-/// description the part keeps its own.
+/// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text attributes of
+/// `added` are set. Its pixels are compressed anew, with the same compression if that is lossless, else with ZIP; tiles
+/// become rows, at full resolution only. Other parts are copied as they are. If a layer of `added` shares a channel
+/// with the part, the layer is renamed: bare channels go to a layer named like `added`. Its window must be that of the
+/// part, which otherwise keeps its own description.
 ///
 /// # Panics
 /// If there is no such part, or a plane does not have the size of the data window.
@@ -68,8 +67,8 @@ pub fn add_channels(
 
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
-/// The bytes do not depend on how the rows are cut. Of the rows given at one time, those that do not
-/// fill a block are kept; no more than that and the blocks being compressed is held in memory.
+/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call;
+/// memory holds no more than those and the blocks being compressed.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,
@@ -190,8 +189,8 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(())
     }
 
-    /// Ends the file. Returns how many finite samples were too large for half floats, in which they were to be stored
-    /// or which DWA makes of colours, and were clamped.
+    /// Finishes the file. Returns the number of finite samples clamped because they were too large for half floats,
+    /// whether requested or used by DWA for colours.
     ///
     /// # Panics
     /// If rows are missing.

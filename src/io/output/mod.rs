@@ -17,11 +17,11 @@ use std::path::Path;
 use target::{Target, exists_already};
 use temporary::Temporary;
 
-/// Writes the file `path` through `write`, so that it holds all of the result or is left as it was.
+/// Writes the file `path` through `write`, atomically: it holds the whole result or is unchanged.
 ///
-/// The data go to a temporary file in the same directory, which takes the name at the end and the permissions of the file
-/// that it replaces. A link is followed, as an ordinary write would, also one to a file that does not exist. With
-/// [`Replace::Never`] a file that exists is never replaced, not even one that appears meanwhile.
+/// The data go to a temporary file in the same directory, which is finally renamed and gets the permissions of the file
+/// it replaces. A link is followed, as by an ordinary write, even to a file that does not exist. With
+/// [`Replace::Never`] an existing file is never replaced, not even one that appears meanwhile.
 ///
 /// # Errors
 /// That of `write`, and [`Error::Io`] as of [`check_writable`] and of the system.
@@ -45,10 +45,10 @@ pub fn write_atomically(
     })
 }
 
-/// [`write_atomically`] of a text.
+/// [`write_atomically`] for a text.
 ///
 /// # Errors
-/// As there.
+/// As for [`write_atomically`].
 pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())
@@ -56,8 +56,8 @@ pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()
     })
 }
 
-/// Whether the file `path` is there and holds all that its format promises: an EXR all its blocks, a PNG, JPEG or
-/// SVG its end, others at least one byte.
+/// Whether the file `path` exists and is complete by its format: an EXR has all its blocks, a PNG, JPEG or SVG its end,
+/// others at least one byte.
 pub fn is_whole(path: &Path) -> bool {
     let Ok(data) = fs::metadata(path) else {
         return false;
@@ -126,7 +126,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(refused.contains("exists already"), "{refused}");
-        // One that appears while the result is made.
+        // A file that appears while the result is computed.
         let late = directory.path().join("late.exr");
         let result = write_atomically(&late, Replace::Never, |_| {
             fs::write(&late, "theirs").map_err(Error::io(&late, "write"))

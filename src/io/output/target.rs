@@ -1,4 +1,4 @@
-//! Where a result goes: the file behind a path, and whether it may be replaced.
+//! Target of a result: the file behind a path, and whether it may be replaced.
 
 use crate::error::{Error, Result};
 use std::collections::HashMap;
@@ -7,18 +7,18 @@ use std::fs::{self, Permissions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What may happen to a file that exists already.
+/// Policy for files that already exist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replace {
-    /// It stays, and the run fails.
+    /// Kept; the run fails.
     Never,
-    /// It is replaced unless it is write-protected.
+    /// Replaced unless write-protected.
     IfWritable,
-    /// It is replaced.
+    /// Replaced.
     Always,
 }
 
-/// Where a result goes.
+/// Target of a result.
 pub(super) struct Target {
     pub(super) path: PathBuf,
     /// Permissions of the file that is replaced.
@@ -29,7 +29,7 @@ pub(super) struct Target {
 const MOST_LINKS: usize = 40;
 
 impl Target {
-    /// The file to be written for `path`: itself, or what it links to, whether that exists or not.
+    /// The file to write for `path`: itself, or the target of its links, existing or not.
     pub(super) fn of(path: &Path, replace: Replace) -> io::Result<Self> {
         let path = followed(path)?;
         let existing = match fs::metadata(&path) {
@@ -76,7 +76,7 @@ pub(super) fn exists_already() -> io::Error {
     )
 }
 
-/// The superuser may write to any file: what everybody is forbidden it is not asked about.
+/// Checks the permission bits as well, since the superuser may write even to write-protected files.
 #[cfg(unix)]
 fn is_writable(path: &Path, data: &fs::Metadata) -> bool {
     use rustix::fs::{Access, access};
@@ -88,7 +88,7 @@ fn is_writable(_: &Path, data: &fs::Metadata) -> bool {
     !data.permissions().readonly()
 }
 
-/// `path` with the links at its end followed, as far as the first name that is no link.
+/// `path` with the links at its end followed, up to the first name that is not a link.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -109,7 +109,7 @@ pub(crate) fn directory_of(path: &Path) -> &Path {
     }
 }
 
-/// A file, by whatever name or link it is reached, whether it exists or not.
+/// Identity of a file, independent of names and links, whether it exists or not.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct FileId {
     /// The file, or its directory if it does not exist.
@@ -123,7 +123,7 @@ type Place = (u64, u64);
 type Place = PathBuf;
 
 impl FileId {
-    /// The file that reading or writing `path` would reach; `None` where it cannot be reached.
+    /// The file reached by reading or writing `path`; `None` if it cannot be reached.
     pub(super) fn of(path: &Path) -> Option<Self> {
         if let Some(place) = place_of(path) {
             return Some(Self { place, name: None });
@@ -152,32 +152,32 @@ fn place_of(path: &Path) -> Option<Place> {
 #[derive(Debug, Default)]
 pub(crate) struct Files {
     read: HashMap<FileId, PathBuf>,
-    /// Directories all files of which are read.
+    /// Directories with all their files as inputs.
     folders: HashMap<FileId, PathBuf>,
     written: HashMap<FileId, (&'static str, PathBuf)>,
 }
 
 impl Files {
-    /// Notes an input. One that does not exist cannot be written over.
+    /// Registers an input. One that does not exist cannot be overwritten.
     pub(crate) fn reads(&mut self, path: &Path) {
         if let Some(id) = FileId::of(path) {
             self.read.insert(id, path.into());
         }
     }
 
-    /// Notes a folder all files of which are inputs.
+    /// Registers a folder with all its files as inputs.
     pub(crate) fn reads_all_in(&mut self, folder: &Path) {
         if let Some(id) = FileId::of(folder) {
             self.folders.insert(id, folder.into());
         }
     }
 
-    /// Notes an output, given as the flag `name`. All inputs are noted before.
+    /// Registers an output, given as the flag `name`. All inputs are registered before.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is an output already.
+    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is already an output.
     pub(crate) fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
-        // What cannot be reached fails where it is written.
+        // Unreachable paths fail later, on writing.
         let Some(id) = FileId::of(path) else {
             return Ok(());
         };

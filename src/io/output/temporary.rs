@@ -1,4 +1,4 @@
-//! Files that are being written, and what killed programs left of theirs.
+//! Files being written, and leftovers of killed programs.
 
 use super::target::directory_of;
 use crate::io::open::open_input;
@@ -9,10 +9,10 @@ use std::sync::Mutex;
 use std::time::{Duration, SystemTime};
 use tempfile::TempPath;
 
-/// How the names of temporary files end.
+/// Suffix of temporary files.
 const SUFFIX: &str = ".part";
 
-/// How those of this machine begin: locks and process numbers mean nothing to others.
+/// Prefix of this machine's temporary files: locks and process numbers mean nothing to others.
 fn prefix_of_host() -> String {
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
@@ -22,7 +22,7 @@ fn prefix_of_host() -> String {
 /// A temporary file that is younger may get its lock any moment.
 const JUST_MADE: Duration = Duration::from_secs(2);
 
-/// A file under construction, locked so that other programs see that it is being written.
+/// A file being written, locked so that other programs can tell.
 pub(super) struct Temporary {
     file: File,
     /// Its name, where the system has no files without one.
@@ -30,8 +30,8 @@ pub(super) struct Temporary {
 }
 
 impl Temporary {
-    /// A new file that will go to `target`: without a name where the system can do that, so that a program that is killed
-    /// leaves nothing.
+    /// A new file to become `target`: nameless if the system supports that, so that a killed program leaves nothing
+    /// behind.
     pub(super) fn beside(target: &Path) -> io::Result<Self> {
         let directory = directory_of(target);
         if let Some(file) = anonymous_in(directory) {
@@ -79,7 +79,7 @@ fn anonymous_in(directory: &Path) -> Option<File> {
     use rustix::fs::{Mode, OFlags, open};
     let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     let file = File::from(open(directory, flags, Mode::from_raw_mode(0o666)).ok()?);
-    // Its number among the open files is the only way to name it.
+    // Its descriptor is the only way to name it.
     link_of(&file).exists().then_some(file)
 }
 
@@ -101,7 +101,7 @@ fn publish_anonymous(file: &File, target: &Path, replaces: bool) -> io::Result<(
         linkat(CWD, link_of(file), CWD, path, AtFlags::SYMLINK_FOLLOW).map_err(io::Error::from)
     };
     match link(target) {
-        // A link replaces nothing: the file takes another name first, and the old one's place by that.
+        // A link cannot replace a file: the file gets a second name first, and is renamed over the old one.
         Err(error) if replaces && error.kind() == io::ErrorKind::AlreadyExists => {
             Named::linked(directory_of(target), link)?.renamed(target, true)
         }
@@ -129,7 +129,7 @@ impl Named {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // The system takes away what the user's mask forbids.
+            // The system applies the user's umask.
             builder.permissions(Permissions::from_mode(0o666));
         }
         let (file, path) = builder.tempfile_in(directory)?.into_parts();
@@ -165,7 +165,7 @@ impl Named {
     }
 }
 
-/// How the names of this process's temporary files begin.
+/// Prefix of this process's temporary files.
 fn prefix() -> String {
     format!("{}{}-", prefix_of_host(), std::process::id())
 }
@@ -193,11 +193,11 @@ impl Drop for Unfinished {
     }
 }
 
-/// Removes what is being written, for a program that is about to end. Nothing can be written after it.
+/// Removes unfinished files, for a program about to end. Nothing can be written after it.
 pub(crate) fn drop_unfinished() {
     if let Ok(all) = UNFINISHED.lock() {
         for path in all.iter() {
-            // What is gone already needs no removing.
+            // Files already gone need no removal.
             let _ = fs::remove_file(path);
         }
         // Whoever begins another file waits for the lock until the program ends.
@@ -205,8 +205,7 @@ pub(crate) fn drop_unfinished() {
     }
 }
 
-/// Removes what programs that were killed on this machine have left in `directory`: temporary files that nobody
-/// writes.
+/// Removes the leftovers of programs killed on this machine from `directory`: temporary files no longer being written.
 pub(crate) fn remove_leftovers(directory: &Path) {
     let prefix = prefix_of_host();
     let Ok(entries) = fs::read_dir(directory) else {
@@ -224,8 +223,8 @@ pub(crate) fn remove_leftovers(directory: &Path) {
     }
 }
 
-/// Whether nobody writes the temporary file `path`, whose name is `rest` after the machine: its process is gone or it is
-/// old, and no one holds its lock.
+/// Whether the temporary file `path`, named `rest` after the machine's prefix, is no longer being written: its process
+/// has ended or it is old, and it is not locked.
 fn is_left(path: &Path, rest: &str) -> bool {
     let Ok(file) = open_input(path) else {
         return false;
@@ -236,7 +235,7 @@ fn is_left(path: &Path, rest: &str) -> bool {
     (is_orphan || age.is_some_and(|age| age > JUST_MADE)) && file.try_lock().is_ok()
 }
 
-/// Whether `process` is the number of a process that has ended.
+/// Whether `process` is the number of an ended process.
 #[cfg(unix)]
 fn has_ended(process: &str) -> bool {
     use rustix::process::{Pid, test_kill_process};

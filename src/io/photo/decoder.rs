@@ -1,4 +1,4 @@
-//! Opening a picture: what its header says, and what is refused.
+//! Opening a picture: reads its header, and refuses unsupported files.
 
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
@@ -10,13 +10,13 @@ use std::path::Path;
 
 /// Longest side that is read, in pixels.
 const MAX_SIDE: u32 = 1 << 16;
-/// Most bytes that the samples of a picture may take, and as many that a decoder may use besides.
+/// Most bytes for the samples of a picture, and as many again for its decoder.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its kind.
+/// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its format.
 ///
 /// # Errors
-/// For a picture that is damaged, holds no pixels or too many, or is of no kind that is read; those of `read`.
+/// For a picture that is damaged, has no pixels or too many, or has an unsupported format; those of `read`.
 pub(super) fn with_decoder<T>(
     path: &Path,
     read: impl FnOnce(Box<dyn ImageDecoder + '_>, ImageFormat) -> Result<T>,
@@ -30,7 +30,7 @@ pub(super) fn with_decoder<T>(
     within_fence(path, decode)
 }
 
-/// The result of `decode`, which may panic on what is no proper picture.
+/// The result of `decode`, which may panic on a malformed picture.
 pub(super) fn within_fence<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     fenced(decode).unwrap_or_else(|| {
         Err(Error::Damaged {
@@ -49,7 +49,7 @@ fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    // What is not recognised is refused in the words of the decoders.
+    // Unrecognised files are refused with the decoders' own message.
     let format = reader.format().unwrap_or(ImageFormat::Png);
     Ok((reader, format))
 }

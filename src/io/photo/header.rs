@@ -1,4 +1,4 @@
-//! What the header of a picture says, and the samples of its rows.
+//! The header of a picture, and the samples of its rows.
 
 use super::decoder::{unsupported, with_decoder};
 use crate::error::{Error, Result};
@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 /// The header of a picture.
 pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) path: PathBuf,
-    /// Columns and rows as it is looked at: turned by its orientation.
+    /// Upright columns and rows, after its orientation.
     pub(in crate::io) width: usize,
     pub(in crate::io) height: usize,
-    /// How its pixels are turned from the way they are stored.
+    /// Rotation of the stored pixels.
     pub(super) orientation: Orientation,
     /// Bits per sample: 8, 16 or 32.
     pub(in crate::io) bits: u8,
-    /// Whether samples are floating point, and linear.
+    /// Whether samples are floating point, hence linear.
     pub(in crate::io) is_float: bool,
     pub(super) format: ImageFormat,
     pub(super) color: ColorType,
@@ -70,14 +70,14 @@ impl PhotoHeader {
         usize::from(self.color.channel_count())
     }
 
-    /// Columns and rows as they are stored, and the number by which EXIF calls the orientation, where pixels are turned.
+    /// Stored columns and rows, and the EXIF number of the orientation, if it rotates the pixels.
     pub(in crate::io) fn turned_from(&self) -> Option<([usize; 2], u8)> {
         let (width, height) = turned(self.orientation, (self.width, self.height));
         let is_turned = self.orientation != Orientation::NoTransforms;
         is_turned.then(|| ([width, height], self.orientation.to_exif()))
     }
 
-    /// Bytes that all its samples take.
+    /// Bytes of all samples.
     pub(in crate::io) fn bytes(&self) -> u64 {
         let pixels = self.width as u64 * self.height as u64;
         pixels.saturating_mul(self.color.bytes_per_pixel().into())
@@ -114,7 +114,7 @@ impl PhotoHeader {
     }
 }
 
-/// Columns and rows after the pixels were turned, or before: sides change places both ways.
+/// Columns and rows after the rotation, or before: the sides swap both ways.
 pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T, T) {
     match orientation {
         Orientation::Rotate90
@@ -126,7 +126,7 @@ pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T
 }
 
 impl<'a> Samples<'a> {
-    /// Those of some rows of `row` samples each.
+    /// The samples of some rows, of `row` samples each.
     pub(super) fn within(self, row: usize, rows: &Range<usize>) -> Self {
         let range = rows.start * row..rows.end * row;
         match self {

@@ -1,4 +1,4 @@
-//! What a picture made of a photo keeps of it: its colour profile, what the camera said, its resolution.
+//! Metadata that a picture made from a photo keeps: colour profile, camera data, resolution.
 
 use super::decoder::with_decoder;
 use super::header::PhotoHeader;
@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use tiff::tags::Tag;
 
-/// What a picture made of a photo keeps of it.
+/// Metadata that a picture made from a photo keeps.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PhotoMetadata {
     /// Columns of the photo.
@@ -33,7 +33,7 @@ pub(crate) const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
 const MAX_PROFILE: usize = 1 << 24;
 
 impl PhotoMetadata {
-    /// What is kept of the photo of this header. What cannot be read of it is left out.
+    /// Metadata of the photo with this header. Unreadable items are left out.
     ///
     /// # Errors
     /// Those of opening the file.

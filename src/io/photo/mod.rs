@@ -1,12 +1,11 @@
 //! Reading pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 //!
-//! A picture is read as its stored values, and made linear only when asked: a photograph is, a normal
-//! map or a mask is not. The orientation tag that cameras write is obeyed: pixels are turned as they
-//! are decoded, and all else sees a picture that stands upright. Colour profiles are not applied:
-//! integer pictures are taken as sRGB, floating-point ones as linear.
+//! A picture is read as its stored values, and made linear on request: photographs are, normal maps and masks are not.
+//! The orientation tag of cameras is obeyed: pixels are rotated while they are decoded, so everything else sees an
+//! upright picture. Colour profiles are not applied: integer pictures are taken as sRGB, floating-point ones as linear.
 //!
-//! Opening a picture reads its header alone. Its pixels are decoded when they are first asked for, and
-//! held as they are stored, a byte for a sample of 8 bits.
+//! Opening a picture reads only its header. Its pixels are decoded on first use, and held as stored, a byte for an
+//! 8-bit sample.
 
 mod decoder;
 mod header;
@@ -23,7 +22,7 @@ use crate::error::Result;
 use crate::frame::Plane;
 use std::path::Path;
 
-/// A picture as it is stored.
+/// A picture as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
     /// Number of columns.
@@ -32,7 +31,7 @@ pub struct Photo {
     pub height: usize,
     /// Bits per sample: 8, 16 or 32.
     pub bits: u8,
-    /// Whether samples are floating point: then they are linear, else sRGB-encoded and 0..1.
+    /// Whether samples are floating point, hence linear; otherwise they are sRGB-encoded in 0..1.
     pub is_float: bool,
     /// One plane of grey, or three of red, green and blue; not multiplied by alpha.
     pub channels: Vec<Plane>,
@@ -41,10 +40,10 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// Reads the picture at `path`; its kind is recognised by content, not by name.
+    /// Reads the picture at `path`; its format is recognised by content, not by name.
     ///
     /// # Errors
-    /// [`crate::Error::Unsupported`] for a picture that is too large, holds no pixels or is of no kind that is read;
+    /// [`crate::Error::Unsupported`] for a picture that is too large, has no pixels or an unsupported format;
     /// [`crate::Error::Damaged`] and [`crate::Error::Io`].
     pub fn read(path: &Path) -> Result<Photo> {
         let stored = StoredPhoto::open(path, u64::MAX)?;

@@ -1,4 +1,4 @@
-//! Pictures row by row, for those that are not to be held.
+//! Pictures row by row, for those too large to hold.
 
 use super::decoder::{image_error, one_line, within_fence};
 use super::header::{PhotoHeader, Samples};
@@ -10,14 +10,14 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
 use std::ops::Range;
 
-/// Takes the samples of a row, with its number.
+/// Callback for the samples of a row, with the row's index.
 type Take<'t> = dyn FnMut(usize, Samples) + 't;
 
-/// Decodes the picture as far as the end of `rows`, and hands these rows to `take`. It is read so because no more than
-/// `most_bytes` may be held.
+/// Decodes the picture up to the end of `rows`, and passes these rows to `take`, because the whole picture exceeds
+/// `most_bytes`.
 ///
 /// # Errors
-/// Where the file is damaged, or of a kind that is only decoded whole.
+/// If the file is damaged, or of a kind that can only be decoded whole.
 pub(super) fn each_row(
     photo: &PhotoHeader,
     rows: Range<usize>,
@@ -25,7 +25,7 @@ pub(super) fn each_row(
     take: &mut Take,
 ) -> Result<()> {
     within_fence(&photo.path, || match photo.format {
-        // Rows as it is looked at are no rows of the file.
+        // Upright rows are not rows of the file.
         _ if photo.turned_from().is_some() => Err(photo.too_large(most_bytes)),
         ImageFormat::Png => png_rows(photo, rows, most_bytes, take),
         ImageFormat::Hdr => hdr_rows(photo, rows, take),
@@ -41,7 +41,7 @@ fn png_rows(
 ) -> Result<()> {
     let failed = |error| png_error(photo, error);
     let mut decoder = png::Decoder::new(opened(photo)?);
-    // As `image` reads them: palettes and small depths become samples of 8 bits.
+    // As in `image`: palettes and small depths become 8-bit samples.
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(failed)?;
     if reader.info().interlaced {

@@ -1,4 +1,4 @@
-//! A picture whose header has been read, and its samples as they are stored.
+//! A picture whose header has been read, and its samples as stored.
 
 use super::decoder::{image_error, max_code, with_decoder};
 use super::header::{PhotoHeader, Samples, turned};
@@ -13,7 +13,7 @@ use std::cell::{Ref, RefCell};
 use std::ops::Range;
 use std::path::Path;
 
-/// What the integers of a picture stand for.
+/// Meaning of integer samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::io) enum Meaning {
     /// A share of the largest: normals, masks and other data.
@@ -27,12 +27,12 @@ pub(in crate::io) struct StoredPhoto {
     pub(in crate::io) header: PhotoHeader,
     /// Most bytes of samples that may be held.
     most_bytes: u64,
-    /// All samples, while they are held.
+    /// All samples, while held.
     image: RefCell<Option<DynamicImage>>,
 }
 
 impl StoredPhoto {
-    /// Reads the header of the picture at `path`. Of samples that take more than `most_bytes` only rows are read.
+    /// Reads the header of the picture at `path`. Samples of more than `most_bytes` are only read by rows.
     pub(in crate::io) fn open(path: &Path, most_bytes: u64) -> Result<Self> {
         Ok(Self {
             header: PhotoHeader::read(path)?,
@@ -41,11 +41,11 @@ impl StoredPhoto {
         })
     }
 
-    /// Planes of the rows `rows`: grey or colour, then alpha where it has one, which is never encoded.
+    /// Planes of the rows `rows`: grey or colour, then alpha if there is one, which is never encoded.
     ///
     /// # Errors
-    /// As for any picture; [`crate::Error::Unsupported`] for one that takes more than it may and is of a kind that can only be
-    /// decoded whole.
+    /// As for any picture; [`crate::Error::Unsupported`] for one that exceeds its limit and is of a kind that can only
+    /// be decoded whole.
     ///
     /// # Panics
     /// If it has fewer rows.
@@ -73,7 +73,7 @@ impl StoredPhoto {
         Ok(planes)
     }
 
-    /// Hands planes of each of the rows `rows` to `take`, one row after the other.
+    /// Passes planes of each of the rows `rows` to `take`, one row at a time.
     ///
     /// # Errors
     /// As [`StoredPhoto::planes`].
@@ -100,7 +100,7 @@ impl StoredPhoto {
         Ok(())
     }
 
-    /// What a picture made of it keeps.
+    /// Metadata that a picture made from it keeps.
     ///
     /// # Errors
     /// Those of opening the file.
@@ -108,16 +108,16 @@ impl StoredPhoto {
         PhotoMetadata::of(&self.header)
     }
 
-    /// Lets go of the samples; they are decoded anew where they are asked for again.
+    /// Releases the samples; they are decoded again on the next use.
     pub(in crate::io) fn release(&self) {
         self.image.take();
     }
 
-    /// All samples, decoded where they are not held.
+    /// All samples, decoded unless held.
     fn image(&self) -> Result<Ref<'_, DynamicImage>> {
         if self.image.borrow().is_none() {
             let image = with_decoder(&self.header.path, |decoder, _| {
-                // The file may have been written anew since its header was read.
+                // The file may have been rewritten since its header was read.
                 let orientation = self.header.orientation;
                 let (width, height) = turned(orientation, (self.header.width, self.header.height));
                 let size = (width as u32, height as u32);
@@ -204,7 +204,7 @@ fn linear_values(bits: u8) -> Vec<f32> {
     (0..=max).map(linear).collect()
 }
 
-/// The values of one of `count` channels that lie side by side.
+/// The values of one of `count` interleaved channels.
 fn channel_of<T: Copy + Sync>(
     samples: &[T],
     count: usize,

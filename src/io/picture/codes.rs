@@ -1,4 +1,4 @@
-//! From numbers to the codes that pictures store.
+//! Conversion of numbers to the integer codes of pictures.
 
 use super::format::ViewTransform;
 use crate::io::srgb;
@@ -30,17 +30,17 @@ pub(super) fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
     }
 }
 
-/// The codes of the sRGB curve in 8 bits, looked up: a power for each sample takes longer than all else.
+/// Table of the 8-bit codes of the sRGB curve: computing a power per sample takes longer than everything else.
 pub(super) struct SrgbCodes {
     /// The least value of each code above 0.
     pub(super) least: [f64; 255],
-    /// The least single number of each code above 0, and what none reaches.
+    /// The smallest f32 of each code above 0, then a bound none reaches.
     pub(super) least_single: [f32; 256],
-    /// The code at the beginning of each of [`SRGB_PARTS`] equal parts of 0..1, and of those beyond.
+    /// The code at the start of each of [`SRGB_PARTS`] equal parts of 0..1, and of the parts beyond.
     at: [u8; 2 * SRGB_PARTS],
 }
 
-/// Many enough that a part holds no more than two codes.
+/// Enough that a part has no more than two codes.
 const SRGB_PARTS: usize = 4096;
 
 pub(super) static SRGB_8: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);
@@ -79,7 +79,7 @@ impl SrgbCodes {
     /// The code of a single number. Codes are farther apart than parts: one step is enough.
     #[inline]
     pub(super) fn code_of_single(&self, v: f32) -> u8 {
-        // As an index NaN is 0, and it reaches no code; the mask only spares a check.
+        // NaN becomes index 0 and reaches no code; the mask only removes a bounds check.
         let v = v.clamp(0.0, 1.0);
         let code = self.at[(v * SRGB_PARTS as f32) as usize & (2 * SRGB_PARTS - 1)];
         code + u8::from(v >= self.least_single[usize::from(code)])

@@ -1,37 +1,38 @@
-//! How light is brought to the range of a display.
+//! Mapping of light to the range of a display.
 
 use crate::frame::ColorPlanes;
 
-/// From this value on light is compressed: 0.906 of what a display shows by the sRGB curve.
+/// Light above this value is compressed: 0.906 of a display's range by the sRGB curve.
 const KNEE: f64 = 0.8;
 
-/// From this value on light is white in eight bits: the sRGB curve is at 254.5/255 there,
-/// ((0.99804 + 0.055) / 1.055)^2.4 = 0.99555. What is compressed stays below.
+/// Light from this value on is white in eight bits: the sRGB curve is at 254.5/255 there, ((0.99804 + 0.055) /
+/// 1.055)^2.4 = 0.99555. Compressed light stays below.
 pub(super) const WHITE: f64 = 0.9955;
 
-/// How linear light is brought to the range of a display.
+/// Mapping of linear light to the range of a display.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Display<'a> {
-    /// Stops by which it is made brighter, or darker.
+    /// Exposure in stops.
     pub exposure: f32,
-    /// What becomes of what is too bright.
+    /// Treatment of light that is too bright.
     pub bright: Bright<'a>,
 }
 
-/// What becomes of light that is too bright for a display.
+/// Treatment of light that is too bright for a display.
 #[derive(Debug, Clone, Copy, Default)]
 pub enum Bright<'a> {
-    /// It is cut off at white, channel by channel.
+    /// Clipped at white, channel by channel.
     #[default]
     Clipped,
-    /// It is compressed.
+    /// Compressed.
     Compressed,
-    /// This picture, of the same primaries and alpha, is cut off at white, and what became of it changes what is left by
-    /// the same factors: so shape shows in what was too bright, too. What is brighter than before is compressed.
+    /// This picture, with the same primaries and alpha, is clipped at white, and the change from it is applied to the
+    /// clipped colours as factors, so that shape shows in overexposed parts too. Pixels brighter than before are
+    /// compressed.
     ChangedFrom(&'a ColorPlanes),
 }
 
-/// A display, with what is the same for all pixels.
+/// A display mapping, with its per-picture constants.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shown<'a> {
     /// The factor of its exposure.
@@ -40,7 +41,7 @@ pub(super) struct Shown<'a> {
 }
 
 impl<'a> Display<'a> {
-    /// How light is brought to it; `None` where all is left as it is.
+    /// The mapping of light; `None` for the identity.
     pub(super) fn shown(&self) -> Option<Shown<'a>> {
         let is_plain = self.exposure == 0.0 && matches!(self.bright, Bright::Clipped);
         (!is_plain).then(|| Shown {
@@ -51,7 +52,7 @@ impl<'a> Display<'a> {
 }
 
 impl Shown<'_> {
-    /// The colour of the pixel at `x`, `y` as it is to be shown: `straight` takes alpha from a colour.
+    /// The displayed colour of the pixel at `x`, `y`: `straight` divides a colour by alpha.
     #[inline]
     pub(super) fn pixel(
         &self,
@@ -87,7 +88,7 @@ fn compressed(m: f64, knee: f64) -> f64 {
     knee + room * (1.0 - 1.0 / (1.0 + beyond))
 }
 
-/// The largest channel; 0 where none is above it.
+/// The largest channel, at least 0.
 pub(super) fn largest(color: [f64; 3]) -> f64 {
     color.into_iter().fold(0.0, f64::max)
 }
@@ -138,7 +139,7 @@ mod tests {
             let before = picture(before);
             shown(color, 0.0, Bright::ChangedFrom(&before))
         };
-        // What is as it was, or darker, is left alone, whites too.
+        // Unchanged and darker colours are left alone, whites too.
         for color in [[0.95, 0.9, 0.1], [1.0, 1.0, 1.0], [0.3, 0.2, 0.1]] {
             let before = color.map(|v: f64| v as f32);
             let same = before.map(f64::from);
@@ -146,11 +147,11 @@ mod tests {
             let darker = same.map(|v| 0.7 * v);
             assert_eq!(of(before, darker), darker);
         }
-        // From 0.875 room is 0.1205 up to white; half as bright again, 0.4375 beyond, leaves 1/(1 + 0.4375/0.1205) of it:
-        // 0.9955 - 0.1205 / 4.630705 = 0.969478.
+        // Headroom from 0.875 to white is 0.1205; half as bright again is 0.4375 more and leaves 1/(1 + 0.4375/0.1205)
+        // of it: 0.9955 - 0.1205 / 4.630705 = 0.969478.
         let found = of([0.875, 0.0, 0.0], [1.3125, 0.0, 0.0]);
         assert!(are_near(found, [0.969478, 0.0, 0.0]), "{found:?}");
-        // What was four times too bright is white where it stays, and 0.9 of white where it loses a tenth.
+        // Colours four times too bright are white if unchanged, and 0.9 of white after losing a tenth.
         assert_eq!(of([4.0, 2.0, 0.5], [4.0, 2.0, 0.5]), [1.0, 1.0, 0.5]);
         let found = of([4.0, 2.0, 0.5], [3.6, 1.8, 0.45]);
         assert!(are_near(found, [0.9, 0.9, 0.45]), "{found:?}");

@@ -1,23 +1,23 @@
-//! How the file of a picture is encoded, and what it says beside its pixels.
+//! Encoding of a picture's file, and the metadata beside its pixels.
 
 use crate::io::exif::Exif;
 use crate::io::photo::{PhotoMetadata, RESOLUTIONS};
 use crate::params::{MM_PER_INCH, ScaleBar};
 
-/// How the file of a picture is encoded, and what it says beside its pixels.
+/// Encoding of a picture's file, and the metadata beside its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Encoding {
     /// Quality of a JPEG, 1 to 100.
     pub quality: u8,
     /// The program that made it.
     pub software: Option<String>,
-    /// The settings it was made by. PNG, JPEG and TIFF hold them as their description.
+    /// Settings used for the picture. PNG, JPEG and TIFF store them as their description.
     pub settings: Option<String>,
-    /// How wide a pixel is on what the picture shows, in millimetres, where that is known.
+    /// Width of a pixel on the depicted object, in millimetres, if known.
     pub pixel_mm: Option<f64>,
-    /// Where the picture has a bar of a round length, if the size of a pixel is known.
+    /// Placement of the scale bar, drawn if the size of a pixel is known.
     pub scale_bar: ScaleBar,
-    /// What it keeps of the photo that it was made of: PNG and JPEG all of it, TIFF all but what the camera said.
+    /// Metadata of the original photo: PNG and JPEG keep all of it, TIFF all but the camera data.
     pub metadata: PhotoMetadata,
 }
 
@@ -38,8 +38,8 @@ impl Default for Encoding {
 const LONGEST_IN_JPEG: usize = 65_535 - 8;
 
 impl Encoding {
-    /// The resolution of a picture that is so many columns wide, in pixels per inch: on paper it is as large as what it shows, where
-    /// that is known and can be printed, or else as the photo.
+    /// Resolution of a picture with `width` columns, in pixels per inch: printed at the size of the depicted object, if
+    /// that is known and printable, otherwise as the photo.
     pub(super) fn dpi(&self, width: usize) -> Option<[f32; 2]> {
         let of_pixels = self.pixel_mm.map(|mm| (f64::from(MM_PER_INCH) / mm) as f32);
         if let Some(dpi) = of_pixels.filter(|dpi| RESOLUTIONS.contains(dpi)) {
@@ -49,15 +49,15 @@ impl Encoding {
         Some(self.metadata.dpi?.map(|dpi| dpi * times))
     }
 
-    /// The colour profile that was kept, where it is one of red, green and blue.
+    /// The photo's colour profile, if it is an RGB one.
     pub(super) fn profile(&self) -> Option<&[u8]> {
         // The space of its colours is named after 16 bytes.
         let profile = self.metadata.profile.as_deref()?;
         (profile.get(16..20)? == b"RGB ").then_some(profile)
     }
 
-    /// The EXIF block of a JPEG, which holds its settings too: without what a camera said, or without these, where it would
-    /// be too long.
+    /// The EXIF block of a JPEG, including its settings; the camera data are dropped, then the settings, if it would be
+    /// too long.
     pub(super) fn exif_of_jpeg(&self, dpi: Option<[f32; 2]>) -> Option<Vec<u8>> {
         if (&self.software, &self.settings, &self.metadata.exif) == (&None, &None, &None) {
             return None;
@@ -89,7 +89,7 @@ impl Encoding {
         Exif::read(self.metadata.exif.as_deref()?)
     }
 
-    /// The block with what is true of this picture.
+    /// The block updated for this picture.
     fn said(&self, mut exif: Exif, dpi: Option<[f32; 2]>) -> Vec<u8> {
         exif.set_upright();
         if let Some(dpi) = dpi {
@@ -102,7 +102,7 @@ impl Encoding {
     }
 }
 
-/// A text that all formats hold: letters beyond ASCII are spelled as TOML spells them.
+/// A text for all formats: non-ASCII letters are escaped as in TOML.
 pub(super) fn ascii(text: &str) -> String {
     let spelled = |c: char| match c {
         '\0' => String::new(),

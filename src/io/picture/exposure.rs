@@ -1,20 +1,20 @@
-//! How much new light is to be dimmed so that it does not burn.
+//! Exposure that keeps new light from burning out.
 
 use crate::frame::{ColorPlanes, Mask};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Share of a surface that is to be no brighter than 1, which leaves it order and colour in the shoulder.
+/// Share of a surface that stays at or below 1, so that the shoulder preserves order and colour.
 const KEPT: f64 = 0.98;
 
 /// Steps of brightness to a stop.
 const STEPS: f32 = 16.0;
 
-/// Stops from 1 up to the brightest value that still differs from brighter ones: those of the largest f32.
+/// Stops above 1 to count: up to the largest f32.
 const MOST_STOPS: usize = 128;
 
-/// How bright the pixels of a surface are, by their largest channel: counts of those up to 1, and of those within each
-/// sixteenth of a stop above it.
+/// Histogram of a surface's brightness, by the largest channel: counts of pixels up to 1, and in each sixteenth of a
+/// stop above it.
 #[derive(Debug, Clone)]
 pub(crate) struct Brightness(Vec<u64>);
 
@@ -25,7 +25,7 @@ impl Default for Brightness {
 }
 
 impl Brightness {
-    /// Counts the pixels of these rows where `mask` has a surface. Those of no finite colour do not count.
+    /// Counts the pixels of these rows where `mask` has a surface. Pixels with non-finite colour do not count.
     pub(crate) fn add(&mut self, color: &ColorPlanes, mask: &Mask, rows: Range<usize>) {
         let last = self.0.len() - 1;
         let step = |x: usize, y: usize| {
@@ -76,8 +76,8 @@ mod tests {
 
     #[test]
     fn all_but_two_in_a_hundred_are_dimmed_to_one() {
-        // 100 pixels: 97 of 0.5, one of 2^(1/2), which is 8 steps of a sixteenth above 1, and two of 40. 98 are no brighter
-        // than the first of these.
+        // 100 pixels: 97 of 0.5, one of 2^(1/2), which is 8 steps of a sixteenth above 1, and two of 40. 98 are no
+        // brighter than 2^(1/2).
         let exposure = |bright: &[f32]| {
             let mut samples = vec![0.5; 100 - bright.len()];
             samples.extend(bright);
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(exposure(&[0.999 * root, 40.0, 40.0]), -0.5);
         assert_eq!(exposure(&[40.0, 40.0]), 0.0);
         assert_eq!(exposure(&[4.0; 100]), -2.0);
-        // What is no colour does not count: of 97 pixels two may be brighter, which leaves one of 4.
+        // Non-finite colours do not count: of 97 pixels two may be brighter, which leaves one of 4.
         let odd = [f32::NAN, f32::INFINITY, f32::NAN];
         assert_eq!(exposure(&[odd.as_slice(), &[4.0, 8.0, 8.0]].concat()), -3.0);
         assert_eq!(Brightness::default().exposure(), 0.0);

@@ -1,4 +1,4 @@
-//! What is written: a picture, its format, and how its values are encoded.
+//! Output pictures: content, format, and encoding of values.
 
 use super::display::{Display, Shown};
 use crate::frame::{ColorPlanes, Plane};
@@ -18,7 +18,7 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// The format that the extension of `path` stands for.
+    /// The format for the extension of `path`.
     pub fn of_path(path: &Path) -> Option<PictureFormat> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -35,13 +35,13 @@ impl PictureFormat {
     }
 }
 
-/// Whether a name ends as those of pictures that are read do.
+/// Whether a name has the extension of a readable picture.
 pub(crate) fn is_picture_name(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     extension.eq_ignore_ascii_case("exr") || PictureFormat::of_path(path).is_some()
 }
 
-/// How linear values become stored ones in integer formats.
+/// Encoding of linear values in integer formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ViewTransform {
     /// The sRGB curve: for pictures to be looked at.
@@ -57,26 +57,26 @@ pub struct Picture<'a> {
     pub color: &'a ColorPlanes,
     /// Coverage, 0..1.
     pub alpha: Option<&'a Plane>,
-    /// Whether it is grey, its planes alike: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
+    /// Whether it is grey, with equal planes: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
     pub grey: bool,
-    /// Bits per sample: 8 or 16, or 1 of what is grey and has no alpha; JPEG always has 8, HDR its own.
+    /// Bits per sample: 8 or 16, or 1 for grey without alpha; JPEG always has 8, HDR its own.
     pub bits: u8,
-    /// Pixels per inch of its print, across and down, where the file is to say so; HDR does not.
+    /// Print resolution in pixels per inch, horizontal and vertical, if the file is to state it; HDR does not.
     pub dpi: Option<[f32; 2]>,
-    /// How values are encoded; HDR is always linear.
+    /// Encoding of values; HDR is always linear.
     pub transform: ViewTransform,
-    /// How light is brought to the range of a display first, where values are encoded for one.
+    /// Mapping of light to the range of a display, before values are encoded for one.
     pub display: Display<'a>,
 }
 
 impl<'a> Picture<'a> {
-    /// Its planes: three of colour, and alpha where it has one.
+    /// Its planes: three of colour, and alpha if it has one.
     pub fn planes(&self) -> Vec<&'a Plane> {
         let ColorPlanes { r, g, b } = self.color;
         [r, g, b].into_iter().chain(self.alpha).collect()
     }
 
-    /// How light is brought to a display, where it is and that changes it.
+    /// The mapping of light, if this picture is for a display and the mapping changes it.
     pub(super) fn shown(&self) -> Option<Shown<'a>> {
         let is_shown = self.transform == ViewTransform::Srgb;
         self.display.shown().filter(|_| is_shown)

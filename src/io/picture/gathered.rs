@@ -1,4 +1,4 @@
-//! Samples as picture files hold them, gathered by rows and encoded at once.
+//! Samples in the layout of picture files, gathered by rows and encoded at once.
 
 use super::codes::{code, straight};
 use super::encoding::Encoding;
@@ -16,37 +16,36 @@ use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
 
-/// A picture of which the stored samples are gathered, some rows at a time, before it is written.
+/// A picture whose stored samples are gathered, some rows at a time, before it is written.
 #[derive(Debug, Clone)]
 pub(crate) struct Gathered {
     format: PictureFormat,
     size: [usize; 2],
     /// Samples of each pixel: 1, 3, or 4 with alpha.
     channels: usize,
-    /// Bits of each as it is stored.
+    /// Bits per stored sample.
     bits: u8,
     dpi: Option<[f32; 2]>,
     grey: bool,
-    /// Whether its colours are those of a photo, or of light: a colour profile fits them.
+    /// Whether its colours are photographic or light, so that a colour profile applies.
     is_photo: bool,
     /// Whether alpha was 1 everywhere so far.
     is_opaque: bool,
     samples: Samples,
 }
 
-/// Samples as files hold them, those of a pixel side by side.
+/// Samples in the layout of files, those of a pixel interleaved.
 #[derive(Debug, Clone)]
 enum Samples {
-    /// Of 8 bits, or of 1.
+    /// 8-bit or 1-bit samples.
     Narrow(Vec<u8>),
-    /// Of 16 bits, in this machine's order of bytes.
+    /// 16-bit samples, in native byte order.
     Wide(Vec<[u8; 2]>),
     Float(Vec<image::Rgb<f32>>),
 }
 
 impl Gathered {
-    /// A picture of `size`, columns and rows, of which all parts are like `part`: grey or not, with alpha or without, of
-    /// as many bits.
+    /// A picture of `size`, columns and rows, for parts like `part` in grey or colour, alpha, and bits.
     ///
     /// # Panics
     /// If its `bits` are none of 1, 8 and 16, or 1 of colour or alpha.
@@ -81,7 +80,7 @@ impl Gathered {
         }
     }
 
-    /// Bytes that its samples take.
+    /// Bytes of its samples.
     pub(crate) fn bytes(&self) -> u64 {
         let pixels = self.size[0] as u64 * self.size[1] as u64;
         pixels
@@ -94,7 +93,7 @@ impl Gathered {
             }
     }
 
-    /// Bytes that encoding takes besides: what is compressed, and samples of 16 bits in another order of bytes.
+    /// Additional bytes for encoding: compressed data, and 16-bit samples in another byte order.
     pub(crate) fn encoding_bytes(&self) -> u64 {
         match self.samples {
             Samples::Wide(_) => 2 * self.bytes(),
@@ -103,7 +102,7 @@ impl Gathered {
         }
     }
 
-    /// Adds the rows `rows` of `part`, below those that were added before.
+    /// Adds the rows `rows` of `part`, below those added before.
     ///
     /// # Panics
     /// If planes differ in size, or `part` is not as wide as the picture.
@@ -174,7 +173,7 @@ impl Gathered {
         })
     }
 
-    /// Leaves alpha out; of a grey picture all but one sample.
+    /// Drops alpha, and in a grey picture all but one sample.
     fn drop_alpha(&mut self) {
         let kept = if self.grey { 1 } else { 3 };
         match &mut self.samples {
@@ -185,7 +184,7 @@ impl Gathered {
         self.channels = kept;
     }
 
-    /// Draws the bar that is asked for.
+    /// Draws the requested scale bar.
     ///
     /// # Errors
     /// [`Error::BadParameter`] where the picture is too small for it.
@@ -283,7 +282,7 @@ fn density(dpi: [f32; 2]) -> PixelDensity {
     }
 }
 
-/// Of every four samples the first few.
+/// Keeps the first few of every four samples.
 fn keep_first<T: Copy>(samples: &mut Vec<T>, kept: usize) {
     let pixels = samples.len() / 4;
     for pixel in 0..pixels {

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
 
-/// Writes a picture that says nothing of itself, as [`write_picture_as`] does.
+/// Writes a picture without metadata, as [`write_picture_as`] does.
 ///
 /// # Errors
 /// Any [`Error`] of writing.
@@ -45,9 +45,8 @@ pub fn write_picture(
 
 /// Writes a picture. Values are clipped to 0..1 and NaN becomes 0; `target` is only named in errors.
 ///
-/// Where alpha is stored, colour is divided by it. A pixel whose alpha would be stored as 0 although
-/// it has colour (a glow over nothing) gets the alpha that just holds that colour. An alpha of 1
-/// everywhere is left out.
+/// Where alpha is stored, colour is divided by it. A coloured pixel whose alpha would be stored as 0 (a glow over
+/// nothing) gets the smallest alpha that holds that colour. An alpha of 1 everywhere is left out.
 ///
 /// # Errors
 /// Any [`Error`] of writing.
@@ -67,7 +66,7 @@ pub fn write_picture_as(
     gathered.write(w, target, encoding)
 }
 
-/// Red, green, blue and alpha of each pixel in 8 bits: what a PNG of them would hold, opaque where there is no alpha.
+/// Red, green, blue and alpha of each pixel in 8 bits, as in a PNG of the picture; opaque without alpha.
 ///
 /// # Panics
 /// If planes differ in size.
@@ -87,7 +86,7 @@ pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
     samples.as_chunks::<4>().0.to_vec()
 }
 
-/// The most frequent case, which a window asks for many times a second.
+/// The most frequent case, many times a second for a window.
 fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
     let width = color.r.width();
     let mut pixels = vec![[0; 4]; color.r.samples().len()];

@@ -2,8 +2,8 @@
 
 use crate::params::ScaleBar;
 
-/// The largest share of the picture's width that the bar takes: the next shorter one is two fifths as long at the least, so that bars
-/// take a fifth, more or less.
+/// Largest share of the picture's width for the bar: the next shorter length is at least two fifths of it, so bars take
+/// about a fifth.
 const SHARE: f64 = 0.3;
 /// Rows of a letter, and columns of one with the space after it.
 const LETTER: [usize; 2] = [7, 6];
@@ -40,14 +40,14 @@ const UNITS: [(&str, f64); 6] = [
 pub(super) struct Bar {
     width: usize,
     height: usize,
-    /// Row by row, whether a pixel is black (1), white (0) or left as it is.
+    /// Row by row, whether a pixel is black (1), white (0) or unchanged.
     pixels: Vec<Option<bool>>,
 }
 
 /// The largest round length, in millimetres, up to `most`, and how it is written.
 fn round_length(most: f64) -> (f64, String) {
     let power = most.log10().floor() as i32;
-    // A power of ten may round to just above what it is the logarithm of.
+    // A power of ten may round to just above the value.
     let lengths = [(5, power), (2, power), (1, power), (5, power - 1)];
     let of = |(digit, power): (i32, i32)| f64::from(digit) * 10f64.powi(power);
     let fits = |length: &(i32, i32)| of(*length) <= most * (1.0 + 1e-9);
@@ -58,7 +58,7 @@ fn round_length(most: f64) -> (f64, String) {
 }
 
 impl Bar {
-    /// The bar of a picture of `size`, columns and rows, each column `pixel_mm` wide on what it shows.
+    /// The bar for a picture of `size`, columns and rows, with columns `pixel_mm` wide on the depicted object.
     pub(super) fn new(size: [usize; 2], pixel_mm: f64) -> Self {
         let (length, label) = round_length(SHARE * size[0] as f64 * pixel_mm);
         let long = ((length / pixel_mm).round() as usize).max(1);
@@ -95,7 +95,7 @@ impl Bar {
             long,
             2 * dot,
         );
-        // White as wide as a pixel of a letter around what is black.
+        // A white margin, as wide as a pixel of a letter, around black.
         let near = |x: usize, y: usize| {
             let columns = x.saturating_sub(dot)..(x + dot + 1).min(width);
             let mut rows = y.saturating_sub(dot)..(y + dot + 1).min(height);
@@ -112,8 +112,8 @@ impl Bar {
         }
     }
 
-    /// Draws it on the samples of a picture of `size`, `channels` of each pixel, between `black` and `white`; the size with it, or
-    /// `None` where there is no room.
+    /// Draws it on the samples of a picture of `size`, with `channels` per pixel, between `black` and `white`; returns
+    /// its size, or `None` without room.
     pub(super) fn draw<T: Copy + PartialEq>(
         &self,
         samples: &mut Vec<T>,
@@ -151,7 +151,7 @@ impl Bar {
         Some(size)
     }
 
-    /// The corner in which fewest samples differ from the next one, the lower right one first.
+    /// The corner whose samples differ least often from their neighbours, preferring the lower right one.
     fn quietest<T: Copy + PartialEq>(
         &self,
         samples: &[T],
@@ -206,7 +206,7 @@ mod tests {
         let size = [400, 300];
         let bar = Bar::new(size, 0.05);
         let mut samples = vec![128u8; 400 * 300];
-        // All but the upper left quarter is restless.
+        // Noise everywhere but in the upper left quarter.
         for (i, sample) in samples.iter_mut().enumerate() {
             let (x, y) = (i % 400, i / 400);
             *sample = if x < 200 && y < 150 {
@@ -238,7 +238,7 @@ mod tests {
             samples[300 * 400..].chunks(400).filter_map(black_run).max(),
             Some(100)
         );
-        // No room.
+        // Too small for a bar.
         let mut small = vec![0u8; 16 * 8];
         assert_eq!(
             Bar::new([16, 8], 1.0).draw(&mut small, [16, 8], 1, [0, 255], ScaleBar::On),

@@ -1,5 +1,4 @@
-//! PNG and TIFF with their resolution and what else they say of themselves, and of one bit per pixel: `image` writes
-//! neither.
+//! PNG and TIFF with resolution and other metadata, and with one bit per pixel: `image` supports neither.
 
 use super::encoding::{Encoding, ascii};
 use crate::io::exif::thousandths;
@@ -14,7 +13,7 @@ use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, Tag};
 use tiff::{TiffError, TiffResult};
 
-/// A picture as it is stored.
+/// A picture ready to be stored.
 pub(super) struct Stored<'a> {
     /// Columns and rows.
     pub(super) size: [u32; 2],
@@ -26,7 +25,7 @@ pub(super) struct Stored<'a> {
     pub(super) dpi: Option<[f32; 2]>,
     /// The ICC profile of its colours.
     pub(super) profile: Option<&'a [u8]>,
-    /// Samples, those of 16 bits in this machine's order of bytes, those of 1 bit a byte each, 1 white.
+    /// Samples: 16-bit ones in native byte order, 1-bit ones a byte each, with 1 as white.
     pub(super) samples: &'a [u8],
 }
 
@@ -78,7 +77,7 @@ pub(super) fn write_png(
     written.and_then(|()| writer.finish()).map_err(png_error)
 }
 
-/// What a PNG says in words, by their keywords.
+/// Text chunks of a PNG, by keyword.
 fn texts(encoding: &Encoding) -> impl Iterator<Item = (&'static str, String)> {
     let texts = [
         ("Software", &encoding.software),
@@ -99,7 +98,7 @@ fn packed(picture: &Stored) -> Vec<u8> {
     rows.flat_map(|row| row.chunks(8).map(byte)).collect()
 }
 
-/// Writes a TIFF: pictures of one bit by CCITT Group 4, others as they are.
+/// Writes a TIFF: one-bit pictures by CCITT Group 4, others uncompressed.
 pub(super) fn write_tiff(
     w: &mut (impl Write + Seek),
     picture: &Stored,
@@ -155,7 +154,7 @@ pub(super) fn write_tiff(
     write().map_err(tiff_error)
 }
 
-/// Rows of a strip of about [`STRIP_BYTES`], of a picture of so many bytes and rows.
+/// Rows of a strip of about [`STRIP_BYTES`], for a picture of this many bytes and rows.
 fn rows_per_strip(bytes: usize, height: u32) -> u32 {
     let row = (bytes / height.max(1) as usize).max(1);
     ((STRIP_BYTES / row) as u32).clamp(1, height.max(1))
@@ -164,7 +163,7 @@ fn rows_per_strip(bytes: usize, height: u32) -> u32 {
 /// Bytes of a strip, which readers hold at once.
 const STRIP_BYTES: usize = 1 << 20;
 
-/// What a TIFF says beside its pixels.
+/// Tags of a TIFF for metadata.
 fn write_tags<W: Write + Seek>(
     file: &mut DirectoryEncoder<W, TiffKindStandard>,
     picture: &Stored,

@@ -1,4 +1,4 @@
-//! How much of a picture a display shows as mere white.
+//! Counting pixels that a display shows as plain white.
 
 use super::codes::straight;
 use super::display::{Bright, WHITE, largest};
@@ -8,19 +8,19 @@ use crate::io::photo::max_code;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// How many pixels are white in some channel, of so many that show a surface.
+/// Numbers of surface pixels that are white in some channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Whites {
-    /// In the picture.
+    /// White in the picture.
     pub(crate) count: usize,
-    /// In the picture before it was changed, where there is one.
+    /// White in the picture before the change, if there is one.
     pub(crate) before: usize,
-    /// All that show a surface.
+    /// All surface pixels.
     pub(crate) of: usize,
 }
 
 impl Whites {
-    /// Counts those of these rows of a picture for a display, where `mask` has a surface.
+    /// Counts these rows of a picture for a display, where `mask` has a surface.
     pub(crate) fn of(picture: &Picture, mask: &Mask, rows: Range<usize>) -> Self {
         let Picture {
             color,
@@ -38,7 +38,7 @@ impl Whites {
             let mut whites = Self::default();
             for x in mask.runs(y).flatten() {
                 let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
-                // What is no brighter than white by its largest channel is not made white.
+                // A colour whose largest channel is no brighter than white is not made white.
                 let least = WHITE as f32 * alpha.map_or(1.0, |alpha| alpha as f32);
                 let may_be_white =
                     |color: [f32; 3]| gain * color.into_iter().fold(0.0, f32::max) >= least;

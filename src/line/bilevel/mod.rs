@@ -1,25 +1,25 @@
 //! Ink in pure black and white, for print.
 //!
-//! Theory: error diffusion (Floyd and Steinberg, "An adaptive algorithm for spatial greyscale", 1976) hands what a pixel got
-//! too much or too little of to the pixels after it, so that tone stays whatever the threshold does. Eschbach and Knox
-//! ("Error-diffusion algorithm with edge enhancement", JOSA A 8, 1991) raise the threshold where the picture is dark and lower
-//! it where it is light, so that rims are sharp, and errors are made up for where they show least.
+//! Theory: error diffusion (Floyd and Steinberg, "An adaptive algorithm for spatial greyscale", 1976) passes the error
+//! of each pixel on to the pixels after it, so that tone is kept whatever the threshold. Eschbach and Knox
+//! ("Error-diffusion algorithm with edge enhancement", JOSA A 8, 1991) raise the threshold where the picture is dark
+//! and lower it where it is light, so that edges are sharp, and errors are compensated where they show least.
 //!
-//! Changes: the threshold is not one half but what keeps the mean of what is around, as far as one can: a grey stroke becomes a
-//! thinner black one rather than a row of dots, and what is left to error diffusion is little. Plain paper and solid ink stay as
-//! they are, and errors pass over them.
+//! Changes: the threshold is not one half but the one that keeps the local mean, as far as one can: a grey stroke
+//! becomes a thinner black one instead of a row of dots, and little is left to error diffusion. Plain paper and solid
+//! ink stay as they are, and errors skip over them.
 //!
-//! Practice: strokes narrower than a pixel cannot be both as light as they are and unbroken; they become dashes. A threshold
-//! of one half loses them: it moves the mean of 32x32 pixels by up to .28 in a drawing of 480x360.
+//! Practice: strokes narrower than a pixel cannot be both as light as they are and unbroken; they become dashes. A
+//! threshold of one half loses them: it shifts the mean of 32x32 pixels by up to .28 in a drawing of 480x360.
 
 mod thresholds;
 
 use crate::frame::Plane;
 use thresholds::Thresholds;
 
-/// How much more the distance from the threshold counts than errors do. At 1 all grey is dots; at 6 the mean of 64x64 pixels is
-/// kept within .019 in drawings of 320x240 to 4960x3720; at 9 there are a third fewer specks, but means are off by up to .022,
-/// and at 99 by .07 in small drawings.
+/// Weight of the distance from the threshold relative to that of errors. At 1 all grey is dots; at 6 the mean of 64x64
+/// pixels is kept within .019 in drawings of 320x240 to 4960x3720; at 9 there are a third fewer specks, but means are
+/// off by up to .022, and at 99 by .07 in small drawings.
 const SHARPNESS: f32 = 6.0;
 
 /// Values no farther than this from black or white are plain: half a code of 8 bits.
@@ -62,12 +62,12 @@ pub fn bilevel(light: &Plane) -> Plane {
     chosen
 }
 
-/// Whether a pixel is black or white as it is.
+/// Whether a pixel is plain paper or solid ink already.
 fn is_plain(light: f32) -> bool {
     !(PLAIN..=1.0 - PLAIN).contains(&light)
 }
 
-/// Black or white for a grey pixel to which `error` was handed, and the error it hands on.
+/// Black or white for a grey pixel with the incoming `error`, and the error to pass on.
 #[inline]
 fn decided(light: f32, error: f32, threshold: f32) -> (f32, f32) {
     let is_white = error + SHARPNESS * (light - threshold) > 0.0;
@@ -115,7 +115,7 @@ mod tests {
             let shift = largest_shift(&drawn, &printed);
             assert!(shift < 0.02, "{width} px: {shift}");
         }
-        // Thin strokes are what a threshold loses: .4 px of every 6 are .067 of the paper.
+        // Thin strokes are lost to a plain threshold: .4 px of every 6 are .067 of the paper.
         let thin = strokes(0.4);
         let threshold = thin.map(|v| f32::from(u8::from(v > 0.5)));
         assert!(largest_shift(&thin, &threshold) > 0.06);

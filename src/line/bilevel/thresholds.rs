@@ -1,4 +1,4 @@
-//! Where grey turns to white, from place to place.
+//! Local thresholds between black and white.
 
 use crate::frame::Plane;
 
@@ -8,14 +8,14 @@ const SIDE: usize = 8;
 /// Parts of 0..1 that greys are counted by.
 const PARTS: usize = 32;
 
-/// Weights of squares around one, along a side: about three squares count, 24 pixels, the distance between strokes of a
-/// large drawing. Fewer follow single strokes, more lose what is light beside what is dark.
+/// Weights of neighbouring squares along one axis: effectively three squares, 24 pixels, the distance between strokes
+/// of a large drawing. Fewer follow single strokes, more lose light parts beside dark ones.
 const WEIGHTS: [f32; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
 
 /// Between all grey that is black and all that is white, where nothing is grey.
 const MIDDLE: f32 = 0.5;
 
-/// Thresholds that keep the mean of what is around: as much grey lies above them as is light.
+/// Thresholds that keep the local mean: the share of grey above them equals the light in it.
 pub(super) struct Thresholds {
     /// One for each square.
     of_squares: Plane,
@@ -24,7 +24,7 @@ pub(super) struct Thresholds {
 /// The greys of a square.
 #[derive(Clone, Copy)]
 struct Greys {
-    /// How many lie in each part of 0..1.
+    /// Counts of greys in each part of 0..1.
     counts: [f32; PARTS],
     /// Their sum.
     sum: f32,
@@ -47,7 +47,7 @@ impl Greys {
         self.sum += weight * greys.sum;
     }
 
-    /// What so many of them lie above as they add up to.
+    /// The threshold above which as many greys lie as their values add up to.
     fn threshold(&self) -> f32 {
         let mut above = 0.0;
         for (part, &count) in self.counts.iter().enumerate().rev() {
@@ -62,7 +62,7 @@ impl Greys {
 }
 
 impl Thresholds {
-    /// Of `light`, 0..1, in which what `is_plain` is no grey.
+    /// Thresholds for `light`, 0..1, where values that satisfy `is_plain` do not count as grey.
     pub(super) fn of(light: &Plane, is_plain: impl Fn(f32) -> bool + Sync) -> Self {
         let [columns, rows] = [light.width(), light.height()].map(|side| side.div_ceil(SIDE));
         let mut greys = Plane::filled(columns, rows, Greys::NONE);
@@ -84,7 +84,7 @@ impl Thresholds {
         Self { of_squares }
     }
 
-    /// The threshold at a pixel, between those of the squares about it.
+    /// The threshold at a pixel, interpolated between those of the surrounding squares.
     #[inline]
     pub(super) fn at(&self, x: usize, y: usize) -> f32 {
         let ([left, right], across) = between(x, self.of_squares.width());
@@ -98,7 +98,7 @@ impl Thresholds {
     }
 }
 
-/// The greys of a square and of those around it.
+/// The greys of a square and its neighbours.
 fn around(greys: &Plane<Greys>, column: usize, row: usize) -> Greys {
     let mut sum = Greys::NONE;
     let reach = WEIGHTS.len() / 2;
@@ -116,7 +116,7 @@ fn around(greys: &Plane<Greys>, column: usize, row: usize) -> Greys {
     sum
 }
 
-/// The squares whose middles lie about that of a pixel, and the share of the second.
+/// The squares whose centres surround that of a pixel along an axis, and the share of the second.
 #[inline]
 fn between(at: usize, count: usize) -> ([usize; 2], f32) {
     let at = ((at as f32 + 0.5) / SIDE as f32 - 0.5).clamp(0.0, (count - 1) as f32);
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn as_much_lies_above_as_is_light() {
-        // Of greys spread evenly over 0 to 1/2 a quarter is light: what is above 3/8.
+        // For greys spread evenly over 0 to 1/2, a quarter becomes white: those above 3/8.
         let mut greys = Greys::NONE;
         (0..1000).for_each(|i| greys.add((i as f32 + 0.5) / 2000.0));
         assert!(
@@ -139,7 +139,7 @@ mod tests {
             greys.threshold()
         );
         assert_eq!(Greys::NONE.threshold(), MIDDLE);
-        // All alike: .3 of them are to be white, so that the threshold lies among them, in part 9 of 32.
+        // All alike: .3 of them should become white, so the threshold lies among them, in part 9 of 32.
         let mut alike = Greys::NONE;
         (0..10).for_each(|_| alike.add(0.3));
         assert!((9.0 / 32.0..10.0 / 32.0).contains(&alike.threshold()));

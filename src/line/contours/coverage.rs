@@ -1,4 +1,4 @@
-//! How much of every pixel contours cover.
+//! Coverage of every pixel by contours.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Mask, Plane};
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Rows that one task draws.
 const ROWS: usize = 16;
 
-/// How far a drawn line may leave out a bend, in pixels.
+/// Largest deviation of a simplified line, in pixels.
 const BEND_PX: f32 = 0.03;
 
 /// A line by its points, in pixels, and its width at each.
@@ -43,9 +43,9 @@ impl<'a> From<&'a Streamline> for DrawnLine<'a> {
 /// Combines lines that cover a pixel in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Overlap {
-    /// As much as one does: lines that meet are one.
+    /// As the larger one: lines that meet are one.
     Joined,
-    /// As much as they do together: they lie side by side.
+    /// As their sum: they lie side by side.
     Beside,
 }
 
@@ -70,7 +70,7 @@ pub(crate) fn coverage(
     for (line, strokes) in (0..).zip(&strokes) {
         for stroke in strokes {
             let [first, last] = stroke.rows();
-            // Casts of what lies outside saturate.
+            // Casts saturate outside the picture.
             let first = first.floor() as usize / ROWS;
             let last = last.floor().max(-1.0) + 1.0;
             for band in bands
@@ -120,7 +120,7 @@ fn cover(rows: &mut [f32], width: usize, top: f32, pieces: &[Piece]) {
     }
 }
 
-/// Adds what a line covers, at most all of a pixel, and leaves `own` blank.
+/// Adds the coverage of a line, up to the whole pixel, and clears `own`.
 fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
     let reach = line.iter().map(|(_, stroke)| stroke.across());
     let all = [f32::INFINITY, f32::NEG_INFINITY];
@@ -135,8 +135,8 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
     }
 }
 
-/// The pieces that a line is drawn in: as few as its bends allow, and for wide lines fewer still, so that
-/// the time it takes grows with the pixels covered alone.
+/// The pieces for drawing a line: as few as its bends allow, and fewer still for wide lines, so that the time grows
+/// only with the covered pixels.
 pub(crate) fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
     let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
     let kept = thinned(line.points, BEND_PX.max(0.01 * widest), 8 + widest as usize);

@@ -13,7 +13,7 @@ use crate::params::{ContourParams, ShapeParams};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Where edges are.
+/// Weights of edges.
 pub(crate) struct Weights<'a> {
     pub(crate) silhouette: &'a Plane,
     pub(crate) crease: &'a Plane,
@@ -22,14 +22,14 @@ pub(crate) struct Weights<'a> {
 /// Widest gap in a line that is closed, in pixels.
 const GAP_PX: f32 = 8.0;
 
-/// Creases have to be this many times as long as silhouettes to be drawn: a hollow that is darker than its
-/// surroundings is seen without a line, and a rough surface is full of short ones.
+/// Creases are drawn from this many times the length of silhouettes on: a hollow darker than its surroundings is
+/// visible without a line, and a rough surface is full of short ones.
 const CREASE_LENGTHS: f32 = 2.0;
 
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
 
-/// Edges, as far as lines are made of them.
+/// Edges that become lines.
 struct Edges<'a> {
     /// The cracks that silhouettes pass, by corner and step.
     cracks: Vec<Crack>,
@@ -38,7 +38,7 @@ struct Edges<'a> {
     crease: &'a Plane,
 }
 
-/// The contours of a frame with these edges, silhouettes first. The same for any number of threads.
+/// The contours of a frame with these edges, silhouettes first. Independent of the number of threads.
 pub(crate) fn contours(
     weights: &Weights,
     frame: &Frame,
@@ -85,7 +85,7 @@ fn contours_along(
             by_strength: true,
         };
         drop_short(&mut creases, least);
-        // Where a silhouette fades into a crease.
+        // Joins silhouettes that fade into creases.
         let count = silhouettes.len();
         silhouettes.append(&mut creases);
         for (i, line) in silhouettes.iter_mut().enumerate() {
@@ -132,10 +132,10 @@ impl FoundEdges {
     }
 }
 
-/// How far inside the picture the end of a line may lie that goes on beyond it.
+/// Distance from the picture's border within which the end of a line counts as continuing beyond it.
 const ROOM_PX: f32 = 3.0;
 
-/// Leads a line that ends at the border of the picture on beyond it, so far that its end is not seen.
+/// Extends a line that ends at the border of the picture beyond it, so far that its end is not visible.
 fn run_off(line: &mut Line, by_px: f32) {
     for end in (0..2).filter(|&end| !line.closed && line.ends[end] == End::Border) {
         let ahead = line.direction_out(end);
@@ -157,11 +157,11 @@ struct Least {
     twig_px: f32,
     /// Strength that a network has somewhere.
     strength: f32,
-    /// Whether a length counts by how plain the line is: a rough surface is full of blunt creases.
+    /// Whether lengths are weighted by strength: a rough surface is full of blunt creases.
     by_strength: bool,
 }
 
-/// Leaves out what is too short or nowhere plain: noise.
+/// Drops noise: lines that are too short or nowhere strong.
 fn drop_short(lines: &mut Vec<Line>, least: Least) {
     let is_twig = |line: &Line| {
         let twig = [[End::Free, End::Joined], [End::Joined, End::Free]];

@@ -1,21 +1,21 @@
 //! Silhouettes between two pixels: the crack where the surface ends, or where one part of it hides another.
 //!
-//! The weights of [`crate::shape::silhouette`] say which pixels lie beside a silhouette, two to either side.
-//! A line wants one place: the crack between the two pixels that it passes between.
+//! The weights of [`crate::shape::silhouette`] mark the pixels beside a silhouette, two to either side. A line needs
+//! one position: the crack between the two pixels on either side.
 
-/// Samples along a row or column, from two before the crack to three behind it, that is three to either
-/// side: the crack lies between the third and the fourth. `None` where uncovered or beyond the picture.
+/// Samples along a row or column, from two before the crack to three behind it, so three on either side: the crack is
+/// between the third and the fourth. `None` where uncovered or beyond the picture.
 pub(crate) type Across = [Option<f32>; 6];
 
-/// A jump that is spread counts if it is so many times the steepest slope beside it: a kink alone leaves up to twice
-/// its slope.
+/// A spread jump counts if it is this many times the steepest slope beside it: a kink alone gives up to twice its
+/// slope.
 pub(crate) const KINK: f32 = 2.5;
 
-/// By how much a map jumps at the crack, beyond what its slopes to either side explain.
+/// The jump of a map at the crack, beyond the part explained by the slopes to either side.
 ///
-/// A slope, however steep, and a kink between two slopes are no jumps: on one side at least the slope goes
-/// on. The jump may be spread by a filter over the pixels beside the crack; then what the three cracks around
-/// it jump together counts.
+/// A slope, however steep, and a kink between two slopes are not jumps: on one side at least the slope continues. A
+/// filter may spread the jump over the pixels beside the crack; then the sum of the jumps at the three cracks around it
+/// counts.
 #[inline]
 pub(crate) fn unexplained_jump(a: &Across) -> f32 {
     let Some(jump) = difference(a[2], a[3]) else {
@@ -31,7 +31,7 @@ pub(crate) fn unexplained_jump(a: &Across) -> f32 {
     sharp.max(spread.unwrap_or(0.0))
 }
 
-/// From one sample to another.
+/// The difference between two samples.
 #[inline]
 pub(crate) fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     Some(b? - a?)
@@ -52,9 +52,9 @@ pub(crate) fn steepness(slope: Option<f32>) -> f32 {
     slope.map_or(0.0, f32::abs)
 }
 
-/// Where the edge of coverage lies along the way from a covered pixel to an uncovered one, in pixels beyond
-/// the crack between them; `coverage` is that of the pixels from the second before the crack to the second
-/// behind it. 0 where coverage does not fall from whole to none around the crack.
+/// Position of the edge of coverage on the line from a covered pixel to an uncovered one, in pixels beyond the crack
+/// between them; `coverage` is that of the pixels from the second before the crack to the second behind it. 0 if
+/// coverage does not fall from whole to none around the crack.
 #[inline]
 pub(crate) fn border_offset(coverage: [f32; 4]) -> f32 {
     let [inmost, inside, outside, outmost] = coverage;
@@ -65,8 +65,8 @@ pub(crate) fn border_offset(coverage: [f32; 4]) -> f32 {
     (outside + outmost) - (1.0 - inside) - (1.0 - inmost)
 }
 
-/// Where the edge lies, in pixels behind the crack, between a pixel of the value `before` and one of the value
-/// `behind` whose filters mixed them with the other side: unmixed they would be `sharp`.
+/// Position of the edge, in pixels behind the crack, between a pixel of the value `before` and one of the value
+/// `behind`, both blended with the other side by a filter; unblended they would be `sharp`.
 #[inline]
 pub(crate) fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 {
     let jump = sharp[1] - sharp[0];
@@ -75,8 +75,8 @@ pub(crate) fn spread_offset([before, behind]: [f32; 2], sharp: [f32; 2]) -> f32 
     if offset.is_finite() { offset } else { 0.0 }
 }
 
-/// The nearer of the least and the greatest value around a pixel: a filter's mixtures go to the side that
-/// they are more of.
+/// The nearer of the least and the greatest value around a pixel: mixtures by a filter are assigned to the side they
+/// mostly consist of.
 #[inline]
 pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
@@ -85,7 +85,7 @@ pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     nearer_extreme(value, least, greatest)
 }
 
-/// The one of two values that a value between them is nearer to; the greatest where they are as near.
+/// The closer of two values to a value between them; the greater one in a tie.
 #[inline]
 pub(crate) fn nearer_extreme(value: f32, least: f32, greatest: f32) -> f32 {
     if value - least < greatest - value {
@@ -115,10 +115,10 @@ mod tests {
         // A jump of 1 between slopes of 0.1: it exceeds the slope by 0.9.
         let sharp = all([0.0, 0.1, 0.2, 1.2, 1.3, 1.4]);
         assert!((unexplained_jump(&sharp) - 0.9).abs() < 1e-6);
-        // Half way in the pixel behind the crack.
+        // Half-way in the pixel behind the crack.
         let spread = all([0.0, 0.0, 0.0, 0.5, 1.0, 1.0]);
         assert!((unexplained_jump(&spread) - 1.0).abs() < 1e-6);
-        // At the border nothing is known of slopes.
+        // At the border no slopes are known.
         assert_eq!(
             unexplained_jump(&[None, None, Some(0.0), Some(1.0), None, None]),
             1.0
@@ -134,7 +134,7 @@ mod tests {
         // 30 % of the pixel behind the crack is covered: the edge lies 0.3 behind it.
         assert!((border_offset([1.0, 1.0, 0.3, 0.0]) - 0.3).abs() < 1e-6);
         assert!((border_offset([1.0, 0.6, 0.0, 0.0]) + 0.4).abs() < 1e-6);
-        // Coverage that tells nothing: opaque everywhere, or nowhere.
+        // Coverage without evidence: opaque everywhere, or nowhere.
         assert_eq!(border_offset([1.0; 4]), 0.0);
         assert_eq!(border_offset([0.4, 0.3, 0.0, 0.0]), 0.0);
     }
@@ -143,7 +143,7 @@ mod tests {
     fn mixtures_go_to_the_side_they_are_more_of() {
         assert_eq!(sharpened(0.4, [0.0, 1.0].into_iter()), 0.0);
         assert_eq!(sharpened(0.7, [0.0, 1.0].into_iter()), 1.0);
-        // A pixel behind the crack holds 30 % of what is before it.
+        // A pixel behind the crack contains 30 % of the value before it.
         assert!((spread_offset([0.0, 0.7], [0.0, 1.0]) - 0.3).abs() < 1e-6);
         assert_eq!(spread_offset([0.0, 0.0], [0.0, 0.0]), 0.0);
     }

@@ -1,17 +1,17 @@
 // Silhouettes between two pixels.
 
-// A sample, where it is known.
+// A sample, if known.
 struct Sample {
     value: f32,
     is_known: bool,
 }
 
-// From one sample to another.
+// The difference between two samples.
 fn difference(a: Sample, b: Sample) -> Sample {
     return Sample(b.value - a.value, a.is_known && b.is_known);
 }
 
-// What a jump is beyond so many times the slope to either side, where one is known.
+// The part of a jump beyond so many times the slope to either side, where one is known.
 fn beyond_slopes(jump: f32, times: f32, before: Sample, behind: Sample) -> Sample {
     let past_before = abs(jump - times * before.value);
     let past_behind = abs(jump - times * behind.value);
@@ -25,7 +25,8 @@ fn steepness(slope: Sample) -> f32 {
     return select(0.0, abs(slope.value), slope.is_known);
 }
 
-// By how much a map jumps between the third and the fourth of six samples, beyond what its slopes to either side explain.
+// The jump of a map between the third and the fourth of six samples, beyond the part explained by the slopes to either
+// side.
 fn unexplained_jump(a: array<Sample, 6>) -> f32 {
     let jump = difference(a[2], a[3]);
     if !jump.is_known {
@@ -42,8 +43,8 @@ fn unexplained_jump(a: array<Sample, 6>) -> f32 {
     return max(sharp, select(0.0, spread.value, counts));
 }
 
-// Where the edge lies, in pixels behind the crack, between pixels of the values `raw` whose filters mixed them with the
-// other side: unmixed they would be `sharp`.
+// Position of the edge, in pixels behind the crack, between pixels of the values `raw`, both blended with the other
+// side by a filter; unblended they would be `sharp`.
 fn spread_offset(raw: vec2<f32>, sharp: vec2<f32>) -> f32 {
     let shares = min(abs((raw - sharp) / (sharp.y - sharp.x)), vec2<f32>(0.5));
     let offset = shares.y - shares.x;

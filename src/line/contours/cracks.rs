@@ -46,7 +46,7 @@ pub(crate) fn cracks(weight: &Plane, frame: &Frame, shape: &ShapeParams) -> Vec<
     cracks.into_iter().flatten().collect()
 }
 
-/// Those that a device found, in the same order.
+/// Cracks found by a device, in the same order.
 #[cfg(feature = "gpu")]
 pub(crate) fn found(cracks: &[FoundCrack], frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
     let finder = Finder::new(frame, shape);
@@ -78,7 +78,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The cracks that leave the corners of a band of lattice rows to the right and down.
+    /// Cracks to the right of and below the corners of a band of lattice rows.
     fn cracks(&self, weight: &Plane, band: usize, tile: &mut MapTile) -> Vec<Crack> {
         let mut found = Vec::new();
         let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
@@ -89,7 +89,7 @@ impl<'a> Finder<'a> {
         found
     }
 
-    /// Adds those of row `y`. Only pixels beside a silhouette have a weight.
+    /// Adds the cracks of row `y`. Only pixels beside a silhouette have a weight.
     fn add_row(&self, weight: &Plane, y: usize, tile: &mut MapTile, found: &mut Vec<Crack>) {
         let mask = &self.frame.mask;
         let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
@@ -196,7 +196,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Where the edge lies beyond the crack, if alpha tells; `beyond(0)` is covered, `beyond(1)` is not.
+    /// Offset of the edge beyond the crack by alpha, 0 without alpha; `beyond(0)` is covered, `beyond(1)` is not.
     fn coverage_offset(&self, beyond: impl Fn(i64) -> Pixel) -> f32 {
         let Some(alpha) = &self.frame.alpha else {
             return 0.0;
@@ -291,14 +291,14 @@ impl<'a> Finder<'a> {
         (jump > least).then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
     }
 
-    /// Whether the border of coverage runs so close that its own line is enough.
+    /// Whether the border of coverage is so close that its own line suffices.
     fn is_beside_border(&self, crack: &Across) -> bool {
         let is_bare = |pixel| self.inside(pixel).is_some() && !self.is_covered(pixel);
         [-2, -1, 2, 3].iter().any(|&i| is_bare(crack.pixel(i)))
     }
 
-    /// By how much the logarithm of depth steps across the crack beyond what a smooth surface with the normals
-    /// to either side would.
+    /// Step of the logarithm of depth across the crack, beyond that of a smooth surface with the normals on either
+    /// side.
     fn unexplained_by_normals(&self, crack: &Across, step: f32) -> f32 {
         let smooth = self.smooth_step(crack);
         smooth.map_or(step.abs(), |smooth| (step - smooth).abs())
@@ -334,7 +334,7 @@ struct Across {
 }
 
 impl Across {
-    /// The crack along a step of the lattice from a corner of these coordinates.
+    /// The crack along a lattice step from the corner at these coordinates.
     fn leaving(corner: [usize; 2], step: usize) -> Self {
         let [x, y] = corner.map(|v| v as i64);
         match step {
@@ -349,7 +349,7 @@ impl Across {
         }
     }
 
-    /// The pixel so many behind the one before the crack.
+    /// The pixel at the offset `i` behind the one before the crack.
     fn pixel(&self, i: i64) -> Pixel {
         [
             self.pixel[0] + i * self.axis[0],

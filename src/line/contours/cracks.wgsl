@@ -1,4 +1,4 @@
-// The cracks that silhouettes pass, of those that may be: a list in any order, which takes as many as there is room for.
+// The cracks with a silhouette among the candidates: a list in any order, as long as there is room.
 
 @group(0) @binding(0) var<uniform> params: CrackParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -8,15 +8,15 @@
 @group(0) @binding(4) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(5) var<storage, read> normal_z: array<f32>;
 @group(0) @binding(6) var<storage, read_write> counts: array<atomic<u32>>;
-// Four times the pixel behind a crack, plus 2 where it lies left of that pixel and not above it.
+// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
 @group(0) @binding(7) var<storage, read> candidates: array<u32>;
-// The same, plus 1 where the border of coverage runs close beside it; the offset of the silhouette, its strength and the
+// The same, plus 1 if the border of coverage is close beside it; the offset of the silhouette, its strength and the
 // logarithm of its depth.
 @group(0) @binding(8) var<storage, read_write> cracks: array<vec4<u32>>;
 
 override HAS_MAP: bool;
 override IS_DEPTH: bool;
-// Whether sight lines are known, along which depth is, and whether they are parallel.
+// Whether the sight lines of the depth are known, and whether they are parallel.
 override HAS_SIGHT: bool;
 override IS_EYE_FAR: bool;
 
@@ -32,7 +32,7 @@ fn index_at(pixel: vec2<i32>) -> u32 {
     return index_of(u32(pixel.x), u32(pixel.y));
 }
 
-// The map at a pixel, where it is covered and there is any.
+// The map at a pixel, if it is covered and there is a map.
 fn sample_at(pixel: vec2<i32>) -> Sample {
     if !covers(pixel) {
         return Sample(0.0, false);
@@ -62,8 +62,7 @@ fn normal_at(pixel: vec2<i32>) -> vec3<f32> {
     return vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
 }
 
-// By how much the logarithm of depth steps between pixels beyond what a smooth surface with the normals to either side
-// would.
+// Step of the logarithm of depth between pixels, beyond that of a smooth surface with the normals on either side.
 fn unexplained_by_normals(before: vec2<i32>, behind: vec2<i32>, step_of_log: f32) -> f32 {
     let normal = normal_at(before) + normal_at(behind);
     let eye = vec2<f32>(params.to_eye_x, params.to_eye_y);

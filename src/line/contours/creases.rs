@@ -11,10 +11,10 @@ use crate::params::ContourParams;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A crease that ends so many pixels from the border of the picture goes on beyond it.
+/// A crease that ends within this many pixels of the border of the picture continues beyond it.
 const RIM: usize = 2;
 
-/// How far beside a crease the middle of its weights lies.
+/// Distance of the centre of a crease's weights from the crease.
 const MIDDLE_PX: f32 = 0.5;
 
 /// The pixels that have a weight, in order.
@@ -31,7 +31,7 @@ pub(crate) fn pixels(weight: &Plane, mask: &Mask) -> Vec<u32> {
     pixels.concat()
 }
 
-/// The lines along creases that keep away from silhouettes: through `pixels`, all those that have a weight, in order.
+/// The lines along creases that keep away from silhouettes: through `pixels`, all those with a weight, in order.
 pub(crate) fn lines(
     mut pixels: Vec<u32>,
     weight: &Plane,

@@ -1,12 +1,12 @@
-// Edges as lists, in any order: the cracks between pixels that silhouettes may pass, and the pixels that have a crease.
+// Edges as lists, in any order: the cracks between pixels that may have a silhouette, and the pixels with a crease.
 //
-// A list takes as many as there is room for; how many there are is counted on.
+// A list holds as many as there is room for; counting continues beyond that.
 
 @group(0) @binding(0) var<uniform> params: SizeParams;
 // Silhouette and crease weight.
 @group(0) @binding(1) var<storage, read> weights: array<vec2<f32>>;
 @group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-// Four times the pixel behind a crack, plus 2 where it lies left of that pixel and not above it.
+// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
 @group(0) @binding(3) var<storage, read_write> candidates: array<u32>;
 // A pixel, and its weight.
 @group(0) @binding(4) var<storage, read_write> creases: array<vec2<u32>>;

@@ -1,19 +1,19 @@
 //! Edges that a device found, as lists.
 
-/// A crack that a silhouette passes. Where it is the border of coverage, only the place of the crack counts.
+/// A crack with a silhouette. If it is the border of coverage, only its position counts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FoundCrack {
     /// The number of the pixel behind it: below it, or right of it.
     pub(crate) pixel: u32,
-    /// Whether it lies left of that pixel, else above it.
+    /// Whether it is left of that pixel; otherwise above it.
     pub(crate) is_left: bool,
-    /// How far behind its middle the silhouette lies, in pixels.
+    /// Offset of the silhouette behind the crack's centre, in pixels.
     pub(crate) offset: f32,
-    /// How plain the edge is, 0..1.
+    /// Strength of the edge, 0..1.
     pub(crate) strength: f32,
     /// Logarithm of the depth of its nearer side; 0 where depth is unknown.
     pub(crate) log_depth: f32,
-    /// Whether the border of coverage runs close beside it.
+    /// Whether the border of coverage is close beside it.
     pub(crate) is_beside: bool,
 }
 

@@ -1,11 +1,11 @@
-//! Gaps in lines: ends in the open that face each other a few pixels apart are ends of one line, which its
-//! weight left out where it fell below its threshold.
+//! Gaps in lines: free ends that face each other a few pixels apart belong to one line, interrupted where its weight
+//! fell below the threshold.
 
 use crate::line::contours::network::{End, Line, Sets};
 use glam::Vec2;
 use std::collections::BTreeMap;
 
-/// How straight ahead another end has to lie: cosine of the angle.
+/// Smallest cosine of the angle between a line's direction and another end ahead.
 const AHEAD: f32 = 0.75;
 
 /// Ends nearer than this face each other unless they point the same way.
@@ -19,8 +19,8 @@ struct Tip {
     ahead: Vec2,
 }
 
-/// Closes gaps of up to `widest_px`, the narrowest first: both ends are led to the middle between them, and
-/// what was two parts becomes one.
+/// Closes gaps of up to `widest_px`, the narrowest first: both ends are led to the midpoint, and the two parts become
+/// one.
 pub(crate) fn close_gaps(lines: &mut [Line], widest_px: f32) {
     let tips: Vec<Tip> = lines
         .iter()

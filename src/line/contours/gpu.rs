@@ -1,4 +1,4 @@
-//! Edges as lists: of what is made per pixel only what lies along edges is read.
+//! Edges as lists, so that only data along edges are read back.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
@@ -25,19 +25,20 @@ use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::gpu::FACING;
 use rayon::prelude::*;
 
-/// Where the numbers stand of cracks that silhouettes may pass, of those they do, and of creases.
+/// Indices of the counts of candidate cracks, of cracks with silhouettes, and of creases.
 const CANDIDATE_COUNT: u32 = 0;
 const CRACK_COUNT: u32 = 1;
 const CREASE_COUNT: u32 = 2;
 
 uniforms! {
-    /// Of `cracks.wgsl`.
+    /// Uniforms of `cracks.wgsl`.
     CrackParams {
         width: u32,
         height: u32,
-        /// Jumps up to this are none.
+        /// Largest step that is not a jump.
         least_jump: f32,
-        /// The direction to the eye, scaled to z = 1: at the first column and row, and what each further one adds.
+        /// The direction to the eye, scaled to z = 1: at the first column and row, and its increment per column and
+        /// row.
         to_eye_x: f32,
         to_eye_x_step: f32,
         to_eye_y: f32,
@@ -88,17 +89,17 @@ pub(crate) static CRACKS: Kernel = Kernel::new::<CrackParams, CracksBuffers>(
     ],
 );
 
-/// Bytes of a crack that a silhouette may pass in its list, and likewise of one that it does, and of a crease.
+/// Bytes per entry in the lists of candidate cracks, cracks with silhouettes, and creases.
 const CANDIDATE: u64 = 4;
 const CRACK: u64 = 16;
 const CREASE: u64 = 8;
 
-/// Workgroups that look at cracks, however many there are: enough to keep a device busy.
+/// Workgroups that examine cracks, for any number of them: enough to keep a device busy.
 const GROUPS: u32 = 128;
 
 /// Lists of edges on the device.
 pub(crate) struct EdgeLists {
-    /// How many there are, be there room for them or not.
+    /// Number of entries, including those without room.
     pub(crate) counts: wgpu::Buffer,
     candidates: wgpu::Buffer,
     cracks: wgpu::Buffer,
@@ -121,8 +122,8 @@ pub(crate) fn list_edges(run: &mut Run) {
     run.made.shape = Some(shape);
 }
 
-/// Follows the edges that were listed from pixel to pixel, which a device cannot; it makes strokes meanwhile. What the lines
-/// cover is recorded.
+/// Follows the listed edges from pixel to pixel, which a device cannot do; it makes strokes meanwhile. Records the
+/// coverage of the lines.
 ///
 /// # Errors
 /// [`crate::Error::Gpu`] where the device fails.
@@ -153,8 +154,8 @@ fn contour_pieces(lines: &[Contour]) -> Vec<Piece> {
 }
 
 impl<'a> Run<'a> {
-    /// Lists the edges of these weights: one crack for four pixels at the most, of one that there may be for each, and
-    /// one crease for two.
+    /// Lists the edges of these weights, with room for one crack per four pixels, one candidate per pixel, and one
+    /// crease per two.
     pub(crate) fn edge_lists(
         &mut self,
         plan: &Plan,
@@ -253,7 +254,7 @@ impl<'a> Run<'a> {
             .into_iter()
             .zip(counts)
             .map(|((list, bytes), count)| {
-                // In few sizes, so that there are buffers of them.
+                // In few sizes, so that buffers can be reused.
                 let wanted = u64::from(count).max(1).next_power_of_two() * bytes;
                 let has_room = u64::from(count) * bytes <= list.size();
                 (has_room && is_looked_at).then_some((list, wanted.min(list.size())))
@@ -299,7 +300,7 @@ impl PendingReadback<'_> {
     }
 }
 
-/// The edges in lists of so many cracks and creases, put in order.
+/// The edges from lists with these numbers of cracks and creases, sorted.
 fn listed(read: &[Vec<f32>], [crack_count, crease_count]: [usize; 2]) -> FoundEdges {
     let (cracks, _) = read[0].as_chunks::<4>();
     let mut cracks = cracks[..crack_count].to_vec();

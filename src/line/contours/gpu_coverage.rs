@@ -1,4 +1,4 @@
-//! What lines along edges cover of every pixel.
+//! Coverage of every pixel by lines along edges.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::GROUP;
@@ -14,14 +14,14 @@ use crate::line::paper;
 use crate::line::paper::spread_seed;
 
 uniforms! {
-    /// Of `line_coverage.wgsl`.
+    /// Uniforms of `line_coverage.wgsl`.
     LineCoverageParams {
         width: u32,
         height: u32,
         /// Coordinates of the first pixel.
         x0: i32,
         y0: i32,
-        /// Of the grain, where there is any.
+        /// Seed of the grain, if there is any.
         seed_low: u32,
         seed_high: u32,
     }
@@ -54,9 +54,9 @@ pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, Line
     ],
 );
 
-/// The pieces of lines by the tiles that they reach, each of a workgroup.
+/// The pieces of lines by the tile they reach; each tile is a workgroup's.
 struct Tiles {
-    /// Where the pieces of each tile begin in `pieces`, and where the last end.
+    /// Start of each tile's pieces in `pieces`, and the end of the last.
     starts: Vec<u32>,
     pieces: Vec<u32>,
 }
@@ -66,7 +66,7 @@ impl Tiles {
     fn new(pieces: &[Piece], size: [u32; 2]) -> Self {
         let size = [0, 1].map(|axis| size[axis].div_ceil(GROUP[axis]));
         let reached = |piece: &RoundStroke| {
-            // Casts of what lies outside saturate.
+            // Casts saturate outside the picture.
             let tiles = |axis: usize, [first, last]: [f32; 2]| {
                 let side = GROUP[axis] as f32;
                 let end = ((last / side).floor() + 1.0) as u32;
@@ -100,8 +100,9 @@ impl Tiles {
 }
 
 impl Run<'_> {
-    /// What pieces of lines cover of every pixel, also outside the mask: in ink, or in graphite on paper with a grain of
-    /// this seed. Pieces of one line are one where they meet; lines, each with its pieces together, lie side by side.
+    /// Coverage of every pixel by pieces of lines, also outside the mask: in ink, or in graphite on paper with a grain
+    /// of this seed. Pieces of one line count once where they meet; lines, each with contiguous pieces, lie side by
+    /// side.
     pub(crate) fn covered_by_lines(
         &mut self,
         frame: &Frame,
@@ -114,7 +115,7 @@ impl Run<'_> {
             .iter()
             .map(|(line, piece)| (*line, piece.numbers()))
             .unzip();
-        // A kernel is given one at the least, of which no tile knows.
+        // A kernel needs at least one; a dummy is in no tile.
         lines.resize(pieces.len().max(1), 0);
         numbers.resize(pieces.len().max(1), [0.0; 8]);
         let starts = self.uploaded_bytes(bytemuck::cast_slice(&tiles.starts));

@@ -1,4 +1,4 @@
-//! Where silhouettes are drawn: other lines end there, and keep away.
+//! Positions of drawn silhouettes: other lines end at them, and keep away.
 
 use crate::frame::Frame;
 use crate::line::contours::network;
@@ -7,16 +7,16 @@ use crate::params::ContourParams;
 use glam::Vec2;
 use std::ops::Range;
 
-/// Where silhouettes are drawn, for other lines to end at and to keep away from.
+/// Positions of drawn silhouettes, for other lines to end at and to keep away from.
 pub(crate) struct Ground {
     width: usize,
     height: usize,
-    /// How near creases may come, in pixels.
+    /// Smallest distance of creases, in pixels.
     room: usize,
     spots: Vec<Place>,
     /// The number of a spot in each pixel, from 1 on.
     first: Vec<u32>,
-    /// Whether a pixel is too near to a silhouette for a crease.
+    /// Whether a pixel is too close to a silhouette for a crease.
     taken: Vec<bool>,
 }
 
@@ -35,7 +35,7 @@ impl Ground {
         Self::of_points(lines.iter().map(Vec::as_slice), size, room)
     }
 
-    /// The ground of lines through these points in a picture of `width` by `height` pixels, from which others stay `room`
+    /// The ground of lines through these points in a picture of `width` by `height` pixels; other lines stay `room`
     /// pixels away, at least one.
     pub(crate) fn of_points<'a>(
         lines: impl Iterator<Item = &'a [Vec2]>,
@@ -90,7 +90,7 @@ impl Ground {
         self.join_ends_within(lines, are_own, reach, AHEAD);
     }
 
-    /// The same up to `reach` pixels away, and straight ahead up to an angle of this cosine.
+    /// The same within `reach` pixels, and straight ahead up to an angle of this cosine.
     pub(crate) fn join_ends_within(
         &self,
         lines: &mut [Line],
@@ -136,5 +136,5 @@ impl Ground {
     }
 }
 
-/// How straight ahead a silhouette has to be for a line to be led to it: cosine of the angle.
+/// Smallest cosine of the angle between a line's direction and a silhouette that it is led to.
 const AHEAD: f32 = 0.4;

@@ -67,7 +67,7 @@ impl Lattice {
         [node as usize % self.width, node as usize / self.width]
     }
 
-    /// How many links a node has.
+    /// Number of links of a node.
     pub(crate) fn degree(&self, node: u32) -> u32 {
         self.links[node as usize].count_ones()
     }
@@ -77,7 +77,7 @@ impl Lattice {
         &self.linked
     }
 
-    /// Whether a node lies on the rim of the lattice, or up to so many steps inside.
+    /// Whether a node is on the rim of the lattice, or up to `steps` inside.
     pub(crate) fn on_rim(&self, node: u32, steps: usize) -> bool {
         let [x, y] = self.place(node);
         x.min(y) <= steps || x + 1 + steps >= self.width || y + 1 + steps >= self.height
@@ -110,7 +110,7 @@ impl Lattice {
         paths
     }
 
-    /// Follows links from `start`, each of which is then no longer left.
+    /// Follows links from `start`, removing each from `left`.
     fn walk(&self, start: u32, left: &mut [u8]) -> Path {
         let mut nodes = vec![start];
         let mut at = start;
@@ -165,7 +165,7 @@ mod tests {
                 .iter()
                 .any(|path| path.nodes.len() == length && path.closed == closed)
         };
-        // The square leaves its junction and comes back: nine nodes. The tail has three, the loop four.
+        // The square starts and ends at its junction: nine nodes. The tail has three, the loop four.
         assert!(
             find(9, false) && find(3, false) && find(4, true),
             "{paths:?}"

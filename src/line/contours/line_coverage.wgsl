@@ -1,7 +1,7 @@
-// How much of every pixel lines cover: a group makes a tile of pixels from the pieces of lines that reach it.
+// Coverage of every pixel by lines: a workgroup handles a tile of pixels, with the pieces of lines that reach it.
 
 @group(0) @binding(0) var<uniform> params: LineCoverageParams;
-// Where the pieces of each tile begin in their list, and where the last end.
+// Start of each tile's pieces in their list, and the end of the last.
 @group(0) @binding(1) var<storage, read> tile_starts: array<u32>;
 @group(0) @binding(2) var<storage, read> tile_pieces: array<u32>;
 @group(0) @binding(3) var<storage, read> pieces: array<Piece>;
@@ -23,7 +23,7 @@ fn main(
     let i = index_of(id.x, id.y);
     let tile = group.y * groups.x + group.x;
     let middle = vec2<f32>(f32(id.x) + 0.5, f32(id.y) + 0.5);
-    // What lines cover together, and what the one at hand does.
+    // Coverage by all lines, and by the current one.
     var sum = 0.0;
     var own = 0.0;
     var line = 0u;
@@ -38,7 +38,7 @@ fn main(
     }
     sum = min(sum + own, 1.0);
     if IN_GRAPHITE && sum > 0.0 {
-        // Coordinates wrap as those of the CPU do.
+        // Coordinates wrap as on the CPU.
         sum = graphite(sum, grain(bitcast<u32>(params.x0) + id.x, bitcast<u32>(params.y0) + id.y));
     }
     covered_by_lines[i] = sum;

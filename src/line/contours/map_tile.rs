@@ -1,17 +1,18 @@
-//! What silhouettes are sought in, made where there may be any: the logarithm of depth, or an occlusion map.
+//! The map in which silhouettes are searched, computed only where there may be any: the logarithm of depth, or an
+//! occlusion map.
 
 use crate::engine::cpu::simd::Simd;
 use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
 use crate::params::{ShapeParams, SoftThreshold};
 
-/// Columns that are made together.
+/// Columns computed together.
 pub(crate) const BLOCK: usize = 64;
 
 /// Rows above and below a row of corners that its cracks read.
 const REACH: usize = 3;
 
-/// The quantity that jumps at silhouettes, and how far.
+/// The quantity that jumps at silhouettes, and the size of a jump.
 pub(crate) struct Map<'a> {
     plane: &'a Plane,
     pub(crate) is_depth: bool,
@@ -43,10 +44,10 @@ impl<'a> Map<'a> {
     }
 }
 
-/// The map around a band of rows, of which only blocks that were asked for are made.
+/// The map around a band of rows, with only the requested blocks computed.
 pub(crate) struct MapTile {
     width: usize,
-    /// The first row held; it may lie above the picture.
+    /// The first row held; it may be above the picture.
     top: i64,
     rows: usize,
     values: Vec<f32>,
@@ -55,7 +56,7 @@ pub(crate) struct MapTile {
 }
 
 impl MapTile {
-    /// Room for bands of so many rows of corners.
+    /// A tile for bands of `rows` rows of corners.
     pub(crate) fn new(width: usize, rows: usize) -> Self {
         let rows = rows + 2 * REACH;
         Self {
@@ -68,7 +69,7 @@ impl MapTile {
         }
     }
 
-    /// Forgets what it holds, to hold the map around the rows of corners from `y` on.
+    /// Discards its content, to hold the map around the rows of corners from `y` on.
     pub(crate) fn move_to(&mut self, y: usize) {
         self.top = y as i64 - REACH as i64;
         self.is_made.fill(false);
@@ -102,7 +103,7 @@ impl MapTile {
         }
     }
 
-    /// The map at a pixel, where it is covered and there is any.
+    /// The map at a pixel, if it is covered and there is a map.
     #[inline]
     pub(crate) fn value(&self, [x, y]: [i64; 2]) -> Option<f32> {
         let (x, row) = (
@@ -110,7 +111,7 @@ impl MapTile {
             usize::try_from(y - self.top).ok()?,
         );
         let inside = x < self.width && row < self.rows;
-        // Rows beyond the picture are never made: what stands there is of another band.
+        // Rows beyond the picture are never computed: their content belongs to another band.
         let blocks = self.width.div_ceil(BLOCK);
         let is_made = inside && self.is_made[row * blocks + x / BLOCK];
         let value = is_made.then(|| self.values[row * self.width + x])?;

@@ -1,4 +1,4 @@
-//! Lines in what a drawing is drawn with.
+//! Lines in the medium of a drawing.
 
 use crate::frame::{Frame, Plane, Window};
 use crate::line::paper::{grain, graphite};

@@ -1,10 +1,9 @@
 //! Contours: silhouettes and creases as lines whose width shows depth.
 //!
-//! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per
-//! pixel. Changes: they are lines with a place, a length and a width, as a draughtsman's are: one to an edge,
-//! heavier around what is near and before what is far behind. Practice: `crack` and
-//! `ridge` say where edges are, `network` makes lines of them, and
-//! `round_stroke` says what a line covers.
+//! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per pixel.
+//! Changes: they are lines with a position, a length and a width, as a draughtsman's are: one to an edge, heavier
+//! around near objects and before a distant background. Practice: `crack` and `ridge` locate edges, `network` makes
+//! lines of them, and `round_stroke` computes a line's coverage.
 
 pub(crate) mod coverage;
 pub(crate) mod cpu;
@@ -40,17 +39,17 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContourKind {
-    /// Where the surface ends or one part of it hides another.
+    /// The surface ends, or one part of it hides another.
     Silhouette,
-    /// Where the surface turns sharply.
+    /// The surface turns sharply.
     Crease,
-    /// Where the surface is folded inward: a line inside it.
+    /// The surface is folded inward: a line inside it.
     Valley,
-    /// Where the surface is folded outward: a line inside it.
+    /// The surface is folded outward: a line inside it.
     Ridge,
-    /// Where the surface all but turns away from the viewer: a line inside it.
+    /// The surface nearly turns away from the viewer: a line inside it.
     Suggestive,
-    /// Where a shadow that is cast on the surface ends: a line inside it.
+    /// A shadow cast on the surface ends: a line inside it.
     Shadow,
 }
 
@@ -67,18 +66,18 @@ pub struct Contour {
 }
 
 impl Contour {
-    /// Whether it ends where it starts.
+    /// Whether it ends at its start.
     pub fn is_closed(&self) -> bool {
         self.points.len() > 2 && self.points.first() == self.points.last()
     }
 }
 
-/// The depths that lines lie at: what counts as near and as far.
+/// Range of the depths of lines, to tell near from far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DepthRange {
-    /// Logarithm of the depth of what is nearest.
+    /// Logarithm of the smallest depth.
     pub near: f32,
-    /// Logarithm of the depth of what is farthest.
+    /// Logarithm of the largest depth.
     pub far: f32,
 }
 
@@ -102,7 +101,7 @@ impl DepthRange {
         }
     }
 
-    /// How far away something is, 0 for the nearest to 1 for the farthest.
+    /// Relative distance, 0 for the nearest to 1 for the farthest.
     pub(crate) fn farness(&self, log_depth: f32) -> f32 {
         ((log_depth - self.near) / (self.far - self.near).max(DEEP)).clamp(0.0, 1.0)
     }
@@ -212,7 +211,7 @@ mod tests {
         assert!((width(&near, ContourKind::Crease) - 3.0 * params.crease_share).abs() < 1e-5);
         let faint = straight(0.0, 0.0, joined);
         assert!((width(&faint, silhouette) - 3.0 * (1.0 - params.jump_emphasis)).abs() < 1e-5);
-        // Depths 4 % apart are one tenth of what counts as deep.
+        // Depths 4 % apart are one tenth of a deep range.
         let shallow = DepthRange {
             near: 0.0,
             far: 0.04,
@@ -232,7 +231,7 @@ mod tests {
             (widths[50], widths[100]),
             (params.width_px, params.width_px)
         );
-        // Half way along the taper, half way from the tip's share to all.
+        // Half-way along the taper, half-way from the tip's share to all.
         let half = 0.5 * params.taper_px;
         let expected = params.width_px * (TIP + 0.5 * (1.0 - TIP));
         assert!((widths[half as usize] - expected).abs() < 1e-5);

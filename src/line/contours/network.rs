@@ -6,27 +6,27 @@ use crate::params::ContourParams;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A point that a line passes, and what its width depends on.
+/// A point on a line, with the inputs to its width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spot {
     /// Where, in picture coordinates: x right, y down, pixel edges at integers.
     pub at: Vec2,
-    /// How plain the edge is, 0..1.
+    /// Strength of the edge, 0..1.
     pub strength: f32,
     /// Logarithm of the depth of its nearer side; 0 where depth is unknown.
     pub log_depth: f32,
-    /// Whether another edge runs so close beside it that one line serves both.
+    /// Whether another edge is so close beside it that one line serves both.
     pub is_beside: bool,
 }
 
-/// How a line ends.
+/// The end of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
-    /// In the open.
+    /// A free end.
     Free,
-    /// At the border of the picture, beyond which it would go on.
+    /// At the border of the picture, continuing beyond it.
     Border,
-    /// At the junction of this number, or at another line.
+    /// At this junction, or at another line.
     Joined,
 }
 
@@ -37,13 +37,13 @@ pub(crate) struct Line {
     pub spots: Vec<Spot>,
     /// Whether the last spot is joined to the first.
     pub closed: bool,
-    /// How its first and its last spot end, if it is open.
+    /// Ends of its first and its last spot, if it is open.
     pub ends: [End; 2],
-    /// The number of the network that it is part of: all that is joined.
+    /// Index of its connected component in the network.
     pub part: usize,
 }
 
-/// Evens out lines whose spots may lie so far beside the edge.
+/// Smooths lines whose spots deviate from the edge by up to `tolerance_px`.
 pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
     let smoothing = Smoothing {
         tolerance_px: tolerance_px * params.step_px,
@@ -59,7 +59,7 @@ struct Strand {
     closed: bool,
 }
 
-/// Where a strand ends at a junction.
+/// The end of a strand at a junction.
 #[derive(Debug, Clone, Copy)]
 struct Tip {
     junction: u32,
@@ -79,10 +79,10 @@ const DIRECTION_REACH: usize = 6;
 /// Two strands run through a junction as one line if they turn by less than this there: cosine of 40 degrees.
 const STRAIGHT: f32 = 0.77;
 
-/// The lines along the links of `lattice`. `spots` gives those of a path, which leave out its junctions;
-/// branches with fewer spots than `SHORTEST_BRANCH` that end in the open are left out, and so are the fainter
-/// sides of slivers. Those that end up to `rim` steps from the border of the picture go on beyond it. `smooth`
-/// evens out all lines before they are led to meet.
+/// The lines along the links of `lattice`. `spots` gives those of a path, without its junctions; open-ended branches
+/// with fewer spots than `SHORTEST_BRANCH` are dropped, and so are the fainter sides of slivers. Lines that end within
+/// `rim` steps of the border of the picture continue beyond it. `smooth` smooths all lines before their ends are
+/// joined.
 pub(crate) fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
@@ -116,11 +116,11 @@ pub(crate) fn lines(
     network.lines(|node| lattice.on_rim(node, rim), smooth)
 }
 
-/// Two sides of a sliver have at most so many spots.
+/// Most spots of either side of a sliver.
 const SLIVER: usize = 12;
 
-/// Which strands lie beside another so closely that one line is enough: those most spots of which do; of two
-/// short ones between the same junctions the fainter; and small rings.
+/// Which strands are redundant beside another: those with most spots close to another; the fainter of two short ones
+/// between the same junctions; and small rings.
 fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
     let plainness = |i: usize| {
         strands[i]
@@ -156,11 +156,11 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
     doubled
 }
 
-/// A number for every set of nodes or lines that were united.
+/// Disjoint sets of nodes or lines, with a number for each set.
 pub(super) struct Sets(Vec<usize>);
 
 impl Sets {
-    /// So many, each alone.
+    /// `count` sets of one element each.
     pub(super) fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
@@ -181,7 +181,7 @@ impl Sets {
     /// Makes one set of two.
     pub(super) fn unite(&mut self, a: usize, b: usize) {
         let (a, b) = (self.of(a), self.of(b));
-        // The lower number leads, whatever the order.
+        // The lower number becomes the root, in either order.
         self.0[a.max(b)] = a.min(b);
     }
 }
@@ -191,7 +191,7 @@ struct Network {
     tips: Vec<Tip>,
     /// The tips of each junction.
     junctions: Vec<std::ops::Range<usize>>,
-    /// The strand's end that each strand's end goes on in.
+    /// For each end of a strand, the strand's end it continues in.
     onward: Vec<[Option<(usize, usize)>; 2]>,
 }
 
@@ -305,7 +305,7 @@ impl Network {
 
     fn lines(&self, on_rim: impl Fn(u32) -> bool, smooth: impl FnOnce(&mut [Line])) -> Vec<Line> {
         let mut lines = Vec::new();
-        // Of each strand: its line, and the range of its spots there.
+        // For each strand: its line, and the range of its spots there.
         let mut at = vec![(0, [0; 2]); self.strands.len()];
         for (course, closes) in self.courses() {
             let mut spots = Vec::new();
@@ -393,15 +393,15 @@ impl Network {
     }
 }
 
-/// The direction in which a line leaves through its first or last spot.
+/// The outward direction of a line at its first or last spot.
 fn direction_at(spots: &[Spot], i: usize) -> Vec2 {
     let ahead = DIRECTION_REACH.min(spots.len() - 1);
     let inner = if i == 0 { ahead } else { i - ahead };
     (spots[i].at - spots[inner].at).normalize_or_zero()
 }
 
-/// The point nearest to all the courses, each a point and a unit direction; where they hardly cross, or far
-/// away, the middle of their points.
+/// The point closest to all the courses, each a point and a unit direction; if they hardly cross, or far away, the
+/// centre of their points.
 fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
     let middle = courses.iter().map(|course| course[0]).sum::<Vec2>() / courses.len().max(1) as f32;
     // Least squares of the distances across, sum (1 - u u^T) (x - p) = 0, with a little pull to the middle.
@@ -422,7 +422,7 @@ fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
     }
 }
 
-/// Farther from their ends than this lines do not meet where they would cross.
+/// Largest distance from their ends at which lines meet where they would cross.
 const FARTHEST_CROSSING_PX: f32 = 2.5;
 
 impl Line {
@@ -438,8 +438,8 @@ impl Line {
         }
     }
 
-    /// Leads the line's first (`end` 0) or last (1) spot on to a point. Spots closer to it than a pixel and a
-    /// half give way, so that the line does not bend there.
+    /// Extends the line's first (`end` 0) or last (1) spot to a point. Spots closer to it than a pixel and a half are
+    /// removed, so that the line does not bend there.
     pub(crate) fn lead_to(&mut self, point: Vec2, end: usize) {
         const ROOM_PX: f32 = 1.5;
         let near = |spot: &Spot| spot.at.distance(point) < ROOM_PX;
@@ -473,7 +473,7 @@ impl Line {
         length(&points, self.closed)
     }
 
-    /// The unit direction in which the line leaves through its first (`end` 0) or last (1) spot.
+    /// The outward unit direction of the line at its first (`end` 0) or last (1) spot.
     pub(crate) fn direction_out(&self, end: usize) -> Vec2 {
         direction_at(&self.spots, end * (self.spots.len() - 1))
     }

@@ -2,10 +2,10 @@
 
 use glam::Vec2;
 
-/// How a polyline is evened out.
+/// Parameters of smoothing a polyline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smoothing {
-    /// How far its points may lie beside the true line, in pixels.
+    /// Largest deviation of its points from the true line, in pixels.
     pub tolerance_px: f32,
     /// Most points to either side that are looked at together.
     pub reach: usize,
@@ -14,12 +14,12 @@ pub(crate) struct Smoothing {
 /// Points to either side that may be looked at together: each a third more than the one before.
 const REACHES: [usize; 15] = [1, 2, 3, 4, 5, 7, 9, 12, 16, 21, 28, 38, 51, 68, 100];
 
-/// The smooth course of a polyline whose points lie beside it by up to the tolerance: steps between pixels
-/// vanish, corners stay.
+/// The smooth version of a polyline whose points deviate by up to the tolerance: steps between pixels vanish, corners
+/// stay.
 ///
-/// Every point moves onto the parabola of least squares through its neighbours, of which so many to either
-/// side count as lie within the tolerance of their parabola: many along a straight line, few around a corner.
-/// Neighbouring points look almost equally far, so that the line shows no seam.
+/// Every point moves onto the least-squares parabola through its neighbours, as many to either side as stay within the
+/// tolerance of their parabola: many along a straight line, few around a corner. Adjacent points use nearly equal
+/// ranges, so that the line shows no seam.
 pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> Vec<Vec2> {
     let allowed = REACHES.partition_point(|&reach| reach <= smoothing.reach);
     if points.len() < 3 || allowed == 0 {
@@ -28,7 +28,7 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
     let line = Wrapped::new(points, closed, REACHES[allowed - 1]);
     let mut levels = Vec::with_capacity(points.len());
     for first in (0..points.len()).step_by(LANES) {
-        // Neighbours mostly ask for the same levels.
+        // Neighbours mostly need the same levels.
         let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
         for lane in 0..LANES.min(points.len() - first) {
             levels.push(largest(allowed, |level| {
@@ -57,7 +57,7 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
     levels.iter().enumerate().map(moved).collect()
 }
 
-/// The largest number up to `all` of levels that hold, if every level below one that holds does.
+/// The largest level up to `all` that holds, if every level below one that holds does.
 fn largest(all: usize, mut holds: impl FnMut(usize) -> bool) -> usize {
     let (mut least, mut most) = (0, all);
     while least < most {
@@ -80,7 +80,7 @@ struct Wrapped {
     /// Their coordinates apart.
     x: Vec<f32>,
     y: Vec<f32>,
-    /// Where the line's own points start.
+    /// Start of the line's own points.
     start: usize,
 }
 
@@ -112,13 +112,13 @@ impl Wrapped {
         Parabola::through(&self.points[from..to], from)
     }
 
-    /// Whether so many points lie to either side of each of those looked at together from point `first` on.
+    /// Whether each of the points processed together from `first` on has `reach` neighbours on either side.
     fn has_whole_windows(&self, first: usize, reach: usize) -> bool {
         let at = self.start + first;
         at >= reach && at + LANES + reach <= self.points.len()
     }
 
-    /// [`Wrapped::fits`] of those looked at together from point `first` on, which have whole windows.
+    /// [`Wrapped::fits`] for the points processed together from `first` on, which have whole windows.
     fn fit_together(&self, first: usize, reach: usize, tolerance: f32) -> [bool; LANES] {
         let at = self.start + first;
         let (x, y) = (&self.x[at - reach..], &self.y[at - reach..]);
@@ -155,8 +155,8 @@ impl Wrapped {
     }
 }
 
-/// Sums over t = -half, -half + 1, ... half, of so many points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
-/// n (n^2 - 1)(n^2 - 4)/180.
+/// Sums over t = -half, -half + 1, ... half, n points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2 n (n^2 -
+/// 1)(n^2 - 4)/180.
 struct Sums {
     squares: f32,
     fourths: f32,
@@ -175,8 +175,8 @@ impl Sums {
     }
 }
 
-/// One coordinate of parabolas through as many windows, each a point further, as [`Parabola`] has both: by the same
-/// operations.
+/// One coordinate of parabolas through several windows, each a point further, by the same operations as [`Parabola`]
+/// uses for both.
 struct Parabolas([[f32; LANES]; 3]);
 
 impl Parabolas {
@@ -222,8 +222,7 @@ impl Parabolas {
 struct Parabola {
     middle: f32,
     mean_square: f32,
-    /// Coefficients of 1, t and t^2 - mean(t^2), which are at right angles to each other; t counts points
-    /// from the middle.
+    /// Coefficients of 1, t and t^2 - mean(t^2), which are orthogonal; t counts points from the middle.
     coefficients: [Vec2; 3],
 }
 
@@ -236,7 +235,7 @@ impl Parabola {
             fourths,
             mean_square,
         } = Sums::of(points.len());
-        // From the first point: differences keep their digits far from the origin.
+        // Relative to the first point: differences keep their digits far from the origin.
         let origin = points[0];
         let (mut constant, mut linear, mut bent) = (Vec2::ZERO, Vec2::ZERO, Vec2::ZERO);
         let mut t = -half;
@@ -322,8 +321,8 @@ pub(crate) fn length(points: &[Vec2], closed: bool) -> f32 {
     }
 }
 
-/// The indices of the points that a line needs so that it passes within `tolerance_px` of all of them, of
-/// which none leaves out more than `most` others.
+/// Indices of the points needed for a line to pass within `tolerance_px` of all of them, omitting at most `most` in a
+/// row.
 pub(crate) fn thinned(points: &[Vec2], tolerance_px: f32, most: usize) -> Vec<usize> {
     let mut kept = vec![0];
     let mut from = 0;
@@ -376,8 +375,8 @@ mod tests {
             let across = |p: Vec2| (f64::from(p.y) - slope * f64::from(p.x)) / slope.hypot(1.0);
             let smooth = smoothed(&steps(slope, 200), false, SMOOTHING);
             let worst = |part: &[Vec2]| part.iter().map(|&p| across(p).abs()).fold(0.0, f64::max);
-            // Middles of cracks lie up to half a pixel beside the line. A line of slope 0.07 has a step in 14
-            // pixels, one of slope 0.97 a longer one in 33: of the reach of 28 points something is left.
+            // Centres of cracks are up to half a pixel off the line. A line of slope 0.07 has a step in 14 pixels, one
+            // of slope 0.97 a longer one in 33: beyond the reach of 28 points, so some of it remains.
             assert!(worst(&smooth) < 0.5, "slope {slope}: {}", worst(&smooth));
             let inner = worst(&smooth[30..smooth.len() - 30]);
             assert!(inner < 0.25, "slope {slope}: {inner}");

@@ -1,9 +1,9 @@
-//! Ridges of a weight: what is left of wide bands of pixels when they are thinned to lines one pixel wide.
+//! Ridges of a weight: wide bands of pixels thinned to lines one pixel wide.
 
 use crate::line::contours::lattice::{Lattice, STEPS};
 use glam::Vec2;
 
-/// Pixels with weights, of which those above 0 form bands.
+/// Pixels with weights; those above 0 form bands.
 #[derive(Debug)]
 pub(crate) struct Bands<'a> {
     /// Number of columns.
@@ -33,7 +33,7 @@ impl Bands<'_> {
             .map_or(0.0, |i| self.weight[i].max(0.0))
     }
 
-    /// Eight bits, one per step: whether `is_left` holds for the neighbour.
+    /// Eight bits, one per step: whether the neighbour is still in `is_left`.
     fn neighbours(&self, pixel: u32, is_left: &[bool]) -> u8 {
         let mut bits = 0;
         for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
@@ -56,8 +56,8 @@ impl Bands<'_> {
         })
     }
 
-    /// The lines that the bands are thinned to, connected as the bands are: pixels are taken away, those of the
-    /// least weight around them first, as long as that neither parts a line nor shortens one that is a pixel wide.
+    /// The lines that the bands are thinned to, connected as the bands are: pixels are removed, those with the least
+    /// weight around them first, as long as that neither breaks a line nor shortens one that is a pixel wide.
     pub(crate) fn ridges(&self) -> Lattice {
         let mut is_left = vec![false; self.width * self.height];
         for &pixel in self.pixels {
@@ -72,13 +72,12 @@ impl Bands<'_> {
             waiting.extend(level);
             self.thin(&mut waiting, &mut is_left);
         }
-        // What is left is wider than any edge, or the whole picture: it need not lie in the middle.
+        // The remainder is wider than any edge, or the whole picture: it need not be centred.
         while self.take(&mut waiting, &mut is_left, |_, _| true) {}
         waiting.sort_unstable();
         let links = waiting.iter().flat_map(|&pixel| {
             let bits = self.neighbours(pixel, &is_left);
-            // Each link once: along the first half of the steps. A step aslant only where no way around it
-            // is left.
+            // Each link once: along the first half of the steps. A diagonal step only if there is no way around it.
             (0..4).filter_map(move |step| {
                 let set = |i: usize| bits >> (i % 8) & 1 == 1;
                 let around = step % 2 == 1 && (set(step + 7) || set(step + 1));
@@ -104,12 +103,12 @@ impl Bands<'_> {
         gaps
     }
 
-    /// Takes away pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one
-    /// side, not its length.
+    /// Removes pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one side, not
+    /// its length.
     fn thin(&self, waiting: &mut Vec<u32>, is_left: &mut [bool]) {
         for _ in 0..MOST_LAYERS {
             let before = waiting.len();
-            // From below, the right, above and the left. A band goes on beyond the picture.
+            // From below, the right, above and the left. A band continues beyond the picture.
             for side in [2, 0, 6, 4] {
                 self.take(waiting, is_left, |pixel, is_left| {
                     let neighbour = self.beside(pixel, STEPS[side]);
@@ -122,8 +121,8 @@ impl Bands<'_> {
         }
     }
 
-    /// Takes away, one after the other, those of the waiting pixels that may go as things stand now and that
-    /// are not needed; whether there were any.
+    /// Removes, one after the other, those of the waiting pixels that currently can be removed and are not needed;
+    /// returns whether there were any.
     fn take(
         &self,
         waiting: &mut Vec<u32>,
@@ -146,7 +145,7 @@ impl Bands<'_> {
         before > waiting.len()
     }
 
-    /// The pixels in levels, those with the least weight around them first.
+    /// The pixels by level, those with the least weight around them first.
     fn by_weight_around(&self, filled: &[u32]) -> [Vec<u32>; LEVELS] {
         let mut levels = [(); LEVELS].map(|()| Vec::new());
         for &pixel in self.pixels.iter().chain(filled) {
@@ -180,7 +179,7 @@ impl Bands<'_> {
     }
 }
 
-/// Bands so many pixels apart or fewer are one.
+/// Bands at most this many pixels apart are one.
 const WIDEST_GAP: i32 = 2;
 
 /// Levels of weight that are taken away one after the other.
@@ -189,7 +188,7 @@ const LEVELS: usize = 4;
 /// Layers that are taken from all sides: enough for bands of twice as many pixels.
 const MOST_LAYERS: usize = 6;
 
-/// Whether a pixel with these neighbours left can be taken away without parting them or opening a hole: its
+/// Whether a pixel with these remaining neighbours can be removed without separating them or opening a hole: its
 /// 8-connectivity number (Yokoi) is 1.
 fn is_simple(bits: u8) -> bool {
     let free = |i: usize| u8::from(bits >> (i % 8) & 1 == 0);
@@ -231,8 +230,8 @@ mod tests {
 
     #[test]
     fn bands_side_by_side_are_one_line() {
-        // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle.
-        // At the ends, where bands are less heavy, it may part.
+        // Rows 2 and 3, and rows 6 and 7: the two rows between them are filled, and one line runs in the middle. At the
+        // ends, where bands weigh less, it may split.
         let weight: Vec<f32> = (0..600)
             .map(|i| [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0][i / 60])
             .collect();
@@ -278,7 +277,7 @@ mod tests {
             weight: &ring,
         };
         let paths = bands.ridges().paths();
-        // Around once; a corner may leave a stub.
+        // Once around; a corner may leave a stub.
         let around = |path: &&Path| path.closed || path.nodes.first() == path.nodes.last();
         let rings: Vec<_> = paths.iter().filter(around).collect();
         assert!(rings.len() == 1 && rings[0].nodes.len() > 20, "{paths:?}");

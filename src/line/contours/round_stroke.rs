@@ -1,4 +1,4 @@
-//! What a line of varying width with round ends covers of the pixels around it.
+//! Coverage of pixels by a line of varying width with round ends.
 
 use glam::Vec2;
 
@@ -9,15 +9,15 @@ pub(crate) struct RoundStroke {
     along: Vec2,
     /// 1 over the squared length; 0 for a dot.
     per_square: f32,
-    /// Half the width at the start, and by how much it grows.
+    /// Half the width at the start, and its growth.
     radius: f32,
     growth: f32,
-    /// Half the width of a pixel as seen along the line.
+    /// Half the extent of a pixel perpendicular to the line.
     half_pixel: f32,
 }
 
 impl RoundStroke {
-    /// From one point to another, with half its width at both.
+    /// From one point to another, with the half widths at both.
     pub(crate) fn new([from, to]: [Vec2; 2], radii: [f32; 2]) -> Self {
         let along = to - from;
         let square = along.length_squared();
@@ -34,7 +34,7 @@ impl RoundStroke {
         }
     }
 
-    /// Where it begins, the way to its end, and the numbers from which it tells what it covers, in their order.
+    /// Its start, the vector to its end, and the parameters of its coverage, in their order.
     #[cfg(feature = "gpu")]
     pub(crate) fn numbers(&self) -> [f32; 8] {
         let Self {
@@ -65,12 +65,12 @@ impl RoundStroke {
         }
     }
 
-    /// How far from the line it covers anything.
+    /// Distance from the line up to which it covers anything.
     fn reach(&self) -> f32 {
         self.radius.max(self.radius + self.growth) + self.half_pixel
     }
 
-    /// The first and the last coordinate along y that it covers anything of.
+    /// The first and the last covered coordinate along y.
     pub(crate) fn rows(&self) -> [f32; 2] {
         let ends = [self.from.y, self.from.y + self.along.y];
         [
@@ -79,7 +79,7 @@ impl RoundStroke {
         ]
     }
 
-    /// The first and the last coordinate along x that it covers anything of.
+    /// The first and the last covered coordinate along x.
     pub(crate) fn across(&self) -> [f32; 2] {
         let ends = [self.from.x, self.from.x + self.along.x];
         [
@@ -88,8 +88,8 @@ impl RoundStroke {
         ]
     }
 
-    /// The columns that it covers anything of in the pixel row whose middle is `y`: the first and the last
-    /// coordinate along x, or the last before the first.
+    /// The first and the last covered coordinate along x in the pixel row whose middle is `y`; the last is before the
+    /// first if there is none.
     fn columns(&self, y: f32) -> [f32; 2] {
         let reach = self.reach();
         let ends = [self.from, self.from + self.along];
@@ -110,25 +110,25 @@ impl RoundStroke {
         [range[0] - reach, range[1] + reach]
     }
 
-    /// The share of a pixel with its middle at `p` that it covers, as if the pixel were turned along the line, as
-    /// wide across it as it is.
+    /// The covered share of a pixel with its centre at `p`, as if the pixel were rotated to the line's direction, with
+    /// its actual width across it.
     #[inline]
     pub(crate) fn coverage(&self, p: Vec2) -> f32 {
         let offset = p - self.from;
         let t = (offset.dot(self.along) * self.per_square).clamp(0.0, 1.0);
         let radius = self.radius + t * self.growth;
         let distance = (offset - t * self.along).length();
-        // What the stretch from -radius to radius and the pixel's around the distance share.
+        // Overlap of the interval from -radius to radius and the pixel's around the distance.
         let half = self.half_pixel;
         let shared = radius.min(distance + half) - (distance - half).max(-radius);
         (shared / (2.0 * half)).clamp(0.0, 1.0)
     }
 
-    /// Covers a row of pixels whose middles have the coordinate `y`: where it covers more than before, so that
+    /// Covers a row of pixels whose centres have the coordinate `y`: the maximum with the coverage so far, so that
     /// overlaps do not darken.
     pub(crate) fn cover(&self, row: &mut [f32], y: f32) {
         let [first, last] = self.columns(y);
-        // Casts of what lies outside saturate.
+        // Casts saturate outside the picture.
         let (first, last) = (
             first.floor() as usize,
             (last.ceil().max(0.0) as usize).min(row.len()),
@@ -160,8 +160,8 @@ mod tests {
                 let (middle, half) = (Vec2::splat(32.3), 20.0 * Vec2::from_angle(angle));
                 let stroke = RoundStroke::new([middle - half, middle + half], [0.5 * width; 2]);
                 let sum: f32 = drawn(&[stroke], 64).iter().flatten().sum();
-                // Two half discs at the ends. A pixel's filter is a pixel wide at the ends too: thin lines
-                // end half a pixel later on either side.
+                // Two half discs at the ends. A pixel's filter is a pixel wide at the ends too: thin lines end half a
+                // pixel later on either side.
                 let disc = std::f32::consts::PI * 0.25 * width * width;
                 let expected = 40.0 * width + disc;
                 assert!(

@@ -1,4 +1,4 @@
-//! Silhouettes: the lines along the cracks that they pass.
+//! Silhouettes: lines along their cracks.
 
 use crate::frame::Frame;
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
@@ -8,8 +8,8 @@ use crate::line::contours::network::{Line, smooth};
 use crate::params::{ContourParams, ShapeParams};
 use glam::Vec2;
 
-/// How far beside an edge a line through middles of cracks lies: half a pixel, and a little more where the
-/// edge bends.
+/// Deviation from the edge of a line through the centres of cracks: half a pixel, and a little more where the edge
+/// bends.
 const STEP_PX: f32 = 0.6;
 
 /// The lines along all silhouettes, through these cracks by corner and step.

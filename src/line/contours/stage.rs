@@ -12,7 +12,7 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
-/// Lines along silhouettes and creases. They come first: strokes do not take the weights of edges.
+/// Lines along silhouettes and creases. They come first: strokes do not consume the weights of edges.
 pub(crate) static CONTOURS: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Crease],
     depends_on: |plan| format!("{:?}", plan.contours()),
@@ -49,7 +49,7 @@ fn draw(run: &mut Run) {
     let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));
     run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
     if run.canvas.luminance.is_some() {
-        // Of a large drawing nothing is held for long.
+        // For a large drawing nothing is held for long.
         let shape = &mut run.outcome.shape;
         let silhouette = match params.interior.is_some() {
             true => None,

@@ -1,4 +1,4 @@
-// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
+// Twice the angle of a direction: opposites are equal, and perpendicular directions cancel.
 fn doubled(direction: vec2<f32>) -> vec2<f32> {
     let t = direction;
     return vec2<f32>(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);

@@ -8,14 +8,14 @@ use crate::shape::conductance::face_conductance;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Gives every covered pixel whose direction is 0 one: the mean of its neighbours', as far as they
-/// have one, wave after wave, so that the time is linear in the pixels filled. With every wave the mean turns
-/// to the fixed direction, which is taken by what no wave comes to.
+/// Fills in every covered pixel whose direction is 0: with the mean of its neighbours' known directions, wave after
+/// wave, so that the time is linear in the pixels filled. With every wave the mean turns toward the fixed direction,
+/// which pixels no wave reaches get directly.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have
-/// turned after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of what its rims do; elsewhere after
-/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0,
-/// from whatever neighbours they have, within [`EDGE_MARGIN_PX`].
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have turned
+/// fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions; elsewhere after
+/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0, from
+/// any neighbours, within [`EDGE_MARGIN_PX`].
 pub(crate) fn fill(
     directions: &mut Vector2Planes,
     parts: &Parts,
@@ -65,8 +65,8 @@ pub(crate) fn fill(
     field.fix(&closed, fixed);
 }
 
-/// Gives every covered pixel whose direction is 0 one, from whatever neighbours it has, wave after wave, so far as
-/// [`REST_REACH_PX`]; the `fixed` one beyond.
+/// Fills in every covered pixel whose direction is 0 from any neighbours, wave after wave, up to [`REST_REACH_PX`];
+/// with the `fixed` direction beyond.
 pub(crate) fn fill_rest(
     directions: &mut Vector2Planes,
     mask: &Mask,
@@ -138,15 +138,15 @@ impl Field<'_> {
         sides.into_iter().flatten()
     }
 
-    /// The mean direction of the neighbours that have one, weighted by the way to them.
+    /// The mean direction of the neighbours that have one, weighted by the path from them.
     fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
         let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
         mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
     }
 
-    /// Fills those of `pixels` that lack a direction from their neighbours in at most so many `waves`, as `settle`
-    /// makes of the mean and the number of the wave. Each wave sees only the waves before it, so the order
-    /// within a wave changes nothing.
+    /// Fills those of `pixels` without a direction from their neighbours in at most this many `waves`; `settle` turns
+    /// the mean and the wave's number into a direction. Each wave sees only earlier waves, so the order within a wave
+    /// does not matter.
     fn spread(
         &mut self,
         waves: usize,
@@ -205,5 +205,5 @@ impl Field<'_> {
     }
 }
 
-/// Pixels that one task takes at the least.
+/// Fewest pixels per task.
 const PIXELS_PER_TASK: usize = 1024;

@@ -21,23 +21,24 @@ pub(crate) const FALLBACK: Wgsl = wgsl!("fallback.wgsl", [("ALONG", F32(ALONG as
 /// Directions as twice their angle.
 pub(crate) const DOUBLED: Wgsl = wgsl!("doubled.wgsl", [("LEAST_LENGTH", F32(LEAST_LENGTH))]);
 
-/// Invocations of a workgroup that goes through a list of pixels.
+/// Invocations per workgroup for processing a list of pixels.
 pub(crate) const LIST_INVOCATIONS: u32 = 64;
 
-/// Workgroups that go through such a list, however long it is.
+/// Workgroups for processing such a list of any length.
 pub(crate) const LIST_GROUPS: u32 = 256;
 
-/// Where the lengths stand of the lists of pixels that lack a direction: open ones, where they are counted separately from those on
-/// edges, and those.
+/// Indices of the lengths of the lists of pixels without a direction: open ones, if counted separately, and those on
+/// edges.
 pub(crate) const OPEN_COUNT: u32 = 0;
 pub(crate) const CLOSED_COUNT: u32 = 1;
 
 uniforms! {
-    /// Of `spread_directions.wgsl`.
+    /// Uniforms of `spread_directions.wgsl`.
     SpreadParams {
         width: u32,
         height: u32,
-        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and its increment per column
+        /// and row.
         line_x: f32,
         line_x_step: f32,
         line_y: f32,
@@ -46,10 +47,10 @@ uniforms! {
         pixel_shape: f32,
         /// Number of the wave, from 1 on.
         wave: u32,
-        /// Where the length of its list stands, and that of the next one's.
+        /// Index of its list's length, and of the next list's.
         list_count: u32,
         next_count: u32,
-        /// How far directions turn to the fallback, 0..1: on planes, and elsewhere.
+        /// Share by which directions turn to the fallback, 0..1: on planes, and elsewhere.
         flat_share: f32,
         share: f32,
         /// Which fallback, as in the field of stroke directions.
@@ -87,21 +88,21 @@ pub(crate) static SPREAD_DIRECTIONS: Kernel = Kernel::new::<SpreadParams, Spread
 
 /// Waves over the pixels of a list, and after them the fallback.
 pub(crate) struct Round {
-    /// Which of the lists, and where its length stands.
+    /// The list, by the index of its length.
     count: u32,
     waves: usize,
-    /// Whether directions go through open faces alone, or to whatever is beside.
+    /// Whether directions spread only through open faces, or to any neighbour.
     through_faces: bool,
     turning: Turning,
 }
 
-/// How directions turn to the fallback.
+/// Turning of directions to the fallback.
 enum Turning {
     /// Planes.
     Planes,
     /// Everything.
     All,
-    /// Nothing turns; all takes it in the end.
+    /// None while spreading; all remaining pixels get the fallback in the end.
     None,
 }
 
@@ -127,7 +128,7 @@ pub(crate) const OF_SURFACES: &[Round] = &[
     },
 ];
 
-/// The round that gives what belongs to no patch the directions of strokes.
+/// The round that gives stroke directions to pixels that belong to no patch.
 pub(crate) const OF_THE_REST: &[Round] = &[Round {
     count: OPEN_COUNT,
     waves: REST_REACH_PX,
@@ -137,11 +138,11 @@ pub(crate) const OF_THE_REST: &[Round] = &[Round {
 
 /// Directions before the gaps between them are filled.
 pub(crate) struct Gaps {
-    /// Unit directions in the picture, x right and y up: x, and y; 0 where there is none.
+    /// Unit directions in the picture, x right and y up: x, and y; 0 for none.
     pub(crate) directions: [wgpu::Buffer; 2],
-    /// Whether pixels have one.
+    /// Whether pixels have a direction.
     pub(crate) filled: wgpu::Buffer,
-    /// Where the surface is a plane.
+    /// Marks of planar surface.
     pub(crate) marks: wgpu::Buffer,
     /// Lists of the pixels that lack a direction, in the order of their counts.
     pub(crate) lacking: Vec<wgpu::Buffer>,
@@ -149,13 +150,13 @@ pub(crate) struct Gaps {
     pub(crate) counts: wgpu::Buffer,
 }
 
-/// Where the length stands of the list that a wave makes for the next one.
+/// Index of the length of the list that a wave makes for the next one.
 const fn count_after(wave: u32) -> u32 {
     CLOSED_COUNT + wave
 }
 
 impl Run<'_> {
-    /// Lengths of the lists of pixels, all 0: those of what lacks a direction, and one after each wave.
+    /// Lengths of the lists of pixels, all 0: those without a direction, and one after each wave.
     pub(crate) fn gap_counts(&mut self, rounds: &[Round]) -> wgpu::Buffer {
         let waves: u32 = rounds.iter().map(|round| round.waves as u32 + 1).sum();
         let counts = self.take(4 * u64::from(count_after(waves) + 1));

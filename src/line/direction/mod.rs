@@ -1,4 +1,4 @@
-//! Directions in the picture, each equal to its opposite: their mean, and the fallback where there is none.
+//! Directions in the picture, each equal to its opposite: their mean, and the fallback without any.
 
 pub(crate) mod fill;
 #[cfg(feature = "gpu")]
@@ -7,11 +7,11 @@ pub(crate) mod gpu;
 use crate::frame::SightLines;
 use glam::{DVec3, Vec2};
 
-/// The mean of weighted directions that are the same as their opposites: the main axis of the sum of
-/// w t t^T. `None` where they cancel.
+/// The mean of weighted directions that equal their opposites: the main axis of the sum of w t t^T. `None` if they
+/// cancel.
 #[inline]
 pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) -> Option<Vec2> {
-    // Twice the angle has no sign: (x^2 - y^2, 2 x y) is t turned to it.
+    // Twice the angle has no sign: (x^2 - y^2, 2 x y) is t rotated by its own angle.
     let (mut doubled, mut weights) = (Vec2::ZERO, 0.0);
     for (weight, t) in directions {
         doubled += weight * Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);
@@ -20,7 +20,7 @@ pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) 
     clear_direction(doubled, weights)
 }
 
-/// The direction at half the angle of a sum of so much weight; `None` where it cancels.
+/// The direction at half the angle of a sum of this weight; `None` if it cancels.
 #[inline]
 pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
     let length = doubled.length();
@@ -33,7 +33,7 @@ pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
     is_clear.then(|| axis.try_normalize())?
 }
 
-/// What is left of a sum, as a share of its weights, below which nothing but rounding is.
+/// Length of a sum, relative to its weights, below which only rounding is left after cancellation.
 pub(crate) const CANCELLED: f32 = 1e-3;
 
 /// Pixels over which the direction of a plane turns from its neighbours' to the fixed one.
@@ -45,12 +45,12 @@ pub(crate) const SURFACE_MARGIN_PX: usize = 64;
 /// The same for pixels on edges.
 pub(crate) const EDGE_MARGIN_PX: usize = 16;
 
-/// How far, in pixels, directions come from.
+/// Longest distance that filled directions spread, in pixels.
 pub(crate) const FILL_REACH_PX: usize = PLANE_MARGIN_PX + SURFACE_MARGIN_PX + EDGE_MARGIN_PX;
 
-/// The direction of a surface that has none of its own and no neighbour with one: the first of the axes
-/// x, y, z crossed with the normal that is seen in the picture ([LA] section 4.2). It is the same all
-/// over a plane, and turns smoothly over a ball.
+/// The direction of a surface with none of its own and no neighbour with one: the first of the axes x, y, z crossed
+/// with the normal that is visible in the picture ([LA] section 4.2). It is constant over a plane, and turns smoothly
+/// over a ball.
 #[inline]
 pub(crate) fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64) -> Vec2 {
     fixed_tangents(normal)
@@ -58,7 +58,7 @@ pub(crate) fn fixed_direction(normal: DVec3, sight: &SightLines, x: f64, y: f64)
         .map_or(Vec2::X, |direction| direction.as_vec2())
 }
 
-/// The axes x, y, z in turn, as far as they are not along the unit `normal`, crossed with it: unit tangents.
+/// The axes x, y, z in turn, except those along the unit `normal`, crossed with it: unit tangents.
 #[inline]
 pub(crate) fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
     [DVec3::X, DVec3::Y, DVec3::Z]
@@ -68,7 +68,7 @@ pub(crate) fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
         .filter_map(DVec3::try_normalize)
 }
 
-/// Sine of the angle to a normal, about a degree, below which an axis is along it: what is left is noise.
+/// Sine of the angle to a normal, about a degree, below which an axis counts as parallel: the rest is noise.
 pub(crate) const ALONG: f64 = 0.02;
 
 /// The direction at right angles, on the surface, to [`fixed_direction`].

@@ -1,5 +1,5 @@
-// A wave of directions: pixels of a list that lack one take the mean of their neighbours', as far as these had one before
-// the wave, and turn it to the fallback. Their neighbours are listed for the next wave.
+// A wave of directions: listed pixels without one take the mean of the neighbours that had one before the wave, turned
+// to the fallback. Their neighbours are listed for the next wave.
 
 @group(0) @binding(0) var<uniform> params: SpreadParams;
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;
@@ -11,17 +11,17 @@
 @group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(9) var<storage, read_write> direction_y: array<f32>;
-// 1 more than the wave that gave a pixel its direction, 0 where it lacks one, and NOTHING outside the surface.
+// 1 more than the wave that gave a pixel its direction, 0 without one, and NOTHING outside the surface.
 @group(0) @binding(10) var<storage, read_write> filled: array<atomic<u32>>;
 // Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
 @group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
 
-// Whether directions go through open faces alone.
+// Whether directions spread only through open faces.
 override THROUGH_FACES: bool;
-// Whether pixels that turn all of the way take the fallback, and others nothing.
+// Whether pixels that turn fully take the fallback, and others nothing.
 override IS_FIXED: bool;
 
-// What a neighbour adds: twice its angle, and 1, weighted by the way from it.
+// Contribution of a neighbour: twice its angle, and 1, weighted by the path from it.
 fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
     let state = atomicLoad(&filled[i]);
     if state == 0u || state > params.wave {
@@ -34,7 +34,7 @@ fn neighbour(i: u32, next_to: u32) -> vec3<f32> {
     return weight * vec3<f32>(doubled(vec2<f32>(direction_x[i], direction_y[i])), 1.0);
 }
 
-// The direction at half the angle of a sum, of so much weight; 0 where it cancels.
+// The direction at half the angle of a sum of this weight; 0 if it cancels.
 fn clear_direction(sum: vec2<f32>, weight: f32) -> vec2<f32> {
     let length = sqrt(dot(sum, sum));
     let axis = select(vec2<f32>(sum.y, length - sum.x), vec2<f32>(sum.x + length, sum.y), sum.x >= 0.0);
@@ -67,7 +67,7 @@ fn fallback_at(i: u32) -> vec2<f32> {
     return fallback(line(place), vec3<f32>(normal_x[i], normal_y[i], normal_z[i]));
 }
 
-// A share of the way to the fallback.
+// The mean turned by a share toward the fallback.
 fn turned(i: u32, mean: vec2<f32>, share: f32) -> vec2<f32> {
     if share == 0.0 || all(mean == vec2<f32>(0.0)) {
         return mean;

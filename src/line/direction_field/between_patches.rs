@@ -1,4 +1,4 @@
-//! From patches to pixels: directions between those of the patches around a pixel, never across an edge.
+//! From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
@@ -15,7 +15,7 @@ pub(crate) struct BetweenPatches<'a> {
 }
 
 impl BetweenPatches<'_> {
-    /// Directions of pixels, between those of the patches around them; 0 where there is no patch.
+    /// Directions of pixels, interpolated between those of the surrounding patches; 0 without a patch.
     pub(crate) fn all(&self, memory: &Memory) -> Vector2Planes {
         let grid = &self.patches.grid;
         let simd = Simd::widest();
@@ -90,8 +90,8 @@ impl BetweenPatches<'_> {
         }
     }
 
-    /// A patch and the eight around it, row by row, each the mean of two: a corner may be another patch by
-    /// way of the side than by way of the end. Where the surface does not go on it is the nearest that does.
+    /// A patch and the eight around it, row by row, each the mean of two: a corner may be a different patch when
+    /// reached via the side than via the end. Where the surface ends, the nearest patch replaces the missing one.
     fn around(&self, i: usize) -> [[usize; 2]; 9] {
         let Patches { across, down, .. } = self.patches;
         let go = |links: &[u32], i: usize| match links[i] {

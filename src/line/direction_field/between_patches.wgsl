@@ -1,5 +1,5 @@
-// From patches to pixels: directions between those of the patches around a pixel, never across an edge. Covered pixels
-// that have none are listed.
+// From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge. Lists
+// covered pixels that get none.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -9,9 +9,9 @@
 @group(0) @binding(5) var<storage, read> settled: array<vec2<f32>>;
 @group(0) @binding(6) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(7) var<storage, read_write> direction_y: array<f32>;
-// 1 where a pixel has a direction, 0 where it lacks one, and NOTHING outside the surface.
+// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
 @group(0) @binding(8) var<storage, read_write> filled: array<u32>;
-// What waves leave at pixels: nothing as yet.
+// Marks set by waves at pixels: none as yet.
 @group(0) @binding(9) var<storage, read_write> marks: array<u32>;
 @group(0) @binding(10) var<storage, read_write> lacking: array<u32>;
 @group(0) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
@@ -30,13 +30,13 @@ fn direction_of(i: u32, own: u32) -> vec2<f32> {
     return settled[select(i, own, i == NO_PATCH)];
 }
 
-// The mean of two, or the one that is there.
+// The mean of two patches, or the one that exists.
 fn either(a: u32, b: u32) -> vec2<f32> {
     return 0.5 * (settled[select(a, b, a == NO_PATCH)] + settled[select(b, a, b == NO_PATCH)]);
 }
 
-// A corner may be another patch by way of the side than by way of the end. Where the surface does not go on it is the
-// nearest that does.
+// A corner may be a different patch when reached via the side than via the end. Where the surface ends, the nearest
+// patch replaces the missing one.
 fn corner(own: u32, side: u32, end: u32, sideways: u32, endways: u32) -> vec2<f32> {
     let by_side = neighbour(side, endways);
     let by_end = neighbour(end, sideways);

@@ -15,9 +15,9 @@
 @group(0) @binding(11) var<storage, read> values: array<vec4<f32>>;
 @group(0) @binding(12) var<storage, read_write> means: array<vec4<f32>>;
 
-// Whether the radius goes with the inverse of depth.
+// Whether the radius is inversely proportional to depth.
 override IS_BY_DEPTH: bool;
-// Whether means reach no farther than a run: going there takes less than sums do.
+// Whether means reach no farther than a run, so that visiting patches is cheaper than sums.
 override IS_NEAR: bool;
 
 fn run_of(i: u32, axis: u32) -> vec4<u32> {
@@ -41,12 +41,12 @@ fn since(i: u32, axis: u32) -> Sum {
     return sums_down[i].since;
 }
 
-// How far a place lies from where runs begin.
+// Distance of a place from the start of its run.
 fn in_cells(place: i32) -> i32 {
     return place % i32(RUN_CELLS);
 }
 
-// The patch so many steps from the first one of a run.
+// The patch `steps` steps from the first one of a run.
 fn in_run(first: u32, axis: u32, steps: u32) -> u32 {
     var cell = first;
     if first >= cell_count() {
@@ -66,7 +66,7 @@ fn in_run(first: u32, axis: u32, steps: u32) -> u32 {
     return first;
 }
 
-// The weighted sum over those at one side of a patch, as many as `far`.
+// The weighted sum over the patches on one side of a patch, at most `far` of them.
 fn sum_beside(start: u32, side: u32, far: i32, slope: f32) -> vec4<f32> {
     var total = vec4<f32>(0.0);
     var i = links[start][side];
@@ -138,7 +138,7 @@ fn sum_before(start: u32, axis: u32, own: i32, far: i32, slope: f32) -> vec4<f32
     return total;
 }
 
-// The weighted sum around a patch, as far as `far`.
+// The weighted sum around a patch, up to the distance `far`.
 fn sum_around(i: u32, far: i32, slope: f32) -> vec4<f32> {
     var sum = values[i];
     if IS_NEAR {

@@ -1,4 +1,4 @@
-//! Chains: patches in a line, each going on in the next. What is averaged runs along them.
+//! Chains: patches in a line, each continuing in the next. Averages are taken along them.
 
 use crate::engine::cpu::simd::Simd;
 use crate::line::direction_field::Weighted;
@@ -9,13 +9,13 @@ use std::ops::Range;
 /// All patches in the order of their chains along one axis.
 struct PatchChains {
     order: Vec<u32>,
-    /// Where in that order a patch is.
+    /// Position of a patch in that order.
     place: Vec<u32>,
     /// Chains, gathered into tasks.
     tasks: Vec<Vec<Range<usize>>>,
 }
 
-/// Patches that one task takes at the least.
+/// Fewest patches per task.
 const PATCHES_PER_TASK: usize = 2048;
 
 impl PatchChains {
@@ -96,7 +96,7 @@ impl CrossKernel {
         Self { across, down }
     }
 
-    /// The means of `values` around each patch, along both axes as far as `reach`, in patches.
+    /// The means of `values` around each patch, along both axes up to `reach`, in patches.
     pub(crate) fn mean(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
         let (across, down) = rayon::join(
             || self.across.sums(values, reach),

@@ -18,8 +18,8 @@ use crate::quantile::quantile;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside
-/// the mask. Where there are `given` ones, other than 0, they are followed as they are.
+/// One field for each of the directions wanted: unit directions in the picture, x right, y up, 0 outside the mask.
+/// Nonzero `given` directions are followed as they are.
 pub(crate) fn stroke_fields(
     plan: &Plan,
     params: &FieldParams,
@@ -67,7 +67,7 @@ struct Field<'a> {
     setting: FieldSetting,
 }
 
-/// A patch of which no curvature is known.
+/// A patch with unknown curvature.
 const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
 
 impl<'a> Field<'a> {
@@ -95,7 +95,7 @@ impl<'a> Field<'a> {
         setting.fallback(at.x, at.y, normal, order)
     }
 
-    /// How far one pass reaches from each patch, in patches.
+    /// Reach of one pass from each patch, in patches.
     fn reach(&self) -> Vec<f32> {
         let radius = self.params.radius_px * self.setting.cells;
         let all = &self.patches.all;
@@ -177,7 +177,7 @@ impl<'a> Field<'a> {
             .collect()
     }
 
-    /// Twice the angle of a patch's own direction, as long as it is sure.
+    /// Twice the angle of a patch's own direction, with its confidence as length.
     fn direction(&self, patch: &Patch, form: &CurvatureTensor, family: usize) -> Option<Vec2> {
         let larger = form.larger()?;
         let axis = if family == 0 { larger } else { larger.perp() };
@@ -190,7 +190,7 @@ impl<'a> Field<'a> {
         Some(sure as f32 * doubled(seen.as_vec2()))
     }
 
-    /// Directions averaged, pass after pass; where they disagree, their surroundings lead.
+    /// Directions averaged in several passes; where they disagree, their surroundings lead.
     fn calmed(
         &self,
         mut found: Vec<Weighted>,
@@ -212,7 +212,7 @@ impl<'a> Field<'a> {
         pairs.map(|(&own, &around)| calm(own, around)).collect()
     }
 
-    /// Puts the mean of the `given` directions of a patch, as far as there are any, in place of its own.
+    /// Replaces the direction of a patch by the mean of its `given` directions, if there are any.
     fn follow(&self, doubled_directions: &mut [[f32; 2]], given: &Vector2Planes) {
         let mut sums = vec![Vec3::ZERO; doubled_directions.len()];
         let mask = &self.frame.mask;
@@ -254,5 +254,5 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Patches that one task takes at the least.
+/// Fewest patches per task.
 const PATCHES_PER_TASK: usize = 1024;

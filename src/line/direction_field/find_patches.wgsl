@@ -1,18 +1,18 @@
-// Finds what of each surface lies in each cell.
+// Finds the part of each surface in each cell.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> conductance: array<f32>;
 @group(0) @binding(2) var<storage, read> normal_x: array<f32>;
 @group(0) @binding(3) var<storage, read> normal_y: array<f32>;
 @group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// Any buffer where there is none.
+// Any buffer if there is no depth.
 @group(0) @binding(5) var<storage, read> depth: array<f32>;
-// How many patches a cell has, and where those after the first one stand.
+// Number of patches of each cell, and the index of those after the first one.
 @group(0) @binding(6) var<storage, read_write> held: array<vec2<u32>>;
 @group(0) @binding(7) var<storage, read_write> patches: array<Patch>;
-// Depth of each patch, 0 where there is none.
+// Depth of each patch, 0 without one.
 @group(0) @binding(8) var<storage, read_write> depths: array<f32>;
-// How many patches follow after the first ones.
+// Number of patches after the first ones.
 @group(0) @binding(9) var<storage, read_write> further: atomic<u32>;
 
 override HAS_DEPTH: bool;
@@ -46,7 +46,7 @@ fn first_of(pixels: vec2<u32>) -> vec2<u32> {
     return select(lower, upper, pixels.x != 0u);
 }
 
-// Pixels, and those that touch them by their sides.
+// Pixels, and those adjacent to them by their sides.
 fn grown(pixels: vec2<u32>) -> vec2<u32> {
     let beside = ((pixels << vec2<u32>(1u)) & vec2<u32>(0xfefefefeu))
         | ((pixels >> vec2<u32>(1u)) & vec2<u32>(0x7f7f7f7fu));
@@ -74,7 +74,7 @@ fn place_in_cell(pixels: vec2<u32>) -> vec2<u32> {
     return vec2<u32>(bit & 7u, bit >> 3u);
 }
 
-// The pixels around the middle of a whole cell: a mean over all of it would lie beneath the surface.
+// The pixels around the middle of a whole cell: a mean over all of it would be below the surface.
 fn inner_pixels() -> vec2<u32> {
     let margin = params.cell_px / 4u;
     var inner = vec2<u32>(0u);
@@ -159,7 +159,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var next = 0u;
     if count > 1u {
         next = atomicAdd(&further, count - 1u);
-        // What there is no room for is left out; the number of patches tells.
+        // Patches without room are dropped; the total count reveals it.
         count = 1u + min(count - 1u, params.room - min(next, params.room));
     }
     let cell_holds = vec2<u32>(count, cell_count() + next);

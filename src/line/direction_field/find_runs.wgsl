@@ -3,10 +3,10 @@
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> links: array<vec4<u32>>;
-// The first and the last patch of the run, and how many cells away they are.
+// The first and the last patch of the run, and their distances in cells.
 @group(0) @binding(3) var<storage, read_write> runs: array<vec4<u32>>;
 
-// The run up to a patch, which begins with it or goes on from the patch `before`.
+// The run up to a patch, which starts it or continues it from the patch `before`.
 fn go_on(i: u32, before: u32, place: u32) {
     var first = vec2<u32>(i, 0u);
     if before != NO_PATCH {
@@ -16,7 +16,7 @@ fn go_on(i: u32, before: u32, place: u32) {
     runs[i].z = first.y;
 }
 
-// The run from a patch on, which ends with it or goes on in the patch `after`.
+// The run from a patch on, which ends it or continues in the patch `after`.
 fn go_back(i: u32, after: u32, place: u32) {
     var last = vec2<u32>(i, 0u);
     if after != NO_PATCH {

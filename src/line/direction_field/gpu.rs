@@ -72,8 +72,8 @@ impl Run<'_> {
         }
     }
 
-    /// The means of `values` around each patch, as far as `reach`, by depth where patches know it and it
-    /// `is_radius` of strokes.
+    /// The means of `values` around each patch, up to `reach`, which follows depth if it `is_radius` of strokes and
+    /// patches have depth.
     fn chain_means(
         &mut self,
         patches: &Patches,
@@ -201,7 +201,8 @@ impl Run<'_> {
         settled
     }
 
-    /// Directions of pixels, between those of the patches around them; covered ones that are in none are gaps.
+    /// Directions of pixels, interpolated between those of the patches around them; covered pixels in no patch are
+    /// gaps.
     fn between_patches(
         &mut self,
         patches: &Patches,
@@ -277,7 +278,7 @@ mod tests {
     struct Found {
         conductance: Plane,
         planes: Vec<Vec<f32>>,
-        /// Patches after the first ones of all cells, and for how many there is room.
+        /// Patches after the first ones of all cells, and the room for them.
         further: [u32; 2],
     }
 
@@ -307,8 +308,8 @@ mod tests {
         }
     }
 
-    /// The sine of the angle between both backends' directions along the same edges: its mean over covered pixels, and
-    /// the share of these where it is more than a hundredth.
+    /// The sine of the angle between the directions of both backends along the same edges: its mean over covered
+    /// pixels, and the share of them where it exceeds a hundredth.
     fn apart_from_the_cpu(runner: &Runner, frame: &Frame, field: FieldParams) -> [f64; 2] {
         let plan = plan_of(frame, field);
         let line = plan.drawing.as_ref().unwrap();
@@ -339,7 +340,7 @@ mod tests {
         [sum / count, f64::from(wide) / count]
     }
 
-    /// A frame whose depths are in two steps, seen from near.
+    /// A frame with two depths, seen from near.
     fn from_near(mut frame: Frame) -> Frame {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         frame.camera = Some(Camera {
@@ -362,7 +363,7 @@ mod tests {
         frame
     }
 
-    /// Pixels that are open, each shut in by closed ones: filtered normals tell edges pixel by pixel.
+    /// Open pixels, each surrounded by closed ones: filtered normals give edges pixel by pixel.
     fn crowded(width: usize, height: usize) -> Frame {
         let mut frame = Scene::waves(width, height).frame;
         frame.normal_length = Some(Plane::from_fn(width, height, |x, y| {

@@ -1,4 +1,4 @@
-//! The kernels of the field of stroke directions, and what they are given.
+//! The kernels of the field of stroke directions, with their uniforms and buffers.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
@@ -17,27 +17,27 @@ pub(crate) const RUN_CELLS: u32 = 16;
 /// The patches of cells.
 const PATCHES: Wgsl = wgsl!("patches.wgsl");
 
-/// Goes through runs.
+/// Iterates over runs.
 const RUNS: Wgsl = wgsl!("runs.wgsl", [("RUN_CELLS", U32(RUN_CELLS))]);
 
 /// Sums over part of a run.
 const SUMS: Wgsl = wgsl!("sums.wgsl");
 
-/// Goes through all patches.
+/// Iterates over all patches.
 const OVER_PATCHES: Wgsl = wgsl!("over_patches.wgsl");
 
-/// Where a patch lies, and its upright tangents.
+/// Position of a patch, and its upright tangents.
 const PATCH_LINES: Wgsl = wgsl!(
     "patch_lines.wgsl",
     [("MIN_UPRIGHT", F32(MIN_UPRIGHT as f32))]
 );
 
 uniforms! {
-    /// Of the kernels of the field of stroke directions.
+    /// Uniforms of the kernels of the field of stroke directions.
     DirectionParams {
         width: u32,
         height: u32,
-        /// Pixels along the side of a cell, and how many of the first one lie before the picture.
+        /// Side of a cell in pixels, and the part of the first one before the picture.
         cell_px: u32,
         cut_x: u32,
         cut_y: u32,
@@ -45,27 +45,28 @@ uniforms! {
         rows: u32,
         /// Room for patches after the first one of each cell.
         room: u32,
-        /// Of kernels that go along one axis: 0 across, 1 down.
+        /// Axis of kernels that work along one: 0 across, 1 down.
         axis: u32,
-        /// How far a mean reaches, in cells.
+        /// Reach of a mean, in cells.
         reach: f32,
-        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and its increment per column
+        /// and row.
         line_x: f32,
         line_x_step: f32,
         line_y: f32,
         line_y_step: f32,
-        /// How far apart points at a depth of 1 are that are a pixel apart.
+        /// Distance between points at a depth of 1 in adjacent pixels.
         apart_x_step: f32,
         apart_y_step: f32,
         /// Height of a pixel over its width.
         pixel_shape: f32,
-        /// From curvature per unit of length to that per pixel.
+        /// Converts curvature per unit of length to curvature per pixel.
         per_pixel: f32,
         /// Turn of normals per pixel that counts half.
         doubt: f32,
         /// 0 for the curvature larger in size, 1 for the other.
         family: u32,
-        /// Number of the field, in the order in which they are made.
+        /// Index of the field, in the order of computation.
         order: u32,
         is_fixed: u32,
         fixed_x: f32,
@@ -99,7 +100,7 @@ pub(crate) static FIND_PATCHES: Kernel = Kernel::new::<DirectionParams, FindPatc
     ],
 );
 
-/// Where each patch goes on.
+/// Continuations of each patch.
 pub(crate) static LINK_PATCHES: Kernel = Kernel::new::<DirectionParams, LinkPatchesBuffers>(
     "LinkPatches",
     &[PATCHES, wgsl!("link_patches.wgsl")],

@@ -1,4 +1,4 @@
-//! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
+//! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::kernels::Kernel;
@@ -19,7 +19,7 @@ use crate::shape::edges::SilhouetteSource;
 const PATCH_BYTES: u64 = 32;
 const SUMS_BYTES: u64 = 64;
 
-/// The name under which the time of the whole field of directions is recorded.
+/// Name in timings of the whole field of directions.
 pub(crate) const STAGE: &str = "direction-field";
 
 /// The patches of a frame, and how they hang together.
@@ -29,7 +29,7 @@ pub(crate) struct Patches {
     pub(crate) further: wgpu::Buffer,
     pub(crate) all: wgpu::Buffer,
     pub(crate) depths: wgpu::Buffer,
-    /// The median of the depths, among the numbers that are chosen, where the radius goes by it.
+    /// The median depth, among the chosen numbers, if the radius depends on it.
     pub(crate) median: Option<wgpu::Buffer>,
     pub(crate) links: wgpu::Buffer,
     /// Across and down.
@@ -38,12 +38,12 @@ pub(crate) struct Patches {
 }
 
 impl Patches {
-    /// For how many patches there is room.
+    /// Number of patches there is room for.
     pub(crate) fn count(&self) -> u64 {
         slots(&self.params)
     }
 
-    /// All of its buffers but the number of further patches.
+    /// All of its buffers except the number of further patches.
     pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
         [self.held, self.all, self.depths, self.links]
             .into_iter()
@@ -53,23 +53,23 @@ impl Patches {
     }
 }
 
-/// For how many patches there is room.
+/// Number of patches there is room for.
 fn slots(params: &DirectionParams) -> u64 {
     u64::from(params.columns) * u64::from(params.rows) + u64::from(params.room)
 }
 
-/// Bytes of the largest buffer that the field of a frame takes.
+/// Bytes of the largest buffer needed for the field of a frame.
 pub(crate) fn largest_buffer(params: &FieldParams, frame: &Frame) -> u64 {
     let grid = Grid::new(params, frame);
     SUMS_BYTES * (grid.cells() + u64::from(grid.room))
 }
 
-/// The cells of a frame. They lie at multiples of their size in the picture's coordinates.
+/// The cells of a frame. They are at multiples of their size in the picture's coordinates.
 struct Grid {
     cut: [u32; 2],
     columns: u32,
     rows: u32,
-    /// For how many patches there is room after the first ones of all cells.
+    /// Room for patches after the first ones of all cells.
     room: u32,
 }
 
@@ -197,7 +197,7 @@ impl Run<'_> {
             params,
         };
         self.recorder.clear(&found.further);
-        // Where no patch comes to stand there is no depth.
+        // Depth stays clear where no patch is found.
         self.recorder.clear(&found.depths);
         let [x, y, z] = self.surface.normal.clone();
         self.over_cells(

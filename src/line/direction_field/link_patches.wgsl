@@ -1,9 +1,9 @@
-// Finds which patch goes on in which.
+// Links patches to their continuations.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> patches: array<Patch>;
-// The patch in which each goes on to the left, to the right, above and below.
+// The continuation of each patch to the left, to the right, above and below.
 @group(0) @binding(3) var<storage, read_write> links: array<vec4<u32>>;
 
 // The pixels of a patch along a side of its cell: left, right, above or below.
@@ -21,8 +21,8 @@ fn along_side(pixels: vec2<u32>, side: u32) -> u32 {
     return along;
 }
 
-// Links the patches of a cell to those of the cell at one side of it. Pairs that share most of the side come first,
-// among equals the first along the side, and no patch goes on in two.
+// Links the patches of a cell to those of the cell at one of its sides. Pairs that share most of the side come first,
+// in a tie the first along the side, and no patch is in two.
 fn link(cell: u32, there: u32, side: u32) {
     let own = held[cell];
     let others = held[there];
@@ -41,7 +41,7 @@ fn link(cell: u32, there: u32, side: u32) {
                 if ((taken >> b) & 1u) == 1u {
                     continue;
                 }
-                // Sides come in pairs: what is left of one cell is right of the other.
+                // Sides come in pairs: left of one cell is right of the other.
                 let touching = ends & along_side(patches[patch_of(there, others, b)].pixels, side ^ 1u);
                 let count = countOneBits(touching);
                 let place = firstTrailingBit(touching);

@@ -1,13 +1,12 @@
 //! The field of stroke directions: confidence of directions, and their average over a surface.
 //!
-//! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly
-//! with distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette
-//! or crease. Changes: a direction is held as a vector of twice its angle, whose length says how sure it is,
-//! and what is averaged is that vector. Equation 7 multiplies the sum of t t^T by the direction of the pixel
-//! itself; here its main axis is taken, so that a patch at right angles to all around it, as they arise where the
-//! two curvatures change places, does not stay so. Where curvature is unsure the directions around it lead,
-//! and far from all of them the fallback does, continuously. Practice: [`crate::line::patches`] tells what
-//! may be averaged with what.
+//! Theory: [LA] section 6.1. Directions are averaged over a cross-shaped kernel whose weights fall linearly with
+//! distance, several times, at a quarter of the picture's size; nothing is averaged across a silhouette or crease.
+//! Changes: a direction is represented by a vector of twice its angle, whose length is its confidence, and these
+//! vectors are averaged. Equation 7 multiplies the sum of t t^T by the direction of the pixel itself; here its main
+//! axis is taken, so that a patch perpendicular to all around it, as occurs where the two curvatures swap, does not
+//! stay so. Where curvature is uncertain the surrounding directions lead, and far from all of them the fallback does,
+//! continuously. Practice: [`crate::line::patches`] determines which pixels may be averaged.
 
 pub(crate) mod between_patches;
 pub(crate) mod chains;
@@ -26,7 +25,7 @@ use crate::engine::cpu::simd::widened;
 use glam::{DVec2, Vec2};
 use std::ops::Range;
 
-/// Twice the angle of a direction: opposites are the same, and what is at right angles cancels.
+/// Twice the angle of a direction: opposites are equal, and perpendicular directions cancel.
 #[inline(always)]
 pub(crate) fn doubled(t: Vec2) -> Vec2 {
     Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y)
@@ -53,7 +52,7 @@ pub(crate) fn halved(doubled: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Below this a vector is 0: its square is not a number of full precision.
+/// A shorter vector counts as 0: its square lacks full precision.
 pub(crate) const LEAST_LENGTH: f32 = 1e-18;
 
 /// Directions of a row, halved in place.
@@ -68,7 +67,7 @@ widened! {
     fn halve_row(x: &mut [f32], y: &mut [f32]);
 }
 
-/// Difference of the curvatures over their sum up to which a surface is round: a mesh of a ball is no rounder.
+/// Largest ratio of the difference of the curvatures to their sum on a round surface: a ball's mesh is no rounder.
 pub(crate) const ROUND: f64 = 0.1;
 
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
@@ -82,8 +81,7 @@ pub(crate) struct CurvatureTensor {
 }
 
 impl CurvatureTensor {
-    /// The unit direction, in the frame of the tensor, of the curvature larger in size; `None` where
-    /// there is none at all.
+    /// The unit direction, in the frame of the tensor, of the curvature larger in magnitude; `None` without any.
     #[inline]
     pub(crate) fn larger(&self) -> Option<DVec2> {
         let d = if self.mean >= 0.0 {
@@ -100,12 +98,11 @@ impl CurvatureTensor {
         axis.try_normalize()
     }
 
-    /// How sure the directions are, 0..1: 1 on a cylinder, 0 where the curvatures are alike in size, or
-    /// differ by no more than `doubt` (both per pixel).
+    /// Confidence of the directions, 0..1: 1 on a cylinder, 0 if the curvatures are equal in magnitude, or differ by no
+    /// more than `doubt` (both per pixel).
     ///
-    /// The first factor, the square of `(|k1| - |k2|) / (|k1| + |k2|)` as far as that is above a tenth, has no unit;
-    /// the second compares `|k1| - |k2|`
-    /// with what noise, or a plane, would show.
+    /// The first factor, the square of the excess of `(|k1| - |k2|) / (|k1| + |k2|)` over a tenth, has no unit; the
+    /// second compares `|k1| - |k2|` with the difference that noise, or a plane, would show.
     #[inline]
     pub(crate) fn confidence(&self, doubt: f64) -> f64 {
         let (difference, mean) = (self.deviator.length(), self.mean.abs());
@@ -119,7 +116,7 @@ impl CurvatureTensor {
         }
     }
 
-    /// How much the surface is a plane, 0..1, where a curvature of `doubt` counts a quarter.
+    /// Flatness of the surface, 0..1; a quarter at a curvature of `doubt`.
     #[inline]
     pub(crate) fn flatness(&self, doubt: f64) -> f64 {
         let larger = self.deviator.length() + self.mean.abs();
@@ -132,11 +129,12 @@ impl CurvatureTensor {
     }
 }
 
-/// The direction of strokes, as twice an angle: the mean of `own` directions, or, as far as those disagree, the mean of
+/// The direction of strokes, as twice an angle: the mean of `own` directions, or, the more those disagree, the mean of
 /// the directions `around`, which come from farther away.
 ///
-/// Directions that agree add up to a vector as long as they are sure together, the third of `own`; where lines
-/// of forms meet, or noise, they cancel, and a form too small for the radius does not make a swirl.
+/// The vectors of agreeing directions add up to a length of their summed confidence, the third of `own`; where
+/// differently oriented shapes meet, or in noise, they cancel, so a shape too small for the radius does not cause a
+/// swirl.
 #[inline]
 pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
     let length = (x * x + y * y).sqrt();
@@ -147,17 +145,18 @@ pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
     [lead(x, around[0]), lead(y, around[1])]
 }
 
-/// The length of a mean direction over what it would be if all agreed, from which on it counts, and from which
-/// on it leads alone: 0.8 is that of directions spread evenly over 65 degrees, 0.2 over 150.
+/// Length of a mean direction relative to that for full agreement, from which it counts, and from which it leads alone:
+/// 0.8 for directions spread evenly over 65 degrees, 0.2 over 150.
 pub(crate) const AGREE: Range<f32> = 0.2..0.8;
 
-/// Three components and a weight, which is 1: what is summed along chains.
+/// Three components and a weight of 1, the values summed along chains.
 pub(crate) type Weighted = [f32; 4];
 
-/// Sums over a chain of values, of those around each one, weighted by `1 - distance / reach` (Eq. 7's w_s); the
-/// value itself, of weight 1, counts in. `reach` is more than 0.
+/// Sums along a chain of values around each one, weighted by `1 - distance / reach` (Eq. 7's w_s), including the value
+/// itself with weight 1. `reach` is more than 0.
 ///
-/// Sums of the values and of the values times their places give any such sum at once, however far it reaches.
+/// Prefix sums of the values, and of the values times their positions, give any such sum in constant time for any
+/// reach.
 #[inline(always)]
 pub(crate) fn sums_along(
     sums: &mut [Weighted],
@@ -165,7 +164,7 @@ pub(crate) fn sums_along(
     reach: &[f32],
     scratch: &mut Vec<[[f64; 4]; 2]>,
 ) {
-    // Of all before a place: their sum, and that of each times its place.
+    // Prefix sums of the values, and of each times its position.
     scratch.clear();
     scratch.push([[0.0; 4]; 2]);
     let [mut sum, mut moment] = [[0.0; 4]; 2];
@@ -227,7 +226,7 @@ mod tests {
     }
 
     fn form(k1: f64, k2: f64) -> CurvatureTensor {
-        // Of two curvatures, the algebraically larger one along x.
+        // For two curvatures, with the algebraically larger one along x.
         CurvatureTensor {
             deviator: DVec2::new(0.5 * (k1 - k2), 0.0),
             mean: 0.5 * (k1 + k2),
@@ -247,7 +246,7 @@ mod tests {
     fn confidence_is_the_squared_share_by_which_curvatures_differ() {
         let certain = |k1, k2| form(k1, k2).confidence(0.0);
         assert!((certain(0.0, -0.1) - 1.0).abs() < 1e-12);
-        // (3 - 1) / (3 + 1) = 0.5, whatever the signs; less 0.1, over 0.9: 4/9, squared.
+        // (3 - 1) / (3 + 1) = 0.5, for any signs; less 0.1, over 0.9: 4/9, squared.
         for (k1, k2) in [(0.3, 0.1), (0.3, -0.1), (0.1, -0.3), (-0.1, -0.3)] {
             assert!((certain(k1, k2) - 16.0 / 81.0).abs() < 1e-12, "{k1} {k2}");
         }
@@ -268,7 +267,7 @@ mod tests {
         assert_eq!(calm(own(0.0, 0.0, 0.3), AROUND), [0.0, 1.0]);
         assert_eq!(calm(own(0.0, 0.0, 0.0), AROUND), [0.0, 1.0]);
         assert_eq!(calm(own(0.85, 0.0, 1.0), AROUND), [0.85, 0.0]);
-        // Half as long as they are sure is the middle of 0.2 and 0.8: half of both.
+        // A length of half the confidence is midway between 0.2 and 0.8: half of both.
         let [x, y] = calm(own(0.5, 0.0, 1.0), AROUND);
         assert!((x - 0.25).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
     }

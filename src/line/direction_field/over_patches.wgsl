@@ -1,4 +1,4 @@
-// Goes through all patches: each invocation takes the first one of its cell, and some of those that follow.
+// Visits all patches: each invocation takes the first one of its cell, and some of the further ones.
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= params.columns || id.y >= params.rows {

@@ -1,5 +1,5 @@
-// Of each patch twice the angle of the direction of one of its curvatures, as long as it is sure and with the fallback
-// as far as the surface is flat; how sure both are; and 1.
+// For each patch: twice the angle of one curvature direction, with its confidence as length, plus the fallback with the
+// surface's flatness as length; the sum of both lengths; and 1.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
@@ -8,7 +8,7 @@
 @group(0) @binding(4) var<storage, read> forms: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
 
-// The unit direction of the curvature larger in size, in the frame of the tensor; 0 where there is none.
+// The unit direction of the curvature larger in magnitude, in the frame of the tensor; 0 without any.
 fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     let d = select(-form.xy, form.xy, form.z >= 0.0);
     let length = sqrt(dot(d, d));
@@ -17,7 +17,7 @@ fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     return select(vec2<f32>(0.0), axis / size, size > 0.0);
 }
 
-// How sure directions are, 0..1.
+// Confidence of directions, 0..1.
 fn curvature_tensor_confidence(form: vec4<f32>) -> f32 {
     let difference = sqrt(dot(form.xy, form.xy));
     let mean = abs(form.z);
@@ -30,7 +30,7 @@ fn curvature_tensor_confidence(form: vec4<f32>) -> f32 {
     return share * share * apart / (apart + params.doubt * params.doubt);
 }
 
-// How much the surface is a plane, 0..1.
+// Flatness of the surface, 0..1.
 fn curvature_tensor_flatness(form: vec4<f32>) -> f32 {
     let curvature = sqrt(dot(form.xy, form.xy)) + abs(form.z);
     let square = params.doubt * params.doubt;
@@ -38,7 +38,7 @@ fn curvature_tensor_flatness(form: vec4<f32>) -> f32 {
     return select(0.0, share * share, square > 0.0);
 }
 
-// Twice the angle of the own direction, as long as it is sure.
+// Twice the angle of the patch's own direction, with its confidence as length.
 fn own_direction(i: u32, line: vec3<f32>) -> vec2<f32> {
     let form = forms[i];
     let normal = patches[i].normal;

@@ -8,7 +8,7 @@
 @group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read_write> forms: array<vec4<f32>>;
 
-// From a patch to where it goes on, in pixels, x right and y down.
+// The step from a patch to its continuation, in pixels, x right and y down.
 fn step_between(from_patch: u32, to_patch: u32) -> vec2<f32> {
     let here = patches[from_patch];
     let there = patches[to_patch];
@@ -28,7 +28,7 @@ fn ray_of(own: u32, tangents: Tangents, i: u32) -> Ray {
     return local_ray(step, there, there - here, here, array(tangents.x, tangents.y));
 }
 
-// The tensor; its last component is 0 where there is none.
+// The tensor; its last component is 0 if there is none.
 fn form_of(i: u32) -> vec4<f32> {
     let tangents = upright_tangents(patches[i].normal);
     let around = links[i];

@@ -1,10 +1,10 @@
-// Where a patch lies: columns and rows from the corner of the picture.
+// Position of a patch: columns and rows from the corner of the picture.
 fn middle_of(i: u32) -> vec2<f32> {
     return vec2<f32>(corner_of(patches[i].cell)) + 0.5 * f32(params.cell_px) + patches[i].offset;
 }
 
-// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the shortest way,
-// where it does not point straight away.
+// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way,
+// unless it points straight away.
 struct Tangents {
     are_there: bool,
     x: vec3<f32>,

@@ -1,4 +1,4 @@
-//! The patches of a frame: its surfaces cell by cell, each knowing where it goes on.
+//! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
 use crate::frame::{Frame, Plane};
 use crate::line::direction_field::setting::OPEN;
@@ -12,15 +12,15 @@ use std::ops::Range;
 pub(crate) struct Patch {
     /// Mean normal in the middle of the patch, unit or 0.
     pub(crate) normal: DVec3,
-    /// Where that is in the picture.
+    /// Position of that middle in the picture.
     pub(crate) at: DVec2,
-    /// Depth there; 0 where there is none.
+    /// Depth there; 0 without depth.
     pub(crate) depth: f32,
-    /// How many pixels it has.
+    /// Number of pixels.
     pub(crate) pixels: u16,
 }
 
-/// Which patch goes on in which, along one axis of the picture: [`NONE`] in none.
+/// Continuation of each patch along one axis of the picture; [`NONE`] without one.
 #[derive(Debug)]
 pub(crate) struct Links {
     /// To the left, or above.
@@ -32,12 +32,12 @@ pub(crate) struct Links {
 /// No patch.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The cells of a frame. They lie at multiples of their size in the picture's coordinates, so that a crop
-/// has the cells of the whole.
+/// The cells of a frame. They are at multiples of their size in the picture's coordinates, so that a crop has the cells
+/// of the whole.
 #[derive(Debug)]
 pub(crate) struct Grid {
     cell_px: usize,
-    /// How much of the first cell lies before the frame.
+    /// Part of the first cell outside the frame.
     cut: [usize; 2],
     size: [usize; 2],
     places: [f32; MAX_CELL_PX],
@@ -76,7 +76,7 @@ impl Grid {
         self.pixels(1, row)
     }
 
-    /// How far the middle of a pixel lies from that of its cell, in cells, -1/2..1/2.
+    /// Offset of a pixel's centre from that of its cell, in cells, -1/2..1/2.
     pub(crate) fn place(&self, axis: usize, pixel: usize) -> f32 {
         self.places[(pixel + self.cut[axis]) % self.cell_px]
     }
@@ -103,7 +103,7 @@ impl Grid {
 pub(crate) struct Patches {
     pub(crate) grid: Grid,
     pub(crate) all: Vec<Patch>,
-    /// The first patch of each cell, and how many patches there are.
+    /// The first patch of each cell, and the total number of patches.
     first: Vec<u32>,
     /// Which patch of its cell a pixel belongs to.
     pub(crate) labels: Vec<u8>,
@@ -180,7 +180,7 @@ impl Patches {
             .then(|| cell.start + usize::from(label))
     }
 
-    /// Whether a patch is a speck: a few pixels shut in by edges, which tell of noise.
+    /// Whether a patch is a speck: a few pixels enclosed by edges, a sign of noise.
     pub(crate) fn is_speck(&self, i: usize) -> bool {
         let alone = [&self.across, &self.down]
             .iter()
@@ -203,7 +203,7 @@ impl Links {
     }
 }
 
-/// The patches that go on in each other from the cells of a row to those at their right, and below.
+/// Linked pairs of patches between the cells of a row and those to their right, and below.
 fn pairs_of(
     grid: &Grid,
     first: &[u32],
@@ -247,7 +247,7 @@ struct RowOfCells<'a> {
 }
 
 impl RowOfCells<'_> {
-    /// Labels the pixels, and gives how many patches each cell has, and the patches.
+    /// Labels the pixels; returns the number of patches of each cell, and the patches.
     fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
         let width = self.grid.size[0];
         let ys = self.grid.y_pixels(self.row);
@@ -294,8 +294,7 @@ impl RowOfCells<'_> {
         least
     }
 
-    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would lie beneath
-    /// the surface.
+    /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would be below the surface.
     fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let margin = self.grid.cell_px / 4;
         let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
@@ -321,7 +320,7 @@ impl RowOfCells<'_> {
             square(sum[0], x) + square(sum[1], y)
         };
         let least = places().map(off).min().unwrap_or(0);
-        // All that are as near: one of two would prefer a side.
+        // All equally near ones: one of two would prefer a side.
         let mut middle = Middle::default();
         for (x, y) in places().filter(|&p| off(p) == least) {
             middle.add(self.frame, x, y);
@@ -354,7 +353,7 @@ impl Middle {
         self.count += 1.0;
     }
 
-    /// The means over them, for a patch of so many pixels.
+    /// The means over them, for a patch of this many pixels.
     fn patch(self, frame: &Frame, pixels: usize) -> Patch {
         let window = frame.data_window;
         let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));

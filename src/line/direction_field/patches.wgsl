@@ -1,11 +1,11 @@
 // The patches of a frame: surfaces cell by cell. The first patch of each cell has the number of the cell, further ones
-// follow after those of all cells.
+// are numbered after those of all cells.
 
 struct Patch {
     // Mean normal in the middle of the patch, unit or 0.
     normal: vec3<f32>,
     cell: u32,
-    // Where that middle is, from the middle of the cell, in pixels, y down.
+    // Offset of that middle from the middle of the cell, in pixels, y down.
     offset: vec2<f32>,
     // Its pixels: eight bits for each row of the cell.
     pixels: vec2<u32>,
@@ -17,12 +17,12 @@ fn cell_count() -> u32 {
     return params.columns * params.rows;
 }
 
-// How many patches there may be, where so many stand after the first ones.
+// Upper bound of patch numbers, given the number after the first ones.
 fn patches_end(further: u32) -> u32 {
     return cell_count() + min(further, params.room);
 }
 
-// The patches of a cell are those from 0 to x; the first is the cell, the others follow from y on.
+// A cell has x patches; the first has the number of the cell, the others are numbered from y on.
 fn patch_of(cell: u32, held: vec2<u32>, number: u32) -> u32 {
     return select(held.y + number - 1u, cell, number == 0u);
 }
@@ -31,7 +31,7 @@ fn column_and_row(cell: u32) -> vec2<u32> {
     return vec2<u32>(cell % params.columns, cell / params.columns);
 }
 
-// The pixel of the picture at the corner of a cell; it may lie before the picture.
+// The pixel of the picture at the corner of a cell; it may be outside the picture.
 fn corner_of(cell: u32) -> vec2<i32> {
     let cut = vec2<i32>(i32(params.cut_x), i32(params.cut_y));
     return vec2<i32>(column_and_row(cell) * params.cell_px) - cut;

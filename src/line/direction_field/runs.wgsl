@@ -1,5 +1,5 @@
-// Runs: what of a chain lies in so many cells one after the other along an axis. Sums over a chain are made run by run,
-// so that they stay small.
+// Runs: the part of a chain in a fixed number of consecutive cells along an axis. Sums over a chain are computed run by
+// run, so that they stay small.
 
 // The cell at a place along the axis, and at one across it.
 fn cell_at(along: u32, across: u32) -> u32 {
@@ -9,7 +9,7 @@ fn cell_at(along: u32, across: u32) -> u32 {
     return along * params.columns + across;
 }
 
-// How many cells there are along the axis, and across it.
+// Number of cells along the axis, and across it.
 fn cells_along() -> u32 {
     return select(params.rows, params.columns, params.axis == 0u);
 }
@@ -18,7 +18,7 @@ fn cells_across() -> u32 {
     return select(params.columns, params.rows, params.axis == 0u);
 }
 
-// Goes through the patches of each run, from the first to the last and back.
+// Iterates over the patches of each run, from the first to the last and back.
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x * RUN_CELLS >= cells_along() || id.y >= cells_across() {

@@ -1,4 +1,4 @@
-//! What the field of stroke directions is made by, the same on every backend.
+//! Parameters of the field of stroke directions, the same on every backend.
 
 use crate::frame::{DepthKind, Frame, Projection, SightLines};
 use crate::line::direction::{fixed_direction, fixed_second_direction};
@@ -8,18 +8,19 @@ use crate::params::{Fallback, FieldParams};
 use crate::plan::Plan;
 use glam::{DVec3, Vec2};
 
-/// Conductance from which on a pixel is open: the middle of the soft steps of silhouettes and creases.
+/// Conductance of an open pixel, at least: the middle of the soft steps of silhouettes and creases.
 pub(crate) const OPEN: f32 = 0.5;
 
-/// How far tensors of curvature are averaged before directions are taken from them, in pixels of a field of
-/// a quarter of the picture's size: facets and the rounding of normals cancel there, with their signs.
-/// More rounds off forms of that size.
+/// Distance over which curvature tensors are averaged before directions are taken from them, in pixels of a field of a
+/// quarter of the picture's size: facets and the rounding of normals cancel there, with their signs. More rounds off
+/// shapes of that size.
 pub(crate) const FORM_REACH: f32 = 2.5;
 
 /// Turn of the normal, in radians per pixel, that counts half: 17 degrees over a thousand pixels.
 const FLAT_TURN: f64 = 3e-4;
 
-/// Pixels over which the turn of normals is measured, whatever the size of cells: as far as tensors are averaged.
+/// Pixels over which the turn of normals is measured, for any size of cells: the distance over which tensors are
+/// averaged.
 const TURN_PX: f64 = 8.0;
 
 /// Standard deviations of the noise of curvature, measured over as many pixels, that count half.
@@ -28,27 +29,27 @@ const NOISE: f64 = 3.0;
 /// Cosine between normal and sight line below which directions, foreshortened, count less.
 pub(crate) const FACING: f64 = 0.35;
 
-/// How sure the fallback is where curvature tells nothing, and how sure curvature must be for the fallback
-/// not to bend it. Higher values bend more; lower ones follow rounding over a ball.
+/// Confidence of the fallback where curvature gives no direction, and the confidence of curvature from which the
+/// fallback does not bend it. Higher values bend more; lower ones follow rounding over a ball.
 pub(crate) const FALLBACK: f32 = 0.005;
 pub(crate) const FREE: f32 = 4.0 * FALLBACK;
 
-/// How many times farther than a pass the surroundings reach that lead where directions disagree, and in how
-/// many passes.
+/// Reach of the surroundings that lead where directions disagree, as a multiple of that of a pass, and their number of
+/// passes.
 pub(crate) const SURROUNDINGS: f32 = 4.0;
 pub(crate) const SURROUNDING_PASSES: u32 = 2;
 
-/// The most, and the least, that depth makes of the radius.
+/// Largest and smallest factor by which depth changes the radius.
 pub(crate) const NEAR: f32 = 2.0;
 pub(crate) const FAR: f32 = 0.25;
 
-/// How far pixels that belong to no patch, on edges and in specks between them, take directions from their neighbours,
-/// in pixels: several times as far as the widest of both. Where there is nothing for so far, the fallback serves.
+/// Distance over which pixels in no patch, on edges and in specks between them, take directions from their neighbours,
+/// in pixels: several times the widest of both. Beyond it the fallback is used.
 pub(crate) const REST_REACH_PX: usize = 32;
 
-/// How a field is made in a frame.
+/// Settings for computing a field in a frame.
 pub(crate) struct FieldSetting {
-    /// The fallback where it is the same everywhere, and at right angles to it.
+    /// The fallback if it is constant, and its perpendicular.
     pub(crate) fixed: Option<[Vec2; 2]>,
     pub(crate) sight: SightLines,
     /// Pixels per unit of length, at a distance of 1 in perspective.
@@ -57,7 +58,7 @@ pub(crate) struct FieldSetting {
     pub(crate) cells: f32,
     /// The turn of normals, in radians per pixel, that counts half.
     pub(crate) doubt: f64,
-    /// Whether the radius goes with the inverse of depth.
+    /// Whether the radius is inversely proportional to depth.
     pub(crate) is_by_depth: bool,
 }
 

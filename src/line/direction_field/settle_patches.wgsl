@@ -1,5 +1,5 @@
-// What leads strokes in each patch, as twice an angle: the mean of its own directions, or, as far as those disagree, of
-// those around it, with the fallback, of length 1. Specks are 0.
+// The stroke direction of each patch, as twice an angle: the mean of its own directions, or, the more those disagree,
+// of those around it, with the fallback, normalised. 0 for specks.
 
 @group(0) @binding(0) var<uniform> params: DirectionParams;
 @group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;

@@ -54,7 +54,7 @@ fn find(run: &mut Run) {
         let (field, wanted) = (&params.field, params.directions);
         stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
     };
-    // Nothing that is kept goes through mirrors and lenses.
+    // Directions in mirrors and lenses are not cached.
     let directions = match plan.specular {
         None => run.kept_or(
             plan.key(DIRECTION_FIELD.name),

@@ -15,8 +15,7 @@ use crate::line::tone::Densities;
 use crate::params::StrokeParams;
 use std::f32::consts::PI;
 
-/// How much of the paper strokes cover; the texture lies still in the picture where no `coordinates` say
-/// otherwise.
+/// Coverage of the paper by strokes; without `coordinates` the texture is fixed in the picture.
 pub(crate) fn hatched(
     densities: &Densities,
     directions: &[Vector2Planes],

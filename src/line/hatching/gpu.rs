@@ -37,7 +37,7 @@ const HATCHING: Wgsl = wgsl!(
 );
 
 uniforms! {
-    /// Of `density.wgsl`.
+    /// Uniforms of `density.wgsl`.
     DensityParams {
         width: u32,
         height: u32,
@@ -46,11 +46,11 @@ uniforms! {
         weight_b: f32,
     }
 
-    /// Of `hatching.wgsl`.
+    /// Uniforms of `hatching.wgsl`.
     StrokeParams {
         width: u32,
         height: u32,
-        /// Where the middle of the first pixel lies in a texture that lies still.
+        /// Centre of the first pixel in a fixed texture.
         first_x: f32,
         first_y: f32,
         levels: u32,
@@ -58,7 +58,7 @@ uniforms! {
         sets: u32,
         /// 1 over the sets.
         share_of_set: f32,
-        /// Number of the family, and how many there are.
+        /// Index of the family, and number of families.
         family: u32,
         families: u32,
         texture_width: u32,
@@ -92,7 +92,7 @@ pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>
     ],
 );
 
-/// Strokes that take their ink by thresholds.
+/// Strokes inked by thresholds.
 pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
     "Strokes",
     &[
@@ -118,10 +118,10 @@ pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesB
     ],
 );
 
-/// A texture on the device, and how it lies at every level.
+/// A texture on the device, and its transform at every level.
 pub(crate) struct Strokes {
     texture: Texture,
-    /// Of each family.
+    /// For each family.
     turned: [Vec<[f32; 4]>; 2],
 }
 
@@ -137,8 +137,8 @@ impl Strokes {
 }
 
 impl DeviceCanvas<'_> {
-    /// Puts the drawing together of what was read and of what lies on the canvas of the CPU. Whether surfaces fell apart
-    /// into no more patches than there was room for; else directions are missing, and the CPU has to draw.
+    /// Assembles the drawing from the data read back and the canvas of the CPU. Returns whether there was room for all
+    /// patches of the surfaces; otherwise directions are missing, and the CPU has to draw.
     pub(crate) fn put(
         &self,
         host: &mut HostRun,
@@ -206,7 +206,7 @@ pub(crate) fn hatch(run: &mut Run) {
 }
 
 impl Run<'_> {
-    /// The numbers chosen, with the luminance of paper white for the white level by which the tone was made.
+    /// The chosen numbers, including the luminance of paper white for the white level of the tone.
     pub(crate) fn choose_paper_white(
         &mut self,
         params: &ToneParams,
@@ -224,7 +224,7 @@ impl Run<'_> {
         paper
     }
 
-    /// The optical density that is wanted of each pixel; `chosen` tells paper white.
+    /// The optical density wanted of each pixel; `chosen` contains paper white.
     pub(crate) fn densities(
         &mut self,
         params: &ToneParams,
@@ -265,7 +265,7 @@ impl Run<'_> {
         densities
     }
 
-    /// How much of the paper strokes cover, along one field of directions, x and y, for each of their families.
+    /// Coverage of the paper by strokes along one field of directions, x and y, for each of their families.
     pub(crate) fn hatched(
         &mut self,
         params: &params::StrokeParams,
@@ -332,7 +332,7 @@ impl Run<'_> {
     }
 }
 
-/// The uniforms of one of several families of strokes, whose texture is moved by `origin` where it lies still.
+/// The uniforms of one of several families of strokes, with the texture offset by `origin` if it is fixed.
 fn stroke_params(
     params: &params::StrokeParams,
     frame: &Frame,

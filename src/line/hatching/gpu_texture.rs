@@ -1,4 +1,4 @@
-//! Textures of strokes on a device, kept between runs.
+//! Textures of strokes on a device, cached between runs.
 
 use crate::engine::gpu::surface::Upload;
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
@@ -10,7 +10,7 @@ pub(crate) struct Texture {
     pub(super) texels: wgpu::Buffer,
     pub(super) thresholds: wgpu::Buffer,
     pub(super) size: [u32; 2],
-    /// 0 for strokes, which take their ink by thresholds of their own.
+    /// 0 for strokes, which are inked by thresholds of their own.
     pub(super) slices: u32,
 }
 
@@ -34,12 +34,12 @@ impl Texture {
     }
 }
 
-/// The texture of the last drawing, with what it was copied of.
+/// The texture of the last drawing, with its source.
 #[derive(Debug, Default)]
 pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
 
 impl TextureCache {
-    /// Forgets it: what was copied in a run that failed may be nothing.
+    /// Discards it: in a failed run the copy may be incomplete.
     pub(crate) fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }

@@ -1,4 +1,4 @@
-// Strokes of one family: a texture cut and pasted along a field of directions, over what is white so far.
+// Strokes of one family: a texture cut and pasted along a field of directions, over the paper left white so far.
 
 @group(0) @binding(0) var<uniform> params: StrokeParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -8,22 +8,22 @@
 @group(0) @binding(4) var<storage, read> direction_y: array<f32>;
 // Thresholds at even steps of density.
 @group(0) @binding(5) var<storage, read> thresholds: array<f32>;
-// Level by level, set by set: cosine, sine and offset of the texture turned to the level's angle.
+// Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
 @group(0) @binding(6) var<storage, read> turned: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> texels: array<u32>;
-// How much of the paper stays white; of the last family, how much is inked.
+// Share of the paper left white; for the last family, the share inked.
 @group(0) @binding(8) var<storage, read_write> paper: array<f32>;
-// What of the drawing is this sheet's; any buffer where it is all.
+// This sheet's share of the drawing; any buffer if it is the only one.
 @group(0) @binding(14) var<storage, read> shares: array<f32>;
 
-// Whether the texture lies at places of its own, or still in the picture.
+// Whether the texture moves with places of its own, or is fixed in the picture.
 override MOVES: bool;
 override HAS_SHARE: bool;
-// Whether nothing was drawn before, and whether nothing comes after.
+// Whether this family is the first, and whether it is the last.
 override IS_FIRST: bool;
 override IS_LAST: bool;
 
-// What of the optical density that is wanted this family gives.
+// Share of this family in the optical density wanted.
 fn share(wanted: f32) -> f32 {
     let crossed = max(0.5 * (wanted - CROSSED_FROM), 0.0);
     if params.families == 1u {
@@ -38,7 +38,7 @@ fn threshold_of(density: f32) -> f32 {
     return thresholds[u32(entry)];
 }
 
-// What a level of weight `weight` inks.
+// Ink of a level of weight `weight`.
 fn ink_of(level: u32, weight: f32, density: f32, place: vec2<f32>) -> f32 {
     let threshold = threshold_of(weight * params.share_of_set * density);
     if threshold <= 0.0 {

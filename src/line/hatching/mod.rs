@@ -1,16 +1,15 @@
 //! Hatching: stroke textures cut and pasted along a field of directions.
 //!
-//! Theory: [LA] sections 6.2 and 6.3. Directions are quantised to levels over half a turn; at each level the
-//! stroke texture is turned to the level's angle (equation 8), neighbouring levels are blended by tent
-//! weights, and several sets of levels, each offset by its share of a level, are laid over one another.
-//! Changes: what is blended is not grey values but tone. A layer of weight w gets the share w of the optical
-//! density that is wanted, -ln(1 - darkness), and layers are printed over one another, so paper stays white
-//! with the product of what each leaves white: (1 - d)^(sum of w). Means are exact, ink stays black, and toward
-//! the border of a partition strokes drop out one by one where an average would fade all to grey. Each level
-//! has a place of its own in the texture; turned about one point, all would agree there.
+//! Theory: [LA] sections 6.2 and 6.3. Directions are quantised to levels over half a turn; at each level the stroke
+//! texture is rotated to the level's angle (equation 8), neighbouring levels are blended by tent weights, and several
+//! sets of levels, each offset by its share of a level, are overlaid. Changes: not grey values but tones are blended. A
+//! layer of weight w gets the share w of the optical density wanted, -ln(1 - darkness), and layers are printed over one
+//! another, so the white of the paper is the product of the layers': (1 - d)^(sum of w). Means are exact, ink stays
+//! black, and toward the border of a partition strokes drop out one by one where an average would fade all to grey.
+//! Each level has its own offset in the texture; rotated about one point, all would coincide there.
 //!
-//! Practice: pixels are worked on in batches along a row, where neighbours share a level, in loops that are
-//! vectorised but for the loads of texels.
+//! Practice: pixels are processed in batches along a row, where neighbours share a level, in loops that are vectorised
+//! except for the loads of texels.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -30,9 +29,9 @@ use std::f32::consts::PI;
 /// Pixels to be hatched: the first `count` of each array.
 #[derive(Debug)]
 pub struct Pixels {
-    /// How many.
+    /// Number of pixels.
     pub count: usize,
-    /// Pixel coordinates, rows down, in which the texture lies still.
+    /// Pixel coordinates, rows down, in the texture's fixed frame.
     pub place: [[f32; BATCH]; 2],
     /// Angles that strokes follow, 0..pi, counterclockwise.
     pub angle: [f32; BATCH],
@@ -40,7 +39,7 @@ pub struct Pixels {
     pub wanted: [f32; BATCH],
     /// The share of it that the next strokes give.
     pub density: [f32; BATCH],
-    /// How much of the paper stays white, 0..1.
+    /// Share of the paper left white, 0..1.
     pub white: [f32; BATCH],
     scratch: Scratch,
 }
@@ -69,8 +68,8 @@ impl Default for Pixels {
 }
 
 impl Pixels {
-    /// Asks one of `families` families of strokes for its share: all of the tone of one, and of a second,
-    /// laid across it, half of what is darker than a third of the ink.
+    /// Sets the density to the share of one of `families` families of strokes: all of the tone with one family, and for
+    /// a second, crossing it, half of the excess over a third of the ink.
     #[inline(always)]
     pub fn share(&mut self, family: usize, families: usize) {
         let wanted = &self.wanted[..self.count];
@@ -80,13 +79,13 @@ impl Pixels {
     }
 }
 
-/// What of the optical density that is wanted one of `families` families of strokes gives: see [`Pixels::share`].
+/// Share of one of `families` families of strokes in the optical density wanted: see [`Pixels::share`].
 #[inline(always)]
 pub(crate) fn share(wanted: f32, family: usize, families: usize) -> f32 {
     share_from(CROSSED_FROM, wanted, family, families)
 }
 
-/// The same where strokes are crossed from another density on.
+/// The same with another density from which strokes are crossed.
 #[inline(always)]
 pub(crate) fn share_from(from: f32, wanted: f32, family: usize, families: usize) -> f32 {
     let crossed = (0.5 * (wanted - from)).max(0.0);
@@ -97,11 +96,11 @@ pub(crate) fn share_from(from: f32, wanted: f32, family: usize, families: usize)
     }
 }
 
-/// Density from which on strokes are crossed by others, which give half of what is beyond: a third of the
-/// paper is inked by then.
+/// Density from which strokes are crossed by others, which get half of the excess: a third of the paper is inked by
+/// then.
 pub(crate) const CROSSED_FROM: f32 = 0.4;
 
-/// A texture turned to a level's angle: texture coordinates of pixel coordinates, rows down.
+/// A texture rotated to a level's angle: maps pixel coordinates, rows down, to texture coordinates.
 #[derive(Debug, Clone, Copy)]
 struct Turned {
     cos: f32,
@@ -120,7 +119,7 @@ pub struct Hatching<'a> {
 }
 
 impl<'a> Hatching<'a> {
-    /// Hatching by the strokes of `map`; `family` keeps families of strokes over one another apart.
+    /// Hatching by the strokes of `map`; `family` distinguishes overlaid families of strokes.
     pub fn new(map: &'a TonalArtMap, params: &StrokeParams, family: usize) -> Self {
         let (levels, sets) = (params.levels as usize, params.sets as usize);
         let mut random = Random::new(params.seed.wrapping_add(1 + family as u64));
@@ -146,15 +145,15 @@ impl<'a> Hatching<'a> {
         }
     }
 
-    /// How the texture lies at every level, set by set: cosine and sine of its turn, times texels per pixel, and its
-    /// offset across and down.
+    /// Transform of the texture at every level, set by set: cosine and sine of its rotation, times texels per pixel,
+    /// and its offset across and down.
     #[cfg(feature = "gpu")]
     pub(crate) fn turned(&self) -> impl Iterator<Item = [f32; 4]> {
         let turned = self.turned.iter();
         turned.map(|turned| [turned.cos, turned.sin, turned.offset.x, turned.offset.y])
     }
 
-    /// Draws over what is white so far.
+    /// Draws over the paper left white so far.
     #[inline(always)]
     pub fn draw(&self, pixels: &mut Pixels) {
         let Pixels {
@@ -214,7 +213,7 @@ impl<'a> Hatching<'a> {
     }
 }
 
-/// Thresholds, and the entries of the response that tell them.
+/// Thresholds, with their entries in the response.
 #[derive(Debug)]
 struct Thresholds {
     entry: [u32; BATCH],
@@ -230,11 +229,11 @@ impl Default for Thresholds {
     }
 }
 
-/// Where between texels the centre of the first pixel lies, plus its own half: a level along the axes has all
-/// pixels there. On texels lines are darker than on average, midway lighter; at a quarter neither.
+/// Position of the first pixel's centre between texels, plus its own half: a level along the axes has all pixels there.
+/// On texels lines are darker than on average, midway lighter; at a quarter neither.
 const BETWEEN: f32 = 0.75;
 
-/// How the texture is turned at each of several pixels.
+/// Rotation of the texture at each of several pixels.
 #[derive(Debug)]
 struct Turns {
     cos: [f32; BATCH],

@@ -10,18 +10,18 @@ use crate::line::interior::sizes::Sizes;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// A line that ends so many pixels from the border of the picture goes on beyond it.
+/// A line that ends within this many pixels of the border of the picture continues beyond it.
 const RIM: usize = 2;
 
-/// How far beside a line its crests may lie, and over how many to either side they are evened out.
+/// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
 const SMOOTHING: Smoothing = Smoothing {
     tolerance_px: 0.7,
     reach: 5,
 };
 
-/// The lines through crests of one kind, with the share of its width that each is drawn with; the crests lie on a grid of `width` by `height` pixels in the order of its rows. Each
-/// network of crests, of which those count that are stronger than the first threshold, is stronger than the second
-/// somewhere, and about as long as `shortest` pixels.
+/// The lines through crests of one kind, each with its share of the full width; the crests are on a grid of `width` by
+/// `height` pixels in row order. Crests above the first threshold form networks; each network kept exceeds the second
+/// threshold somewhere, and is about as long as `shortest` pixels.
 pub(super) fn chains(
     crests: &[Crest],
     [width, height]: [usize; 2],
@@ -111,7 +111,7 @@ fn beside(crests: &[Crest], crest: &Crest, size: [usize; 2]) -> impl Iterator<It
 /// A pixel without a crest, or one whose crest has been looked at.
 const NO_CREST: u32 = u32::MAX;
 
-/// The crests that hang together, at least so many, with one at least as strong as `strength`.
+/// Connected sets of crests, of at least `fewest`, with one at least as strong as `strength`.
 fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
     let [width, height] = size;
     // One column and row more on every side: all pixels have eight around them.

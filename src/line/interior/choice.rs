@@ -1,5 +1,5 @@
-//! Which lines are drawn: those that persist when the surface is looked at more coarsely, the plainest first, none twice,
-//! and no more than a drawing bears.
+//! Selection of lines: those that persist at a coarser scale, the strongest first, none twice, and no more than a
+//! drawing bears.
 
 use crate::frame::{Mask, Plane};
 use crate::line::contours::ContourKind;
@@ -13,29 +13,29 @@ use glam::Vec2;
 pub(super) struct Interior {
     pub(super) kind: ContourKind,
     pub(super) line: Line,
-    /// The share of its width that it is drawn with, 0..1.
+    /// Share of the full width to draw it with, 0..1.
     pub(super) fade: f32,
 }
 
-/// Least part of a line's curvature that is left at a coarser scale: it falls to 1 over the ratio of scales where a fold is
-/// as sharp as the scale shows it, and to nearly nothing where the surface is rough.
+/// Smallest ratio of a line's curvature at a coarser scale to its own: it is 1 over the ratio of scales for a fold as
+/// sharp as the scale shows it, and nearly 0 on a rough surface.
 const PERSISTENT: f32 = 0.3;
 
-/// That part on the roughest surfaces, where bumps of a middle size would pass for folds.
+/// The same ratio on the roughest surfaces, where medium-sized bumps would pass for folds.
 const PERSISTENT_IF_ROUGH: f32 = 0.45;
 
-/// What is left in the median of where a surface turns: from the first of these to the second it is taken for rough, more and
-/// more, and from the third to the last less again, as nothing of finer grain passes for a fold.
+/// Median of that ratio over the turning surface: from the first of these to the second it is increasingly treated as
+/// rough, and from the third to the last decreasingly, since no finer grain passes for a fold.
 const ROUGH: [f32; 4] = [0.5, 0.4, 0.37, 0.31];
 
-/// Share of a surface that turns at all, from which on and up to which it may be rough: a few folds in a plane are none.
+/// Share of a surface that turns, from which and up to which roughness phases in: a few folds in a plane are not rough.
 const TURNING: [f32; 2] = [0.5, 0.75];
 
-/// Over such a rank of a surface's curvature, so many times, lines are sharper than its roughness.
+/// Lines above this rank of a surface's curvature, times a factor, are sharper than its roughness.
 const SHARP_RANK: f64 = 0.75;
 const SHARPER: f32 = 2.5;
 
-/// Pixels to either side in which the curvature of a coarser scale is looked for.
+/// Pixels to either side searched for the curvature of the coarser scale.
 const LOOKED_FOR: f32 = 2.0;
 
 /// Turn of the normal over the picture, in radians, below which a surface is as good as flat.
@@ -52,12 +52,12 @@ pub(super) struct Roughness<'a> {
     coarse: &'a Plane,
     /// The part of a line's curvature that has to be left at the coarser scale.
     persistent: f32,
-    /// Strength from which on that is not asked.
+    /// Strength from which persistence is not required.
     sharp: f32,
 }
 
 impl<'a> Roughness<'a> {
-    /// That of a surface with these curvatures, where the coarser one is known.
+    /// Roughness of a surface with these curvatures, where the coarser one is known.
     pub(super) fn of(fine: &'a Plane, coarse: &'a Plane, known: &Mask, sizes: &Sizes) -> Self {
         let pixels = (0..known.height()).flat_map(|y| known.runs(y).flatten().map(move |x| (x, y)));
         let both = pixels.map(|(x, y)| (fine.at(2 * x, 2 * y), 0.5 * coarse.at(x, y)));
@@ -81,8 +81,8 @@ impl<'a> Roughness<'a> {
         }
     }
 
-    /// Whether a line is one of the form: 1 or more where its curvature is there too at the coarser scale, or where it is
-    /// sharper than roughness is.
+    /// Evidence that a line belongs to the form: at least 1 if its curvature persists at the coarser scale, or if it is
+    /// sharper than roughness.
     pub(super) fn formed(&self, line: &Line) -> f32 {
         let shares = line.spots.iter().map(|spot| {
             let around =
@@ -147,7 +147,7 @@ pub(super) fn chosen(
     longest: f32,
     sizes: &Sizes,
 ) -> Vec<Interior> {
-    // What is near to a line that is drawn, for each kind.
+    // Area near lines already drawn, for each kind.
     let mut taken = sizes.apart.map(|_| Taken::new(size));
     let take = |taken: &mut [Taken; 3], at: Vec2, apart: [f32; 3]| {
         let kinds = taken.iter_mut().zip(apart);
@@ -214,7 +214,7 @@ fn strength(line: &Line) -> f32 {
     line.spots.iter().map(|spot| spot.strength).sum::<f32>() / line.spots.len() as f32
 }
 
-/// The parts of a line that are not near to one that is drawn; all of it where next to nothing is.
+/// The parts of a line not near a drawn one; all of it if next to nothing is near.
 fn free_parts(line: Line, taken: &Taken) -> Vec<Line> {
     let is_taken: Vec<bool> = line.spots.iter().map(|spot| taken.holds(spot.at)).collect();
     if !is_taken.contains(&true) {

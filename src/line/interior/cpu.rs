@@ -21,25 +21,25 @@ use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Suggestive contours are looked for at a scale so many times that of valleys and ridges.
+/// Scale of suggestive contours, as a multiple of that of valleys and ridges.
 const SUGGESTIVE_SCALE: f32 = 1.5;
 
-/// The scale at which lines have to be there still, as a multiple of their own.
+/// The scale at which lines still have to exist, as a multiple of their own.
 const PERSISTENCE_SCALE: f32 = 2.5;
 
-/// Ridges keep so many times farther from rims: normals that do not spread beyond a rim turn fastest at some distance from
-/// it, all around any ball.
+/// Distance of ridges from rims, as a multiple of that of other lines: normals that do not spread beyond a rim turn
+/// fastest at some distance from it, all around any ball.
 const RIDGE_MARGIN: f32 = 1.4;
 
-/// Lines are led on to a contour up to so many margins away, as straight ahead as this cosine says.
+/// Lines are extended to a contour up to this many margins away, and as straight ahead as this cosine.
 const JOIN_REACH: f32 = 1.5;
 const JOIN_AHEAD: f32 = 0.7;
 
-/// Lines, and what their widths were fit to.
+/// Lines, and the levels their widths were fitted to.
 pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 
-/// The lines inside the surfaces of a frame with this silhouette weight, beside its contours. In a sequence, where it `fades`
-/// them, their widths begin at nothing.
+/// The lines inside the surfaces of a frame with this silhouette weight, in addition to its contours. In a sequence,
+/// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
     frame: &Frame,
     silhouette: &Plane,
@@ -64,7 +64,7 @@ pub(crate) fn interior(
     joined_and_drawn(lines, contours, frame, &normals[0], params, &sizes)
 }
 
-/// All lines of all kinds that are of the form, in pixels of the level.
+/// All lines of all kinds that belong to the form, in pixels of the level.
 fn found(
     frame: &Frame,
     level: &Level,
@@ -96,7 +96,7 @@ fn found(
         true => shadows(frame, level, &fine, &rims, sizes, options, memory),
         false => Vec::new(),
     };
-    // Half the size, and what is left of the scale there.
+    // Half the size, and the remaining scale at that size.
     let left = sizes.sigma * (PERSISTENCE_SCALE * PERSISTENCE_SCALE - 1.0).sqrt();
     let halved = level.halved(&normals[0]);
     let coarse = halved.diffused(&[0.5 * left], options, memory);
@@ -195,7 +195,7 @@ fn levels_of(lines: &[Line]) -> [f32; LineLevels::COUNT] {
     [strongest(lines), near, far]
 }
 
-/// Logarithm of the depth at a point of the picture; 0 where it is not known.
+/// Logarithm of the depth at a point of the picture; 0 if unknown.
 fn log_depth(frame: &Frame, at: Vec2) -> f32 {
     let Some(depth) = &frame.depth else {
         return 0.0;

@@ -13,25 +13,25 @@ use rayon::prelude::*;
 pub(super) struct Crest {
     /// Its number, row by row.
     pub(super) pixel: u32,
-    /// Where in it or beside it the line passes: x right, y down, pixel edges at integers.
+    /// Position of the line in or beside the pixel: x right, y down, pixel edges at integers.
     pub(super) at: Vec2,
-    /// How plain the line is there, in radians over the picture.
+    /// Strength of the line there, in radians over the picture.
     pub(super) strength: f32,
 }
 
-/// How far a crest lies from its pixel's centre at the most.
+/// Largest distance of a crest from its pixel's centre.
 const FARTHEST: f32 = 0.6;
 
-/// Ridges ask for so many times the strength of valleys.
+/// Strength required of ridges, as a multiple of that of valleys.
 const RIDGE_STRENGTH: f32 = 2.0;
 
-/// Suggestive contours ask for this share of the strength of valleys.
+/// Strength required of suggestive contours, as a share of that of valleys.
 const SUGGESTIVE_STRENGTH: f32 = 0.6;
 
 /// Suggestive contours keep away from where a surface faces the viewer: sine of 20 degrees.
 const LEAST_SLANT: f32 = 0.342;
 
-/// Where the surface of a level ends, or hides another.
+/// Edges of a level's surface: it ends, or hides another.
 pub(super) struct Rims<'a> {
     mask: &'a Mask,
     conductance: &'a Plane,
@@ -55,7 +55,7 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Whether a pixel is within the margin of a rim. The border of the picture is none.
+    /// Whether a pixel is within the margin of a rim. The border of the picture is not a rim.
     pub(super) fn is_near(&self, x: usize, y: usize) -> bool {
         self.around.iter().any(|&[dx, dy]| {
             let (x, y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
@@ -158,7 +158,7 @@ pub(super) fn each_pixel<T: Send>(
     rows.into_iter().flatten().collect()
 }
 
-/// Where a plane is largest along a direction (x right, y up) close to a pixel, if it is there.
+/// The maximum of a plane along a direction (x right, y up) close to a pixel, if there is one.
 pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
     let (here, ahead, behind) = (
         plane.at(x, y),

@@ -1,4 +1,4 @@
-//! How wide interior lines are drawn.
+//! Widths of interior lines.
 
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
@@ -14,23 +14,23 @@ pub(super) struct Pen {
     pub(super) width_px: f32,
     /// Pixels over which open ends run thin.
     pub(super) taper_px: f32,
-    /// The strength from which on lines are as heavy as they become.
+    /// The strength from which lines get their full weight.
     pub(super) strongest: f32,
     pub(super) depths: DepthRange,
-    /// The least strength of a line, at which it fades to nothing, if it does.
+    /// The least strength of a line, at which it fades to nothing; `None` if lines do not fade.
     pub(super) faded: Option<f32>,
 }
 
 /// Spots to either side over which widths change.
 const WIDTH_REACH: usize = 4;
 
-/// How an open end runs thin: below 1 it stays heavy for long, and comes to a point.
+/// Exponent of the taper at an open end: below 1 it stays heavy for long, and comes to a point.
 const TAPER: f32 = 0.6;
 
 /// Part of the taper whose width the very end has.
 const TIP: f32 = 0.05;
 
-/// The way to the lamp that lines are lighter under: from the upper left, 135 degrees around and 38 up.
+/// Direction to the lamp that makes lines lighter: from the upper left, 135 degrees around and 38 up.
 const LAMP: Vec3 = Vec3::new(-0.5572, 0.5572, 0.6157);
 
 /// The root of the area of a picture for which widths are given: 640 by 480.
@@ -91,7 +91,7 @@ impl Pen {
         }
     }
 
-    /// Lets the open ends of a line come to a point.
+    /// Tapers the open ends of a line to a point.
     fn taper(&self, widths: &mut [f32], points: &[Vec2], ends: [End; 2]) {
         let along = lengths(points);
         let whole = along[along.len() - 1];

@@ -1,9 +1,9 @@
-//! How far a surface faces the viewer, n.v, and where it turns toward the viewer in the picture.
+//! Facing of a surface, n.v, and the direction in the picture in which it turns toward the viewer.
 
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use glam::{Vec2, Vec3};
 
-/// The viewer, as seen from the pixels of a level.
+/// The view directions of the pixels of a level.
 pub(super) struct Viewer {
     sight: SightLines,
     /// Upper left corner of the level in the picture, and pixels of the picture to one of the level.
@@ -37,16 +37,16 @@ impl Viewer {
         }
     }
 
-    /// n.v, the cosine between a unit normal and the way to the viewer.
+    /// n.v, the cosine between a unit normal and the direction to the viewer.
     pub(super) fn facing(&self, x: usize, y: usize, normal: Vec3) -> f32 {
         let line = self.line(x, y);
         -normal.dot(line) / line.length()
     }
 
-    /// The unit direction in the picture, x right and y up, of what of the way to the viewer lies in the surface; `None`
-    /// where it faces the viewer fully.
+    /// The unit direction in the picture, x right and y up, of the view vector's tangential part; `None` where the
+    /// surface faces the viewer fully.
     pub(super) fn uphill(&self, x: usize, y: usize, normal: Vec3) -> Option<Vec2> {
-        // v - (n.v) n, of which the first part is a point in the picture.
+        // v - (n.v) n, whose first term is a point in the picture.
         let across = -(normal + normal.z * self.line(x, y)).truncate();
         (across * Vec2::new(1.0, self.pixel_shape)).try_normalize()
     }

@@ -1,24 +1,24 @@
-//! How lines come and go in a sequence: a continuous form of the thresholds by which they are drawn.
+//! Fading of lines in a sequence: a continuous form of the thresholds for drawing them.
 
 use crate::line::interior::crests::Crest;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// How many times its threshold a strength, or what persists of it, is from which on a line is drawn in full.
+/// Multiple of its threshold from which strength, or its persistent part, gives a line in full.
 const FULL_STRENGTH: f32 = 1.5;
 
-/// How many times what is asked for at the least its length and its worth are.
+/// Multiple of the required length and worth from which a line is drawn in full.
 const FULL_SIZE: f32 = 2.0;
 
 /// Share of the length that all lines may have at whose end lines begin to fade.
 const SPENT: f32 = 0.85;
 
-/// The share of its width, 0..1, of a line by a strength that is so many times its threshold.
+/// The share of the full width, 0..1, for a strength of so many times its threshold.
 pub(super) fn by_strength(times: f32) -> f32 {
     smoothstep((times - 1.0) / (FULL_STRENGTH - 1.0))
 }
 
-/// The share of its width, 0..1, of a line by a length or a worth that is so many times what is asked for.
+/// Share of the full width, 0..1, for a length or a worth of so many times the required one.
 pub(super) fn by_size(times: f32) -> f32 {
     smoothstep((times - 1.0) / (FULL_SIZE - 1.0))
 }
@@ -28,7 +28,7 @@ pub(super) fn by_budget(spent: f32) -> f32 {
     smoothstep((1.0 - spent) / (1.0 - SPENT))
 }
 
-/// From 0 at 0 to 1 at 1, level at both.
+/// From 0 at 0 to 1 at 1, with zero slope at both.
 pub(super) fn smoothstep(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -40,8 +40,8 @@ struct Supported {
     number: usize,
 }
 
-/// How well each of these crests is supported, 0..1: hysteresis between two thresholds without its step. A crest well over
-/// the upper one supports itself; others are supported along the way of crests `beside` each other whose weakest link is the
+/// Support of each of these crests, 0..1: hysteresis between two thresholds without its step. A crest well over the
+/// upper one supports itself; others are supported along the chain of crests `beside` each other whose weakest link is
 /// strongest, and a link that hardly exceeds the lower threshold passes nothing on.
 pub(super) fn supports(
     crests: &[Crest],
@@ -104,8 +104,9 @@ mod tests {
 
     #[test]
     fn support_is_that_of_the_weakest_link_and_has_no_step() {
-        // A row of crests between thresholds of 10 and 20: 30 is 1.5 times the upper one, in full. 12.5 is 1.25 times the
-        // lower one, half-way, and passes on 0.5; 10 passes nothing on. 20 supports nothing by itself, and is behind it.
+        // A row of crests between thresholds of 10 and 20: 30 is 1.5 times the upper one, so full. 12.5 is 1.25 times
+        // the lower one, half-way, and passes on 0.5; 10 passes nothing on. 20 supports nothing by itself, and is
+        // behind it.
         let crests: Vec<Crest> = [15.0, 30.0, 12.5, 18.0, 10.0, 20.0]
             .into_iter()
             .enumerate()

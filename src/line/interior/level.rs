@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Normals where a surface was seen, and how freely they spread there.
+/// Normals of the visible surface, with the conductance of their diffusion.
 pub(super) struct Level {
     /// The normals with their mask.
     pub(super) frame: Frame,
@@ -21,10 +21,10 @@ pub(super) struct Level {
 /// Share of a block's pixels that must be covered for it to be.
 const COVERED: f32 = 0.5;
 
-/// What normals under a silhouette count at least, so that a block of nothing else has one.
+/// Smallest weight of normals under a silhouette, so that a block of nothing else has one.
 const LEAST_WEIGHT: f32 = 1e-3;
 
-/// Error of the diffusion, relative to a normal's length: a tenth of what the faintest line turns by in a pixel.
+/// Error of the diffusion, relative to a normal's length: a tenth of the faintest line's turn per pixel.
 const TOLERANCE: f64 = 1e-3;
 
 impl Level {
@@ -133,7 +133,7 @@ impl Level {
         spread.pop().expect("one scale was asked for").x
     }
 
-    /// Two components, which the operator takes at a time, at the scales of a schedule.
+    /// Two components, as many as the operator takes at once, at the scales of a schedule.
     fn spread(
         &self,
         [x, y]: [Plane; 2],
@@ -167,8 +167,8 @@ impl Level {
     }
 }
 
-/// What the covered pixels of a block add up to: normals by conductance, so that it shows one side of a silhouette that
-/// passes, and the least of the conductances, so that it stays closed.
+/// Sums over the covered pixels of a block: normals weighted by conductance, so that one side of a silhouette through
+/// it dominates, and the least conductance, so that it stays closed.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     sum: Vec3,

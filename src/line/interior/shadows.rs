@@ -11,18 +11,18 @@ use crate::line::interior::sizes::Sizes;
 use crate::params::RunOptions;
 use glam::Vec2;
 
-/// Albedo below which little is known of the light.
+/// Albedo below which the light is hardly known.
 const LEAST_ALBEDO: f32 = 0.02;
 
-/// The light on a matt surface, as a part of the full light, changes by what its normal turns at the most; what shines
+/// Light on a matt surface, as a part of the full light, changes at most by the turn of its normal; on a shiny one it
 /// changes by more.
 const ACCOUNTED: f32 = 2.0;
 
-/// The percentage of the surface that lies below full light.
+/// Percentile of a surface's light taken as the full light.
 const FULL: u32 = 95;
 
-/// The crests of how fast light changes beyond what the turn of normals, `curvature` in radians per pixel, accounts for.
-/// Their strength is that change in parts of the full light, over the picture.
+/// The crests of the rate at which light changes, beyond the change explained by the turn of normals, `curvature` in
+/// radians per pixel. Their strength is that change in parts of the full light, over the picture.
 pub(super) fn shadows(
     frame: &Frame,
     level: &Level,
@@ -67,7 +67,7 @@ pub(super) fn shadows(
         .collect()
 }
 
-/// The light that falls on blocks of a frame, or what they send back where their albedo is not known; `None` without a
+/// The incident light on blocks of a frame, or the reflected light if their albedo is unknown; `None` without a
 /// picture.
 fn light(frame: &Frame, factor: usize, memory: &Memory) -> Option<Plane> {
     let color = frame.color.as_ref()?;

@@ -1,4 +1,4 @@
-//! Sizes: shares of that of the picture, so that a larger render of the same thing has the same lines.
+//! Sizes as shares of the picture's, so that a larger render of the same scene has the same lines.
 
 use crate::frame::Frame;
 use crate::params::InteriorParams;
@@ -12,7 +12,7 @@ pub(super) struct Sizes {
     pub(super) picture: f32,
     /// Scale of the normals that valleys and ridges are found in.
     pub(super) sigma: f32,
-    /// How near lines come to an occluding contour.
+    /// Smallest distance of lines from an occluding contour.
     pub(super) margin: f32,
     /// Least strength of a line anywhere, and somewhere along it: radians that the normal turns over the picture.
     pub(super) thresholds: [f32; 2],
@@ -21,7 +21,7 @@ pub(super) struct Sizes {
     /// Strength of a line that needs no proof: it may be as short as its fold is wide, and need not persist at a coarser
     /// scale, as the cuts of a chisel do not.
     pub(super) sharp: f32,
-    /// Least integral of strength along a line: what is faint has to be long, or a rough surface fills with short lines.
+    /// Least integral of strength along a line: faint ones have to be long, or a rough surface fills with short lines.
     pub(super) worth: f32,
     /// Valleys, ridges and suggestive contours nearer than this to another line double it.
     pub(super) apart: [f32; 3],
@@ -29,7 +29,7 @@ pub(super) struct Sizes {
     pub(super) gap: f32,
     /// Length of all lines together over the root of the covered area.
     pub(super) budget: f32,
-    /// Whether lines come and go little by little, as in a sequence.
+    /// Whether lines fade in and out, as in a sequence.
     pub(super) fades: bool,
 }
 
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn large_pictures_are_looked_at_on_coarse_levels() {
-        // 640 x 480 has a root of 554: sigma^2 = (554/290)^2 - 0.25 = 3.399. 1920 x 1080 has one of 1440, which is looked at
-        // in half the size: sigma^2 = (720/290)^2 - 0.25 = 5.914.
+        // 640 x 480 has a root of 554: sigma^2 = (554/290)^2 - 0.25 = 3.399. 1920 x 1080 has one of 1440 and is
+        // processed at half the size: sigma^2 = (720/290)^2 - 0.25 = 5.914.
         let of = |root, detail| {
             let params = InteriorParams {
                 detail,
@@ -90,7 +90,7 @@ mod tests {
         let [small, large] = [554.0, 1440.0].map(|root| of(root, 1.0));
         assert_eq!((small.factor, large.factor), (1, 2));
         assert!((small.sigma - 1.844).abs() < 1e-3 && (large.sigma - 2.432).abs() < 1e-3);
-        // Twice the detail halves what is asked of a line.
+        // Twice the detail halves the thresholds.
         assert_eq!(of(554.0, 2.0).thresholds, [4.5, 11.0]);
     }
 }

@@ -58,14 +58,14 @@ fn draw(run: &mut Run) {
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
     run.canvas.interior = Some((covered, layer.lines));
     if run.canvas.luminance.is_some() {
-        // Of a large drawing nothing is held for long.
+        // For a large drawing nothing is held for long.
         let silhouette = run.outcome.shape.silhouette.take();
         run.memory.recycle(silhouette);
     }
 }
 
-/// Draws while a device makes strokes: lines are followed from pixel to pixel, which it cannot. Edges are made once more, in
-/// less time than it takes to read the weights of all pixels back.
+/// Draws while a device makes strokes: lines are followed from pixel to pixel, which a device cannot do. Edges are
+/// computed again, in less time than reading back the weights of all pixels takes.
 #[cfg(feature = "gpu")]
 fn draw_beside(run: &mut DeviceRun) -> Result<()> {
     let (plan, frame, host) = (run.plan, run.frame, &mut run.host);

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
 
-/// The lines of these normals, a surface wherever they are not 0, whose silhouette is its border.
+/// The lines of these normals: a surface where they are not 0, with its border as silhouette.
 fn lines_of(width: usize, height: usize, normal: impl Fn(f64, f64) -> DVec3) -> Vec<Contour> {
     let at = |x: usize, y: usize| normal(x as f64 + 0.5, y as f64 + 0.5).normalize_or_zero();
     lines(&Vector3Planes::from_fn(width, height, at))
@@ -191,8 +191,8 @@ fn a_groove_is_a_valley_where_its_walls_meet() {
     }
 }
 
-/// Three periods of a cosine wave across the picture seen from 45 degrees above: height `amplitude cos(2 pi y/length)` over a plane leaning
-/// back by 45 degrees.
+/// Three periods of a cosine wave across the picture seen from 45 degrees above: height `amplitude cos(2 pi y/length)`
+/// over a plane leaning back by 45 degrees.
 const LENGTH: f64 = 20.0;
 const AMPLITUDE: f64 = 0.9 * LENGTH / TAU;
 
@@ -220,7 +220,7 @@ fn a_suggestive_contour_runs_where_a_wave_is_steepest() {
     }
 }
 
-/// A ball of radius 140 that stands out of a plane by a cap of 35 degrees, whose rim has the radius 140 sin 35 degrees.
+/// A ball of radius 140 that protrudes from a plane by a cap of 35 degrees, with a rim of radius 140 sin 35 degrees.
 fn sunk_ball() -> Vector3Planes {
     Vector3Planes::from_fn(WIDTH, HEIGHT, |x, y| {
         let (x, y) = (x as f64 + 0.5 - 160.0, 120.0 - (y as f64 + 0.5));
@@ -249,7 +249,7 @@ fn a_line_runs_where_surfaces_meet_at_one_depth() {
     assert!(reached.count() > 350);
 }
 
-/// Twice the share of points of either that have one of the other within so many pixels, over both.
+/// F measure of two sets of points: a point agrees if the other set has one within this many pixels.
 fn agreement(a: &[Vec2], b: &[Vec2], within: f32) -> f64 {
     let share = |from: &[Vec2], to: &[Vec2]| {
         let is_near = |p: &&Vec2| to.iter().any(|q| p.distance(*q) <= within);
@@ -262,8 +262,8 @@ fn agreement(a: &[Vec2], b: &[Vec2], within: f32) -> f64 {
 #[test]
 fn noise_leaves_lines_where_they_are() {
     // Rings 60 pixels apart and waves 40 pixels long, in a picture of 640 by 480. Along the rings the normal turns by
-    // 1.2 2 pi/60 554 = 70 over the picture, well over what a ridge has at the least, 44. F of 0.85, within 0.00375 of
-    // its diagonal of 800 pixels.
+    // 1.2 2 pi/60 554 = 70 over the picture, well over the least of a ridge, 44. F of 0.85, within 0.00375 of its
+    // diagonal of 800 pixels.
     let slopes = |slope: fn(f64, f64) -> [f64; 2]| {
         Vector3Planes::from_fn(640, 480, |x, y| {
             let [across, up] = slope(x as f64 + 0.5 - 320.0, 240.0 - (y as f64 + 0.5));
@@ -303,7 +303,7 @@ fn cast_shadows_end_in_lines_and_shade_does_not() {
             ..frame_of(normals)
         }
     };
-    // Half of a ball is turned from the light.
+    // Half of a ball faces away from the light.
     let ball = ellipsoid(DVec3::splat(100.0));
     assert_eq!(lines_of_frame(&lit(&ball, &|_, _| 1.0), &params), []);
     // A disk keeps seven tenths of the light from a plane, in an ellipse of axes 80 and 60.
@@ -322,7 +322,7 @@ fn cast_shadows_end_in_lines_and_shade_does_not() {
         let off = 60.0 * (place(f64::from(p.x) - 160.0, f64::from(p.y) - 120.0) - 1.0);
         assert!(off.abs() < 0.7, "{p} is {off} off");
     }
-    // Painted on, it is no shadow; and without being asked for it is no line.
+    // Painted on, it is not a shadow; and unless requested it is not a line.
     let painted = Frame {
         albedo: frame.color.clone(),
         ..frame.clone()

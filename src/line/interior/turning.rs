@@ -1,4 +1,4 @@
-//! How fast the normal turns across the picture.
+//! Rate at which the normal turns across the picture.
 
 use crate::frame::{Mask, Plane};
 use glam::{Vec2, Vec3};
@@ -11,13 +11,13 @@ pub(super) struct Turning {
 }
 
 impl Turning {
-    /// That of normals at a pixel, by Sobel's differences; 0 stands for a normal that is not there, beyond which the surface
-    /// goes on as it is.
+    /// The turning of normals at a pixel, by Sobel's differences; 0 marks a missing normal, beyond which the surface
+    /// continues unchanged.
     pub(super) fn at(normals: &Plane<Vec3>, x: usize, y: usize) -> Self {
         Self::between(rows_around(normals, y), x)
     }
 
-    /// That of the middle of three rows of normals.
+    /// The turning in the middle of three rows of normals.
     #[inline]
     fn between(rows: [&[Vec3]; 3], x: usize) -> Self {
         let here = rows[1][x];
@@ -33,7 +33,7 @@ impl Turning {
         }
     }
 
-    /// The squares and the product of both: a metric of the picture by which lengths are angles of the normal.
+    /// The squares and the product of both: a metric of the picture in which lengths are angles of the normal.
     #[inline]
     fn metric(&self) -> [f32; 3] {
         [self.x.dot(self.x), self.x.dot(self.y), self.y.dot(self.y)]
@@ -59,7 +59,7 @@ impl Turning {
         longer.try_normalize().unwrap_or(Vec2::X)
     }
 
-    /// By how much the normal leans along a direction, per pixel in it: positive where the surface is convex.
+    /// Tilt of the normal along a direction, per pixel in it: positive where the surface is convex.
     pub(super) fn bend(&self, along: Vec2) -> f32 {
         (along.x * self.x + along.y * self.y).truncate().dot(along)
     }
@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn a_cylinder_turns_across_its_axis() {
-        // Of radius 40 with its axis at 30 degrees to the horizontal: at the top the normal turns by 1/40 a pixel across it.
+        // Radius 40, with the axis at 30 degrees to the horizontal: at the top the normal turns by 1/40 a pixel across
+        // it.
         let across = Vec2::from_angle(30_f32.to_radians()).perp();
         for sign in [1.0, -1.0] {
             let normals = Plane::from_fn(21, 21, |x, y| {

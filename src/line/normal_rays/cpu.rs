@@ -37,7 +37,7 @@ pub(crate) fn directions(
     found
 }
 
-/// The direction of a pixel, as far as it is known.
+/// The direction of a pixel, if known.
 enum Found {
     /// Unit, in the picture.
     Direction(Vec2),
@@ -79,7 +79,7 @@ impl<'a> WalkedSurface<'a> {
         }
     }
 
-    /// The curvatures at the shortest step that tells a direction, else at the longest.
+    /// The curvatures at the shortest step that gives a direction, else at the longest.
     fn curvatures(&self, x: usize, y: usize) -> Option<PrincipalCurvatures> {
         let offset = self.setting.depth.map_or(0.0, |depth| {
             self.setting.offset_noise * f64::from(depth.at(x, y))
@@ -132,8 +132,8 @@ impl<'a> WalkedSurface<'a> {
         })
     }
 
-    /// The rays as far away on both sides as the surface goes on either; on one side alone where it ends
-    /// at once on the other.
+    /// Rays equally far on both sides, as far as the surface continues on each; on one side alone if it ends at once on
+    /// the other.
     fn sides(
         &self,
         from: (usize, usize),

@@ -25,16 +25,17 @@ pub(crate) const NORMAL_RAY: Wgsl = wgsl!(
 );
 
 uniforms! {
-    /// Of `normal_rays.wgsl`.
+    /// Uniforms of `normal_rays.wgsl`.
     RayParams {
         width: u32,
         height: u32,
-        /// The direction of sight lines, scaled to z = -1: at the first column and row, and what each further one adds.
+        /// The direction of sight lines, scaled to z = -1: at the first column and row, and its increment per column
+        /// and row.
         line_x: f32,
         line_x_step: f32,
         line_y: f32,
         line_y_step: f32,
-        /// How far apart the starts of sight lines are that are a pixel apart, and points at a depth of 1 on them.
+        /// Distance between the starts of adjacent pixels' sight lines, and between points at a depth of 1 on them.
         start_x_step: f32,
         start_y_step: f32,
         apart_x_step: f32,
@@ -79,10 +80,10 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
     ],
 );
 
-/// The name under which the time of rays, and of filling gaps between them, is recorded.
+/// Name in timings of rays, and of filling gaps between them.
 const STAGE: &str = "normal-rays";
 
-/// Finds the directions of the surface's own curvature, where they are asked for themselves.
+/// Finds the surface's own curvature directions, if they are requested as a product.
 pub(crate) fn follow_rays(run: &mut Run) {
     if run.plan.wants(Product::Direction) {
         let shape = run
@@ -96,7 +97,7 @@ pub(crate) fn follow_rays(run: &mut Run) {
 }
 
 impl Run<'_> {
-    /// The directions of the surface's own curvature: unit ones in the picture where covered, x right and y up, 0
+    /// The surface's own curvature directions: unit vectors in the picture where covered, x right and y up, 0
     /// elsewhere.
     pub(crate) fn surface_directions(
         &mut self,

@@ -1,14 +1,13 @@
 //! Principal curvatures of the surface itself, and their directions, from the rays along its normals.
 //!
-//! Theory: [LA] sections 4.1 and 4.2. In the frame of a point P (z its normal) a neighbour's normal ray
-//! meets z = 0 at (u, v) and has the slope (sigma, tau) there. To first order the slopes are a linear
-//! map M of the feet, whose eigenvectors are the principal directions and whose eigenvalues are the
-//! principal curvatures, negated. Changes: M is taken from central differences of feet and slopes, which
-//! is second order (and exact on a ball, whose rays all meet in its middle), made symmetric, and its
-//! eigenvectors taken in closed form; the paper's equation 3 fails where a neighbour lies along a
-//! principal direction, as all of them do on an upright cylinder. Degenerate points are found by tests
-//! that do not depend on the unit of length, and by the noise of the samples. Practice: give neighbours
-//! on the same surface only, a few pixels away where normals are coarse.
+//! Theory: [LA] sections 4.1 and 4.2. In the frame of a point P (z its normal) a neighbour's normal ray meets z = 0 at
+//! (u, v) with the slope (sigma, tau). To first order the slopes are a linear map M of the feet, whose eigenvectors are
+//! the principal directions and whose eigenvalues are the negated principal curvatures. Changes: M is computed from
+//! central differences of feet and slopes, which is second order (and exact on a ball, whose rays all meet in its
+//! centre), made symmetric, and its eigenvectors taken in closed form; the paper's equation 3 fails where a neighbour
+//! lies along a principal direction, as all of them do on an upright cylinder. Degenerate points are detected by tests
+//! that do not depend on the unit of length, and by the noise of the samples. Practice: use only neighbours on the same
+//! surface, a few pixels away where normals are coarse.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -21,32 +20,32 @@ use glam::{DVec2, DVec3};
 /// A normal ray beside the point looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NormalRay {
-    /// From the point looked at to a point on the ray, in view space, in any unit of length.
+    /// Vector to a point on the ray, in view space, in any unit of length.
     pub offset: DVec3,
-    /// Where the ray leads: the normal there, of any length.
+    /// Direction of the ray: the normal there, of any length.
     pub normal: DVec3,
 }
 
-/// The rays on both sides of a point along one axis of the picture, as far as there are any.
+/// The rays on either side of a point along one axis of the picture, where they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sides {
     /// On the side of lesser x or y (y up).
     pub before: Option<NormalRay>,
     /// On the side of greater x or y.
     pub after: Option<NormalRay>,
-    /// How many pixels away.
+    /// Distance in pixels.
     pub step_px: f64,
 }
 
 /// Errors of rounding are spread evenly up to the largest: their standard deviation is this share of it.
 pub(crate) const ROUNDING_DEVIATION: f64 = 0.577_350_269;
 
-/// How far samples are to be trusted: standard deviations of their errors.
+/// Noise of the samples: standard deviations of their errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
-    /// Of a component of a unit normal.
+    /// Error of a component of a unit normal.
     pub normal: f64,
-    /// Of a component of an offset, in its unit of length.
+    /// Error of a component of an offset, in its unit of length.
     pub offset: f64,
 }
 
@@ -55,9 +54,9 @@ pub(crate) struct Noise {
 pub(crate) enum LocalShape {
     /// The normal does not turn measurably: no direction.
     Planar,
-    /// It turns alike every way, likewise: no direction.
+    /// Equal curvature in all directions: no principal direction.
     Umbilic,
-    /// It turns one way only, as on a cylinder.
+    /// Curvature in one direction only, as on a cylinder.
     Parabolic,
     /// Two curvatures.
     General,
@@ -66,7 +65,7 @@ pub(crate) enum LocalShape {
 /// Principal curvatures of a surface, the larger in size first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PrincipalCurvatures {
-    /// The kind of the point; where it has no direction, those given are arbitrary.
+    /// The kind of the point; without a direction, the given ones are arbitrary.
     pub form: LocalShape,
     /// Curvatures per unit of length; convex is negative.
     pub curvatures: [f64; 2],
@@ -84,9 +83,9 @@ impl PrincipalCurvatures {
     }
 }
 
-/// Turn of the normal, in radians per pixel, below which a surface is planar: 6 degrees over a
-/// thousand pixels, flat to the eye. Higher values flatten large gentle shapes; lower ones follow the
-/// rounding of normals that were stored exactly but computed in f32.
+/// Turn of the normal, in radians per pixel, below which a surface is planar: 6 degrees over a thousand pixels,
+/// visually flat. Higher values flatten large gentle shapes; lower ones follow the rounding of normals that were stored
+/// exactly but computed in f32.
 pub(crate) const PLANAR_TURN: f64 = 1e-4;
 
 /// Difference of the curvatures over their sum below which a point is umbilic; its square is the
@@ -96,25 +95,24 @@ pub(crate) const UMBILIC: f64 = 1e-2;
 /// The lesser curvature over the greater below which it is 0.
 pub(crate) const PARABOLIC: f64 = 1e-3;
 
-/// Standard deviations by which the curvatures must differ. At 3 the rounding of a ball's normals to 8 bits
-/// is taken for a direction here and there; from 6 to 10, where steps may widen, the 95th percentile of the
-/// error on an ellipsoid of 256 px still falls from 8 to 6 degrees.
+/// Standard deviations by which the curvatures must differ. At 3 the rounding of a ball's normals to 8 bits passes for
+/// a direction here and there; from 6 to 10, where steps may widen, the 95th percentile of the error on an ellipsoid of
+/// 256 px still falls from 8 to 6 degrees.
 pub(crate) const CERTAINTY: f64 = 10.0;
 
 /// Cosine of the angle between two normals below which their rays are not compared: slopes run away.
 pub(crate) const MIN_COSINE: f64 = 0.1;
 
-/// Least sine between the two differences of feet: below it the surface is seen along itself.
+/// Least sine between the two differences of feet: below it the surface is seen edge-on.
 pub(crate) const MIN_SINE: f64 = 1e-6;
 
-/// How far before the plane of the picture a unit normal and the way to the viewer must point together.
+/// Smallest z, out of the picture's plane, of the sum of a unit normal and the unit direction to the viewer.
 pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
 
 /// Principal curvatures at a point with the normal `normal`, from the rays beside it along x and y.
 ///
-/// `None` where an axis has no usable ray, or the surface is seen along itself. With a ray on both sides
-/// of each the error is of second order in the step; a missing one is replaced by the point's own, at
-/// first order.
+/// `None` if an axis has no usable ray, or the surface is seen edge-on. With rays on both sides of each axis the error
+/// is of second order in the step; a missing one is replaced by the point's own, at first order.
 #[inline]
 pub(crate) fn principal_curvatures(
     normal: DVec3,
@@ -166,8 +164,8 @@ pub(crate) fn principal_curvatures(
     })
 }
 
-/// Curvatures of a surface as one tensor, in the frame that turning the normal to the viewer by the shortest
-/// way makes the picture's own: the frames of neighbours are nearly alike, so that tensors can be averaged.
+/// Curvatures of a surface as one tensor, in the frame that coincides with the picture's when the normal is rotated to
+/// the viewer by the shortest way: frames of neighbours are nearly equal, so tensors can be averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CurvatureTensor {
     /// Mean of the principal curvatures, per unit of length; convex is negative.
@@ -195,8 +193,8 @@ pub(crate) fn curvature_tensor(
     })
 }
 
-/// The tangents that become the picture's x and y when the unit normal is turned to the viewer by the
-/// shortest way; `None` where it points straight away.
+/// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way;
+/// `None` if it points straight away.
 #[inline]
 pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
     let both = normal + DVec3::Z;
@@ -209,7 +207,7 @@ pub(crate) struct Slopes {
     pub(crate) mean: f64,
     pub(crate) half_difference: f64,
     pub(crate) off: f64,
-    /// Of the feet: the area between them and the sum of their squares.
+    /// The area between the feet, and the sum of their squares.
     pub(crate) area: f64,
     pub(crate) spread: f64,
 }
@@ -223,8 +221,8 @@ impl Slopes {
         if !is_square_on {
             return None;
         }
-        // M U = S: the columns of U are feet, those of S slopes. The height over the tangent plane falls
-        // where a ray leans outward, so its second derivatives are -M.
+        // M U = S: the columns of U are feet, those of S slopes. Height above the tangent plane decreases where a ray
+        // leans outward, so its second derivatives are -M.
         let column_x = (y.slope * u.y - x.slope * v.y) / area;
         let column_y = (x.slope * v.x - y.slope * u.x) / area;
         Some(Self {
@@ -260,7 +258,7 @@ impl Local {
         })
     }
 
-    /// Foot and slope of a ray; `None` where it leans too far.
+    /// Foot and slope of a ray; `None` if it leans too far.
     pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
@@ -271,7 +269,7 @@ impl Local {
         (leans_little && foot.is_finite() && slope.is_finite()).then_some((foot, slope))
     }
 
-    /// The ray after less the ray before; the point's own ray, all zero, stands in for one of them.
+    /// Difference of the rays after and before; the point's own ray, all zero, replaces a missing one.
     fn difference(&self, sides: &Sides) -> Option<Difference> {
         let [before, after] = [&sides.before, &sides.after].map(|r| self.ray(r.as_ref()?));
         let samples =
@@ -310,8 +308,7 @@ mod tests {
         offset: 0.0,
     };
 
-    /// Rays half a unit to each side of the origin on the height `(xx x^2 + 2 xy x y + yy y^2) / 2`,
-    /// all of it turned by `turn`.
+    /// Rays half a unit to each side of the origin on the height `(xx x^2 + 2 xy x y + yy y^2) / 2`, rotated by `turn`.
     fn sides_of([xx, xy, yy]: [f64; 3], turn: glam::DMat3) -> (DVec3, [Sides; 2]) {
         let ray = |x: f64, y: f64| NormalRay {
             offset: turn * DVec3::new(x, y, 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y)),
@@ -405,8 +402,8 @@ mod tests {
 
     #[test]
     fn differences_within_the_noise_are_no_direction() {
-        // Half the difference of the slopes is 0.005, the greater 0.02; feet are a unit apart, so the noise
-        // of the one is that of the normals, and ten times it is asked for.
+        // Half the difference of the slopes is 0.005, the greater 0.02; feet are a unit apart, so the former has the
+        // noise of the normals, and ten times that is required.
         let (normal, sides) = sides_of([-0.02, 0.0, -0.01], glam::DMat3::IDENTITY);
         let form = |normal_noise| {
             let noise = Noise {

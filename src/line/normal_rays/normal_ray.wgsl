@@ -1,7 +1,7 @@
 // Rays along normals beside a point, and how they turn around it. Everything is computed from differences that are
 // passed in: subtracting large numbers here would lose them.
 
-// Where the ray of a normal meets the tangent plane of another point, and its slope there.
+// Intersection of a normal's ray with the tangent plane of another point, and its slope there.
 struct Ray {
     is_there: bool,
     foot: vec2<f32>,
@@ -12,14 +12,14 @@ fn no_ray() -> Ray {
     return Ray(false, vec2<f32>(0.0), vec2<f32>(0.0));
 }
 
-// From a point of the surface to one beside it.
+// From a point of the surface to an adjacent one.
 struct Step {
     is_there: bool,
     offset: vec3<f32>,
 }
 
-// The step square to the sum of both normals, from one sight line to one beside it; `apart` is how far points at a depth
-// of 1 on them are apart.
+// The step perpendicular to the sum of both normals, from one sight line to an adjacent one; `apart` is the distance
+// between their points at a depth of 1.
 fn sight_lines_step(normals: vec3<f32>, line: vec3<f32>, line_there: vec3<f32>, apart: vec3<f32>) -> Step {
     let facing = dot(normals, line_there);
     let offset = apart - dot(normals, apart) / facing * line_there;
@@ -29,7 +29,7 @@ fn sight_lines_step(normals: vec3<f32>, line: vec3<f32>, line_there: vec3<f32>, 
 // The ray of the normal `there`, a step from the point with the unit normal `normal`, on the plane of two tangents; `turn`
 // is the one normal less the other.
 fn local_ray(step: Step, there: vec3<f32>, turn: vec3<f32>, normal: vec3<f32>, tangents: array<vec3<f32>, 2>) -> Ray {
-    // What the normals have in common lies along the own one.
+    // The common part of the normals lies along this point's own.
     let lean = vec2<f32>(dot(tangents[0], turn), dot(tangents[1], turn));
     let up = dot(normal, there);
     let slope = lean / up;
@@ -52,12 +52,12 @@ struct Slopes {
     is_there: bool,
     mean: f32,
     deviator: vec2<f32>,
-    // Of the feet: the area between them and the sum of their squares.
+    // The area between the feet, and the sum of their squares.
     area: f32,
     spread: f32,
 }
 
-// Differences of rays across a point; the own ray, all 0, stands in for one that is missing.
+// Differences of rays across a point; its own ray, all 0, replaces a missing one.
 fn slopes_of(left: Ray, right: Ray, below: Ray, above: Ray) -> Slopes {
     let are_there = (left.is_there || right.is_there) && (above.is_there || below.is_there);
     let u = right.foot - left.foot;

@@ -11,11 +11,11 @@
 @group(0) @binding(6) var<storage, read> depth: array<f32>;
 @group(0) @binding(7) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(8) var<storage, read_write> direction_y: array<f32>;
-// 1 where a pixel has a direction, 0 where it lacks one, and NOTHING outside the surface.
+// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
 @group(0) @binding(9) var<storage, read_write> filled: array<u32>;
 // 1 where the surface is a plane.
 @group(0) @binding(10) var<storage, read_write> marks: array<u32>;
-// What lacks a direction: the open pixels and those on edges, and how many there are of both.
+// Pixels without a direction: open ones and those on edges, with their counts.
 @group(0) @binding(11) var<storage, read_write> open: array<u32>;
 @group(0) @binding(12) var<storage, read_write> closed: array<u32>;
 @group(0) @binding(13) var<storage, read_write> counts: array<atomic<u32>>;
@@ -36,7 +36,7 @@ struct Point {
     unit: f32,
 }
 
-// What a pixel tells of its direction: 0 where it has none.
+// The direction found at a pixel; 0 without one.
 struct Found {
     direction: vec2<f32>,
     is_flat: bool,
@@ -69,7 +69,7 @@ fn point_at(x: u32, y: u32) -> Point {
     return Point(i, place, line(place), stored, normal, any_orthonormal_pair(normal), unit);
 }
 
-// A step to the point that depth tells of, `away` in pixels.
+// The step to the point given by depth, `away` in pixels.
 fn step_by_depth(here: Point, i: u32, away: vec2<f32>, line_there: vec3<f32>) -> Step {
     let line_apart = vec3<f32>(away * vec2<f32>(params.line_x_step, params.line_y_step), 0.0);
     let start_apart = vec3<f32>(away * vec2<f32>(params.start_x_step, params.start_y_step), 0.0);
@@ -103,7 +103,7 @@ fn ray_at(here: Point, away: vec2<i32>) -> Ray {
     return local_ray(step, there, there - here.stored, here.normal, here.tangents);
 }
 
-// How many pixels are open one after the other from the next one on, of `most`.
+// Number of consecutive open pixels ahead, up to `most`.
 fn open_ahead(here: Point, ahead: vec2<i32>, most: i32) -> i32 {
     let size = vec2<i32>(i32(width()), i32(height()));
     var at = vec2<i32>(here.place);
@@ -120,11 +120,12 @@ fn open_ahead(here: Point, ahead: vec2<i32>, most: i32) -> i32 {
 struct Sides {
     before: Ray,
     after: Ray,
-    // The pixels that lie between them.
+    // Number of pixels between them.
     samples: f32,
 }
 
-// The rays as far away on both sides as the surface goes on either; on one side alone where it ends at once on the other.
+// Rays equally far on both sides, as far as the surface continues on each; on one side alone if it ends at once on the
+// other.
 fn sides(here: Point, ahead: vec2<i32>, most: i32) -> Sides {
     let before = open_ahead(here, -ahead, most);
     let after = open_ahead(here, ahead, most);
@@ -141,7 +142,7 @@ fn sides(here: Point, ahead: vec2<i32>, most: i32) -> Sides {
     return rays;
 }
 
-// The curvature larger in size, and where it leads on the plane of the tangents: 0 for no direction.
+// The curvature larger in magnitude, and its direction in the tangent plane: 0 for no direction.
 struct Larger {
     is_there: bool,
     is_flat: bool,
@@ -175,7 +176,7 @@ fn larger_curvature(here: Point, step: i32) -> Larger {
     return Larger(form.is_there, is_flat, direction);
 }
 
-// The direction at the shortest step that tells one; where none does, what the longest tells.
+// The direction at the shortest step that gives one; otherwise the result of the longest.
 fn found_at(x: u32, y: u32) -> Found {
     let here = point_at(x, y);
     var found = Found(vec2<f32>(0.0), false);

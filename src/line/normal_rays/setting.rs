@@ -1,16 +1,16 @@
-//! What directions of the surface's own curvature are made by, the same on every backend.
+//! Parameters of the surface's own curvature directions, the same on every backend.
 
 use crate::frame::{Frame, Plane, SightLines};
 use crate::line::normal_rays::ROUNDING_DEVIATION;
 use crate::plan::{Plan, Points};
 
-/// How much wider the next step is where one found no direction.
+/// Factor to the next step after one that found no direction.
 pub(crate) const STEP_GROWTH: usize = 4;
 
 /// Largest rounding error of an f32 of size 1, as a share of it.
 const F32_ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
-/// How normal rays are found in a frame.
+/// Settings for normal rays in a frame.
 pub(crate) struct RaySetting<'a> {
     pub(crate) sight: SightLines,
     /// Depth, where points are taken from it.

@@ -28,7 +28,7 @@ pub(crate) static NORMAL_RAYS: Stage = Stage {
 };
 
 fn decide(plan: &Plan) -> Verdict {
-    // Strokes find them where they need them.
+    // Strokes compute them where needed.
     if !plan.wants(Product::Direction) && plan.drawing.is_none() {
         return plan.left_out("nothing here follows a direction");
     }

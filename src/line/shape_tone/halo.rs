@@ -1,4 +1,4 @@
-//! Halos: paper left bare behind the rim of what stands before something else, so that it comes forward.
+//! Halos: paper left bare behind the rim of an object in front, so that it stands out.
 
 use crate::frame::{DepthKind, Frame, Plane};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ const WIDTH: f32 = 1.0 / 350.0;
 /// An occluder is nearer than this share of a pixel's depth.
 const BEFORE: f32 = 0.965;
 
-/// Sets densities to 0 that lie no farther than a halo of this `factor` from something that stands before them.
+/// Sets densities to 0 within a halo of this `factor` of an object in front of them.
 pub(super) fn leave_bare(densities: &mut Plane, frame: &Frame, factor: f32) {
     let window = frame.display_window;
     let size = ((window.width() * window.height()) as f32).sqrt();
@@ -34,7 +34,7 @@ pub(super) fn leave_bare(densities: &mut Plane, frame: &Frame, factor: f32) {
                     .for_each(|(least, d)| *least = least.min(*d));
             }
             for ((density, least), depth) in row.iter_mut().zip(&*column).zip(depth.row(y)) {
-                // A NaN stands behind nothing.
+                // NaN depth is behind nothing.
                 if *least < BEFORE * depth {
                     *density = 0.0;
                 }
@@ -51,7 +51,7 @@ fn nearest_across(frame: &Frame, depth: &Plane, reach: usize) -> Plane {
     rows.for_each_init(
         || vec![0.0; width + 2 * reach],
         |beyond, (y, row)| {
-            // The row with its uncovered samples, and those beyond its ends, infinitely far.
+            // The row with its uncovered samples and those beyond its ends at infinity.
             beyond.fill(f32::INFINITY);
             for run in frame.mask.runs(y) {
                 beyond[reach..][run.clone()].copy_from_slice(&depth.row(y)[run]);

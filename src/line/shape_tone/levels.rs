@@ -1,8 +1,8 @@
-//! What tones are fit to: numbers of a picture, or of several that go together.
+//! Statistics that tones are fitted to, of one picture or of several together.
 
 use crate::params::ToneLevels;
 
-/// The shares of what shows form below which ranks are known.
+/// Shares of the form-showing pixels at which quantiles are stored.
 pub(super) const SHARES: [f32; 13] = [
     0.0, 0.02, 0.05, 0.10, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70, 0.80, 0.95, 1.0,
 ];
@@ -13,29 +13,29 @@ const ENDS: [usize; 2] = [1, 11];
 /// The least spread between the 10th and the 90th percentile, in stops, that is taken for a surface's own: less is noise.
 const LEAST_SPREAD: f32 = 0.3;
 
-/// The middle and the spread of values, by which those of two kinds are compared.
+/// Centre and spread of values, to compare those of two kinds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     /// The median.
     pub(super) middle: f32,
-    /// From the 10th to the 90th percentile.
+    /// Distance from the 10th to the 90th percentile.
     pub(super) width: f32,
 }
 
 impl Spread {
-    /// How many spreads above the middle a value lies.
+    /// Distance of a value above the centre, in spreads.
     #[inline(always)]
     pub(super) fn standard(self, value: f32) -> f32 {
         (value - self.middle) / self.width.max(LEAST_SPREAD)
     }
 }
 
-/// How brightness is counted in stops, and in spreads.
+/// Scales of brightness in stops, and in spreads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scales {
     /// The median luminance.
     pub(super) median: f32,
-    /// Of the picture's brightness, in stops about the median, and of that in the key light.
+    /// Brightness of the picture, in stops about the median, and brightness in the key light.
     pub(super) picture: Spread,
     pub(super) key: Spread,
 }
@@ -58,7 +58,7 @@ impl Ranks {
         SHARES[below] + share * (SHARES[above] - SHARES[below])
     }
 
-    /// Where a brightness lies between the darkest, 0, and the lightest, 1, or beyond.
+    /// Relative position of a brightness between the darkest, 0, and the lightest, 1, or beyond.
     pub(super) fn place(&self, value: f32) -> f32 {
         let [darkest, lightest] = ENDS.map(|end| self.0[end]);
         (value - darkest) / (lightest - darkest).max(f32::MIN_POSITIVE)
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn ranks_lie_between_those_that_are_known() {
-        // Half-way between the brightness of 40 % and that of 50 % it is 45 %; what several are below has the rank of the
+        // Half-way between the brightness of 40 % and that of 50 % it is 45 %; equal quantiles give the rank of the
         // last of them. From 2 to 95 % brightness runs from 1 to 10 here.
         let ranks = Ranks([
             0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0,

@@ -60,7 +60,7 @@ fn find(run: &mut Run) {
     run.canvas = canvas;
     run.canvas.density = Some(density);
     if run.canvas.luminance.is_some() {
-        // Of a large drawing nothing is held for long.
+        // For a large drawing nothing is held for long.
         run.memory.recycle(run.outcome.shape.trace.take());
     }
 }

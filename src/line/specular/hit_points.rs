@@ -1,4 +1,4 @@
-//! The pixels of a frame through its mirrors and lenses where a renderer wrote the points that they show.
+//! The pixels of a frame seen through mirrors and lenses, with the hit points written by a renderer.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, SURFACE_JUMP, SightLines, SpecularScene, Vector3Planes, step_between};
@@ -10,10 +10,10 @@ use crate::trace::{Hit, HitSurface, VisibleSurface};
 use glam::{DQuat, DVec2, DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Share of the distance by which a point may lie off a surface that it is on.
+/// Largest distance of a point from a surface it belongs to, as a share of the distance.
 const ON_SURFACE: f64 = 0.01;
 
-/// All pixels whose point is known, row by row.
+/// All pixels with a known hit point, row by row.
 pub(crate) fn hit_pixels(
     frame: &Frame,
     scene: &SpecularScene,
@@ -58,7 +58,7 @@ impl HitPoints<'_> {
         Some(self.points.at(x, y)).filter(|point| point.is_finite())
     }
 
-    /// How the point changes from pixel to pixel to the right and up.
+    /// Change of the point from pixel to pixel to the right and up.
     fn steps(&self, x: usize, y: usize) -> Option<[DVec3; 2]> {
         let here = self.point(x, y)?;
         Some([
@@ -67,7 +67,7 @@ impl HitPoints<'_> {
         ])
     }
 
-    /// The unit normal of what is seen, toward the specular surface.
+    /// The unit normal of the surface seen, toward the specular surface.
     fn normal(&self, x: usize, y: usize) -> Option<DVec3> {
         let [right, up] = self.steps(x, y)?;
         let normal = right.cross(up).try_normalize()?;
@@ -110,7 +110,7 @@ impl HitPoints<'_> {
         })
     }
 
-    /// The point as a hit on what lies behind or around, where it is on one of them.
+    /// The point as a hit on the surface behind or around, if it is on one of them.
     fn on_known_surface(&self, point: DVec3, normal: DVec3, tangents: &Tangents) -> Option<Hit> {
         let hit = |surface| Hit {
             point,
@@ -135,7 +135,7 @@ impl HitPoints<'_> {
         })
     }
 
-    /// The direction of the larger curvature of what is seen, from its points alone.
+    /// The direction of the larger curvature of the surface seen, from its points alone.
     fn curvature(&self, x: usize, y: usize, normal: DVec3) -> Option<DVec3> {
         let here = self.point(x, y)?;
         let [right, up] = self.steps(x, y)?;

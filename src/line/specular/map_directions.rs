@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The directions on the surroundings of the last run: a sequence has the same ones all along.
+/// The directions on the surroundings of the last run, since a sequence has the same ones throughout.
 #[derive(Debug, Default)]
 pub(crate) struct DirectionCache(Mutex<Option<LastDirections>>);
 
@@ -17,7 +17,7 @@ struct LastDirections {
 }
 
 impl DirectionCache {
-    /// The directions on these surroundings, made unless they are kept.
+    /// The directions on these surroundings, computed unless cached.
     pub(crate) fn of(&self, surroundings: &Arc<Surroundings>) -> Arc<Vector3Planes> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kept) = kept.as_ref()
@@ -34,8 +34,8 @@ impl DirectionCache {
     }
 }
 
-/// Two texels lie on one surface if the step between them leaves it, by the mean of their normals, at less than
-/// this sine.
+/// Largest sine of the angle between the step from one texel to another and the tangent plane, by the mean of their
+/// normals, for both to lie on one surface.
 const OFF_SURFACE: f64 = 0.2;
 
 /// Cosine of the angle between the normals of two texels on one surface.
@@ -95,7 +95,7 @@ fn texel(map: &Surroundings, x: usize, y: usize) -> Option<(DVec3, DVec3)> {
     is_there.then_some((point, normal))
 }
 
-/// The normal ray of a neighbour, where it is on the same surface.
+/// The normal ray of a neighbour, if it is on the same surface.
 fn beside(here: (DVec3, DVec3), there: (DVec3, DVec3)) -> Option<NormalRay> {
     let offset = there.0 - here.0;
     let both = here.1 + there.1;
@@ -115,8 +115,8 @@ mod tests {
 
     #[test]
     fn a_tube_around_the_viewer_bends_around_its_axis() {
-        // From inside a tube of radius 2 along y, the normal toward the axis: the curvature larger in size runs
-        // around, square to y.
+        // From inside a tube of radius 2 along y, with the normal toward the axis: the curvature larger in magnitude
+        // runs around it, perpendicular to y.
         let (width, height) = (64, 32);
         let toward = |x, y| map_direction(x, y, width, height);
         let normal = |x, y| -DVec3::new(toward(x, y).x, 0.0, toward(x, y).z).normalize();

@@ -1,4 +1,4 @@
-//! Drawing what specular pixels show: directions of strokes in the picture, and the shape that appears there.
+//! Drawing surfaces seen in specular pixels: stroke directions in the picture, and their apparent shape.
 
 pub(crate) mod hit_points;
 pub(crate) mod map_directions;
@@ -21,10 +21,10 @@ use crate::trace::Tracer;
 
 /// The surface that a frame's specular pixels show.
 pub(crate) struct SeenThrough {
-    /// The frame with the shape of what is seen in them, as it appears there.
+    /// The frame with the apparent shape of the surfaces seen in them.
     pub(crate) frame: Frame,
-    /// The directions of strokes on it, in the order wanted: unit, in the picture, x right, y up; 0 elsewhere and
-    /// where they are unknown.
+    /// The stroke directions on those surfaces, in the order wanted: unit, in the picture, x right, y up; 0 elsewhere
+    /// and where unknown.
     pub(crate) directions: Vec<Vector2Planes>,
 }
 
@@ -82,7 +82,7 @@ fn blank(frame: &Frame) -> Vector2Planes {
     }
 }
 
-/// The shape of the frame with that of what its specular pixels show in its place; without the picture.
+/// The frame's shape, with the apparent one in its specular pixels; without the picture.
 fn as_it_appears(frame: &Frame, sight: &SightLines, pixels: &[SeenPixel]) -> Frame {
     let mut normal = frame.normal.clone();
     let mut depth = frame.depth.clone();

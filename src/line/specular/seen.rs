@@ -17,15 +17,15 @@ const ROWS: usize = 16;
 pub(crate) struct SeenPixel {
     pub(crate) x: usize,
     pub(crate) y: usize,
-    /// The normal of what is seen, turned to where it appears.
+    /// The normal of the surface seen, rotated to where it appears.
     pub(crate) normal: Vec3,
-    /// The depth along the view axis at which it appears.
+    /// Apparent depth along the view axis.
     pub(crate) depth: f32,
-    /// Directions of strokes in the picture, unit, in the order wanted; 0 where there is none.
+    /// Stroke directions in the picture, unit, in the order wanted; 0 for none.
     pub(crate) directions: [Vec2; 2],
 }
 
-/// All pixels that show something, row after row.
+/// All pixels in which a surface is seen, row by row.
 pub(crate) fn seen_pixels(
     frame: &Frame,
     tracer: &Tracer,
@@ -44,7 +44,7 @@ pub(crate) fn seen_pixels(
     bands.concat()
 }
 
-/// The paths of some rows and of those beside them.
+/// The paths of some rows and of the adjacent ones.
 struct Band {
     rows: std::ops::Range<usize>,
     first: usize,
@@ -125,7 +125,7 @@ impl Band {
     }
 }
 
-/// How the point met changes from pixel to pixel.
+/// Change of the hit point from pixel to pixel.
 fn steps(tracer: &Tracer, hit: &Hit, beside: &Beside) -> Option<[DVec3; 2]> {
     let point = |path: Option<&Path>| Some(tracer.hit(&path?.leaving())?.point);
     let step = |[before, after]: [Option<&Path>; 2]| match (point(before), point(after)) {

@@ -1,4 +1,4 @@
-//! Mirrors and lenses in a drawing: what they show is drawn as it appears in them.
+//! Mirrors and lenses in a drawing: surfaces seen in them are drawn as they appear.
 
 use crate::engine::cpu::run::Run;
 use crate::line::specular::seen_through;
@@ -8,7 +8,7 @@ use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::edges::cpu::edges_and_gradient;
 
-/// The stage that finds what mirrors and lenses show, for drawings. Relighting looks it up itself.
+/// The stage that finds the surfaces seen in mirrors and lenses, for drawings. Relighting looks them up itself.
 pub(crate) static SPECULAR_TRACE: Stage = Stage {
     name: "specular-trace",
     steps: &[Step {

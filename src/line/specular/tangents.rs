@@ -1,4 +1,4 @@
-//! Directions that strokes take on what specular pixels show, in space.
+//! Stroke directions in space on the surfaces seen in specular pixels.
 
 use crate::frame::{Camera, SightLines, Vector2Planes, Vector3Planes};
 use crate::line::direction::fixed_tangents;
@@ -11,9 +11,9 @@ use std::sync::Arc;
 pub(crate) struct Tangents<'a> {
     pub(crate) tracer: &'a Tracer<'a>,
     pub(crate) camera: Camera,
-    /// On what lies behind: the strokes drawn there, one field for each of the directions wanted.
+    /// On the surface behind: the strokes drawn there, one field for each of the directions wanted.
     pub(crate) behind: Vec<Vector2Planes>,
-    /// On the surroundings: the curvature larger in size, in world space; 0 where there is none.
+    /// On the surroundings: the direction of the curvature larger in magnitude, in world space; 0 for none.
     pub(crate) around: Option<Arc<Vector3Planes>>,
     /// The directions wanted: of the larger curvature, 0, or the lesser, 1.
     pub(crate) families: Vec<usize>,
@@ -21,7 +21,7 @@ pub(crate) struct Tangents<'a> {
 }
 
 impl Tangents<'_> {
-    /// The tangent at a hit that strokes of the direction wanted in this `order` take; of any length.
+    /// The tangent at a hit for strokes of the direction wanted with this `order`; of any length.
     pub(crate) fn at(&self, hit: &Hit, order: usize) -> Option<DVec3> {
         match hit.surface {
             HitSurface::Behind(at) => {

@@ -9,7 +9,7 @@ use crate::line::density::coverage_at;
 use crate::line::tone::Densities;
 use crate::params::StrokeParams;
 
-/// The dots of a tone, and what they cover.
+/// The dots of a tone, and their coverage.
 pub(crate) fn stippled(
     densities: &Densities,
     params: &StrokeParams,
@@ -22,7 +22,7 @@ pub(crate) fn stippled(
     let dots = dots(&ink, radius, params.seed, memory);
     let mut drawn = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
-    // Ink beyond a silhouette lies under its line.
+    // Ink beyond a silhouette is under its line.
     let is_covered = frame.mask.plane().samples();
     for (ink, _) in drawn
         .samples_mut()
@@ -35,7 +35,7 @@ pub(crate) fn stippled(
     (dots, drawn)
 }
 
-/// Radius of the smallest dots, in pixels: smaller ones make grey of all.
+/// Radius of the smallest dots, in pixels: smaller ones turn everything grey.
 const LEAST_RADIUS: f32 = 0.3;
 
 /// Dots of a radius that cover `ink`, 0..1, of the paper.

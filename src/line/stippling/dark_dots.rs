@@ -1,4 +1,4 @@
-//! What dots cover of the paper, and radii that make it what is wanted.
+//! Coverage of the paper by dots, and radii that match it to the tone.
 
 use super::Dot;
 use crate::engine::cpu::memory::Memory;
@@ -11,14 +11,14 @@ use std::f32::consts::PI;
 /// Rows that one task draws.
 const ROWS: usize = 16;
 
-/// Side of a cell in which ink is held to what is wanted, in radii.
+/// Side of a cell in which ink is matched to the tone, in radii.
 const CELL: f32 = 12.0;
 
-/// How often radii are mended, and by what factors of ink at most each time.
+/// Number of corrections of radii, and the limits of the ink factor in each.
 const MENDS: usize = 8;
 const MEND: [f32; 2] = [0.7, 1.5];
 
-/// Dots of a radius at these places, mended so that they cover `ink` on average about them.
+/// Dots of a radius at these positions, with radii corrected so that they cover `ink` on local average.
 pub(super) fn mended(places: &[Vec2], radius: f32, ink: &Plane, memory: &Memory) -> Vec<Dot> {
     let dots = places.iter().map(|&at| Dot { at, radius });
     let mut dots: Vec<Dot> = dots.collect();
@@ -34,7 +34,7 @@ pub(super) fn mended(places: &[Vec2], radius: f32, ink: &Plane, memory: &Memory)
     dots
 }
 
-/// The share of every pixel that dots cover: each what others leave white.
+/// The share of every pixel covered by dots: each inks the paper left white by the others.
 pub(super) fn covered(dots: &[Dot], [width, height]: [usize; 2]) -> Plane {
     let mut bands: Vec<Vec<Dot>> = vec![Vec::new(); height.div_ceil(ROWS)];
     for &dot in dots {

@@ -1,10 +1,10 @@
 //! Stippling: tone in dots of about one size, dense in the dark, sparse in the light, and evenly spaced.
 //!
-//! Theory: weighted stippling [Sec] spreads dots by tone and evens their distances. Changes: dots are placed by error
-//! diffusion [FS], which lays as many as tone asks for whatever its course, in linear time, and in place of Voronoi cells
-//! neighbours that are nearer than tone has them push each other away. Where dots overlap their areas add up to more than
-//! they cover, so that more are laid; then radii are mended so that ink covers what tone says. Practice: all is
-//! found from the tone alone, and is the same for a seed.
+//! Theory: weighted stippling [Sec] distributes dots by tone and evens their distances. Changes: dots are placed by
+//! error diffusion [FS], which places as many as the tone requires for any gradient, in linear time, and instead of
+//! Voronoi cells, neighbours closer than their tone implies repel each other. Overlapping dots cover less than the sum
+//! of their areas, so more are placed; then radii are corrected so that ink matches the tone. Practice: everything is
+//! computed from the tone alone, and is the same for a seed.
 
 pub(crate) mod cpu;
 mod dark_dots;

@@ -1,4 +1,4 @@
-//! Dots spread by tone, and kept apart.
+//! Dots distributed by tone, and spaced apart.
 
 use super::super::random::Random;
 use crate::engine::cpu::memory::Memory;
@@ -7,33 +7,33 @@ use glam::Vec2;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-/// Ink from which on dots overlap, and how much more is laid then, times the square of what is beyond: where all paper
-/// is covered, the areas of dots in a hexagonal order add up to 1.21 of it.
+/// Ink from which dots overlap, and the factor for additional ones, times the square of the excess: where all paper is
+/// covered, the areas of hexagonally packed dots add up to 1.21 of it.
 const OVERLAPS_FROM: f32 = 0.55;
 const OVERLAP: f32 = 1.3;
 
 /// Dots in a cell of error diffusion at most.
 const MOST_IN_CELL: f32 = 0.5;
 
-/// By how much, of a dot, it is left to chance where error diffusion lays it.
+/// Random part of the threshold of error diffusion, in dots.
 const CHANCE: f32 = 0.5;
 
-/// How often dots push each other away, and how far, as a share of what they are too near.
+/// Number of rounds in which dots repel each other, and the step as a share of the missing distance.
 const ROUNDS: usize = 10;
 const PUSH: f32 = 0.3;
 
-/// The distance to be kept, over the root of the paper that a dot has: 1.07 in a hexagonal order.
+/// The distance wanted, relative to the root of the paper area per dot: 1.07 in a hexagonal order.
 const APART: f32 = 1.0;
 
 /// The farthest that a dot pushes, in radii.
 const FARTHEST: f32 = 16.0;
 
-/// The ink that dots lay in all where a share of the paper is to be covered by them.
+/// Sum of the dots' areas needed to cover this share of the paper.
 fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
 }
 
-/// Places of dots of a radius, so that they cover `ink`, 0..1, of the paper.
+/// Positions of dots of a radius, so that they cover `ink`, 0..1, of the paper.
 pub(super) fn places(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let field = Field {
         ink,
@@ -46,10 +46,10 @@ pub(super) fn places(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Ve
     places
 }
 
-/// How many dots are wanted where.
+/// Number of dots wanted by position.
 struct Field<'a> {
     ink: &'a Plane,
-    /// That of a dot.
+    /// Area of a dot.
     area: f32,
 }
 
@@ -57,7 +57,7 @@ impl Field<'_> {
     /// Dots in a pixel.
     fn density(&self, x: usize, y: usize) -> f32 {
         let ink = self.ink.at(x, y);
-        // A NaN is none.
+        // NaN counts as none.
         if ink > 0.0 {
             laid(ink.min(1.0)) / self.area
         } else {
@@ -76,7 +76,7 @@ impl Field<'_> {
     }
 }
 
-/// Dots by error diffusion [FS], row by row to and fro, in parts of pixels where a pixel takes several.
+/// Dots by error diffusion [FS], in serpentine rows, on a finer grid if a pixel takes several.
 fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let mut random = Random::new(seed);
     let most = laid(1.0) / field.area;
@@ -103,7 +103,7 @@ fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
                 }
                 sum - f32::from(u8::from(is_dot))
             } else {
-                // Where dots begin, the first is as soon as it would be in the midst of them.
+                // Where dots begin, the first one comes as soon as it would amid others.
                 0.5 * random.signed()
             };
             let beside = |offset: isize| (x as isize + 1 + offset * ahead) as usize;
@@ -117,7 +117,7 @@ fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     dots
 }
 
-/// Every dot moved away from those that are too near, unless no ink is wanted there.
+/// Every dot pushed away from dots that are too close, unless no ink is wanted there.
 fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
     let size = Vec2::new(field.ink.width() as f32, field.ink.height() as f32);
     let cells = Cells::new(places, size, (2.0 * radius).max(1.0));
@@ -138,12 +138,12 @@ fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
     places.par_iter().enumerate().map(moved).collect()
 }
 
-/// Places by the cell that they lie in, in their order.
+/// Positions by cell, in their order.
 struct Cells<'a> {
     places: &'a [Vec2],
     /// Numbers of places, cell by cell.
     numbers: Vec<u32>,
-    /// Where the numbers of every cell start, and where those of the last end.
+    /// Start of each cell's numbers, and the end of the last.
     starts: Vec<u32>,
     size: [usize; 2],
     side: f32,

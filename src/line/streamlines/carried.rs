@@ -1,17 +1,17 @@
-//! Where lines of the frame before go on in this one.
+//! Continuation of the previous frame's lines in this one.
 
 use crate::frame::{Mask, Vector2Planes};
 use glam::Vec2;
 
-/// Steps in which a place is looked for that the surface has come to: it closes in where motion changes by less than a pixel
-/// per pixel.
+/// Iterations to find the new position of a surface point: they converge where motion changes by less than a pixel per
+/// pixel.
 const STEPS: usize = 8;
 
-/// How far, in pixels, a place may lie from where its surface came from.
+/// Largest distance, in pixels, of a position from its surface's origin.
 const FARTHEST: f32 = 0.5;
 
-/// The place to which the surface at a place of the frame before has come by `motion` (pixels, x right, y up); `None` if it is
-/// hidden now.
+/// The new position of the surface at a position in the previous frame, by `motion` (pixels, x right, y up); `None` if
+/// it is hidden now.
 pub(super) fn carried(before: Vec2, motion: &Vector2Planes, mask: &Mask) -> Option<Vec2> {
     let come = |at: Vec2| {
         let is_inside = at.x >= 0.0 && at.y >= 0.0;
@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn places_go_where_their_surface_went() {
-        // All comes nearer by a twentieth, about the middle: a pixel at p came by (p - middle)/21 since.
+        // Everything approaches by a twentieth, about the middle: a pixel at p came by (p - middle)/21 since.
         let middle = Vec2::splat(100.0);
         let come = |x: usize, y: usize| (Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - middle) / 21.0;
         let motion = Vector2Planes {
@@ -57,7 +57,7 @@ mod tests {
                 "{now:?}"
             );
         }
-        // What is not there any more takes no line along.
+        // A surface that is gone carries no line along.
         let gone = Mask::new(Plane::filled(200, 200, false));
         assert_eq!(carried(before[0], &motion, &gone), None);
     }

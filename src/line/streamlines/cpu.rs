@@ -15,17 +15,17 @@ use crate::params::{AtEdges, StrokeParams, Style};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Density from which on engraved lines are crossed by others: the first swell to half of the paper before.
+/// Density from which engraved lines are crossed by others: below it the first swell to half of the paper.
 const ENGRAVING_CROSSED_FROM: f32 = 0.7;
 
-/// A family of lines: the directions that they follow, and the seeds of those that are laid before all others.
+/// A family of lines: the field they follow, and the seeds placed before all others.
 pub(crate) struct Family<'a> {
     pub(crate) field: &'a Vector2Planes,
     pub(crate) first: &'a [Seed],
 }
 
 impl<'a> Family<'a> {
-    /// The families along these fields, with the first seeds of each as far as there are any.
+    /// The families along these fields, with the first seeds of each, if any.
     pub(crate) fn all(fields: &'a [Vector2Planes], first: &'a [Vec<Seed>]) -> Vec<Self> {
         let first = first
             .iter()
@@ -38,7 +38,7 @@ impl<'a> Family<'a> {
     }
 }
 
-/// The lines of every family in turn, and family by family where they were started.
+/// The lines of every family in turn, and their seeds by family.
 pub(crate) fn lines(
     densities: &Densities,
     families: &[Family],
@@ -75,7 +75,7 @@ pub(crate) fn lines(
     (found.concat(), seeds)
 }
 
-/// Where lines of the frame before were started, family by family, as far as that is seen in this one.
+/// Seeds of the previous frame's lines, by family, where they are visible in this one.
 pub(crate) fn carried_seeds(sequence: Option<SequenceInputs>, frame: &Frame) -> Vec<Vec<Seed>> {
     let Some((before, motion)) = sequence.and_then(|inputs| inputs.before.zip(inputs.motion))
     else {
@@ -111,7 +111,7 @@ fn inks(
     })
 }
 
-/// How much of the paper lines cover.
+/// Coverage of the paper by lines.
 pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
     let of = |crosses: bool| {
         let drawn = lines.iter().filter(|line| line.crosses == crosses);
@@ -124,7 +124,7 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
         lay_over(&mut covered, &crossing);
         memory.recycle([crossing]);
     }
-    // Ink beyond a silhouette lies under its line.
+    // Ink beyond a silhouette is under its line.
     covered.each_row(|y, row| {
         let covered = frame.mask.plane().row(y);
         for (ink, _) in row
@@ -138,7 +138,7 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
     covered
 }
 
-/// Lays ink over ink: each covers its share of what the other leaves white.
+/// Lays ink over ink: each covers its share of the white left by the other.
 fn lay_over(covered: &mut Plane, crossing: &Plane) {
     let samples = covered.samples_mut().par_iter_mut();
     samples

@@ -1,10 +1,10 @@
 //! Evenly spaced streamlines: strokes as vector lines, for plotters and for editing.
 //!
-//! Theory: [JL] traces a line along a field until it comes too near another, and starts new ones beside those
-//! there are, at the distance wanted. Changes: that distance follows tone, a width over the ink wanted. When all
-//! lines are laid each is made as wide, within what its pen can do, as the room to its neighbours asks for, so
-//! that ink covers what tone says though lines could not lie at the very distance. Practice: lines go where
-//! ink is wanted and stop where none is; nothing crosses an edge on which the caller wants none.
+//! Theory: [JL] traces a line along a field until it comes too close to another, and starts new ones beside existing
+//! ones, at the distance wanted. Changes: that distance follows tone, as width over the ink wanted. After all lines are
+//! placed the width of each is adapted, within the limits of its pen, to the distance of its neighbours, so that ink
+//! matches the tone although lines could not be at the exact distance. Practice: lines go where ink is wanted and stop
+//! where none is; they do not cross edges on which the caller wants no ink.
 
 mod carried;
 pub(crate) mod cpu;
@@ -35,18 +35,18 @@ pub struct Streamline {
     pub crosses: bool,
 }
 
-/// Where a line was started, and how far it runs from there.
+/// The seed of a line, and the line's extent from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Seed {
-    /// In pixels, rows down.
+    /// Position in pixels, rows down.
     pub(crate) at: Vec2,
-    /// The unit direction in which it runs on, rows down.
+    /// The unit direction in which it continues ahead, rows down.
     pub(crate) along: Vec2,
-    /// How many points it has behind and ahead.
+    /// Number of points behind and ahead.
     pub(crate) points: [i32; 2],
 }
 
-/// Lines, and where they were started, in the order they were laid.
+/// Lines with their seeds, in the order of placement.
 pub(crate) struct Streamlines {
     pub(crate) lines: Vec<Streamline>,
     pub(crate) seeds: Vec<Seed>,
@@ -55,16 +55,16 @@ pub(crate) struct Streamlines {
 /// The ink that lines are to cover.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
-    /// The share of the paper; where it is 0 no line goes.
+    /// The share of the paper to ink; lines avoid 0.
     pub(crate) ink: &'a Plane,
     /// Conductance, where lines may run on to the middle of edges, but not over them.
     pub(crate) conductance: Option<&'a Plane>,
-    /// What may end the laying of lines: those that are laid by then are left.
+    /// Cancels the placement of lines; those placed so far are kept.
     pub(crate) cancel: Option<&'a CancelToken>,
 }
 
 impl Wanted<'_> {
-    /// Whether no more lines are wanted.
+    /// Whether placement is cancelled.
     fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(CancelToken::is_cancelled)
     }
@@ -75,7 +75,7 @@ impl Wanted<'_> {
         sample(self.ink, at)
     }
 
-    /// Whether a place lies on an edge, if lines may run there at all.
+    /// Whether a position is on an edge; false unless lines may run onto edges.
     #[inline]
     fn is_edge(&self, at: Vec2) -> bool {
         let conductance = self.conductance.and_then(|plane| sample(plane, at));
@@ -83,7 +83,7 @@ impl Wanted<'_> {
     }
 }
 
-/// The sample of the pixel that a place lies in.
+/// The sample of the pixel at a position.
 #[inline]
 fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
     let inside = at.x >= 0.0 && at.y >= 0.0;
@@ -92,14 +92,14 @@ fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
     inside.then(|| plane.at(x, y))
 }
 
-/// How far, in pixels, a line runs on where it meets an edge.
+/// Longest distance, in pixels, that a line continues on an edge.
 const MOST_ON_EDGE: f32 = 1.6;
 
 /// Cosine of the most that a line may turn from one point to the next.
 const MOST_TURN: f32 = 0.9;
 
-/// Room about lines of the frame before, as a share of the distance wanted: they stay until tone or perspective leaves them
-/// clearly less.
+/// Smallest distance from lines of the previous frame, as a share of that wanted: they stay until tone or perspective
+/// makes it clearly less.
 const CARRIED_ROOM: f32 = 0.6;
 
 /// Points of a line from one to the next that others are started beside.
@@ -108,9 +108,9 @@ const SEEDS: usize = 3;
 /// Spots to either side over which widths change.
 const WIDTH_REACH: usize = 6;
 
-/// Lines along `field` (unit directions, y up, the same as their opposites) that cover the share `ink` of the
-/// paper; where that is 0 none goes. Those from the seeds `first` are laid before all others, as far as they ran, and then
-/// led on. The same for the same input.
+/// Lines along `field` (unit directions, y up, equal to their opposites) that cover the share `ink` of the paper,
+/// avoiding 0. Those from the seeds `first` are placed before all others, at their previous extent, and then extended.
+/// The same for the same input.
 pub(crate) fn streamlines(
     field: &Vector2Planes,
     wanted: Wanted,
@@ -150,7 +150,7 @@ pub(crate) fn streamlines(
     }
 }
 
-/// A line that was laid: its number, and the level of darkness of the place that it was started at.
+/// A line as placed: its number, and the level of darkness at its seed.
 struct Laid {
     number: usize,
     level: usize,
@@ -168,7 +168,7 @@ struct Drawer<'a> {
 }
 
 impl Drawer<'_> {
-    /// Starts lines wherever there is room, in the dark first, each beside those before it as long as that can be.
+    /// Starts lines wherever there is room, in the dark first, each beside earlier ones as long as possible.
     fn fill(&mut self) {
         let every = self.tool.every();
         let (width, height) = (self.wanted.ink.width(), self.wanted.ink.height());
@@ -190,8 +190,8 @@ impl Drawer<'_> {
         }
     }
 
-    /// A line through a place, if there is room for one, and then all that can be started beside it, beside the darkest
-    /// first.
+    /// A line through a position, if there is room for one, and then all that can be started beside it, beside the
+    /// darkest first.
     fn start(&mut self, at: Vec2, room: f32) {
         let Some(first) = self.line(&self.anew(at), room) else {
             return;
@@ -218,7 +218,7 @@ impl Drawer<'_> {
         }
     }
 
-    /// The seed of a line that runs as far as it may.
+    /// The seed of a line of unlimited extent.
     fn anew(&self, at: Vec2) -> Seed {
         Seed {
             at,
@@ -232,7 +232,7 @@ impl Drawer<'_> {
         (0.5 * self.tool.longest() / self.step) as i32
     }
 
-    /// Leads all lines so far on, from both ends, as far as they may go.
+    /// Extends all lines at both ends, as far as they may go.
     fn lead_on(&mut self) {
         let half = self.half();
         for number in 0..self.lines.len() {
@@ -261,7 +261,8 @@ impl Drawer<'_> {
         }
     }
 
-    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` where it would be too near another, or short.
+    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` if it would be too close to
+    /// another, or too short.
     fn line(&mut self, seed: &Seed, room: f32) -> Option<Laid> {
         let Seed {
             at: seed,
@@ -299,7 +300,7 @@ impl Drawer<'_> {
         None
     }
 
-    /// The points from `from` on in so many steps, numbered by `side`, until the line may go no farther.
+    /// The points from `from` on, up to a number of steps, numbered by `side`, until the line may go no farther.
     fn half_line(
         &mut self,
         from: Vec2,
@@ -330,7 +331,7 @@ impl Drawer<'_> {
             }
             let index = side * step;
             let distance = self.tool.least_distance(ink);
-            // Points of its own behind it are near, and in no way.
+            // Its own points behind it are near, but not in its way.
             let behind = (2.0 * distance / length) as i32 + 2;
             let others = |p: &Point| p.line != line || (p.index - index).abs() > behind;
             if !self.placed.is_free(next, distance, others) {
@@ -350,8 +351,8 @@ impl Drawer<'_> {
         (ink >= self.least_ink).then_some(ink.min(1.0))
     }
 
-    /// The direction at a place, rows down, between those of the pixels around it that take ink; of the two the one
-    /// that goes on from `ahead`.
+    /// The direction at a position, rows down, interpolated from the surrounding inked pixels; of the two opposites the
+    /// one that continues `ahead`.
     fn direction(&self, at: Vec2, ahead: Vec2) -> Option<Vec2> {
         self.ink_at(at)?;
         let corner = (at - 0.5).floor();
@@ -481,8 +482,8 @@ mod tests {
                 let along = (pair[1] - pair[0]).normalize();
                 let (x, y) = (pair[0].x as usize, pair[0].y as usize);
                 let t = Vec2::new(field.x.at(x, y), -field.y.at(x, y));
-                // The middle of a step is 1.2 pixels from that of the pixel it starts in at most, and 400 or more from
-                // the place that the field goes around.
+                // The middle of a step is at most 1.2 pixels from the centre of the pixel it starts in, and 400 or more
+                // from the centre that the field circles around.
                 assert!(along.perp_dot(t).abs() < 1.2 / 400.0, "{along} along {t}");
             }
             let others = lines[i + 1..].iter().flat_map(|other| &other.points);
@@ -496,8 +497,8 @@ mod tests {
 
     #[test]
     fn lines_that_are_carried_on_stay() {
-        // The paper and its field, moved by 7 and 5 pixels: what was laid there before has the room it had, so all lines stay
-        // but those that left, of 300 by 300 pixels a strip of 7 and one of 5 below, 4 %, and few that met those.
+        // The paper and its field, moved by 7 and 5 pixels: existing lines have the same room, so all stay except those
+        // that left, a strip of 7 and one of 5 below of 300 by 300 pixels, 4 %, and the few that met those.
         for tool in [NIB, Tool::Burin(BURIN)] {
             let paper = Plane::filled(300, 300, 0.3);
             let field = |x: f32, y: f32| {
@@ -555,7 +556,7 @@ mod tests {
                 .flat_map(|l| &l.widths)
                 .all(|&w| w == nib.width)
         );
-        // Tone is made by their number: of ink 0.05 to 0.5 in the mean a quarter and a bit, of 0.5 to 0.95 the rest.
+        // Their number makes the tone: for ink of 0.05 to 0.5 on average a quarter and a bit, for 0.5 to 0.95 the rest.
         let within = |from: f32, to: f32| {
             let points = lines.iter().flat_map(|l| &l.points);
             let count = points.filter(|p| (from..to).contains(&p.x)).count();

@@ -1,4 +1,4 @@
-//! The points of lines laid so far, by the cell that they lie in.
+//! The points of lines placed so far, by cell.
 
 use glam::Vec2;
 
@@ -7,7 +7,7 @@ use glam::Vec2;
 pub(super) struct Point {
     pub(super) at: Vec2,
     pub(super) line: u32,
-    /// Where in its line, counted from the seed.
+    /// Index in its line, counted from the seed.
     pub(super) index: i32,
     /// The point of its cell that came before.
     before: u32,
@@ -16,7 +16,7 @@ pub(super) struct Point {
 /// No point.
 const NONE: u32 = u32::MAX;
 
-/// The points laid so far.
+/// The points placed so far.
 pub(super) struct Placed {
     points: Vec<Point>,
     /// The last point of every cell.
@@ -61,7 +61,7 @@ impl Placed {
         });
     }
 
-    /// Takes back what was laid last: all points but the first `count`.
+    /// Removes the points placed last, all but the first `count`.
     pub(super) fn keep(&mut self, count: usize) {
         while self.points.len() > count {
             if let Some(Point { at, before, .. }) = self.points.pop() {
@@ -70,7 +70,7 @@ impl Placed {
         }
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn count(&self) -> usize {
         self.points.len()
     }
@@ -95,19 +95,19 @@ impl Placed {
         false
     }
 
-    /// Whether no point that `counts` is nearer than that.
+    /// Whether no point that `counts` is closer than `distance`.
     #[inline]
     pub(super) fn is_free(&self, at: Vec2, distance: f32, counts: impl Fn(&Point) -> bool) -> bool {
         !self.any(at, distance, counts)
     }
 
-    /// How far the nearest other lines are to both sides; `spacing` where there is none within half as much again.
+    /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.
     pub(super) fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
         let mut room = [f32::INFINITY; 2];
         self.any(at, 1.5 * spacing, |other| {
             let offset = other.at - at;
             let across = along.perp_dot(offset);
-            // What lies ahead is no neighbour.
+            // A point ahead is not a neighbour.
             let is_beside = across.abs() > 0.7 * along.length() * offset.length();
             if other.line != line && is_beside {
                 let side = &mut room[usize::from(across > 0.0)];

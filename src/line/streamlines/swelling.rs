@@ -1,4 +1,4 @@
-//! Engraved lines: tapered to points, and swelling so that they cover what tone asks for.
+//! Engraved lines: tapered to points, and swelling to cover the tone.
 
 use super::tool::Burin;
 use super::{Streamline, Wanted};
@@ -6,24 +6,23 @@ use crate::line::contours::polyline::lengths;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
 
-/// Over how much of its length a line runs thin at an end, in distances between lines; and at an edge, where paper would
-/// show.
+/// Length of the taper at a line's end, in distances between lines; and at an edge, where paper would show.
 const TAPER: f32 = 2.5;
 const TAPER_AT_EDGE: f32 = 0.4;
 
 /// The most of a line's length that runs thin at an end.
 const MOST_TAPERED: f32 = 0.4;
 
-/// How a line thins toward its point: a power of the distance to it.
+/// Exponent of the taper: width follows this power of the distance to the point.
 const POINTED: f32 = 0.6;
 
 /// Width of a point, as a share of that of the thinnest line.
 const POINT: f32 = 0.5;
 
-/// Side of a cell in which ink is held to what is wanted, in distances between lines.
+/// Side of a cell in which ink is matched to the tone, in distances between lines.
 const CELL: f32 = 2.0;
 
-/// How often widths are mended, and by what factors at most each time.
+/// Number of corrections of widths, and the limits of the factor in each.
 const MENDS: usize = 3;
 const MEND: [f32; 2] = [0.6, 1.6];
 
@@ -49,7 +48,7 @@ pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
     }
 }
 
-/// Thins a line toward its ends: slowly where it ends on open paper, at once where it ends at an edge.
+/// Tapers a line toward its ends: slowly at an end on open paper, abruptly at an edge.
 fn taper(line: &mut Streamline, wanted: Wanted, burin: &Burin) {
     let (points, lengths) = (&line.points, lengths(&line.points));
     let [.., before, last] = points[..] else {
@@ -69,7 +68,7 @@ fn taper(line: &mut Streamline, wanted: Wanted, burin: &Burin) {
     }
 }
 
-/// Whether a line that is dark at its end ends at an edge.
+/// Whether a line that is dark at its end stops at an edge.
 fn is_at_edge(end: Vec2, outward: Vec2, wanted: Wanted, spacing: f32) -> bool {
     let beyond = end + 0.5 * spacing.max(2.0) * outward.normalize_or_zero();
     let ink = |at: Vec2| wanted.ink_at(at).unwrap_or(0.0);

@@ -1,13 +1,13 @@
-//! What lines are drawn with: how far apart it lays them, and how wide it draws.
+//! Drawing tools: the distance and the width of their lines.
 
 use crate::params::{Stroke, Style};
 
 /// A drawing tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Tool {
-    /// Lines as far apart as tone asks for, a little wider in the dark.
+    /// Lines at distances that follow the tone, a little wider in the dark.
     Nib(Nib),
-    /// Lines evenly apart, as wide as tone asks for, to points at both ends.
+    /// Evenly spaced lines whose widths follow the tone, pointed at both ends.
     Burin(Burin),
 }
 
@@ -16,11 +16,11 @@ pub(crate) enum Tool {
 pub(crate) struct Nib {
     /// Width in a middle tone.
     pub width: f32,
-    /// Share of that, 0..1, by which it grows and shrinks with tone.
+    /// Share of that, 0..1, by which it varies with tone.
     pub pressure: f32,
     /// Distance between lines in the lightest tone that is drawn.
     pub widest_spacing: f32,
-    /// Length at which a line ends.
+    /// Longest line.
     pub longest: f32,
 }
 
@@ -31,28 +31,28 @@ pub(crate) struct Burin {
     pub widths: [f32; 2],
     /// Distance between lines; more where the thinnest would be too dark.
     pub spacing: f32,
-    /// Length at which a line ends.
+    /// Longest line.
     pub longest: f32,
 }
 
-/// How near another a line may come, as a share of the distance wanted. [JL] finds 0.5 to 0.9: more make more and
+/// Smallest distance from another line, as a share of that wanted. [JL] finds 0.5 to 0.9: higher values give more and
 /// shorter lines.
 const TEST: f32 = 0.6;
 
-/// Distances between lines of one width that leave no paper between them: closer ones only cost time.
+/// Smallest distance between lines, in widths: closer ones leave no paper and only cost time.
 const TOUCHING: f32 = 1.1;
 
-/// Least distance between lines, in pixels: the picture tells nothing finer.
+/// Smallest distance between lines, in pixels: the picture has no finer detail.
 const CLOSEST: f32 = 1.0;
 
-/// A pen's lines shorter than so many of their widths are left out; a burin's, shorter than so many distances.
+/// Shortest line of a pen, in widths, and of a burin, in distances.
 const SHORTEST: f32 = 4.0;
 const SHORTEST_ENGRAVED: f32 = 1.0;
 
 /// Distance between lines in the lightest tone that is drawn over that in a light tone.
 const WIDEST: f32 = 4.0;
 
-/// Steps of darkness by which a burin goes from dark to light.
+/// Steps of darkness in which a burin works, from dark to light.
 const LEVELS: usize = 8;
 
 /// Least side of a cell of points, in pixels.
@@ -94,7 +94,7 @@ impl Tool {
         }
     }
 
-    /// The distance from another at which a line ends that is drawn where `ink` is wanted.
+    /// The distance from another line at which a line ends where `ink` is wanted.
     #[inline]
     pub(super) fn least_distance(&self, ink: f32) -> f32 {
         TEST * self.spacing(ink)
@@ -108,7 +108,7 @@ impl Tool {
         }
     }
 
-    /// How far apart points along a line are, so that none passes between them.
+    /// Distance of points along a line, small enough that no other line passes between them.
     pub(super) fn step(&self) -> f32 {
         let most = match self {
             Self::Nib(_) => 0.8 * TEST,
@@ -120,7 +120,7 @@ impl Tool {
         })
     }
 
-    /// The widths that it can draw.
+    /// The widths it can draw.
     pub(super) fn widths(&self) -> [f32; 2] {
         match self {
             Self::Nib(nib) => {
@@ -141,7 +141,7 @@ impl Tool {
         least.min(0.5)
     }
 
-    /// The length at which a line ends.
+    /// The longest line.
     pub(super) fn longest(&self) -> f32 {
         match self {
             Self::Nib(nib) => nib.longest,
@@ -166,8 +166,8 @@ impl Tool {
         every.max(least) as usize
     }
 
-    /// Room about the places where lines are started, as shares of the distance wanted, round after round: where there is
-    /// no more for lines at that distance, a burin fills what was left beside edges. Up to rounding.
+    /// Room around seeds, as shares of the distance wanted, round by round: when no more lines fit at that distance, a
+    /// burin fills gaps beside edges. Up to rounding.
     pub(super) fn rooms(&self) -> &'static [f32] {
         match self {
             Self::Nib(_) => &[0.99],
@@ -175,7 +175,7 @@ impl Tool {
         }
     }
 
-    /// How many levels of darkness it goes through, from the darkest on.
+    /// Number of levels of darkness, starting at the darkest.
     pub(super) fn levels(&self) -> usize {
         match self {
             Self::Nib(_) => 1,

@@ -1,10 +1,10 @@
-//! The places in which the texture of strokes lies still, carried from frame to frame.
+//! Positions in the fixed stroke texture, carried from frame to frame.
 //!
-//! Each map of places was laid over the whole picture at once and has moved with the surface since. A pixel is
-//! drawn by the oldest map that is sound there; what that leaves goes to younger ones in turn, and what all
-//! leave to the one that comes next, which lies still in the picture until enough is asked of it: then it is
-//! born, and moves too. So no surface that merely shifts or turns in the picture is ever laid anew, no stroke
-//! is drawn far from its size, and where maps take turns, they do so smoothly over time and picture.
+//! Each map of positions was laid over the whole picture at once and has moved with the surface since. A pixel is drawn
+//! by the oldest map that is sound there; the remaining share goes to younger ones in turn, and the last of it to the
+//! next one, which stays fixed in the picture until enough is needed of it: then it is born, and moves too. So a
+//! surface that merely shifts or rotates in the picture is never laid anew, no stroke is drawn far from its size, and
+//! maps take over smoothly in time and in the picture.
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
@@ -16,14 +16,14 @@ use crate::line::texture_coordinates::shares::Weighed;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::step::Step;
 
-/// Maps that are kept at once, beside the next.
+/// Most maps kept at once, beside the next one.
 const MOST_MAPS: usize = 3;
 
-/// Share of the surface that has to ask for the next map before it is born: of less, moving or not is not
-/// seen.
+/// Share of the surface that must need the next map before it is born: on a smaller share, moving and fixed look the
+/// same.
 const BIRTH: f64 = 0.01;
 
-/// Share of the surface from which on that cannot wait for an older map to fade.
+/// Share of the surface from which the next map cannot wait for an older one to fade.
 const URGENT: f64 = 0.1;
 
 /// Frames over which a map fades that has to make room.
@@ -32,33 +32,33 @@ const FADE_FRAMES: f32 = 6.0;
 /// State that a frame of a sequence takes from the previous one; the first has none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SequenceInputs<'a> {
-    /// Where the texture of strokes lay.
+    /// Previous placement of the stroke texture.
     pub before: Option<&'a TextureCoordinates>,
-    /// How far, in pixels, the surface seen at each pixel has come since: x right, y up.
+    /// Motion of the surface seen at each pixel since then, in pixels: x right, y up.
     pub motion: Option<&'a Vector2Planes>,
 }
 
-/// Where the texture of strokes lies still, for every pixel of a frame: what a sequence hands on from one
-/// frame to the next.
+/// Positions in the fixed stroke texture for every pixel of a frame: the state a sequence passes from one frame to the
+/// next.
 #[derive(Debug, Clone)]
 pub struct TextureCoordinates {
     pub(crate) window: Window,
     pub(crate) mask: Mask,
     pub(crate) depth: Option<Plane>,
-    /// Where there is no depth: how the frame had moved, from the second on.
+    /// Motion of the frame, from the second on, if there is no depth.
     pub(crate) motion: Option<Vector2Planes>,
     /// Oldest first.
     pub(crate) maps: Vec<PlaceMap>,
-    /// Share of the map that comes next, where any is asked of it.
+    /// Share of the next map, if any of it is needed.
     pub(crate) next: Option<Plane>,
-    /// How many maps were born.
+    /// Number of maps born.
     pub(crate) born: u32,
-    /// Where strokes that are laid one by one were started, family by family, in pixels of the window.
+    /// Seeds of strokes that are placed one by one, by family, in pixels of the window.
     pub(crate) seeds: Vec<Vec<Seed>>,
 }
 
 impl TextureCoordinates {
-    /// Those of a first frame: the texture lies as in a still picture.
+    /// Coordinates of a first frame: the texture is placed as in a still picture.
     pub fn new(frame: &Frame) -> Self {
         Self {
             window: frame.data_window,
@@ -72,7 +72,7 @@ impl TextureCoordinates {
         }
     }
 
-    /// Those of a frame of a sequence.
+    /// Coordinates of a frame of a sequence.
     pub(crate) fn of(frame: &Frame, sequence: SequenceInputs, memory: &Memory) -> Self {
         match sequence.before.zip(sequence.motion) {
             Some((before, motion)) => before.advanced(frame, motion, memory),
@@ -80,7 +80,7 @@ impl TextureCoordinates {
         }
     }
 
-    /// Those of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
+    /// Coordinates of the next frame, whose surface has moved by `motion` since, in pixels, x right, y up.
     fn advanced(&self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) -> Self {
         let step = Step::new(self.window, self.surface(), frame, motion);
         let origins = step.origins();
@@ -111,7 +111,7 @@ impl TextureCoordinates {
         next
     }
 
-    /// The pixels of `frame` whose surface was wholly seen in the frame before too, where `motion` comes from.
+    /// The pixels of `frame` whose surface was fully visible in the previous frame too, by `motion`.
     pub fn seen_before(&self, frame: &Frame, motion: &Vector2Planes) -> Mask {
         let origins = Step::new(self.window, self.surface(), frame, motion).origins();
         Mask::new(origins.map(|origin| origin.whole))
@@ -142,8 +142,7 @@ impl TextureCoordinates {
         moving.chain(next).collect()
     }
 
-    /// Shares of the maps in the drawing, oldest first, and of the one that comes next: their means over
-    /// the surface.
+    /// Shares of the maps in the drawing, oldest first, and of the next one: their means over the surface.
     pub fn mean_shares(&self) -> Vec<f64> {
         let covered = self.mask.count().max(1) as f64;
         let mean = |share: &Plane| {
@@ -155,7 +154,7 @@ impl TextureCoordinates {
         maps.chain(self.next.as_ref().map(mean)).collect()
     }
 
-    /// Gives every map its share, lets the next be born where it is time, and old ones go.
+    /// Gives every map its share, lets the next be born when it is time, and removes old ones.
     fn share_out(&mut self, frame: &Frame, motion: &Vector2Planes, memory: &Memory) {
         let covered = self.mask.count() as f64;
         let surface = MovingSurface::of(frame, Some(motion));
@@ -167,7 +166,7 @@ impl TextureCoordinates {
         }
         if asked > BIRTH * covered {
             if self.maps.len() < MOST_MAPS {
-                // It serves perfectly where it was laid: what was asked of the next is its own.
+                // It is perfectly sound where it was laid: it takes over the share of the next.
                 self.maps.push(PlaceMap::laid(self.born, frame));
                 self.born += 1;
             } else if self.maps.iter().all(|map| map.fade == 1.0) {
@@ -182,7 +181,7 @@ impl TextureCoordinates {
         let alone = self.maps.len() == 1 && self.next.is_none();
         let mut served = Vec::new();
         for ((mut map, share), total) in self.maps.drain(..).zip(shares).zip(totals) {
-            // A map of which nothing is asked grows no sounder.
+            // A map without a share does not become sounder.
             if total > 0.0 {
                 map.share = Some(share).filter(|_| !alone);
                 served.push(map);

@@ -1,4 +1,4 @@
-//! Strokes that move with the surface: the maps by which a texture lies, on the device.
+//! Strokes that move with the surface: the maps that place the texture, on the device.
 
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::wgsl::Number::F32;
@@ -7,11 +7,11 @@ use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::PlacedTexture;
 use crate::line::texture_coordinates::{DEPTH_STEP, JUMP, MOTION_STEP};
 
-/// How a texture lies on a surface that moves.
+/// Placement of a texture on a moving surface.
 pub(crate) const TEXTURE_COORDINATES: Wgsl =
     wgsl!("texture_coordinates.wgsl", [("JUMP", F32(JUMP))]);
 
-/// Where it lies at each pixel.
+/// Placement of the texture at each pixel.
 pub(crate) const PLACES: Wgsl = wgsl!(
     "places.wgsl",
     [
@@ -24,7 +24,7 @@ pub(crate) const PLACES: Wgsl = wgsl!(
 /// The drawings that share a hatching.
 pub(crate) struct Sheets {
     pub(crate) each: Vec<BoundTexture>,
-    /// The plane that separates surfaces where they move.
+    /// Depth, which separates moving surfaces.
     pub(crate) depth: Option<wgpu::Buffer>,
     pub(crate) motion: Option<[wgpu::Buffer; 2]>,
 }
@@ -37,7 +37,7 @@ pub(crate) struct BoundTexture {
 }
 
 impl Run<'_> {
-    /// What a drawing is made of; without coordinates its texture lies still in the picture.
+    /// The sheets of a drawing; without coordinates its texture is fixed in the picture.
     pub(crate) fn sheets(&mut self, coordinates: Option<&TextureCoordinates>) -> Sheets {
         let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
         let surface = sheets.iter().find_map(|sheet| sheet.place);

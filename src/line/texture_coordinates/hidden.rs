@@ -1,4 +1,4 @@
-//! What comes into view: places for surface that was not seen before.
+//! Disocclusion: positions for surface that was not visible before.
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::line::texture_coordinates::origin::Origin;
@@ -6,24 +6,24 @@ use crate::line::texture_coordinates::places::{MovingSurface, jacobian_at, place
 use crate::line::texture_coordinates::{continued, turn};
 use std::collections::VecDeque;
 
-/// Pixels that were not seen before, as far as some next to them were that are of the same surface.
+/// Pixels that were not visible before, if some adjacent ones of the same surface were.
 pub(crate) struct Hidden<'a> {
     known: Plane<bool>,
     surface: MovingSurface<'a>,
-    /// In the order of their distance from what is known.
+    /// Ordered by distance from the known pixels.
     pixels: Vec<HiddenPixel>,
 }
 
 struct HiddenPixel {
     at: usize,
-    /// The nearest pixel that was seen before.
+    /// The nearest pixel that was visible before.
     root: usize,
     /// Pixels beside it of the same surface.
     beside: Vec<usize>,
 }
 
-/// How often places of hidden pixels are averaged with those around them: it takes out the seams between
-/// those that go on from different pixels.
+/// Rounds of averaging positions of hidden pixels with their neighbours, which removes the seams between those extended
+/// from different pixels.
 const RELAXATIONS: usize = 6;
 
 /// Pixels beside the hidden that are taken for hidden too: next to an edge motion is least certain.
@@ -77,7 +77,7 @@ impl<'a> Hidden<'a> {
         }
     }
 
-    /// Lets the places of a map go on into the hidden.
+    /// Extends the places of a map into hidden pixels.
     pub(crate) fn fill(&self, map: &mut Vector2Planes) {
         let width = self.known.width();
         let column_row = |at: usize| [(at % width) as f32, (at / width) as f32];
@@ -115,7 +115,7 @@ impl<'a> Hidden<'a> {
                 sum.map(|sum| sum / pixel.beside.len() as f32),
             );
         };
-        // Out from what is known, and back.
+        // Outward from the known pixels, and back.
         for _ in 0..RELAXATIONS {
             let both = || self.pixels.iter().zip(&turns);
             both().for_each(|(pixel, &turn)| relax(pixel, turn));
@@ -143,7 +143,7 @@ fn turn_around(map: &Vector2Planes, known: &MovingSurface, at: usize) -> [f32; 2
     turn(&sum)
 }
 
-/// The covered pixels around one, those that share a side first, that are of the same surface.
+/// The covered pixels of the same surface around one, those that share a side first.
 fn neighbours(at: usize, surface: &MovingSurface) -> Vec<usize> {
     const AROUND: [[isize; 2]; 8] = [
         [-1, 0],

@@ -1,16 +1,16 @@
 //! Texture coordinates that move with the surface.
 //!
-//! Theory: [LA] section 8 leaves open the shower-door effect: a texture of strokes that lies still in the
-//! picture lets the surface slide away under it. Here every pixel has a *place*, the pixel coordinates in
-//! which the texture lies still, and the surface takes it along: place(x) = place before(x - motion). The
-//! Jacobian D of the places by the picture tells how the texture came to lie: strokes along t in the picture
-//! are strokes along D t in the texture, so what moves as a whole keeps them, whichever way it turns; and its
-//! singular values tell by how much strokes have become larger or smaller than they are meant to be.
+//! Theory: [LA] section 8 leaves open the shower-door effect: if the texture of strokes is fixed in the picture, the
+//! surface slides away under it. Here every pixel has a *place*, the pixel coordinates in which the texture is fixed,
+//! and the surface carries it along: place(x) = place before(x - motion). The Jacobian D of the places with respect to
+//! the picture describes the distortion of the texture: strokes along t in the picture are strokes along D t in the
+//! texture, so rigid motion in the picture keeps them, with any rotation; and its singular values give the factors by
+//! which strokes have become larger or smaller than intended.
 //!
-//! Where that is too much the texture has to be laid anew. A map of places that has served hands over to a
-//! younger one: its [`soundness`] falls, and with it its share of the optical density, so strokes of the one
-//! drop out one by one while those of the other come in, and tone stays. A shift, and a turn in the picture,
-//! distort nothing and hand over nothing.
+//! Where that is too much the texture has to be laid anew. A worn map of places hands over to a younger one: its
+//! [`soundness`] falls, and with it its share of the optical density, so strokes of the one drop out one by one while
+//! those of the other appear, and tone stays. A shift or a rotation in the picture distorts nothing and needs no
+//! handover.
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -25,38 +25,38 @@ pub(crate) mod step;
 
 use super::random::Random;
 
-/// Places further apart than this, between pixels next to each other, are of different surfaces. Twice what
-/// the worst distortion that is ever drawn makes of a pixel's width.
+/// Places of adjacent pixels farther apart than this belong to different surfaces. Twice the width of a pixel under the
+/// worst distortion ever drawn.
 pub(crate) const JUMP: f32 = 2.0 * OUTWORN;
 
-/// Distortion up to which a map serves alone.
+/// Distortion up to which a map is used alone.
 const WORN: f32 = 1.2;
 
-/// Distortion from which on it serves no more: strokes are never drawn larger or smaller than this makes them.
+/// Distortion from which a map is no longer used: strokes are never drawn larger or smaller than this makes them.
 const OUTWORN: f32 = 1.5;
 
 /// Derivatives of the place by the picture, rows down in both: columns first, `[d/dx, d/dy]`.
 pub(crate) type Jacobian = [[f32; 2]; 2];
 
-/// The Jacobian of what lies still.
+/// The Jacobian of a fixed texture.
 pub(crate) const STILL: Jacobian = [[1.0, 0.0], [0.0, 1.0]];
 
-/// Whether two places, of pixels next to each other, can be of one surface.
+/// Whether two places, of adjacent pixels, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_joined(a: [f32; 2], b: [f32; 2]) -> bool {
     let [x, y] = [b[0] - a[0], b[1] - a[1]];
     x * x + y * y < JUMP * JUMP
 }
 
-/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, once the
-/// median of all is taken out. A surface that comes nearer by more in a frame is laid anew; behind an edge
-/// that is nearer than this to its background the background keeps strokes of what covered it.
+/// Largest step of depth, as a share of it, between pixels of one surface, and between frames, after removing the
+/// median. A surface that approaches by more in a frame is laid anew; behind an edge that is closer than this to its
+/// background the background keeps strokes of the surface that covered it.
 pub(crate) const DEPTH_STEP: f32 = 0.08;
 
 /// Without depth: largest difference of their motions, in pixels and as a share of the lesser.
 pub(crate) const MOTION_STEP: [f32; 2] = [1.5, 0.5];
 
-/// Whether two depths, of neighbours or of one pixel in two frames, can be of one surface.
+/// Whether two depths, of neighbours or of one pixel in two frames, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
     // NaN depths separate nothing.
@@ -64,7 +64,7 @@ pub(crate) fn is_one_depth(a: f32, b: f32) -> bool {
     !parted
 }
 
-/// Whether two motions, of neighbours or of one pixel in two frames, can be of one surface.
+/// Whether two motions, of neighbours or of one pixel in two frames, can belong to one surface.
 #[inline(always)]
 pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
     let length = |x: f32, y: f32| (x * x + y * y).sqrt();
@@ -72,9 +72,8 @@ pub(crate) fn is_one_motion(a: [f32; 2], b: [f32; 2]) -> bool {
     change <= MOTION_STEP[0] + MOTION_STEP[1] * length(a[0], a[1]).min(length(b[0], b[1]))
 }
 
-/// The Jacobian at the place `here`, from those to the left and right, and those above and below where there
-/// are any. Places that do not belong to the same surface are left out; a derivative that is then missing
-/// is taken for a turn of the other.
+/// The Jacobian at the place `here`, from the neighbours left and right, and above and below, where they exist. Places
+/// of other surfaces are left out; a derivative that is then missing is replaced by the other, rotated.
 #[inline(always)]
 pub(crate) fn jacobian(
     here: [f32; 2],
@@ -89,7 +88,7 @@ pub(crate) fn jacobian(
     }
 }
 
-/// The derivative of the place along one axis, from those before and after `here` that belong to the same surface.
+/// The derivative of the place along one axis, from the neighbours before and after `here` on the same surface.
 #[inline(always)]
 pub(crate) fn slope(here: [f32; 2], [before, after]: [Option<[f32; 2]>; 2]) -> Option<[f32; 2]> {
     let joined = |place: Option<[f32; 2]>| place.filter(|&place| is_joined(here, place));
@@ -109,7 +108,7 @@ pub(crate) fn in_texture(by: &Jacobian, t: [f32; 2]) -> [f32; 2] {
     [dx[0] * t[0] - dy[0] * t[1], -(dx[1] * t[0] - dy[1] * t[1])]
 }
 
-/// Sum and difference of the singular values, the smaller one negative where the texture is turned over.
+/// Sum and difference of the singular values, the smaller one negative where the texture is mirrored.
 #[inline(always)]
 fn singular_values(by: &Jacobian) -> [f32; 2] {
     let [[a, c], [b, d]] = *by;
@@ -118,8 +117,8 @@ fn singular_values(by: &Jacobian) -> [f32; 2] {
     [turned + rest, turned - rest]
 }
 
-/// How many times too large or too small the distorted texture shows strokes, along the worse axis: 1 is
-/// undistorted. Infinite where it is turned over or folded.
+/// Factor by which the distorted texture shows strokes too large or too small, along the worse axis: 1 is undistorted.
+/// Infinite where it is reversed or folded.
 #[inline(always)]
 pub fn distortion(by: &Jacobian) -> f32 {
     let [larger, smaller] = singular_values(by);
@@ -129,7 +128,7 @@ pub fn distortion(by: &Jacobian) -> f32 {
     }
 }
 
-/// How well a distorted map still serves: 1 as good as new, 0 not at all; smooth between.
+/// Soundness of a distorted map: 1 as good as new, 0 unusable; smooth between.
 #[inline(always)]
 pub fn soundness(distortion: f32) -> f32 {
     let worn = ((distortion - WORN) / (OUTWORN - WORN)).clamp(0.0, 1.0);
@@ -148,19 +147,19 @@ pub(crate) fn turn(by: &Jacobian) -> [f32; 2] {
     }
 }
 
-/// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture goes on from there by a
+/// The place at an offset in pixels (rows down) from a pixel at `place`, if the texture continues from there by a
 /// [`turn`], undistorted.
 #[inline(always)]
 pub(crate) fn continued(place: [f32; 2], [cos, sin]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
     [place[0] + cos * x - sin * y, place[1] + sin * x + cos * y]
 }
 
-/// The place `here` without the roughness that motion brings in from frame to frame: averaged with those
-/// around it, which lie in pairs on opposite sides: first left and right, then above and below, then the two
-/// diagonals. What is a shift, a turn or any other affine map stays as it is.
+/// The place `here` without the roughness that motion adds from frame to frame: averaged with its neighbours, given in
+/// opposite pairs: first left and right, then above and below, then the two diagonals. Any affine map, such as a shift
+/// or a rotation, is preserved.
 ///
-/// A place that is torn from most of its surroundings, which agree among each other, is taken from them. Only
-/// then it is asked for `farther` pairs.
+/// A place torn from most of its neighbours, which agree with each other, is replaced by them. Only then `farther`
+/// pairs are requested.
 #[inline(always)]
 pub(crate) fn calmed<const N: usize>(
     here: [f32; 2],
@@ -207,9 +206,8 @@ pub(crate) fn extrapolated(place: [f32; 2], by: &Jacobian, [x, y]: [f32; 2]) -> 
     ]
 }
 
-/// Where the map of a generation is laid in the texture: added to pixel coordinates. The first lies as the
-/// texture of a still picture does; later ones elsewhere, for two that agreed would print strokes of both
-/// onto each other.
+/// Offset of a generation's map in the texture, added to pixel coordinates. The first is placed as in a still picture;
+/// later ones elsewhere, since two in agreement would print strokes of both onto each other.
 pub(crate) fn origin(generation: u32) -> [f32; 2] {
     if generation == 0 {
         return [0.0; 2];
@@ -237,7 +235,7 @@ mod tests {
     #[test]
     fn a_turned_object_keeps_the_angles_of_its_strokes() {
         for degrees in [0.0_f32, 20.0, 90.0, 135.0, 200.0] {
-            // Turned counterclockwise in the picture; places turn back. Rows run down.
+            // Rotated counterclockwise in the picture; places rotate back. Rows run down.
             let (sin, cos) = degrees.to_radians().sin_cos();
             let by = around(|x, y| [cos * x - sin * y, sin * x + cos * y]);
             assert!((distortion(&by) - 1.0).abs() < 1e-6);
@@ -264,13 +262,13 @@ mod tests {
         assert_eq!(distortion(&[[-1.0, 0.0], [0.0, 1.0]]), f32::INFINITY);
         assert_eq!(distortion(&[[1.0, 0.0], [1.0, 0.0]]), f32::INFINITY);
         assert_eq!(soundness(f32::INFINITY), 0.0);
-        // Half way between 1.2 and 1.5, a smooth step is at one half.
+        // Half-way between 1.2 and 1.5, a smooth step is at one half.
         assert!((soundness(1.35) - 0.5).abs() < 1e-5);
     }
 
     #[test]
     fn other_surfaces_have_no_say() {
-        // A texture turned by 40 degrees, that ends to the right and above.
+        // A texture rotated by 40 degrees that ends to the right and above.
         let (sin, cos) = 40.0_f32.to_radians().sin_cos();
         let place = |x: f32, y: f32| [9.0 + cos * x - sin * y, sin * x + cos * y];
         let whole = around(place);
@@ -289,7 +287,7 @@ mod tests {
 
     #[test]
     fn what_comes_into_view_goes_on_undistorted() {
-        // Compressed to half along x in the picture, turned by a right angle: only the turn goes on.
+        // Compressed to half along x in the picture, rotated by a right angle: only the rotation continues.
         let by = [[0.0, 2.0], [-1.0, 0.0]];
         assert_eq!(continued([5.0, 5.0], turn(&by), [3.0, 0.0]), [5.0, 8.0]);
         assert_eq!(extrapolated([5.0, 5.0], &by, [3.0, 0.0]), [5.0, 11.0]);
@@ -308,8 +306,8 @@ mod tests {
         // An affine map, in numbers that have no rounding.
         let affine = |x: f32, y: f32| [3.0 + 1.25 * x - 0.5 * y, 7.0 + 0.25 * x + 0.75 * y];
         assert_eq!(calm(&affine), affine(0.0, 0.0));
-        // A checkerboard of 0.5 px: both straight pairs are off by -1 in sum, of which an eighth counts, the
-        // diagonals by nothing. 0.5 - 2/8 = 0.25, the mean of the board.
+        // A checkerboard of 0.5 px: both straight pairs sum to an error of -1, an eighth of which counts, the diagonals
+        // have none. 0.5 - 2/8 = 0.25, the mean of the board.
         let board = |x: f32, y: f32| {
             let off = if (x + y).rem_euclid(2.0) == 0.0 {
                 0.5
@@ -336,7 +334,7 @@ mod tests {
             }
         };
         assert_eq!(calm(&line), [0.0, 0.0]);
-        // A seam between two surfaces stays where it is.
+        // A seam between two surfaces stays in place.
         let seam = |x: f32, y: f32| if x > 0.0 { [x + 50.0, y] } else { [x, y] };
         assert_eq!(calm(&seam), [0.0, 0.0]);
         assert_eq!(calmed::<0>([4.0, 5.0], [None; 4], || []), [4.0, 5.0]);

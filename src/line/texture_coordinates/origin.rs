@@ -1,12 +1,12 @@
-//! Where the surface of a pixel was in the frame before.
+//! Position of a pixel's surface in the previous frame.
 
-/// Where the surface of a pixel was in the frame before: between four pixels.
+/// Position of a pixel's surface in the previous frame: between four pixels.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Origin {
     /// Column and row of the left upper one; one less than the first may be meant.
     pub(crate) left: i32,
     pub(crate) top: i32,
-    /// How far right and below of it.
+    /// Offset to the right of it and below.
     pub(crate) across: f32,
     pub(crate) down: f32,
     /// Which of the four show that surface, a bit each, row by row.
@@ -16,12 +16,12 @@ pub(crate) struct Origin {
 }
 
 impl Origin {
-    /// Whether the surface was seen at all.
+    /// Whether the surface was visible at all.
     pub(crate) fn is_known(&self) -> bool {
         self.seen != 0
     }
 
-    /// From one of the four pixels to where the surface was.
+    /// Offset of the surface from one of the four pixels.
     #[inline(always)]
     pub(crate) fn offset(&self, k: usize) -> [f32; 2] {
         [self.across - (k % 2) as f32, self.down - (k / 2) as f32]
@@ -33,7 +33,7 @@ impl Origin {
         (1.0 - x.abs()) * (1.0 - y.abs())
     }
 
-    /// Column and row of one of the four, if it has a weight and lies within `width` x `height`.
+    /// Column and row of one of the four, if it has a weight and is within `width` x `height`.
     #[inline(always)]
     pub(crate) fn pixel(&self, k: usize, width: usize, height: usize) -> Option<[usize; 2]> {
         let (x, y) = (self.left + (k % 2) as i32, self.top + (k / 2) as i32);

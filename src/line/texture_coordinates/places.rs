@@ -1,4 +1,4 @@
-//! Maps of places: what lies next to what in them.
+//! Maps of places, and adjacency in them.
 
 use crate::frame::{Frame, Plane, Vector2Planes, Window};
 use crate::line::texture_coordinates::{
@@ -14,7 +14,7 @@ pub(crate) fn place_at(map: &Vector2Planes, at: usize) -> [f32; 2] {
 /// A map of places that moves with the surface.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaceMap {
-    /// Pixel coordinates, rows down, in which the texture lies still.
+    /// Pixel coordinates, rows down, in the texture's fixed frame.
     pub(crate) place: Vector2Planes,
     /// Share of the drawing, 0..1; `None` is 1.
     pub(crate) share: Option<Plane>,
@@ -24,7 +24,7 @@ pub(crate) struct PlaceMap {
 }
 
 impl PlaceMap {
-    /// A map that is laid over `frame` as it is.
+    /// An undistorted map laid over `frame`.
     pub(crate) fn laid(generation: u32, frame: &Frame) -> Self {
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let [left, top] = origin_in(generation, frame.data_window);
@@ -52,12 +52,12 @@ pub(crate) struct MovingSurface<'a> {
     /// The pixels that have a place.
     pub(crate) covered: &'a Plane<bool>,
     pub(crate) depth: Option<&'a Plane>,
-    /// How it has moved; looked at where there is no depth.
+    /// Motion of the surface, used if there is no depth.
     pub(crate) motion: Option<&'a Vector2Planes>,
 }
 
 impl<'a> MovingSurface<'a> {
-    /// That of a frame, and how it has moved where that is known.
+    /// The surface of a frame, with its motion if known.
     pub(crate) fn of(frame: &'a Frame, motion: Option<&'a Vector2Planes>) -> Self {
         Self {
             covered: frame.mask.plane(),
@@ -66,7 +66,7 @@ impl<'a> MovingSurface<'a> {
         }
     }
 
-    /// Whether the pixel `next` to that at `at` shows the same surface, by index.
+    /// Whether the pixel `next` shows the same surface as its neighbour `at`, by index.
     #[inline(always)]
     pub(crate) fn joins(&self, at: usize, next: usize) -> bool {
         if !self.covered.samples()[next] {

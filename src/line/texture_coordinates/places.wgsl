@@ -1,6 +1,6 @@
-// A map of places: what lies next to what in it.
+// Maps of places, and adjacency in them.
 
-// Any buffers where there are none.
+// Any buffers if there are no places.
 @group(0) @binding(9) var<storage, read> place_x: array<f32>;
 @group(0) @binding(10) var<storage, read> place_y: array<f32>;
 @group(0) @binding(11) var<storage, read> depth: array<f32>;
@@ -14,7 +14,7 @@ fn place_at(at: u32) -> vec2<f32> {
     return vec2<f32>(place_x[at], place_y[at]);
 }
 
-// Whether two depths, of neighbours, can be of one surface.
+// Whether two depths, of neighbours, can belong to one surface.
 fn is_one_depth(a: f32, b: f32) -> bool {
     // NaN depths separate nothing, nor do two infinite ones.
     let least = min(abs(a), abs(b));
@@ -24,7 +24,7 @@ fn is_one_depth(a: f32, b: f32) -> bool {
     return abs(a - b) <= DEPTH_STEP * least;
 }
 
-// Whether two motions, of neighbours, can be of one surface.
+// Whether two motions, of neighbours, can belong to one surface.
 fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
     let apart = a - b;
     let change = sqrt(apart.x * apart.x + apart.y * apart.y);
@@ -32,7 +32,7 @@ fn is_one_motion(a: vec2<f32>, b: vec2<f32>) -> bool {
     return !is_nan(change) && change <= MOTION_STEP_PX + MOTION_STEP_SHARE * least;
 }
 
-// The pixel next to the one at `at`, where it is one of the picture.
+// The neighbour of the pixel at `at`, if it is inside the picture.
 fn neighbour(at: u32, is_inside: bool, x: u32, y: u32) -> Neighbour {
     if !is_inside || !is_covered(x, y) {
         return Neighbour(vec2<f32>(0.0), false);

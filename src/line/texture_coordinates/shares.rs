@@ -1,4 +1,4 @@
-//! How the drawing is shared out among maps of places.
+//! Division of the drawing among maps of places.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
@@ -7,7 +7,7 @@ use crate::line::texture_coordinates::places::{MovingSurface, PlaceMap, jacobian
 use crate::line::texture_coordinates::{distortion, soundness};
 use rayon::prelude::*;
 
-/// The shares of maps, and last of the one that comes next.
+/// The shares of maps, with that of the next one last.
 pub(crate) struct Weighed {
     pub(crate) shares: Vec<Plane>,
     /// Their sums over the surface.

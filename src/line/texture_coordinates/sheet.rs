@@ -9,15 +9,15 @@ use std::ops::Range;
 /// A map of places and its share of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlacedTexture<'a> {
-    /// Places, and the surface that has them; `None` lies still in the picture.
+    /// Places with their surface; `None` if fixed in the picture.
     pub(crate) place: Option<(&'a Vector2Planes, MovingSurface<'a>)>,
-    /// Where in the texture what lies still is laid.
+    /// Offset of the fixed texture.
     pub(crate) origin: [f32; 2],
     /// Share of the optical density, 0..1; `None` is all.
     pub(crate) share: Option<&'a Plane>,
 }
 
-/// How the texture came to lie at the pixels of a batch.
+/// Placement of the texture at the pixels of a batch.
 pub(crate) struct TexturePlacement {
     by: [Jacobian; BATCH],
     direction: [[f32; BATCH]; 2],
@@ -33,14 +33,14 @@ impl Default for TexturePlacement {
 }
 
 impl PlacedTexture<'_> {
-    /// All of a drawing that lies still in the picture.
+    /// A whole drawing with its texture fixed in the picture.
     pub(crate) const STILL: Self = Self {
         place: None,
         origin: [0.0; 2],
         share: None,
     };
 
-    /// Whether it has a part in these pixels.
+    /// Whether it has a share in these pixels.
     pub(crate) fn is_used(&self, y: usize, columns: Range<usize>) -> bool {
         self.share
             .is_none_or(|share| share.row(y)[columns].iter().any(|&share| share > 0.0))
@@ -72,7 +72,7 @@ impl PlacedTexture<'_> {
         }
     }
 
-    /// Leaves of the density that strokes are to give this sheet's share.
+    /// Reduces the density of strokes to this sheet's share.
     pub(crate) fn take_share(&self, pixels: &mut Pixels, y: usize, columns: Range<usize>) {
         if let Some(share) = self.share {
             let density = pixels.density.iter_mut();

@@ -5,7 +5,7 @@ use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::plan::stage::{Stage, Step, Verdict};
 
-/// Where the texture of strokes lies as the surface moves.
+/// Placement of the stroke texture as the surface moves.
 pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
     // A frame of a sequence may come with a plan that was made for a still.
     also_runs: |plan| plan.drawing.is_some_and(|params| !params.lines_only),
@@ -21,7 +21,7 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
         },
     }],
     cpu: place,
-    // They are carried from frame to frame on the CPU, and strokes take them as they begin.
+    // They are carried from frame to frame on the CPU, and needed when strokes begin.
     #[cfg(feature = "gpu")]
     gpu: |run| place(&mut run.host),
     ..Stage::DEFAULT

@@ -1,4 +1,4 @@
-//! From one frame to the next: where the surface of every pixel was, and the places it had there.
+//! From one frame to the next: the previous position of every pixel's surface, and its places there.
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;
@@ -13,14 +13,14 @@ use crate::line::texture_coordinates::places::{
 use crate::line::texture_coordinates::{extrapolated, is_joined};
 use crate::quantile::quantile;
 
-/// How often places are averaged with those around them in each frame. What that takes from the curvature of a
-/// map is a thousandth of a pixel; what it takes from roughness of up to eight pixels is most.
+/// Rounds of averaging places with their neighbours in each frame. That removes a thousandth of a pixel from the
+/// curvature of a map, and most of its roughness up to eight pixels in size.
 const CALMINGS: usize = 2;
 
 /// Pixels along each axis from one to the next that is looked at for the change of all depth.
 const STRIDE: usize = 8;
 
-/// Weights below this are those of rounding.
+/// Smaller weights are due to rounding.
 const LEAST_WEIGHT: f32 = 1e-4;
 
 /// From one frame to the next.
@@ -63,7 +63,7 @@ impl<'a> Step<'a> {
         let (now, then) = (self.frame.data_window, self.window_before);
         let from = |at: usize, shift: i32, moved: f32, length: usize| {
             let from = at as f64 + f64::from(shift) - f64::from(moved);
-            // A motion that is not a number leads nowhere either.
+            // NaN motion leads nowhere either.
             (from > -1.0 && from < length as f64).then(|| (from.floor(), from))
         };
         let (width, height) = (self.before.covered.width(), self.before.covered.height());
@@ -79,7 +79,7 @@ impl<'a> Step<'a> {
         })
     }
 
-    /// The same, with which of these pixels show that surface.
+    /// The same, with the pixels among these that show that surface.
     #[inline(always)]
     fn origin(&self, x: usize, y: usize) -> Origin {
         let Some(mut origin) = self.between(x, y) else {
@@ -135,7 +135,7 @@ impl<'a> Step<'a> {
         quantile(&mut ratios, 0.5, f32::total_cmp).unwrap_or(1.0)
     }
 
-    /// Where every covered pixel's surface was.
+    /// The previous position of every covered pixel's surface.
     pub(crate) fn origins(&self) -> Plane<Origin> {
         let mask = &self.frame.mask;
         let mut origins = Plane::filled(mask.width(), mask.height(), Origin::default());

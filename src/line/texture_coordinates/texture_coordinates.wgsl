@@ -6,7 +6,7 @@ struct Jacobian {
     dy: vec2<f32>,
 }
 
-// The place of a pixel next to another, where it has one and shows the same surface.
+// The place of an adjacent pixel, if it has one and shows the same surface.
 struct Neighbour {
     place: vec2<f32>,
     is_there: bool,
@@ -17,7 +17,7 @@ struct Slope {
     is_known: bool,
 }
 
-// Whether two places, of pixels next to each other, can be of one surface.
+// Whether two places, of adjacent pixels, can belong to one surface.
 fn is_joined(a: vec2<f32>, b: vec2<f32>) -> bool {
     let way = b - a;
     let square = way.x * way.x + way.y * way.y;
@@ -39,8 +39,8 @@ fn slope(here: vec2<f32>, before: Neighbour, after: Neighbour) -> Slope {
     return Slope(vec2<f32>(0.0), false);
 }
 
-// The Jacobian at the place `here`, from those beside, above and below. A derivative that is missing is taken for a turn
-// of the other.
+// The Jacobian at the place `here`, from the neighbours beside, above and below. A missing derivative is replaced by
+// the other, rotated.
 fn jacobian(here: vec2<f32>, left: Neighbour, right: Neighbour, above: Neighbour, below: Neighbour) -> Jacobian {
     let across = slope(here, left, right);
     let down = slope(here, above, below);

@@ -1,4 +1,4 @@
-//! The texture of strokes, made once and kept while frames ask for the same.
+//! The texture of strokes, made once and cached as long as its parameters stay the same.
 
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Stroke, StrokeParams, Style};
@@ -17,8 +17,8 @@ struct Made {
 }
 
 impl ArtMapCache {
-    /// The texture for strokes in a picture of which `resolution_factor` pixels stand for one of the
-    /// reference; `timed` has it made where it is another one.
+    /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds
+    /// it if it has changed.
     pub(crate) fn of(
         &self,
         params: &StrokeParams,

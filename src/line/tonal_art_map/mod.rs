@@ -1,15 +1,15 @@
-//! Tonal art maps: how much ink a place of the paper takes at each tone.
+//! Tonal art maps: the ink at a position of the paper for each tone.
 //!
-//! Theory: a tonal art map is a volume, tone by two dimensions, whose darker slices keep all strokes of the
-//! lighter ones ([LA] section 6, after Praun et al.). So each texel turns from paper to ink once, as tone
-//! darkens, and a volume of strokes is stored as where that begins and ends: two numbers a texel in place of a
-//! stack of slices, every tone its own slice, nested without exception. A stroke takes longer to reach its
-//! rim and its ends, so it swells as it darkens. Coverage of texels is in the numbers: lines are
-//! anti-aliased, and between texels it is the numbers that are interpolated, so lines stay sharp where a
-//! picture of them would blur. A user's own pictures make an ordinary stack.
+//! Theory: a tonal art map is a volume, tone by two dimensions, whose darker slices keep all strokes of the lighter
+//! ones ([LA] section 6, after Praun et al.). So each texel turns from paper to ink once, as tone darkens, and a volume
+//! of strokes is stored as the beginning and end of that: two numbers a texel instead of a stack of slices, with a
+//! slice of its own for every tone, and perfect nesting. A stroke reaches its rim and its ends later, so it swells as
+//! it darkens. The numbers include partial coverage of texels: lines are anti-aliased, and between texels the numbers
+//! are interpolated, so lines stay sharp where a picture of them would blur. A user's own pictures make an ordinary
+//! stack.
 //!
-//! Practice: thresholds are in no unit; the darkness wanted is turned into one by measured coverage, so the
-//! mean of a drawn tone is that tone.
+//! Practice: thresholds have no unit; the darkness wanted is converted to one by measured coverage, so the mean of a
+//! drawn tone is that tone.
 
 pub(crate) mod cached;
 pub(crate) mod stage;
@@ -27,7 +27,7 @@ use crate::frame::Plane;
 use crate::line::stroke_texture::BATCH;
 use crate::params::{Stroke, Style};
 
-/// How much ink a place of the paper takes at each tone: a rectangle that repeats.
+/// The ink at a position of the paper for each tone: a repeating rectangle.
 #[derive(Debug, Clone)]
 pub struct TonalArtMap {
     texture: Texture,
@@ -46,10 +46,10 @@ enum Texture {
 #[cfg(feature = "gpu")]
 #[derive(Debug)]
 pub(crate) enum Texels {
-    /// Of each texel, from the lowest byte up, where it begins to take ink and where it is full, and both of the one
-    /// right of it.
+    /// For each texel, from the lowest byte up: the thresholds at which it begins to take ink and is full, and both of
+    /// its right neighbour.
     Strokes(Vec<u32>),
-    /// How much ink each holds, slice by slice from paper to black.
+    /// Ink of each texel, slice by slice from paper to black.
     Slices(Vec<f32>),
 }
 
@@ -66,11 +66,11 @@ impl TonalArtMap {
         }
     }
 
-    /// The map of `pictures` of one texture at several tones, as ink from 0, paper, to 1, black, in any
-    /// order, strokes along x. They repeat without a seam if their borders meet; paper and black are added.
+    /// The map of `pictures` of one texture at several tones, as ink from 0, paper, to 1, black, in any order, strokes
+    /// along x. They repeat without a seam if their borders meet; paper and black are added.
     ///
     /// # Panics
-    /// If there are none, or they differ in size.
+    /// If there are no pictures, or they differ in size.
     pub fn of_pictures(pictures: &[Plane], texels_per_px: f32) -> Self {
         let size = |p: &Plane| (p.width(), p.height());
         assert!(
@@ -106,7 +106,7 @@ impl TonalArtMap {
         self.response.thresholds()
     }
 
-    /// The texels of the map, as kernels on a device take them.
+    /// The texels of the map, in the form used by kernels on a device.
     #[cfg(feature = "gpu")]
     pub(crate) fn texels(&self) -> Texels {
         match &self.texture {
@@ -115,19 +115,19 @@ impl TonalArtMap {
         }
     }
 
-    /// Where [`TonalArtMap::threshold`] looks a density up: minus the logarithm of what stays white.
+    /// The entry for a density, minus the logarithm of the white left, in [`TonalArtMap::threshold`].
     #[inline(always)]
     pub(crate) fn entry(&self, density: f32) -> u32 {
         Response::entry(density)
     }
 
-    /// The threshold at which as much of the paper is inked as the density says.
+    /// The threshold at which the inked share of the paper matches the density of this entry.
     #[inline(always)]
     pub(crate) fn threshold(&self, entry: u32) -> f32 {
         self.response.threshold(entry)
     }
 
-    /// Takes from `white` what is inked at places, at thresholds.
+    /// Removes from `white` the ink at positions, at thresholds.
     #[inline(always)]
     pub(crate) fn cover(&self, white: &mut [f32], at: &mut Places, threshold: &[f32; BATCH]) {
         match &self.texture {

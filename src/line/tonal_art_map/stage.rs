@@ -18,7 +18,7 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
         },
     }],
     cpu: make,
-    // Strokes are drawn into it one after another; it is made once.
+    // Strokes are drawn into it sequentially, and only once.
     #[cfg(feature = "gpu")]
     gpu: |run| make(&mut run.host),
     ..Stage::DEFAULT

@@ -80,7 +80,7 @@ fn numbers_of_materials_and_methods() {
 
 type Change = fn(&mut Asked);
 
-/// Light that turns roundings into more.
+/// Light that amplifies rounding.
 fn steep() -> [(&'static str, Material, Method, Change); 5] {
     use Material::{AshikhminShirley, BlinnPhong, Mirror, Sublambert};
     [

@@ -1,4 +1,4 @@
-//! What surfaces bring: albedo, coverage, numbers that are none, sizes and masks.
+//! Inputs on surfaces: albedo, coverage, invalid numbers, sizes and masks.
 
 use super::super::hostile::HOSTILE;
 use super::super::on_gpu;
@@ -75,7 +75,7 @@ fn colors_that_are_no_numbers() {
             ] {
                 for (f, e) in found.samples().iter().zip(expected.samples()) {
                     let same = f == e || f.is_nan() && e.is_nan() || (f - e).abs() < 1e-5 * e.abs();
-                    // Small numbers are what is left of the light of 1.
+                    // Small numbers are remainders of a light of 1.
                     assert!(same || f.abs().max(e.abs()) < 1e-5, "{f:e}, not {e:e}");
                 }
             }

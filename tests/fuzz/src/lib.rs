@@ -1,4 +1,4 @@
-//! What the fuzz targets run, and how command lines are altered.
+//! The fuzz targets, and the mutation of command lines.
 
 pub mod mutate;
 pub mod targets;

@@ -8,9 +8,9 @@ use std::sync::LazyLock;
 /// Which flags are added.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Flags {
-    /// Those of any command.
+    /// Flags of any command.
     Any,
-    /// Those of `relight` that name no file.
+    /// Flags of `relight` that name no file.
     Light,
 }
 
@@ -22,7 +22,7 @@ static PROGRAM: LazyLock<Command> = LazyLock::new(|| {
 
 const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "inspect", "run"];
 
-/// Names on the desk of `targets`, spelled in several ways, and one that is not there.
+/// Names on the desk of `targets`, in several spellings, and one that does not exist.
 const PATHS: [&str; 26] = [
     "frame.exr",
     "./frame.exr",
@@ -101,7 +101,7 @@ const NUMBERS: [&str; 27] = [
     "",
 ];
 
-/// Alters the command line in `data`, of which `size` bytes are used, within `data`; the new size.
+/// Mutates the command line in the first `size` bytes of `data`, within `data`; returns the new size.
 pub fn words(data: &mut [u8], size: usize, seed: u32, flags: Flags) -> usize {
     let room = data.len();
     if seed.is_multiple_of(32) {
@@ -115,7 +115,7 @@ pub fn words(data: &mut [u8], size: usize, seed: u32, flags: Flags) -> usize {
     size
 }
 
-/// Bytes that look random (xorshift), the same for every run of one seed.
+/// Pseudo-random bytes (xorshift), the same for every run with one seed.
 fn noise(seed: u32) -> Vec<u8> {
     let mut state = u64::from(seed) << 1 | 1;
     let mut next = || {
@@ -200,7 +200,7 @@ fn begun(u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
     Ok(words.map(|word| word.as_bytes().to_vec()).into())
 }
 
-/// A flag of `command` with a value, mostly one that it takes.
+/// A flag of `command` with a value, usually a valid one.
 fn flag(command: &str, flags: Flags, u: &mut Unstructured) -> Result<Vec<Vec<u8>>> {
     let command = PROGRAM.find_subcommand(command).unwrap_or(&PROGRAM);
     let named = command
@@ -216,7 +216,7 @@ fn flag(command: &str, flags: Flags, u: &mut Unstructured) -> Result<Vec<Vec<u8>
     if arg.get_action().takes_values() {
         words.push(value_of(arg, u)?);
     }
-    // Joined, a value may begin with a hyphen, and both go when one does.
+    // In one word a value may begin with a hyphen, and both are removed together.
     if flags == Flags::Light || u.ratio(1, 2)? {
         words = vec![words.join("=")];
     }
@@ -247,7 +247,7 @@ fn value_of(arg: &Arg, u: &mut Unstructured) -> Result<String> {
         }
         () if name.contains("LIST") => list(u)?,
         () if names_a_file(arg) => (*u.choose(&PATHS)?).into(),
-        // As many numbers as the name of the value has.
+        // As many numbers as in the name of the value.
         () => {
             let commas = name
                 .split('|')
@@ -319,7 +319,7 @@ fn number(u: &mut Unstructured) -> Result<String> {
     })
 }
 
-/// A number that JSON can hold.
+/// A number representable in JSON.
 fn json_number(u: &mut Unstructured) -> Result<String> {
     let hostile = [
         "1e-300", "1e300", "-1e300", "1e-45", "1e38", "1e39", "0", "-0.0", "5e-324", "1.7e308",
@@ -421,7 +421,7 @@ fn recipe(u: &mut Unstructured) -> Result<String> {
     Ok(text)
 }
 
-/// The same with a few bytes changed, cut or added.
+/// The bytes with a few changed, cut or added.
 fn spoiled(mut bytes: Vec<u8>, u: &mut Unstructured) -> Result<Vec<u8>> {
     if bytes.is_empty() || u.ratio(1, 8)? {
         bytes.extend(u.bytes(4)?);

@@ -13,7 +13,7 @@ struct Layers {
     mask: Mask,
 }
 
-/// The layers that a shot sees, spoiled as it says.
+/// The layers seen in a shot, with its degradations.
 fn layers_of(shot: &Shot) -> Layers {
     // Depth comes from a random place in the pixel, normals from its middle.
     let (near, middle) = (shot.seen_jittered(&mut Numbers(7)), shot.seen());
@@ -44,7 +44,7 @@ fn recovered(shot: &Shot) -> Result<DepthCamera, RecoveryFailure> {
     recovered_from(shot, &layers_of(shot))
 }
 
-/// Recovers the camera, which must lie within `limit` degrees of the true one.
+/// Recovers the camera, which must be within `limit` degrees of the true one.
 fn expect_within(shot: &Shot, limit: f64) -> DepthCamera {
     let found = recovered(shot).expect("no camera");
     let truth = shot.camera.view_from_world.matrix3 * shot.normals.transpose();

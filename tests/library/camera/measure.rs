@@ -1,4 +1,4 @@
-//! How far a camera is from the true one.
+//! Difference between a camera and the true one.
 
 use glam::{DMat3, DVec3};
 use relievo::frame::{Camera, Projection};

@@ -1,4 +1,4 @@
-//! Cameras, recovered or read, and the space of the normals that they turn.
+//! Cameras, recovered or read, and the space of the normals they rotate.
 
 mod depth;
 mod measure;

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use relievo::frame::{Mask, Plane, Projection, Vector3Planes, Window};
 use relievo::io::camera::{RecoveredCamera, RecoveryFailure, recover_camera};
 
-/// The positions that a shot sees, spoiled as it says.
+/// The positions seen in a shot, with its degradations.
 fn positions(shot: &Shot) -> (Vector3Planes, Mask) {
     let mut numbers = Numbers(7);
     let mut points = shot.seen_jittered(&mut numbers).map(|s| s.map(|s| s.point));
@@ -45,7 +45,7 @@ fn recovered(shot: &Shot) -> Result<RecoveredCamera, RecoveryFailure> {
     recovered_from(shot, &position, &mask)
 }
 
-/// Recovers the camera, which must lie within `limit` degrees of the true one.
+/// Recovers the camera, which must be within `limit` degrees of the true one.
 fn expect_within(shot: &Shot, limit: f64) -> RecoveredCamera {
     let found = recovered(shot).expect("no camera");
     let truth = shot.camera.view_from_world.matrix3;
@@ -337,7 +337,7 @@ fn random_shot(seed: u64) -> Shot {
     let mut between = |low: f64, high: f64| low + (high - low) * numbers.next();
     let display = Window::from_size(160, 120);
     let (turn, rise) = (between(0.0, std::f64::consts::TAU), between(0.1, 1.4));
-    // From 120 degrees wide to a lens 12 widths long, from where the scene fills much of the picture.
+    // From 120 degrees wide to a lens 12 widths long, at distances where the scene fills much of the picture.
     let focal = 160.0 * between(0.3f64.ln(), 12.0f64.ln()).exp();
     let distance = 2.0 + focal / 60.0 * between(0.7, 1.3);
     let eye = DVec3::new(turn.cos() * rise.cos(), turn.sin() * rise.cos(), rise.sin()) * distance;
@@ -355,7 +355,7 @@ fn random_shot(seed: u64) -> Shot {
 
 #[test]
 fn random_cameras_are_found() {
-    // Of 400 such cameras all were found, the worst to 0.053 degrees.
+    // 400 such cameras were all found, the worst to 0.053 degrees.
     for seed in 0..24 {
         expect_within(&random_shot(seed), 0.1);
     }

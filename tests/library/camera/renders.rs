@@ -1,6 +1,6 @@
 //! Cameras of real renders: recovered from their layers, and read from the JSON beside them.
 //!
-//! The renders are not part of this crate: where their folder is absent, these tests say so and pass.
+//! The renders are not part of this crate: if their folder is absent, these tests print a notice and pass.
 
 use super::measure::{focal, turn_between};
 use super::planes::{mapped, vector_at};
@@ -119,7 +119,7 @@ impl Render {
     }
 }
 
-/// What `work` gives, and the milliseconds it took.
+/// The result of `work`, with its time in milliseconds.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
@@ -243,8 +243,8 @@ fn positions_that_scatter_out_of_focus_give_the_camera_between_them() {
     let camera = render.path.with_extension("camera.json");
     let truth = read_camera(&camera, window, 1.0).expect("a camera");
     let found = recover_camera(&position, &Mask::full(width, height), window, window, 1.0).unwrap();
-    // Each was seen through its own part of a lens that is 33 cm wide, some 2 px off; 20,000 of them are less than a
-    // twentieth of a degree off in the mean.
+    // Each was seen through its own part of a lens that is 33 cm wide, some 2 px off; the mean of 20,000 of them is
+    // less than a twentieth of a degree off.
     assert!(found.residual_px_median > 1.0, "{found:?}");
     let turn = turn_between(&found.camera, &truth);
     assert!(turn < 0.05, "{turn} degrees");

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use relievo::frame::{Camera, Plane, Projection, Window};
 
-/// What the sight lines meet.
+/// Scene hit by the sight lines.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Scene {
     /// Two balls on a ground at height 0.
@@ -18,14 +18,14 @@ const BALLS: [(DVec3, f64); 2] = [
     (DVec3::new(1.4, 0.9, 0.5), 0.5),
 ];
 
-/// What a sight line first meets.
+/// First hit of a sight line.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen {
     pub(crate) point: DVec3,
     pub(crate) normal: DVec3,
-    /// How far away it is, in lengths of the sight line's vector.
+    /// Distance in lengths of the sight line's vector.
     pub(crate) steps: f64,
-    /// How far away it is.
+    /// Distance.
     pub(crate) distance: f64,
 }
 
@@ -54,7 +54,7 @@ impl Scene {
     }
 }
 
-/// A picture of a scene, with what spoils its layers.
+/// A picture of a scene, with the degradations of its layers.
 #[derive(Clone)]
 pub(crate) struct Shot {
     pub(crate) scene: Scene,
@@ -62,17 +62,17 @@ pub(crate) struct Shot {
     pub(crate) data: Window,
     pub(crate) display: Window,
     pub(crate) aspect: f64,
-    /// How far from a pixel's middle its sample may be taken, in pixels.
+    /// Largest offset of a sample from its pixel's centre, in pixels.
     pub(crate) jitter: f64,
     /// Whether the layers are stored in half floats.
     pub(crate) half: bool,
-    /// Where the positions have the scene's origin.
+    /// The scene's origin in the positions.
     pub(crate) offset: DVec3,
     /// Share of the positions that are mixed with others.
     pub(crate) mixed: f64,
     /// Whether depth is distance along the sight line.
     pub(crate) ray: bool,
-    /// Turns the normals into another space than the one the camera looks from.
+    /// Rotates the normals into another space than the camera's.
     pub(crate) normals: DMat3,
 }
 
@@ -141,7 +141,7 @@ impl Shot {
         shot
     }
 
-    /// What the pixel at a column and row of the data window sees: in its middle, moved by `off`.
+    /// The hit of the pixel at a column and row of the data window: at its centre, offset by `off`.
     fn seen_at(&self, x: usize, y: usize, off: DVec2) -> Option<Seen> {
         let corner = DVec2::new(self.data.x0.into(), self.data.y0.into());
         let at = corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5) + off;
@@ -160,14 +160,14 @@ impl Shot {
         self.scene.seen(world.transform_point3(from), direction)
     }
 
-    /// What the middle of every pixel sees.
+    /// The hits at the centres of all pixels.
     pub(crate) fn seen(&self) -> Plane<Option<Seen>> {
         Plane::from_fn(self.data.width(), self.data.height(), |x, y| {
             self.seen_at(x, y, DVec2::ZERO)
         })
     }
 
-    /// What every pixel sees at a random place within the jitter.
+    /// The hits of all pixels at random offsets within the jitter.
     pub(crate) fn seen_jittered(&self, numbers: &mut Numbers) -> Plane<Option<Seen>> {
         let mut off = || self.jitter * (2.0 * numbers.next() - 1.0);
         Plane::from_fn(self.data.width(), self.data.height(), |x, y| {
@@ -175,7 +175,7 @@ impl Shot {
         })
     }
 
-    /// A value as precise as it is stored.
+    /// A value rounded to the precision of its storage.
     pub(crate) fn stored(&self, value: f64) -> f64 {
         if self.half {
             f16::from_f64(value).to_f64()
@@ -185,7 +185,7 @@ impl Shot {
     }
 }
 
-/// All that an eye sees of the balls around it, columns in longitude and rows in latitude.
+/// The balls seen all around by an eye, columns in longitude and rows in latitude.
 pub(crate) fn panorama(width: usize, height: usize) -> Plane<Option<Seen>> {
     Plane::from_fn(width, height, |x, y| {
         let lon = (x as f64 + 0.5) / width as f64 * std::f64::consts::TAU;

@@ -22,7 +22,7 @@ const fn certain(space: NormalSpace, flip_z: bool) -> NormalSpaceConclusion {
     NormalSpaceConclusion::Certain { space, flip }
 }
 
-/// Normals in world space, and what else may show that they are.
+/// Normals in world space, with other evidence for their space.
 struct Surface {
     normal: Vector3Planes,
     mask: Mask,
@@ -32,7 +32,7 @@ struct Surface {
     window: Window,
 }
 
-/// What a judgement may look at besides the normals.
+/// Evidence for a judgement besides the normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum By {
     Position,
@@ -160,7 +160,7 @@ fn depth_settles_what_facing_leaves_open() {
         ball.concluded(&ball.normal, &[By::Depth, By::Camera]),
         WORLD
     );
-    // Ground normals all face the viewer as they are, but depth says the ground recedes.
+    // As stored, ground normals all face the viewer, but depth shows that the ground recedes.
     let up = field(|_, _| DVec3::Z);
     let alone = ball.concluded(&up, &[By::Depth]);
     assert_eq!(alone, NormalSpaceConclusion::WorldWithoutCamera);
@@ -222,7 +222,7 @@ fn misjudged(
     } else {
         truth
     };
-    // Facing alone may leave a view-space guess open, but must not be sure and wrong.
+    // Facing alone may leave a view-space guess open, but must not be confidently wrong.
     let judgements = [
         (&[By::Camera][..], truth, false),
         (&[By::Camera, By::Depth], truth, false),
@@ -243,7 +243,7 @@ fn misjudged(
     wrong
 }
 
-/// What a render states of its normals, where it has any.
+/// The normals of a render with their evidence, if it has any.
 fn surface(render: &Render) -> Option<Surface> {
     let normal = render.vector("ViewLayer.Normal")?;
     Some(Surface {

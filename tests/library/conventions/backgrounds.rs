@@ -1,4 +1,4 @@
-//! Every background of depth with everything that depth may hold.
+//! Every background of depth with every kind of depth.
 
 use super::truth::{display, truth};
 use crate::common::exr::{Part, Stored, write};
@@ -86,7 +86,7 @@ fn each_background_with_each_kind() {
                     assert!(off < 1e-6, "{case}: {off}");
                 }
             }
-            // In half floats every infinity is 65504 or inf; depth is then no place.
+            // In half floats every infinity is 65504 or inf; such depth gives no positions.
             let depth = truth.depth(background.min(65504.0), value);
             let frame = loaded(DVec3::ZERO, Stored::Half, &depth, false, None);
             assert_eq!(truth.mask_errors(&frame.frame), 0, "{kind:?}, half");

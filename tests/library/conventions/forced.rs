@@ -1,4 +1,4 @@
-//! What was concluded of one frame, forced on it: the same frame, bit for bit.
+//! Conventions found for one frame, forced on it: the same frame, bit for bit.
 
 use super::truth::{display, truth};
 use crate::common::exr::{Part, Stored, write};
@@ -8,7 +8,7 @@ use relievo::io::inputs::{Conventions, Flip, Inputs, NormalEncoding, StoredDepth
 use relievo::io::{self, Needs};
 use std::path::Path;
 
-/// All samples of a frame that conventions have a say in.
+/// All samples of a frame that conventions affect.
 fn bits(frame: &Frame) -> Vec<u32> {
     let n = &frame.normal;
     let planes = [Some(&n.x), Some(&n.y), Some(&n.z), frame.depth.as_ref()];

@@ -1,4 +1,4 @@
-//! Views and windows: which layers go together, and on which pixels.
+//! Views and windows: grouping of layers, and their pixels.
 
 use super::truth::{HEIGHT, WIDTH, display, truth};
 use crate::common::exr::{Part, Stored, write};
@@ -27,7 +27,7 @@ fn inputs(path: &Path, view: Option<&str>) -> Inputs {
     Inputs {
         picture: path.to_path_buf(),
         view: view.map(Into::into),
-        // The turned normals of the right eye do not go with its depth.
+        // The reversed normals of the right eye do not match its depth.
         normal_space: Some(relievo::frame::NormalSpace::View),
         normal_flip: Some(relievo::io::inputs::Flip::NONE),
         ..Inputs::default()
@@ -104,7 +104,7 @@ fn all_layers_come_from_one_view() {
         let message = refused.err().expect("took an unknown view").to_string();
         assert!(message.contains("left, right"), "{message}");
     }
-    // Of one view there is nothing to choose.
+    // With one view there is nothing to choose.
     write(&path, display(), &[eye(part(), false, plain)]);
     assert!(is_left(&path, None));
     assert!(io::load(&inputs(&path, Some("left")), Needs::default()).is_err());
@@ -112,7 +112,7 @@ fn all_layers_come_from_one_view() {
 
 #[test]
 fn windows_that_differ_are_brought_to_the_picture_s() {
-    // The picture with overscan, depth cropped: all of the picture stays, and what lacks depth is not covered.
+    // The picture with overscan, depth cropped: all of the picture stays, and pixels without depth are not covered.
     let (truth, desk) = (truth(), tempfile::tempdir().unwrap());
     let path = desk.path().join("overscan.exr");
     let overscan = Window::at(-8, -6, WIDTH + 16, HEIGHT + 12);

@@ -1,4 +1,4 @@
-//! What renderers write, each in its own way, read back to the same frame.
+//! Files in the conventions of renderers, all read back to the same frame.
 
 mod backgrounds;
 mod forced;

@@ -1,8 +1,8 @@
-//! A file as each renderer writes it, of one scene: the frame must come out as the scene is.
+//! One scene in a file of each renderer: the frame must match the scene.
 //!
-//! Bounds on normals: 32-bit floats lose 1e-5 degrees. A half float below 1 is off by up to 2^-12, so a vector of
-//! three by sqrt(3) 2^-12 radians, 0.024 degrees; encoded as 0..1 by twice that, 0.048. A camera adds its own error: as
-//! matrices of 32-bit floats 1e-4 degrees, recovered from positions 0.01, from depth and normals what it says, here
+//! Bounds on normals: 32-bit floats lose 1e-5 degrees. A half float below 1 is off by up to 2^-12, so a vector of three
+//! by sqrt(3) 2^-12 radians, 0.024 degrees; encoded as 0..1 by twice that, 0.048. A camera adds its own error: as
+//! matrices of 32-bit floats 1e-4 degrees, recovered from positions 0.01, from depth and normals its reported one, here
 //! at most 0.3.
 
 use super::truth::{FOCAL, HEIGHT, Truth, WIDTH, display, truth};
@@ -22,16 +22,16 @@ const XYZ: [&str; 3] = ["X", "Y", "Z"];
 const RGB: [&str; 3] = ["R", "G", "B"];
 const RGB_LOWER: [&str; 3] = ["r", "g", "b"];
 
-/// A file as a renderer writes it, and what it must be read as.
+/// A file as written by a renderer, with its expected reading.
 struct File {
     renderer: &'static str,
     normal: Layer,
     space: Space,
     depth: Option<Depth>,
     position: Option<Layer>,
-    /// Whether each layer is a part of its own.
+    /// Whether each layer is a separate part.
     in_parts: bool,
-    /// What else there is: the camera in attributes.
+    /// Additional content: the camera in attributes.
     more: fn(Part) -> Part,
     read_as: ReadAs,
 }
@@ -39,7 +39,7 @@ struct File {
 /// Name, components and storage.
 type Layer = (&'static str, [&'static str; 3], Stored);
 
-/// Channels, storage, what stands where nothing is seen, and what is stored elsewhere.
+/// Channels, storage, the value where there is no surface, and the measure stored elsewhere.
 type Depth = (&'static [&'static str], Stored, f64, Measure);
 
 /// Something of planar depth and distance along the sight line.
@@ -48,7 +48,7 @@ type Measure = fn(f64, f64) -> f64;
 /// The space of normals and positions.
 #[derive(Clone, Copy)]
 enum Space {
-    /// A world of these axes.
+    /// A world with these axes.
     In(fn() -> DMat3),
     /// View space, changed so.
     Seen(fn(DVec3) -> DVec3),
@@ -106,7 +106,7 @@ impl File {
         vec![(self.more)(Part { channels, ..part() })]
     }
 
-    /// Reads the file and compares it; a row of the README's table goes to the output.
+    /// Reads the file and compares it; prints a row of the README's table.
     fn check(&self) {
         let desk = tempfile::tempdir().unwrap();
         let path = desk.path().join("a.exr");
@@ -229,7 +229,7 @@ fn ndc_from_camera(signed: bool, z: f64) -> DMat4 {
     }
 }
 
-/// Both matrices, for row vectors as the standard has them: the columns of those for column vectors.
+/// Both matrices, for row vectors as in the standard: the columns of those for column vectors.
 fn with_matrices(part: Part, to_camera: DAffine3, to_ndc: DMat4, transposed: bool) -> Part {
     let read = |m: DMat4| if transposed { m.transpose() } else { m };
     let to_camera = DMat4::from(to_camera);
@@ -267,7 +267,7 @@ const Z_UP: Space = Space::In(|| DMat3::IDENTITY);
 const Y_UP: Space = Space::In(y_up);
 const LEFT_HANDED: Space = Space::In(left_handed);
 
-// What depth measures.
+// Measures of depth.
 
 const PLANAR: Measure = |z, _| z;
 const DISTANCE: Measure = |_, distance| distance;
@@ -319,7 +319,7 @@ fn redshift_camera(part: Part) -> Part {
         .floats("rs/camera/transform", "m44f", &placed.to_cols_array())
 }
 
-/// In texts, lengths in centimetres.
+/// As text, lengths in centimetres.
 fn unreal_camera(part: Part) -> Part {
     let world = view_from(truth(), left_handed()).inverse();
     let (eye, ahead) = (world.translation * 100.0, -world.matrix3.z_axis);
@@ -400,21 +400,21 @@ fn files() -> Vec<File> {
         // The background of a half float.
         file("Blender, half depth", ("ViewLayer.Normal", XYZ, Float), Z_UP, Some((&["ViewLayer.Depth.Z"], Half, 65504.0, PLANAR)),
             read_as(World, Relative, DEPTH_DEG)).in_parts(),
-        // What Cycles keeps for its denoiser.
+        // The denoising passes of Cycles.
         file("Blender, denoising", ("ViewLayer.Denoising Normal", XYZ, Half), AWAY,
             Some((&["ViewLayer.Denoising Depth.Z"], Float, 1e10, PLANAR)), flipped('z', read_as(View, Planar, HALF_DEG))),
         file("Arnold", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(arnold_camera),
         file("Arnold, positions", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             ReadAs { is_placed: true, ..read_as(World, Planar, FLOAT_DEG) }).with(arnold_camera).with_position("P", RGB),
-        // The same as Nuke hands it on, without matrices.
+        // The same as passed on by Nuke, without matrices.
         file("Arnold, nothing stated", ("N", RGB, Float), Y_UP, Some((&["Z"], Float, 1e30, PLANAR)),
             read_as(World, Planar, DEPTH_DEG)),
         file("RenderMan", ("__Nworld", RGB_LOWER, Float), Y_UP, Some((&["__depth.r"], Float, f64::INFINITY, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(standard_camera),
         file("RenderMan, positions", ("__Nworld", RGB_LOWER, Float), Y_UP, Some((&["__depth.r"], Float, f64::INFINITY, PLANAR)),
             read_as(World, Planar, FLOAT_DEG)).with(standard_camera).with_position("__Pworld", RGB_LOWER),
-        // No depth: P.Z.
+        // No depth, so from P.Z.
         file("pbrt", ("Ns", XYZ, Half), AWAY, None,
             flipped('z', read_as(View, Planar, HALF_DEG))).with(pbrt_facets).with_position("P", XYZ),
         file("pbrt, world", ("Ns", XYZ, Half), Y_UP, None,
@@ -446,7 +446,7 @@ fn files() -> Vec<File> {
             read_as(World, Relative, HALF_DEG + DEPTH_DEG)),
         file("DirectX", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, PLANAR)),
             flipped('y', read_as(View, Planar, ENCODED_HALF_DEG))),
-        // Maps of a game's tools: depth in shades of grey either way round, which no name tells.
+        // Maps of game tools: depth in shades of grey in either direction, which no name tells.
         file("DirectX, white near", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 0.0, vray)),
             flipped('y', read_as(View, NormalizedNearIsOne, ENCODED_HALF_DEG))),
         file("DirectX, white far", ("normal", RGB, Half), Space::Seen(green_down), Some((&["Z"], Float, 1.0, corona)),
@@ -458,7 +458,7 @@ fn files() -> Vec<File> {
     ]
 }
 
-/// Checks the files of these programs, of which there are so many.
+/// Checks the files of these programs, and their `count`.
 fn check(renderers: &[&str], count: usize) {
     let is_of = |file: &&File| renderers.iter().any(|name| file.renderer.starts_with(name));
     let files = files();

@@ -1,4 +1,4 @@
-//! One scene whose every value is known, and how far a frame is from it.
+//! One scene with all values known, and the error of a frame against it.
 
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
@@ -94,14 +94,14 @@ impl Truth {
         self.value(background, |e| change(e.point * UNIT)[axis])
     }
 
-    /// Something made of planar depth and distance.
+    /// A function of planar depth and distance.
     pub(crate) fn depth(&self, background: f64, change: impl Fn(f64, f64) -> f64) -> Plane {
         self.value(background, |e| {
             change(e.depth * UNIT, e.point.length() * UNIT)
         })
     }
 
-    /// 1 where something was seen.
+    /// 1 where there is a surface.
     pub(crate) fn alpha(&self) -> Plane {
         self.value(0.0, |_| 1.0)
     }
@@ -114,21 +114,21 @@ impl Truth {
                 continue;
             };
             let n = frame.normal.at(x, y);
-            // By the chord: the cosine rounds below 0.03 degrees.
+            // From the chord: the cosine rounds below 0.03 degrees.
             let angle = 2.0 * (0.5 * n.distance(seen.normal)).min(1.0).asin();
             worst = worst.max(angle.to_degrees());
         }
         worst
     }
 
-    /// Pixels at which a frame's mask is not the true one.
+    /// Number of pixels where a frame's mask differs from the true one.
     pub(crate) fn mask_errors(&self, frame: &Frame) -> usize {
         let wrong = |&(x, y): &(usize, usize)| frame.mask.at(x, y) != self.seen.at(x, y).is_some();
         pixels().filter(wrong).count()
     }
 
-    /// Largest error of depth as a share of it; of planar depth, or distance along the sight line, with so many units of
-    /// it to one of the scene.
+    /// Largest relative error of depth; of planar depth, or of distance along the sight line, with `unit` units of it
+    /// per unit of the scene.
     pub(crate) fn worst_depth(&self, frame: &Frame, along_ray: bool, unit: f64) -> f64 {
         let depth = frame.depth.as_ref().expect("a frame with depth");
         let mut worst = 0.0f64;

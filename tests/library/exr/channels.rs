@@ -1,4 +1,4 @@
-//! Channels added to a part: what was there stays, bit for bit.
+//! Channels added to a part: the existing ones stay, bit for bit.
 
 use super::{HEIGHTS, TARGET, bits, part, planes, push_in_strips, saved, whole};
 use crate::common::real_files::real;
@@ -14,7 +14,7 @@ use relievo::io::exr::{
 use std::io::Cursor;
 use std::path::Path;
 
-/// What a channel holds, bit for bit, as the reference reader sees it.
+/// Content of a channel, bit for bit, by the reference reader.
 fn stored(samples: &FlatSamples) -> Vec<u32> {
     match samples {
         FlatSamples::F16(s) => s.iter().map(|v| v.to_bits().into()).collect(),

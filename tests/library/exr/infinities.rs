@@ -1,4 +1,4 @@
-//! What half floats cannot hold is clamped and counted, and never comes back infinite.
+//! Values beyond half floats are clamped and counted, and never read back as infinite.
 
 use super::{TARGET, saved};
 use relievo::frame::{Plane, Window};
@@ -10,7 +10,7 @@ use std::path::Path;
 
 const SIZE: [usize; 2] = [67, 40];
 
-/// Writes three equal colours and a depth; how many samples were clamped, and what is read of red and depth.
+/// Writes three equal colours and a depth; returns the number of clamped samples, and red and depth as read back.
 fn written(
     color: &Plane,
     sample_type: OutputType,
@@ -43,12 +43,12 @@ fn written(
     let writer = PartWriter::create(&mut file, Path::new(TARGET), &part.description());
     let mut writer = writer.unwrap();
     let planes: Vec<&Plane> = part.channels.iter().map(|channel| channel.plane).collect();
-    // In two goes, of which the first ends within a block.
+    // In two strips, the first of which ends within a block.
     writer.push(&planes, 0..21).unwrap();
     writer.push(&planes, 21..SIZE[1]).unwrap();
     let clamped = writer.finish().unwrap();
     let (_directory, file) = saved(&file.into_inner(), &Limits::default());
-    // Channels stand in the order of their names: B, G, R, depth.Z.
+    // Channels are in the order of their names: B, G, R, depth.Z.
     let read = [2, 3].map(|channel| ChannelId { part: 0, channel });
     let planes = file.read_channels(&read).unwrap();
     (clamped, planes.try_into().unwrap())
@@ -65,7 +65,7 @@ fn largest(plane: &Plane) -> f32 {
 fn dwa_keeps_bright_colours_finite_and_says_how_many_were_clamped() {
     let [width, height] = SIZE;
     let pixels = (width * height) as u64;
-    // Stripes and checks one pixel wide are what cosines overshoot at; a ramp finds the limit of every block.
+    // Cosines overshoot at stripes and checks one pixel wide; a ramp finds the limit of every block.
     type Pattern = fn(usize, usize) -> bool;
     let patterns: [Pattern; 4] = [
         |x, _| x % 2 == 0,
@@ -105,7 +105,7 @@ fn dwa_keeps_bright_colours_finite_and_says_how_many_were_clamped() {
                     }
                 }
             }
-            // What stays clear of the limit is not touched.
+            // Values clear of the limit are unchanged.
             let (clamped, _) = written(&bright(32_768.0), OutputType::Float, compression);
             assert_eq!(clamped, 0);
         }

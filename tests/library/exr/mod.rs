@@ -15,7 +15,7 @@ use std::path::Path;
 
 const TARGET: &str = "test";
 
-/// Three planes that are no multiple of a block high, one with a sample that is no number.
+/// Three planes whose height is not a multiple of a block's, one with a NaN sample.
 fn planes() -> [Plane; 3] {
     let mut ramp = Plane::from_fn(23, 71, |x, y| (x as f32 - 3.7) * y as f32);
     ramp.samples_mut()[40] = f32::NAN;

@@ -1,4 +1,4 @@
-//! Rows on demand, and files written strip by strip: both give what reading and writing whole gives.
+//! Rows on demand, and files written strip by strip: both equal reading and writing whole.
 
 use super::{HEIGHTS, TARGET, bits, part, planes, push_in_strips, saved, whole};
 use crate::common::real_files::real;
@@ -62,7 +62,7 @@ fn a_part_added_does_not_depend_on_how_its_rows_were_cut() {
 
 #[test]
 fn lossless_compressions_keep_every_sample_and_dwa_keeps_colours_close() {
-    // A ramp in the colours, and a sample that is no number in alpha.
+    // A ramp in the colours, and a NaN sample in alpha.
     let color = Plane::from_fn(67, 300, |x, y| 0.01 * x as f32 + 0.002 * y as f32);
     let mut alpha = Plane::filled(67, 300, 1.0);
     alpha.samples_mut()[5] = f32::NAN;
@@ -118,7 +118,7 @@ fn data_are_not_compressed_with_loss() {
 fn check_rows(file: &ExrFile) {
     for part in 0..file.parts.len() {
         let wanted: Vec<ChannelId> = file.channel_ids().filter(|id| id.part == part).collect();
-        // Twice the same channel, and not in order.
+        // One channel twice, and not in order.
         let wanted = [&wanted[wanted.len() / 2..], &wanted[..1]].concat();
         let whole = file.read_channels(&wanted).unwrap();
         let height = file.parts[part].window.height();
@@ -193,7 +193,7 @@ fn limits_count_for_the_rows_that_are_read() {
 fn only_the_blocks_that_hold_the_rows_are_read() {
     let planes = planes();
     let mut bytes = whole(&part(&planes));
-    // The last of five blocks, rows 64 to 70, claims to lie elsewhere.
+    // The last of five blocks, rows 64 to 70, claims another position.
     let place = 73i32.to_le_bytes();
     let at = bytes.windows(4).rposition(|w| w == place).unwrap();
     bytes[at] ^= 1;
@@ -201,7 +201,7 @@ fn only_the_blocks_that_hold_the_rows_are_read() {
     let wanted: Vec<ChannelId> = file.channel_ids().collect();
     assert!(file.read_rows(&wanted, 0..64).is_ok());
     assert!(file.read_rows(&wanted, 60..65).is_err());
-    // What came before the failure is still there.
+    // Rows read before the failure are still there.
     let mut reader = RowReader::new(&file, &wanted).unwrap();
     let before = reader.rows(20..60).unwrap();
     assert!(reader.rows(30..70).is_err());

@@ -78,8 +78,8 @@ fn strokes_follow_both_families_of_a_torus() {
             (found - sector - turn + 90.0).rem_euclid(180.0) - 90.0
         });
         let errors: Vec<f64> = errors.collect();
-        // In a sector of 20 degrees strokes lie on two or three levels 15 degrees apart, by chance a few more
-        // on one side than on the other: off by a third of a level at most, and not one way.
+        // In a sector of 20 degrees strokes lie on two or three levels 15 degrees apart, by chance a few more on one
+        // side than on the other: off by a third of a level at most, and without bias.
         let mean = errors.iter().sum::<f64>() / errors.len() as f64;
         assert!(mean.abs() < 1.0, "{directions:?}: mean {mean:.2}");
         assert!(
@@ -132,7 +132,7 @@ fn tone_is_that_of_the_picture_whatever_the_strokes() {
 
 #[test]
 fn lines_are_as_dark_as_they_should_be() {
-    // Lines end at the rim of the ball, and around its back none is.
+    // Lines end at the rim of the ball, and there are none around its back.
     let scene = ExactScene::orthographic(Surface::ball(200.0), 256.0, 256.0);
     for luminance in [0.3_f32, 0.5, 0.8, 0.9] {
         let mut line = along(StrokeDirections::Max);
@@ -157,7 +157,7 @@ fn points_and_curve_of_tone_are_kept() {
     let expected = (0.3_f64 / 0.8).sqrt();
     let drawn = drawing(&grey(plane.frame(512, 512), 1.0), line);
     assert!((1.0 - mean(&drawn.hatching) - expected).abs() < 0.02);
-    // From the white point on paper, below the black point black.
+    // Paper from the white point on, black below the black point.
     for (luminance, ink) in [(2.0, 0.0), (0.39, 1.0), (-1.0, 1.0), (f32::NAN, 1.0)] {
         let drawn = drawing(&grey(plane.frame(40, 40), luminance), line);
         assert!(
@@ -197,7 +197,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn a_crop_keeps_the_strokes_of_the_whole() {
-    // The texture lies in the picture, not in the data window. On a plane nothing else reaches far.
+    // The texture is fixed in the picture, not in the data window. On a plane nothing else has a long reach.
     let frame = grey(
         ExactScene::orthographic(Surface::plane(DVec3::Z), 128.0, 128.0).frame(256, 256),
         0.5,

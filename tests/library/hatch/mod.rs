@@ -1,5 +1,4 @@
-//! Drawings: strokes that lie where they are asked to, in the tone that is asked for, and nothing that changes
-//! with the machine.
+//! Drawings: strokes in the directions and the tone requested, independent of the machine.
 
 mod drawings;
 mod stiff;
@@ -20,7 +19,7 @@ fn map(params: &StrokeParams) -> TonalArtMap {
     TonalArtMap::of_strokes(&params.stroke(1.0), params.style, params.seed)
 }
 
-/// What stays white of paper `width` by `height` hatched along `angle`, in the tone `tone(x, y)`.
+/// White left of paper `width` by `height`, hatched along `angle`, in the tone `tone(x, y)`.
 fn hatched(
     hatching: &Hatching,
     [width, height]: [usize; 2],
@@ -53,7 +52,7 @@ fn hatched(
 /// those between next neighbours favour some angles of thin lines.
 fn stroke_angle(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    // Of fourth order: the plain difference falls short by a tenth where lines are six pixels apart.
+    // Of fourth order: the plain difference is low by a tenth where lines are six pixels apart.
     let slope =
         |near: [f32; 2], far: [f32; 2]| f64::from(8.0 * (near[1] - near[0]) - (far[1] - far[0]));
     for y in 2..plane.height() - 2 {
@@ -99,7 +98,7 @@ fn mean(plane: &Plane) -> f64 {
     sum / plane.samples().len() as f64
 }
 
-/// A drawing of `frame` in the tone of its picture as it is.
+/// A drawing of `frame` in the tone of its unprocessed picture.
 fn drawing(frame: &Frame, line: LineParams) -> Drawing {
     drawn_by(&Engine::cpu(), frame, line)
 }

@@ -151,7 +151,7 @@ fn the_texture_repeats_without_a_seam() {
         let hatching = Hatching::new(&map, &params, 0);
         let period = (map.period()[0] as f32 / map.texels_per_px()).round() as usize;
         let white = hatched(&hatching, [2 * period, period + 20], 0.0, |_, _| 0.5);
-        // The same ink a period on, but for the rounding of coordinates.
+        // The same ink a period farther, except for the rounding of coordinates.
         for y in 0..20 {
             for x in 0..period {
                 let a = white.at(x, y);
@@ -181,8 +181,7 @@ fn a_seed_is_one_drawing_and_another_is_another() {
         let (one, other) = (drawn(7), drawn(8));
         let pairs = one.samples().iter().zip(other.samples());
         let differ = pairs.filter(|(a, b)| (*a - *b).abs() > 0.1).count();
-        // Half of the paper is inked by either: independent drawings differ on half of it, as far as
-        // their greys do.
+        // Either inks half of the paper: independent drawings differ on half of it, as far as their greys do.
         assert!(differ > one.samples().len() / 4, "{style:?}: {differ}");
     }
 }
@@ -209,7 +208,7 @@ fn strokes_of_any_size_and_number_keep_their_tone() {
             let error = (mean(&white) - 0.6).abs();
             assert!(error < 0.02, "{style:?} {scale:?} {levels}: {error:.4}");
         }
-        // One stroke is wider than the paper: no tone to speak of, but drawn.
+        // One stroke is wider than the paper: no meaningful tone, but drawn.
         let params = StrokeParams {
             style,
             scale: many,
@@ -228,7 +227,7 @@ fn millimetres_are_those_of_the_print() {
         dpi: Some(600.0),
         ..StrokeParams::default()
     };
-    // 0.254 mm are a hundredth of an inch: 6 pixels of 600, whatever the reference height.
+    // 0.254 mm are a hundredth of an inch: 6 pixels of 600, for any reference height.
     for factor in [1.0, 3.0] {
         assert!((params.stroke(factor).width_px - 6.0).abs() < 1e-4);
     }

@@ -125,8 +125,8 @@ fn lobes_are_found_by_name_and_told_of() {
         "{}",
         said.stdout
     );
-    // The same white light, the surface's colour in it: intensities are those of Blender's to rounding. (Of
-    // specular light they are not: nothing tells its colour apart.)
+    // The same white light, including the surface's colour: intensities equal Blender's to rounding. (Not those of
+    // specular light, whose colour cannot be separated.)
     let diffuse_alone = ["--scaling-specular", "0"];
     let [(a, _), (b, _), (c, _)] = [
         made(&blender, &diffuse_alone),
@@ -321,7 +321,7 @@ fn renders_with_all_passes_recombine_and_are_scaled_by_lobe_and_group() {
             assert!(said.contains(line), "{name}: {said}");
         }
         let (whole, _) = made(&["--lobes", "off"]);
-        // The direction to the key and fill lights of these renders, turned to view space.
+        // The directions to the key and fill lights of these renders, rotated to view space.
         let key = [
             "--light-group",
             "key=138.4,41.1",

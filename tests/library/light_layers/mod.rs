@@ -85,7 +85,7 @@ fn radiance(lobe: &LobeLayers, i: usize, x: usize, y: usize) -> f32 {
     light(lobe, i, x, y) * color
 }
 
-/// With nothing left to be chosen from the frame.
+/// Parameters with nothing chosen from the frame.
 fn fixed() -> ScalingParams {
     ScalingParams {
         curvature_gain: Adaptive::Fixed(20.0),
@@ -103,7 +103,7 @@ fn run(frame: &Frame, params: ScalingParams) -> Outcome {
     cpu::run(&plan(frame, params), frame).unwrap()
 }
 
-/// What comes of the picture, and the mapped curvature it was scaled by.
+/// The enhanced picture, and the mapped curvature it was scaled by.
 fn enhanced(frame: &Frame, params: ScalingParams) -> (ColorPlanes, Plane) {
     let outcome = run(frame, params);
     let gain = outcome.gain.unwrap();
@@ -154,7 +154,7 @@ fn a_magnitude_of_0_runs_nothing_in_every_mode() {
     for frame in [&lobes, &whole, &groups, &occlusion] {
         assert!(plan(frame, none).stages().is_empty());
     }
-    // By terms: the picture as a whole is none of them, and still scaled.
+    // By terms: the picture as a whole is not a term, and is still scaled.
     for frame in [&lobes, &groups] {
         assert!(plan(frame, by_term).stages().is_empty());
     }
@@ -217,7 +217,7 @@ fn each_lobe_is_scaled_by_its_own_light_and_magnitude() {
 
 #[test]
 fn the_color_of_a_lobe_is_kept() {
-    // With nothing but the diffuse lobe the picture's red over green is its own, however it is scaled.
+    // With the diffuse lobe alone red over green stays that of the picture under any scaling.
     let mut frame = scene();
     frame.light.lobes.truncate(1);
     let lobe = frame.light.lobes[0].clone();
@@ -390,7 +390,7 @@ fn a_shadow_keeps_its_edge_where_light_groups_are_scaled() {
     );
     let apart = most_apart(factors_open, factors(&shadowed));
     assert!(apart < 1e-6, "the shadow is scaled by {apart} otherwise");
-    // The picture as a whole takes the shadow for dark shading.
+    // The picture as a whole treats the shadow as dark shading.
     let whole = |mut frame: Frame| {
         frame.light.groups.clear();
         factors(&frame)
@@ -462,7 +462,7 @@ fn anisotropy_takes_the_curvature_along_the_light() {
         let kappa = mapped_curvature_toward(h, [to_light.x, to_light.y], 20.0, 0.8);
         let light = frame.light.groups[0].light.r.at(x, y);
         let before = frame.color.as_ref().unwrap().r.at(x, y);
-        // The group holds more light than this picture has: it takes the picture's share.
+        // The group holds more light than this picture has: it gets the picture's share.
         let share = (before / light).min(1.0);
         let expected = before + share * (scaling(d, kappa, 0.25) - 1.0) * light;
         near(made.r.at(x, y), expected, 1.0, "along the light");

@@ -67,8 +67,8 @@ fn a_sampled_furnace_converges() {
 
 #[test]
 fn light_without_bounds_is_warped_alike_from_both_sides() {
-    // Equation 1 looks the environment up at W(l) for even directions l; equation 2 takes lights l' and
-    // the Jacobian of W^-1. Both are sums for one integral: they meet as N grows.
+    // Equation 1 looks the environment up at W(l) for even directions l; equation 2 uses lights l' and the Jacobian of
+    // W^-1. Both are sums for one integral: they converge as N grows.
     let frame = torus();
     let made = |warp_by, samples| {
         let mut asked = Asked::of(Material::Lambert, Method::Warp)

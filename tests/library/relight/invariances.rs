@@ -1,4 +1,4 @@
-//! Threads, crops, mirrors, turns and poison change nothing; extreme values stay finite.
+//! Invariance under threads, crops, mirrors, rotations and poison; extreme values stay finite.
 
 use super::{Asked, LIT, METHODS, bits, sky, torus, torus_in_perspective};
 use crate::common::{mirrored, mirrored_plane, poisoned, quarter_turned, quarter_turned_plane};
@@ -252,7 +252,7 @@ fn an_environment_is_made_ready_once_and_again_for_another_purpose() {
     let first = run(&asked);
     let again = run(&asked);
     assert!(first.1 && !again.1 && first.0 == again.0);
-    // Another highlight, or another environment of the same looks, is another matter.
+    // Another highlight, or another environment that looks the same, makes a difference.
     asked.relight.material.shininess = 8.0;
     let wider = run(&asked);
     assert!(wider.1 && wider.0 != first.0 && wider.0 == bits(&asked.color(&frame)));

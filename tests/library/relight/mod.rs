@@ -1,5 +1,5 @@
-//! New light: against a reference in double precision that follows the papers sample by sample, closed
-//! forms, and what must change nothing.
+//! New light: against a reference in double precision that follows the papers sample by sample, closed forms, and
+//! invariances.
 
 mod closed_forms;
 mod invariances;

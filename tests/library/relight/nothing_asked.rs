@@ -1,4 +1,4 @@
-//! Strength 0 is the plain picture, bit for bit; what has no light is refused.
+//! Strength 0 is the plain picture, bit for bit; inputs without light are refused.
 
 use super::{Asked, LIT, bits, lights, sky, torus_in_perspective};
 use relievo::frame::{ColorPlanes, Plane};
@@ -58,7 +58,7 @@ fn strength_0_reproduces_plain_bit_for_bit() {
                 bits(&idle.color(&frame)) == expected,
                 "{name}, {method:?} of 0"
             );
-            // And the strengths do something where they are not 0.
+            // Strengths other than 0 have an effect.
             let mut active = plain.clone();
             active.relight.method = method;
             assert!(

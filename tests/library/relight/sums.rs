@@ -148,7 +148,7 @@ fn a_point_light_is_a_direction_and_a_fall_off_for_every_pixel() {
 
 #[test]
 fn hundreds_of_lights_add_up_and_none_is_lost() {
-    // More than one group, and a number that leaves some over.
+    // More than one group, and a number with a remainder.
     let frame = torus();
     let many: Vec<Vec3> = relievo::light::light_samples::uniform_directions(203);
     for method in METHODS {

@@ -1,4 +1,4 @@
-//! Cards that are shifted and turned: their strokes are shifted and turned with them, and no others come.
+//! Cards that are shifted and rotated: their strokes move with them, and no others appear.
 
 use super::*;
 
@@ -8,7 +8,7 @@ fn card() -> Frame {
     cards(Window::from_size(SIZE[0], SIZE[1]), 0.5, |_, _| Some(7.0))
 }
 
-/// Where a pixel was whose surface has come by whole columns and rows.
+/// Previous position of a pixel whose surface moved by whole columns and rows.
 fn shifted(columns: isize, rows: isize) -> impl Fn(usize, usize) -> Option<[usize; 2]> {
     move |x, y| {
         let (u, v) = (x as isize - columns, y as isize - rows);
@@ -41,20 +41,20 @@ fn a_pan_moves_every_stroke_and_changes_none() {
     let mut drawing = first(&frame, ruled(30.0));
     for step in 1..=20 {
         drawing = next(&drawing, &frame, &pan, ruled(30.0));
-        // Whole pixels: places are whole ones and a half, all sums are exact, so every bit is there.
+        // Whole pixels: places are integers and a half, all sums are exact, so every bit is preserved.
         let carried = difference(
             &drawing.hatching,
             &still.hatching,
             shifted(2 * step, 3 * step),
         );
         assert_eq!(carried, 0.0, "after {step} steps");
-        // What comes into view is drawn as the rest.
+        // Newly visible surface has the tone of the rest.
         let tone = 1.0 - mean(&drawing.hatching, everywhere);
         assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
         assert_eq!(coordinates(&drawing).mean_shares(), [1.0]);
     }
-    // Strokes that lie still: black and white meet by chance, half of the pixels being ink. Of two drawings
-    // that have nothing in common they differ at 2 * 1/2 * 1/2; lines are anti-aliased, so somewhat less.
+    // Fixed strokes: black and white meet by chance, with half of the pixels inked. Unrelated drawings differ at 2 *
+    // 1/2 * 1/2; lines are anti-aliased, so somewhat less.
     let swimming = difference(&still.hatching, &still.hatching, shifted(2, 3));
     assert!(swimming > 0.25, "{swimming}");
 }
@@ -77,7 +77,7 @@ fn a_pan_by_parts_of_a_pixel_does_not_drift() {
 
 #[test]
 fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
-    // A disc, turned by 5 degrees a frame, its strokes with it.
+    // A disc rotated by 5 degrees a frame, with its strokes.
     let side = 160;
     let middle = side as f64 / 2.0;
     let frame = cards(Window::from_size(side, side), 0.5, |x, y| {
@@ -97,8 +97,8 @@ fn an_object_that_turns_in_the_picture_keeps_its_strokes() {
         drawing = next(&drawing, &frame, &turn, ruled(degrees));
         assert_eq!(coordinates(&drawing).mean_shares(), [1.0], "at {degrees}");
     }
-    // A right angle in all. What is at column x, row y was at column side - 1 - y, row x. Affine maps are kept
-    // by interpolation, so only rounding and the rim, which goes on from within, are left.
+    // A right angle in all. The pixel at column x, row y was at column side - 1 - y, row x. Interpolation preserves
+    // affine maps, so only rounding and the rim, which is extended from within, remain.
     let inside = |x: usize, y: usize| frame.mask.at(x, y).then_some([side - 1 - y, x]);
     let carried = difference(&drawing.hatching, &start.hatching, inside);
     assert!(carried < 5e-3, "{carried}");
@@ -140,8 +140,8 @@ fn what_comes_out_from_behind_goes_on_as_if_it_had_been_seen() {
         let tone = 1.0 - mean(&drawing.hatching, everywhere);
         assert!((tone - 0.5).abs() < 0.02, "{tone} after {step} steps");
     }
-    // Both textures began as the still drawing: the background, hidden and seen again, has it still, the card
-    // has taken its part along.
+    // Both textures began as the still drawing: the background, hidden and visible again, still has it, the card has
+    // carried its part along.
     let front = at(25);
     let background = |x, y| (!front(x, y)).then_some([x, y]);
     assert_eq!(

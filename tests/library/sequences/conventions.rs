@@ -51,7 +51,7 @@ fn read(path: &Path) -> Loaded {
     load(&inputs, needs).unwrap()
 }
 
-/// The channels of a layer, with what each holds by how far the surface has come, x right, y up, in pixels.
+/// The channels of a layer, with their values as a function of the surface's motion, x right, y up, in pixels.
 type Channels<'a> = &'a [(&'a str, &'a dyn Fn(f64, f64) -> f64)];
 
 /// Two frames of a relief that has come `come(x, y)` to each pixel, x right, y up; the second has these channels too.
@@ -66,7 +66,7 @@ fn judged(
     judged_between([&|x, y| [x, y], &from], come, channels)
 }
 
-/// The same of two frames that look where these say on the relief.
+/// The same for two frames that look at these positions of the relief.
 fn judged_between(
     at: [&dyn Fn(f64, f64) -> [f64; 2]; 2],
     come: &dyn Fn(f64, f64) -> [f64; 2],
@@ -107,7 +107,7 @@ fn wheel(x: f64, y: f64) -> [f64; 2] {
     [x - (cos * x + sin * y), y - (cos * y - sin * x)]
 }
 
-/// How far, in pixels, the motion that was found is off at the worst pixel.
+/// Error of the motion found, in pixels, at the worst pixel.
 fn off(come: &dyn Fn(f64, f64) -> [f64; 2], layers: &MotionLayers, verdict: &MotionVerdict) -> f64 {
     let found = layers.read_as(verdict).expect("motion was found");
     let mut worst = 0.0f64;
@@ -135,7 +135,7 @@ fn every_convention_of_every_renderer_is_found_from_two_frames() {
                 ("ViewLayer.Vector.W", &|_, y| -0.5 * y),
             ],
         ),
-        // A file that has the two pairs the other way round.
+        // A file with the two pairs swapped.
         (
             "swapped",
             &[
@@ -187,7 +187,7 @@ fn every_convention_of_every_renderer_is_found_from_two_frames() {
                 ("MotionVectors.y", &move |_, y| -y / h),
             ],
         ),
-        // No name: numbers alone tell it from layers that hold something else.
+        // No name: numbers alone distinguish it from layers with other content.
         (
             "nameless",
             &[
@@ -223,7 +223,7 @@ fn what_frames_do_not_show_is_not_guessed() {
     );
     let verdict = verdict.unwrap();
     assert!(!verdict.is_found() && verdict.is_still, "{verdict:?}");
-    // The surface moves, and the layer holds something else.
+    // The surface moves, but the layer has other content.
     let (_, verdict) = judged(
         &pan,
         &[("velocity.x", &|_, _| 5.0), ("velocity.y", &|_, _| 9.0)],
@@ -242,15 +242,15 @@ fn what_frames_do_not_show_is_not_guessed() {
     );
     let evidence = verdict.unwrap().evidence;
     assert!(evidence.contains("world space"), "{evidence}");
-    // It stands still, and the layer says that it moves.
+    // It does not move, but the layer says it does.
     let (layers, verdict) = judged(
         &|_, _| [0.0; 2],
         &[("velocity.x", &|_, _| 2.0), ("velocity.y", &|_, _| 1.0)],
     );
     assert!(!verdict.unwrap().is_found());
-    // Its name does not say how to read it, that of Blender's does.
+    // Its name does not imply a reading, Blender's does.
     assert!(layers.unwrap().by_name().is_none());
-    // One colour and one slope everywhere: what moves inside looks the same in every reading.
+    // One colour and one slope everywhere: motion inside looks the same in every reading.
     let inside = |x: f64, y: f64| match (x - MIDDLE[0]).hypot(y - MIDDLE[1]) < 20.0 {
         true => [3.5, -2.25],
         false => [0.0; 2],
@@ -261,7 +261,7 @@ fn what_frames_do_not_show_is_not_guessed() {
         &[("velocity.x", &|x, _| x), ("velocity.y", &|_, y| y)],
     );
     assert!(!verdict.unwrap().is_found());
-    // No layer, no verdict; a motion along x alone leaves the sense of y open for the frames to come.
+    // No layer, no verdict; motion along x alone leaves the sense of y open for later frames.
     assert!(judged(&pan, &[]).1.is_none());
     let along_x = |_: f64, _: f64| [3.5, 0.0];
     let (_, verdict) = judged(

@@ -10,7 +10,7 @@ fn card() -> Frame {
     cards(Window::from_size(SIDE, SIDE), 0.5, |_, _| Some(7.0))
 }
 
-/// Motion toward or from the middle: what is `by` times as large as before.
+/// Motion toward or away from the middle: everything becomes `by` times as large.
 fn zoom(frame: &Frame, by: f64) -> Vector2Planes {
     let middle = SIDE as f64 / 2.0;
     motion(frame, |x, y| {
@@ -18,7 +18,7 @@ fn zoom(frame: &Frame, by: f64) -> Vector2Planes {
     })
 }
 
-/// Mean size of what is drawn: the inverse of the mean change of ink from pixel to pixel.
+/// Mean size of drawn features: the inverse of the mean change of ink from pixel to pixel.
 fn size(ink: &Plane) -> f64 {
     let change = Plane::from_fn(SIDE - 1, SIDE - 1, |x, y| {
         let here = ink.at(x, y);
@@ -62,9 +62,9 @@ fn strokes_keep_their_size_while_the_camera_draws_near_or_away() {
 
 #[test]
 fn strokes_are_handed_over_a_few_at_a_time() {
-    // By 2 % a frame a map goes from a distortion of 1.2 to 1.5 in 11 frames: the smooth step between them is
-    // steepest at its middle, 1.5 * 0.02 * 1.35 / 0.3 = 0.135 of the strokes in one frame. In the middle of the
-    // picture nothing else happens.
+    // By 2 % a frame a map goes from a distortion of 1.2 to 1.5 in 11 frames: the smooth step between them is steepest
+    // at its middle, 1.5 * 0.02 * 1.35 / 0.3 = 0.135 of the strokes in one frame. In the middle of the picture nothing
+    // else changes.
     let frame = card();
     let moves = zoom(&frame, 1.02);
     let mut drawing = first(&frame, ruled(30.0));
@@ -106,7 +106,7 @@ fn a_leap_is_drawn_anew_at_once() {
 
 #[test]
 fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
-    // Its surface turns by 6 degrees a frame about the vertical: new surface at one rim all the time.
+    // Its surface rotates by 6 degrees a frame about the vertical: new surface keeps appearing at one rim.
     let radius = 110.0_f64;
     let middle = SIDE as f64 / 2.0;
     let frame = cards(Window::from_size(SIDE, SIDE), 0.5, |x, y| {
@@ -118,7 +118,7 @@ fn a_ball_that_turns_in_depth_keeps_size_and_tone() {
     let turn = motion(&frame, |x, y| {
         let (x, y) = (x - middle, y - middle);
         let z = (radius * radius - x * x - y * y).max(0.0).sqrt();
-        // It comes from z' = z cos + x sin; what was behind the rim was not seen.
+        // It comes from z' = z cos + x sin; surface behind the rim was not visible.
         match z * cos + x * sin > 0.0 {
             true => [x - (x * cos - z * sin), 0.0],
             false => [f64::from(AWAY), 0.0],
@@ -158,7 +158,7 @@ fn without_depth_motion_tells_what_was_hidden() {
         });
         drawing = next(&drawing, &frame, &moves, ruled(75.0));
     }
-    // Only what came out in the first step may have been taken for the card's: 4 columns.
+    // Only surface revealed in the first step may have passed for the card's: 4 columns.
     let front = front(25);
     let background = |x: usize, y: usize| (!front(x, y) && x > 20).then_some([x, y]);
     let changed = difference(&drawing.hatching, &start.hatching, background);
@@ -238,7 +238,7 @@ fn frames_may_change_their_size_and_lose_their_surface() {
     let nothing = sized(300, 240, false);
     let gone = next(&grown, &nothing, &rest(&nothing), ruled(30.0));
     assert!(gone.hatching.samples().iter().all(|&ink| ink == 0.0));
-    // What comes after nothing is drawn as something new.
+    // A surface that follows nothing is drawn as new.
     let again = next(&gone, &large, &rest(&large), ruled(30.0));
     let tone = 1.0 - mean(&again.hatching, everywhere);
     assert!((tone - 0.5).abs() < 0.02, "{tone}");

@@ -1,10 +1,9 @@
-//! What the report says of sequences.
+//! The report on sequences.
 
 use super::*;
 use relievo::report::coherence::{CoherenceRow, MovingFrame, measure};
 
-/// Rows of a card that is moved. The first frame is white, and its white point holds for the grey ones that
-/// follow, of which there are some.
+/// Rows for a moving card. The first frame is white, and its white point applies to the grey frames that follow.
 fn pan(by: [f64; 2]) -> Vec<CoherenceRow> {
     let frames = (1..=4).map(|number| {
         let luminance = if number == 1 { 1.0 } else { 0.2 };
@@ -31,7 +30,7 @@ fn pan(by: [f64; 2]) -> Vec<CoherenceRow> {
 fn whole_pixels_cost_nothing_and_half_ones_no_more_than_the_floor() {
     for row in pan([3.0, -2.0]) {
         assert_eq!((row.carried, row.floor), (0.0, 0.0));
-        // 197 of 200 columns and 138 of 140 rows were seen before.
+        // 197 of 200 columns and 138 of 140 rows were visible before.
         assert!((row.seen_before - 197.0 * 138.0 / (200.0 * 140.0)).abs() < 1e-9);
         assert!((row.motion_px - 13.0_f64.sqrt()).abs() < 1e-6);
         assert_eq!(row.oldest_share, 1.0);

@@ -18,7 +18,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, Plan, ToneFrom};
 
-/// A frame of cards that face the viewer, of one tone: `depth(x, y)` is how far away they are.
+/// A frame of cards that face the viewer, of one tone, at the distances `depth(x, y)`.
 fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>) -> Frame {
     let (width, height) = (window.width(), window.height());
     let seen = Plane::from_fn(width, height, depth);
@@ -100,7 +100,7 @@ fn first(frame: &Frame, line: LineParams) -> Drawing {
     draw(frame, line, Some(SequenceInputs::default()))
 }
 
-/// The frame after one that was drawn.
+/// The frame after `before`, drawn.
 fn next(before: &Drawing, frame: &Frame, motion: &Vector2Planes, line: LineParams) -> Drawing {
     let sequence = SequenceInputs {
         before: before.coordinates.as_ref(),
@@ -128,7 +128,7 @@ fn mean(plane: &Plane, part: impl Fn(usize, usize) -> bool) -> f64 {
     sum / f64::from(count.max(1))
 }
 
-/// Mean absolute difference between `now` and `before` where `from` says the pixel was: whole columns and
+/// Mean absolute difference between `now` and `before` at the previous position `from` of each pixel: whole columns and
 /// rows.
 fn difference(
     now: &Plane,

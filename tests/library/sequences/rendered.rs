@@ -35,7 +35,7 @@ fn motion_is_read_as_blender_writes_it() {
         let before = read_camera(&before, window, 1.0).unwrap();
         let expected = static_world_motion(&now.frame, &before).unwrap();
         let found = now.motion.unwrap().by_name().unwrap();
-        // The ground stands still; it fills the lowest rows, but for what stands on it.
+        // The ground does not move; it fills the lowest rows, except for objects standing on it.
         let mut off: Vec<f32> = Vec::new();
         for y in 310..360 {
             for x in 0..640 {
@@ -74,6 +74,6 @@ fn strokes_that_move_with_the_surface_swim_less() {
     let measured = measure(frames, ShapeParams::default()).unwrap().unwrap();
     let [still, carried, floor, lines] = measured.means;
     assert!(floor < carried && carried < 0.7 * still, "{measured:?}");
-    // Lines alone cover less paper than strokes, and lie on the surface as it moves.
+    // Lines alone cover less paper than strokes, and follow the surface.
     assert!(lines > 0.0 && lines < carried, "{measured:?}");
 }

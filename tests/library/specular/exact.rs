@@ -11,10 +11,10 @@ pub(crate) const CENTER: DVec3 = DVec3::new(0.05, -0.1, -4.0);
 /// Radius of the ball.
 pub(crate) const RADIUS: f64 = 1.0;
 
-/// From the middle of the room to its walls: x, y, z.
+/// Distances from the middle of the room to its walls: x, y, z.
 const ROOM: DVec3 = DVec3::new(5.0, 2.0, 6.0);
 
-/// What the specular thing is.
+/// The specular object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Thing {
     MirrorBall,
@@ -25,7 +25,7 @@ pub(crate) enum Thing {
 
 pub(crate) const IOR: f64 = 1.5;
 
-/// A thing in a room, seen by a camera with this focal length in the middle of `size` pixels each way.
+/// An object in a room, seen by a camera with this focal length in the middle of `size` pixels each way.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scene {
     pub(crate) thing: Thing,
@@ -71,7 +71,7 @@ impl Scene {
         }
     }
 
-    /// The ray that leaves the thing there.
+    /// The ray that leaves the object there.
     pub(crate) fn leaving(&self, at: DVec2) -> Option<(DVec3, DVec3)> {
         let (point, normal) = self.surface(at)?;
         let sight = self.sight().line(at.x, at.y).1.normalize();
@@ -84,7 +84,7 @@ impl Scene {
         Some((far, out))
     }
 
-    /// What is seen there of the room, with the axis of its wall.
+    /// The point of the room seen there, with the axis of its wall.
     pub(crate) fn hit(&self, at: DVec2) -> Option<(DVec3, usize)> {
         let (start, direction) = self.leaving(at)?;
         Some(wall(start, direction))
@@ -97,8 +97,8 @@ impl Scene {
         tangent.normalize()
     }
 
-    /// The direction in the picture, x right and y up, in which a tangent of what is met is seen: the Jacobian
-    /// of the point met by differences of 1e-4 pixels, inverted. `None` where those are on different walls.
+    /// The image direction, x right and y up, of a tangent at the hit point: the inverted Jacobian of the hit point by
+    /// differences of 1e-4 pixels. `None` if those are on different walls.
     pub(crate) fn seen(&self, at: DVec2) -> Option<(DVec2, DVec3)> {
         let (_, axis) = self.hit(at)?;
         let tangent = Self::tangent(axis);
@@ -200,7 +200,7 @@ impl Scene {
     }
 }
 
-/// Where a line enters and leaves the ball.
+/// Entry and exit of a line through the ball.
 fn on_ball(start: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     let from = start - CENTER;
     let along = from.dot(direction);
@@ -212,7 +212,7 @@ fn on_ball(start: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     ))
 }
 
-/// Where a ray from inside the room meets its wall, and that wall's axis.
+/// Hit of a ray from inside the room on its wall, and that wall's axis.
 fn wall(start: DVec3, direction: DVec3) -> (DVec3, usize) {
     let from = start - CENTER;
     let (t, axis) = (0..3)

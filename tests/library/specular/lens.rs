@@ -18,7 +18,7 @@ const IOR: f64 = 1.5;
 /// Depth of the wall.
 const WALL: f64 = 8.2;
 
-/// Where a line from `start` leaves, or enters, a sphere.
+/// Exit, or entry, of a line from `start` through a sphere.
 fn on_sphere(start: DVec3, direction: DVec3, middle: DVec3, leaves: bool) -> Option<DVec3> {
     let from = start - middle;
     let along = from.dot(direction);
@@ -28,7 +28,8 @@ fn on_sphere(start: DVec3, direction: DVec3, middle: DVec3, leaves: bool) -> Opt
     Some(start + t * direction)
 }
 
-/// The point of the wall that a place of the picture shows; `None` where light is mirrored inside, or goes past the wall.
+/// The point of the wall seen at a position of the picture; `None` for total internal reflection, or light that misses
+/// the wall.
 fn on_wall(sight: &SightLines, at: DVec2) -> Option<DVec3> {
     let direction = sight.line(at.x, at.y).1.normalize();
     let entry = on_sphere(DVec3::ZERO, direction, FRONT, false)?;
@@ -83,7 +84,7 @@ fn sight_lines_through_a_lens_end_where_they_must() {
                 .and_then(|path| tracer.hit(&path.leaving()));
             let Some(hit) = hit else { continue };
             found += 1;
-            // The monkey stands before the wall.
+            // The monkey is in front of the wall.
             if let (true, HitSurface::Behind(at)) =
                 (hit.is_seen && hit.point.z < 0.001 - WALL, hit.surface)
             {

@@ -1,4 +1,4 @@
-//! Mirrors and glass in new light: they show what their sight lines meet, scaled and warped as other light is.
+//! Mirrors and glass in new light: they show the hits of their sight lines, scaled and warped like other light.
 
 use super::exact::{CENTER, IOR, Scene, Thing};
 use super::traced;
@@ -39,7 +39,7 @@ fn around(scene: &Scene, height: usize) -> SpecularScene {
     }
 }
 
-/// A mirror that covers half of a ball's picture, in a region that lies across its border: the samples of the whole.
+/// A mirror over half of a ball's picture, in a region across its border: the samples of the whole.
 #[test]
 fn a_region_of_a_mirror_is_that_part_of_the_whole() {
     let (frame, window) = (BALL.frame(), BALL.frame().data_window);
@@ -187,7 +187,7 @@ fn glass_shows_what_it_lets_through_and_what_it_mirrors() {
     errors.sort_by(f32::total_cmp);
     let p99 = errors[errors.len() * 99 / 100];
     println!("glass: 99 % within {p99}");
-    // At the rim, where rays turn fast, the back is given by texels a pixel apart.
+    // At the rim, where rays turn fast, the back is known only by texels a pixel apart.
     assert!(p99 < 0.02);
 }
 

@@ -1,4 +1,4 @@
-//! Mirrors and lenses: what bent sight lines meet, how strokes of it are seen, what light shows of it.
+//! Mirrors and lenses: hits of bent sight lines, apparent stroke directions, and relighting.
 
 mod exact;
 mod lens;
@@ -39,7 +39,7 @@ fn drawing(frame: &Frame, params: LineParams, bend: Bend) -> Plan {
     Plan::hatch(available, shape, scaling, tone, params).unwrap()
 }
 
-/// The directions of strokes on what a frame's specular pixels show.
+/// The stroke directions on the surfaces seen in a frame's specular pixels.
 fn fields(
     frame: &Frame,
     scene: &SpecularScene,

@@ -40,8 +40,8 @@ fn bend_of(scene: &Scene) -> Bend {
     }
 }
 
-/// Directions by the pipeline, in the surroundings or in what lies behind, against exact ones; `through_both` cameras of
-/// a lens one after the other, as the paper has it.
+/// Directions by the pipeline, in the surroundings or on the surface behind, against exact ones; `through_both` cameras
+/// of a lens in sequence, as in the paper.
 fn errors(scene: &Scene, beyond: SpecularScene, through_both: bool) -> Errors {
     let frame = scene.frame();
     let beyond = SpecularScene {
@@ -99,8 +99,8 @@ fn around(scene: &Scene) -> SpecularScene {
 
 #[test]
 fn a_flat_mirror_is_exact() {
-    // Rays mirrored by a plane are those of a pinhole behind it: the linear camera is exact, and the map's
-    // walls are planes. What is left is the rounding of f32 samples.
+    // Rays mirrored by a plane are those of a pinhole behind it: the linear camera is exact, and the map's walls are
+    // planes. Only the rounding of f32 samples remains.
     let scene = Scene {
         thing: Thing::FlatMirror(DVec3::new(0.3, 0.4, 1.0).normalize()),
         size: 128,
@@ -132,7 +132,7 @@ fn a_mirror_ball_is_of_second_order() {
 
 #[test]
 fn a_glass_ball_is_of_first_order_or_better() {
-    // By the external camera alone, as drawings are made, and through both, as the paper has it.
+    // By the external camera alone, as for drawings, and through both, as in the paper.
     for through_both in [false, true] {
         let at = |size: usize| {
             let scene = Scene {

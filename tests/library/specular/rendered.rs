@@ -76,7 +76,7 @@ fn the_search_ends_where_the_renderers_rays_did() {
     assert!(all > 20_000 && found > 0.97 && median < 5e-3);
 }
 
-/// Where walls are met beside one another: the upright tangent of [LA] section 4.2, seen by the Jacobian of the
+/// Image direction where adjacent pixels hit walls: the upright tangent of [LA] section 4.2, by the Jacobian of the
 /// renderer's own points.
 fn truth(points: &Vector3Planes, x: usize, y: usize) -> Option<DVec2> {
     let point = |x: usize, y: usize| {

@@ -1,4 +1,4 @@
-//! Mirrors and lenses at their extremes: a drawing, never a NaN, and the same one by any number of threads.
+//! Mirrors and lenses at their extremes: a drawing, never a NaN, and the same one for any number of threads.
 
 use super::exact::{Scene, Thing};
 use super::{drawing, fields};
@@ -91,7 +91,7 @@ fn every_scene_gives_a_drawing() {
         ("glass", glass(), REFRACTED),
         ("mirror", glass(), Bend::Mirror),
         ("a thin sheet", glass(), Bend::Straight),
-        // From a denser outside every steep sight line is mirrored at once.
+        // From a denser outside every steep sight line is totally reflected.
         ("all light mirrored", glass(), Bend::Glass { ior: 0.1 }),
         ("a very dense lens", glass(), Bend::Glass { ior: 10.0 }),
         ("no surroundings at all", void, Bend::Mirror),
@@ -122,7 +122,7 @@ fn a_lens_partly_outside_the_frame_is_drawn_as_in_the_whole() {
         both(),
         REFRACTED
     )));
-    // Away from the cut, where steps go to one side only, patches are the same ones.
+    // Away from the cut, where steps are one-sided, patches are the same.
     let mut same = (0, 0);
     for y in 0..64 {
         for x in (0..16).filter(|&x| frame.mask.at(x, y)) {

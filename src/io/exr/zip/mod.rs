@@ -1,9 +1,9 @@
-//! ZIP compression: zlib over bytes that were sorted and differenced.
+//! ZIP compression: zlib over reordered and differenced bytes.
 //!
-//! A block is cut into the bytes at even places and those at odd places, one after the other; then
-//! each byte but the first is replaced by its difference from the one before it, plus 128. Samples are
-//! stored low byte first, so a pair of bytes, one of each half, is a half float or half of a sample of
-//! 32 bits. Only pairs that are wanted are put together: of the rest nothing but the sum is needed.
+//! A block is split into the bytes at even positions followed by those at odd positions; then each byte but the first
+//! is replaced by its difference from the previous one, plus 128. Samples are stored low byte first, so a pair of
+//! bytes, one of each half, is a half float or half of a 32-bit sample. Only requested pairs are assembled: of the rest
+//! only the sum is needed.
 
 #[cfg(feature = "libdeflate")]
 mod libdeflate;
@@ -22,7 +22,7 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
     }
 }
 
-/// Compresses a block; one that would not become smaller is returned as it is.
+/// Compresses a block; one that would not shrink is returned unchanged.
 pub(super) fn compress(raw: Vec<u8>) -> Vec<u8> {
     let mut bytes = vec![0; raw.len()];
     let size = zlib::deflate(&differences(&raw), &mut bytes);
@@ -84,7 +84,7 @@ impl<'b> Pairs<'b> {
         self.high_sum = total(self.high_sum, high);
     }
 
-    /// Puts together as many pairs as `into` holds.
+    /// Assembles enough pairs to fill `into`.
     pub(super) fn take(&mut self, into: &mut [u16]) {
         let (low, high) = self.next(into.len());
         let (into, into_rest) = into.as_chunks_mut::<8>();
@@ -118,21 +118,21 @@ fn total(before: u8, differences: &[u8]) -> u8 {
     let sum = differences
         .iter()
         .fold(before, |sum, &d| sum.wrapping_add(d));
-    // Each was stored with 128 added, and two of those are nothing.
+    // Each was stored with 128 added, and two of those cancel.
     sum.wrapping_add(128 * (differences.len() % 2) as u8)
 }
 
-/// The eight bytes that `differences` lead to from `before`, which becomes the last of them: those at
-/// even places and those at odd places, in lanes of 16 bits.
+/// The eight bytes reached from `before` by `differences`; `before` becomes the last of them: those at even and those
+/// at odd positions, in 16-bit lanes.
 ///
-/// All eight sums are made at once: a product with 1 in every lane adds to each lane those below it.
+/// All eight sums are computed at once: multiplying by 1 in every lane adds to each lane those below it.
 fn sums(differences: [u8; 8], before: &mut u8) -> [u64; 2] {
     const ONES: u64 = 0x0001_0001_0001_0001;
     const BYTES: u64 = 0x00ff * ONES;
     let bytes = u64::from_le_bytes(differences) ^ 0x8080_8080_8080_8080;
     let odd = (bytes >> 8) & BYTES;
     let pairs = (bytes & BYTES) + odd;
-    // At most 255 + 4 * 510 in a lane, so none spills into the next.
+    // At most 255 + 4 * 510 in a lane, so none overflows into the next.
     let odd_sums = pairs.wrapping_mul(ONES) + u64::from(*before) * ONES;
     *before = (odd_sums >> 48) as u8;
     [(odd_sums - odd) & BYTES, odd_sums & BYTES]

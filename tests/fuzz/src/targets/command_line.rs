@@ -1,7 +1,7 @@
 //! Whole command lines, on a desk of small files.
 //!
-//! The input is text: the words of a command line, one a line (`''` is an empty word), then an empty line, then the bytes of
-//! the file `extra`, which the words may name as a camera, a recipe, a picture or whatever else.
+//! The input is text: the words of a command line, one a line (`''` is an empty word), then an empty line, then the
+//! bytes of the file `extra`, which the words may use as a camera, a recipe, a picture or anything else.
 
 use super::desk::Desk;
 
@@ -15,7 +15,7 @@ pub(super) fn parts(data: &[u8]) -> (Vec<&[u8]>, &[u8]) {
     (words.split(|&b| b == b'\n').map(word).collect(), extra)
 }
 
-/// Runs the command line that `data` holds.
+/// Runs the command line in `data`.
 pub(super) fn run(data: &[u8]) {
     let (words, extra) = parts(data);
     Desk::shared().run(&words, extra);

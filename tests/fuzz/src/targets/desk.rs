@@ -1,4 +1,4 @@
-//! A folder of small files to run command lines on, and what must hold after each.
+//! A folder of small files to run command lines in, with the invariants to check after each.
 
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
@@ -42,7 +42,7 @@ pub(super) struct Desk {
 static DESK: LazyLock<Mutex<Desk>> = LazyLock::new(|| Mutex::new(Desk::new()));
 
 impl Desk {
-    /// The one desk of this process, for there is one current folder.
+    /// The only desk of this process, since there is one current folder.
     pub(super) fn shared() -> MutexGuard<'static, Self> {
         DESK.lock().expect("no run has failed before")
     }
@@ -56,16 +56,16 @@ impl Desk {
         }
     }
 
-    /// Runs a command line and checks what it leaves behind.
+    /// Runs a command line and checks the files it leaves.
     pub(super) fn run(&self, words: &[&[u8]], extra: &[u8]) {
-        // A report takes seconds at the least, and help makes nothing of what it stands beside.
+        // A report takes seconds at least, and help ignores everything else.
         let left_out = [&b"report"[..], b"--help", b"-h"];
         if !words.iter().all(|word| stays_here(word))
             || words.iter().any(|word| left_out.contains(word))
         {
             return;
         }
-        // What runs the target has relative paths too.
+        // The runner of the target has relative paths too.
         let home = std::env::current_dir().expect("there is a current folder");
         std::env::set_current_dir(&self.folder).expect("the folder is there");
         self.tidy();
@@ -88,7 +88,7 @@ impl Desk {
         let [_, recipe, timings] = named.outputs;
         for path in all_in(Path::new(".")) {
             let is_new = self.things.get(&path) != Some(&look(&path));
-            // These two may be called whatever one likes.
+            // These two may have any name.
             let is_text = [&recipe, &timings]
                 .into_iter()
                 .any(|p| p.as_ref() == Some(&path));
@@ -130,7 +130,7 @@ impl Thing {
     }
 }
 
-/// What is at `path`.
+/// The thing at `path`.
 fn look(path: &Path) -> Thing {
     let Ok(kind) = fs::symlink_metadata(path).map(|data| data.file_type()) else {
         return Thing::Other;
@@ -144,7 +144,7 @@ fn look(path: &Path) -> Thing {
     }
 }
 
-/// Everything in `folder`, folders before what is in them.
+/// Everything in `folder`, folders before their content.
 fn all_in(folder: &Path) -> Vec<PathBuf> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -158,7 +158,7 @@ fn all_in(folder: &Path) -> Vec<PathBuf> {
     all
 }
 
-/// Whether a word names nothing outside the desk: no absolute path, however it is joined to a flag, and no `..` but one.
+/// Whether a word names nothing outside the desk: no absolute path, even joined to a flag, and at most one `..`.
 fn stays_here(word: &[u8]) -> bool {
     let text = String::from_utf8_lossy(word).replace("sub/../", "sub/");
     let is_short_flag = text.starts_with('-') && !text.starts_with("--");
@@ -174,12 +174,12 @@ fn stays_here(word: &[u8]) -> bool {
 /// The flags whose values are written, in all spellings.
 const WRITTEN: [&[&str]; 3] = [&["-o", "--output"], &["--save-recipe"], &["--timings"]];
 
-/// What the words of a command line name.
+/// Files named by a command line.
 #[derive(Default)]
 struct Named {
-    /// Files and folders that may be read, as far as they are on the desk.
+    /// Files and folders that may be read, if they are on the desk.
     inputs: Vec<PathBuf>,
-    /// What each of [`WRITTEN`] names, the last one where there are several.
+    /// The file for each of [`WRITTEN`], the last one if there are several.
     outputs: [Option<PathBuf>; WRITTEN.len()],
 }
 
@@ -224,7 +224,7 @@ impl Named {
     }
 }
 
-/// Where a file is or would be, without links and detours.
+/// The actual or future path of a file, without links and detours.
 fn place(path: &Path) -> PathBuf {
     let folder = path
         .parent()
@@ -233,7 +233,7 @@ fn place(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()))
 }
 
-/// The things on the desk that `name` stands for: one, or all of a sequence.
+/// The things on the desk named by `name`: one, or all of a sequence.
 fn on_the_desk(name: &str) -> Vec<PathBuf> {
     if name.contains('#') || name.contains("%0") {
         let shots = all_in(Path::new("."));
@@ -271,7 +271,7 @@ fn samples(path: &Path) -> relievo::Result<Vec<Plane>> {
 fn check_output(path: &Path, finite: bool) {
     let name = path.to_string_lossy().to_lowercase();
     assert!(!name.ends_with(".part"), "{path:?} is left");
-    // Recipes and timings may be asked for under any name.
+    // Recipes and timings may be written under any name.
     let is_text = |bytes: Vec<u8>| bytes.starts_with(b"version = ") || bytes.starts_with(b"{");
     if !path.is_file() || fs::read(path).is_ok_and(is_text) {
         return;
@@ -287,7 +287,7 @@ fn check_output(path: &Path, finite: bool) {
     }
 }
 
-/// What lies on the desk before every run.
+/// Content of the desk before every run.
 fn things() -> BTreeMap<PathBuf, Thing> {
     let frame = frame(0);
     let torn = frame[..frame.len() / 2].to_vec();

@@ -1,4 +1,4 @@
-//! Any text as a list of frames, and as a name that holds their numbers.
+//! Any text as a list of frames, and as a name with their numbers.
 
 use relievo::io::sequence::{FrameList, is_pattern, of_frame};
 
