@@ -4,7 +4,7 @@ use super::paper::rough;
 use super::random::Random;
 use crate::params::{Stroke, Style};
 
-/// The basis of a [`super::tonal_art_map::TonalArtMap`].
+/// The drawn texels of a [`super::tonal_art_map::TonalArtMap`].
 pub(super) struct Canvas {
     pub(super) side: usize,
     pub(super) texels_per_px: f32,

@@ -11,7 +11,7 @@
 // Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
 @group(0) @binding(6) var<storage, read> turned: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> texels: array<u32>;
-// Share of the paper left white; for the last family, the share inked.
+// Share of the paper left white; for the last pass, the share inked.
 @group(0) @binding(8) var<storage, read_write> paper: array<f32>;
 // This sheet's share of the drawing; any buffer if it is the only one.
 @group(0) @binding(14) var<storage, read> shares: array<f32>;
@@ -19,7 +19,7 @@
 // Whether the texture moves with places of its own, or is fixed in the picture.
 override MOVES: bool;
 override HAS_SHARE: bool;
-// Whether this family is the first, and whether it is the last.
+// Whether this pass is the first to draw, and whether it is the last.
 override IS_FIRST: bool;
 override IS_LAST: bool;
 

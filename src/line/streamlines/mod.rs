@@ -98,8 +98,8 @@ const MOST_ON_EDGE: f32 = 1.6;
 /// Cosine of the most that a line may turn from one point to the next.
 const MOST_TURN: f32 = 0.9;
 
-/// Smallest distance from lines of the previous frame, as a share of that wanted: they stay until tone or perspective
-/// makes it clearly less.
+/// Smallest distance of lines carried from the previous frame to others, as a share of that wanted: they stay until tone
+/// or perspective makes it clearly less.
 const CARRIED_ROOM: f32 = 0.6;
 
 /// Points of a line from one to the next that others are started beside.
