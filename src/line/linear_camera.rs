@@ -3,9 +3,9 @@
 //!
 //! Theory: [LA] section 5. The rays of neighbouring pixels meet a plane at (u, v) with slopes (sigma, tau); three of
 //! them, at (0, 0), (1, 0) and (0, 1), span all their affine combinations, and one of those passes through any given
-//! point. Changes: the paper leaves A', B' and C' of equation 6 undefined; with slopes *relative* to the plane, `x = u
-//! + z sigma` and `y = v + z tau`, they are `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes `a =
-//! sigma2 - sigma1`, `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a
+//! point. Changes: the paper leaves A', B' and C' of equation 6 undefined; with slopes *relative* to the plane,
+//! `x = u + z sigma` and `y = v + z tau`, they are `A' = a d - b c`, `B' = a + d`, `C' = 1` for the differences of slopes
+//! `a = sigma2 - sigma1`, `b = sigma3 - sigma1`, `c = tau2 - tau1`, `d = tau3 - tau1`. And the paper projects a point a
 //! little along a stroke, which in f32 costs degrees; `foot_direction` is its limit in closed form. Practice: with the
 //! steps between the feet of neighbouring rays as the plane's axes, (u, v) is an offset in pixels.
 
