@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// What all frames that are drawn have in common.
+/// Inputs and state shared by all drawn frames.
 pub(super) struct HatchInputs {
     art_map: Option<TonalArtMap>,
     illumination: Illumination,
@@ -40,10 +40,10 @@ pub(super) struct HatchInputs {
     course: Mutex<SequenceState>,
 }
 
-/// What a pixel of an enlarged drawing takes at most.
+/// Most memory per pixel of an enlarged drawing.
 const BYTES_PER_PIXEL: u64 = 160;
 
-/// What a frame takes from the one before.
+/// State carried over from the frame before.
 struct SequenceState {
     steps: Steps,
     /// Where the texture of strokes lay.

@@ -36,10 +36,10 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Most of it that the samples of one photo take; of larger ones rows are decoded alone.
 const MOST_OF_A_PHOTO: u64 = 256 << 20;
 
-/// What is known of one file; the JSON form of `inspect`, documented in the README.
+/// Findings on one file; the JSON form of `inspect`, documented in the README.
 #[derive(Debug, Serialize)]
 struct Inspection {
-    /// Its path; what is not UTF-8 in it is replaced.
+    /// Its path, with anything not UTF-8 replaced.
     file: String,
     #[serde(flatten)]
     survey: Survey,
@@ -121,7 +121,7 @@ fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
     Ok((files.load(&inputs, EVERYTHING)?, note))
 }
 
-/// What the magnitude that is planned would do to concavities; nothing where none is given.
+/// Warnings of dark rims in concavities at the planned magnitude; none if no magnitude is given.
 fn planned_dark_rims(args: &InspectArgs) -> Vec<String> {
     let usual = ScalingParams::default();
     if args.scaling.or(args.invariant_point).is_none() {

@@ -4,7 +4,7 @@ use crate::frame::{AWAY, Camera, Vector2Planes, static_world_motion};
 use crate::io::Loaded;
 use crate::io::motion::{FrameBefore, MotionConvention, MotionLayers, MotionVerdict};
 
-/// What has to be kept of a frame to know how the next one moved.
+/// State kept from a frame to find the motion of the next.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     before: Option<Before>,
@@ -18,7 +18,7 @@ pub(super) struct Steps {
 struct Before {
     number: i32,
     camera: Option<Camera>,
-    /// What it showed, while the convention of motion is open.
+    /// Its content, while the convention of motion is undecided.
     seen: Option<FrameBefore>,
 }
 

@@ -44,7 +44,7 @@ pub(super) fn attributes(
 }
 
 impl OutputArgs {
-    /// What may happen to an older output.
+    /// Whether an older output may be replaced.
     pub(super) fn replace(&self) -> Replace {
         match self.no_clobber {
             true => Replace::Never,
@@ -52,7 +52,7 @@ impl OutputArgs {
         }
     }
 
-    /// What may happen to older files that are written beside the output: timings and recipes.
+    /// Whether older files beside the output may be replaced: timings and recipes.
     pub(super) fn replace_beside(&self) -> Replace {
         match self.force {
             true => Replace::Always,
@@ -201,7 +201,7 @@ impl OutputArgs {
         Ok(said)
     }
 
-    /// What is said of `count` samples that were clamped.
+    /// Warning that `count` samples were clamped; `None` for 0.
     pub(super) fn clamped(&self, count: u64) -> Option<String> {
         let samples = if count == 1 {
             "sample is"
@@ -220,7 +220,7 @@ impl OutputArgs {
     }
 }
 
-/// What a channel may be picked by: its name, its layer, and each word of it.
+/// Names that select a channel: its full name, its layer, and each word of it.
 fn names_of(channel: &str) -> impl Iterator<Item = &str> {
     let layer = channel.rsplit_once('.').map(|(layer, _)| layer);
     std::iter::once(channel)
@@ -241,7 +241,7 @@ fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {
     }
 }
 
-/// What files say that they were made by.
+/// The software named in written files.
 fn software() -> String {
     format!("relievo {}", env!("CARGO_PKG_VERSION"))
 }

@@ -1,4 +1,4 @@
-//! What numbers of motion mean: the direction of time, that of y, and the unit.
+//! Conventions of motion: the direction of time, that of y, and the unit.
 
 use crate::frame::Window;
 use std::fmt;
@@ -13,7 +13,7 @@ pub(super) enum Lead {
     Ahead,
 }
 
-/// What one unit of motion is.
+/// The unit of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MotionUnit {
     /// A pixel.
@@ -93,7 +93,6 @@ pub(crate) struct MotionConvention {
     lead: Lead,
     /// Whether y points up.
     y_is_up: bool,
-    /// What one unit is.
     unit: MotionUnit,
 }
 

@@ -23,7 +23,7 @@ const AS_GOOD: f64 = 1.1;
 /// How much a relative difference of depth counts: one of a tenth is as none of the same surface.
 const DEPTH_WEIGHT: f32 = 10.0;
 
-/// What is kept of a frame for the next one to be compared to.
+/// Data kept from a frame for comparison with the next.
 #[derive(Debug, Clone)]
 pub struct FrameBefore {
     window: Window,
@@ -34,7 +34,7 @@ pub struct FrameBefore {
 }
 
 impl FrameBefore {
-    /// What `frame` shows.
+    /// Copies the data from `frame`.
     pub fn of(frame: &Frame) -> Self {
         Self {
             window: frame.data_window,
@@ -56,7 +56,7 @@ fn luminance(frame: &Frame) -> Option<Plane> {
     Some(Plane::from_fn(width, height, at))
 }
 
-/// What two frames say of layers of motion.
+/// Verdict on layers of motion from two frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionVerdict {
     /// The pair and its convention that lead from one to the other.
@@ -65,9 +65,9 @@ pub struct MotionVerdict {
     pub is_settled: bool,
     /// Whether nothing moved that could tell anything.
     pub is_still: bool,
-    /// What was concluded.
+    /// The conclusion, in words.
     pub conclusion: String,
-    /// From which numbers.
+    /// The numbers behind the conclusion.
     pub evidence: String,
     /// The flags that read the layer so; `None` where none was found.
     pub flags: Option<String>,
@@ -86,7 +86,7 @@ struct Way {
     convention: MotionConvention,
     /// In pixels, y up, at each pixel that is compared.
     back: Vec<[f32; 2]>,
-    /// What it leaves unexplained there, 0..1.
+    /// Residual there, 0..1.
     left: Vec<f32>,
 }
 
@@ -228,19 +228,19 @@ fn beats_stillness(
 }
 
 impl Way {
-    /// What it leaves unexplained, 0..1.
+    /// Mean residual, 0..1.
     fn mean(&self) -> f64 {
         let sum: f64 = self.left.iter().map(|&left| f64::from(left)).sum();
         sum / self.left.len().max(1) as f64
     }
 
-    /// What it and `rival` leave unexplained where they lead elsewhere; `None` where they hardly do.
+    /// Mean residuals of this and of `rival` where they differ; `None` if they hardly do.
     fn against(&self, rival: &Self) -> Option<(f64, f64)> {
         let (mut own, mut its, mut count) = (0.0, 0.0, 0);
         for i in 0..self.back.len() {
             let [a, b] = [self.back[i], rival.back[i]];
             let apart = (a[0] - b[0]).hypot(a[1] - b[1]);
-            // What is not a number leads nowhere.
+            // NaN counts as different.
             if apart > ONE_WAY || apart.is_nan() {
                 own += f64::from(self.left[i]);
                 its += f64::from(rival.left[i]);

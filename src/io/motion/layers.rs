@@ -64,7 +64,7 @@ pub(in crate::io) fn motion_sources(
         .filter(|l| is_motion(l))
         .flat_map(pairs)
         .collect();
-    // What a name says for certain comes first.
+    // Layers whose name fixes the convention come first.
     found.sort_by_key(|source| convention_by_name(source).is_none());
     if found.is_empty() {
         let is_float = |layer: &&Layer| {
@@ -140,7 +140,7 @@ pub(super) fn has_third(source: &RoleSource) -> bool {
     layer_of(source).is_some_and(|layer| layer.components.len() == 3)
 }
 
-/// What the name of the layer says of its numbers, where that is the same whoever wrote it.
+/// The convention implied by the name of the layer, if all writers agree on it.
 pub(super) fn convention_by_name(source: &RoleSource) -> Option<MotionConvention> {
     let (layer, found) = (layer_of(source)?, source.found()?);
     let is_first = layer.matched(Role::Motion)?.channels == found.channels;

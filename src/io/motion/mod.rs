@@ -31,7 +31,7 @@ pub(super) struct MotionPair {
     layer: String,
     /// Whether the layer has a third number beside these, and no fourth.
     has_third: bool,
-    /// What its name says that it holds, where that is the same whoever wrote it.
+    /// The convention implied by its name, if all writers agree on it.
     by_name: Option<MotionConvention>,
     pub(super) x: Plane,
     pub(super) y: Plane,
