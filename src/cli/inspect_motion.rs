@@ -1,4 +1,4 @@
-//! What `inspect` says of motion: how its layers lead to the frame before, where that lies beside the file.
+//! The findings of `inspect` on motion: how its layers lead to the previous frame, if that lies beside the file.
 
 use crate::error::Result;
 use crate::frame::static_world_motion;

@@ -38,22 +38,22 @@ const BLOCK_BYTES: u64 = 160 << 20;
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
 
-/// What a command makes of a picture, whole or in strips.
+/// The work of a command on a picture, whole or in strips.
 pub(super) trait StripWork {
     fn runner(&self) -> &Runner;
 
     /// The plan for a picture or a strip of it, with what was found in the whole.
     fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan>;
 
-    /// What a plan takes beside the picture.
+    /// Inputs of a plan other than the picture.
     fn inputs(&self) -> engine::Inputs<'_> {
         engine::Inputs::default()
     }
 
-    /// What is done to all that was made of a strip, pixel by pixel.
+    /// Finishes all results of a strip, pixel by pixel.
     fn finish(&self, _strip: &Frame, _outcome: &mut Outcome) {}
 
-    /// What is written of a strip to an EXR.
+    /// The layers of a strip written to an EXR.
     fn channels<'a>(
         &self,
         job: &Job,
@@ -61,16 +61,16 @@ pub(super) trait StripWork {
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>>;
 
-    /// What is shown of a strip by a picture.
+    /// The colours of a strip shown by a picture.
     fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a>;
 
-    /// What the user should know of what was asked for, of this picture.
+    /// Warnings about the settings given for this picture.
     fn warnings(&self, _loaded: &Loaded) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// What a picture shows.
+/// The contents of a picture.
 pub(super) enum Shown<'a> {
     /// A picture, as it is in linear light.
     Made(MadePicture<'a>),
@@ -79,7 +79,7 @@ pub(super) enum Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// What `take` makes of the picture that a display is given, of a strip with this exposure.
+    /// The result of `take` for the displayed picture of a strip at this exposure.
     fn with<T>(
         &self,
         job: &Job,
@@ -143,7 +143,7 @@ fn allowed(job: &Job) -> u64 {
     }
 }
 
-/// What a picture takes in strips, in bytes.
+/// Memory needed for a picture in strips, in bytes.
 #[derive(Clone, Copy)]
 struct Cost {
     /// Whatever the strips are.
@@ -324,7 +324,7 @@ fn exposure<W: StripWork>(
     Ok(Some(brightness.exposure()))
 }
 
-/// What comes of a strip.
+/// The result of a strip.
 fn run<W: StripWork>(work: &W, plan: &Plan, strip: &Frame) -> Result<Outcome> {
     let mut outcome = work.runner().execute(plan, strip, work.inputs())?;
     work.finish(strip, &mut outcome);
@@ -348,7 +348,7 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
     Ok(job.load_from(&sparing, inputs, needs)?.0)
 }
 
-/// What gathers the samples of a picture for a display; `None` for an EXR, and where nothing is written.
+/// Gathers the samples of a picture for a display; `None` for an EXR, and if nothing is written.
 fn gathered<W: StripWork>(
     work: &W,
     job: &Job,
@@ -369,7 +369,7 @@ fn gathered<W: StripWork>(
     Ok(Some(gathered))
 }
 
-/// What of the whole picture is left open, and chosen from it.
+/// Settings left open that are chosen from the whole picture.
 fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<StripChoice> {
     let Some(mut search) = StripSearch::new(plan, source.whole) else {
         return Ok(StripChoice::default());

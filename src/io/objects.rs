@@ -201,7 +201,7 @@ fn sources<'a>(
 ) -> Result<Vec<ObjectSource<'a>>> {
     let pattern = WildMatch::new(name);
     let by_number = name.strip_prefix('#').and_then(cryptomatte::parsed);
-    // What no manifest names has the hash of its name.
+    // Objects missing from the manifest are found by the hash of their name.
     let is_plain = !name.contains(['*', '?', '#']);
     let names = hashed.iter().filter_map(|layer| {
         let objects = layer.manifest.iter();

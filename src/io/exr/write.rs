@@ -47,7 +47,7 @@ pub struct OutputPart<'a> {
     pub display_window: Window,
     /// Width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// What is stored, in any order.
+    /// The stored channels, in any order.
     pub channels: Vec<OutputChannel<'a>>,
     /// More text attributes by name, such as "software"; `xDensity`, pixels per inch, is stored as a number.
     pub attributes: Vec<(String, String)>,
