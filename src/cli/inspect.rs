@@ -121,7 +121,7 @@ fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
     Ok((files.load(&inputs, EVERYTHING)?, note))
 }
 
-/// Warnings of dark rims in concavities at the planned magnitude; none if no magnitude is given.
+/// Warnings of dark rims in concavities at the planned magnitude; none if neither magnitude nor invariant point is given.
 fn planned_dark_rims(args: &InspectArgs) -> Vec<String> {
     let usual = ScalingParams::default();
     if args.scaling.or(args.invariant_point).is_none() {

@@ -23,8 +23,8 @@ pub(super) struct ReadyOutput<'a> {
     pub(super) replace: Replace,
 }
 
-/// The attributes of the part that our results make: the program, the recipe, and pixels per inch where a flag gives them, or
-/// the size of a pixel on what it shows.
+/// The attributes of the part with our results: the program, the recipe, and pixels per inch if a flag gives them or the
+/// size of a pixel on the subject.
 pub(super) fn attributes(
     work: &WorkArgs,
     loaded: &Loaded,

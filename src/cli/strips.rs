@@ -146,7 +146,7 @@ fn allowed(job: &Job) -> u64 {
 /// Memory needed for a picture in strips, in bytes.
 #[derive(Clone, Copy)]
 struct Cost {
-    /// Whatever the strips are.
+    /// Independent of the strips.
     fixed: u64,
     /// For each row of a strip.
     row: u64,
@@ -447,7 +447,7 @@ fn write_gathered<W: StripWork>(
     Ok(whites)
 }
 
-/// Makes every strip, from top to bottom, and hands its plan, itself and what came of it to `take`, with the rows that count.
+/// Makes every strip, from top to bottom, and hands its plan, the strip, its result and the rows that count to `take`.
 fn each_made<W: StripWork>(
     source: &Source<W>,
     job: &Job,

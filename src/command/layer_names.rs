@@ -1,8 +1,8 @@
 //! The names of our channels in an EXR.
 //!
-//! Blender splits a name at its dots into layer, pass and channel, and shows passes of one channel of one letter, and of
-//! three or four. Others take all before the last dot for the layer. So the picture and vectors of three components are layers,
-//! and each other number is a layer of its own with the channel `V`.
+//! Blender splits a name at its dots into layer, pass and channel, and shows passes of three or four channels, and of one
+//! channel named by one letter. Others take everything before the last dot as the layer. So the picture and vectors of
+//! three components are layers, and each other number is a layer of its own with the channel `V`.
 
 use crate::command::args::LayerNames;
 

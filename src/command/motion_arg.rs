@@ -13,7 +13,7 @@ pub(crate) struct MotionArg {
     /// one, or else previous minus current in pixels, y up.
     #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
     motion: Option<String>,
-    /// How the layer that --motion names is read, whatever frames show: back to the frame before or forward from it, y up or
+    /// How to read the layer of --motion, whatever frames show: back to the previous frame or forward from it, y up or
     /// down, and its unit: pixels, half-frame (pixels over half a frame), pictures (widths and heights), half-pictures,
     /// half-pictures-0-1, 2048-0-1 (2048 pixels, both stored as 0..1). Words left out are those of back,up,pixels.
     #[arg(

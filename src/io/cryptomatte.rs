@@ -10,7 +10,7 @@ use crate::frame::{Plane, Window};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What attributes of Cryptomatte begin with.
+/// Prefix of the attributes of Cryptomatte.
 const PREFIX: &str = "cryptomatte/";
 
 /// Most bytes of a manifest in a file of its own.
@@ -66,8 +66,8 @@ fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTree
     Some(numbers.collect())
 }
 
-/// The number of an object of this name: its hash by MurmurHash3 (32 bits, seed 0), of which one bit is turned where the float of
-/// these bits would be none, infinite or denormal ([CM], specification 1.2).
+/// The number of an object of this name: its MurmurHash3 (32 bits, seed 0), with one bit flipped if the float of these
+/// bits would be NaN, infinite or denormal ([CM], specification 1.2).
 pub(super) fn hashed(name: &str) -> u32 {
     let hash = murmur3(name.as_bytes());
     match (hash >> 23) & 0xff {

@@ -23,10 +23,10 @@ const AGREES_DEG: f64 = 35.0;
 const FACES: f64 = 0.9;
 /// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
 const DISTANCE_DEG: f64 = 4.0;
-/// What is mapped to 0..1 may end above by so much.
+/// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 
-/// What a layer holds that is not simply a distance, and why.
+/// The quantity that a layer holds instead of a plain distance, and why.
 pub(super) type Sense = Option<(StoredDepth, String)>;
 
 /// The layers that the sense of depth is judged from.
@@ -76,8 +76,8 @@ enum Way {
     Toward,
 }
 
-/// What the layer holds where it is not simply a distance. A placed camera is looked for only if the normals as they
-/// are leave it open.
+/// The quantity that the layer holds instead of a plain distance. A placed camera is searched for only if the normals
+/// as stored leave it open.
 ///
 /// # Errors
 /// Those of reading the camera's file.
@@ -239,8 +239,8 @@ impl Judged<'_> {
         ))
     }
 
-    /// Which way depth goes, and why, where it leans along the normals with y reversed if it goes the first way of `reversed`, with
-    /// x reversed if it goes the second.
+    /// The sense of depth, and why, if depth agrees with the normals either with y reversed, in the first sense of
+    /// `reversed`, or with x reversed, in the second.
     fn way_of_reversed(
         &self,
         reversed: [Option<Way>; 2],

@@ -30,7 +30,7 @@ pub struct ObjectSurvey {
     pub shares: Vec<f64>,
 }
 
-/// What was chosen: names with `*` and `?` for any letters, or numbers of objects or materials; those after a `!` are left
+/// The chosen objects: names with `*` and `?` for any letters, or numbers of objects or materials; those after a `!` are left
 /// out.
 struct Choice<'a> {
     wanted: Vec<&'a str>,
@@ -45,8 +45,8 @@ enum ObjectSource<'a> {
     Index(Match, f32),
 }
 
-/// The layers of Cryptomatte, with the names of their objects; where no manifest has them, the numbers of the largest ones as
-/// `--object` takes them, with their shares of the picture, or of as much of its middle as is read.
+/// The layers of Cryptomatte, with the names of their objects; without a manifest, the numbers of the largest objects in
+/// the form of `--object`, with their shares of the picture, or of as much of its middle as is read.
 pub(super) fn surveyed(file: &ExrFile) -> Vec<ObjectSurvey> {
     let layers = cryptomatte::layers(file).into_iter();
     let survey = layers.map(|layer| {

@@ -52,7 +52,8 @@ impl RolePlanes {
         }
     }
 
-    /// Cuts the planes of `role` to a window, or pads them: with NaN, as not covered, where coverage is read from the role, else with 0.
+    /// Crops the planes of `role` to a window, or pads them: with NaN, as not covered, if coverage is read from the role,
+    /// else with 0.
     pub(super) fn fit_to(&mut self, role: Role, window: Window) {
         if self.window == window {
             return;

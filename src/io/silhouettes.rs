@@ -1,11 +1,11 @@
-//! Which way x and y of a normal map point, by outlines: a surface turns away from the viewer at its outline, so that steep normals
-//! there point outward, off the surface that is in front.
+//! The directions of x and y of a normal map, from outlines: a surface turns away from the viewer at its outline, so steep
+//! normals there point outward, off the surface in front.
 //!
-//! Where depth jumps, which of the two sides is in front depends on the sense of depth. Where coverage ends it is the covered side.
-//! One outline alone can mislead, as a floor leans up everywhere; so an axis counts only if steep normals agree at outlines on both
-//! sides of surfaces, the right and the left, or the upper and the lower.
+//! At a jump of depth, the side in front follows from the sense of depth; at the end of coverage it is the covered side.
+//! One outline alone can mislead, as a floor leans up everywhere; so an axis counts only if steep normals agree at outlines
+//! on both sides of surfaces, right and left, or upper and lower.
 //!
-//! What this cannot see: hollow forms, such as a bowl from above, turn inward at their outlines.
+//! Limit: hollow forms, such as a bowl from above, turn inward at their outlines.
 
 use crate::frame::{Mask, Plane, Vector3Planes};
 
@@ -89,8 +89,8 @@ impl Silhouettes {
         found
     }
 
-    /// Which of x and y are reversed, as far as outlines show it: by those of coverage alone, or also by jumps of depth that
-    /// rises away from the viewer, or falls.
+    /// Whether x and y are reversed, as far as outlines show: those of coverage alone, or also jumps of depth that rises or
+    /// falls away from the viewer.
     pub(super) fn reversed(&self, rises: Option<bool>) -> [Option<bool>; 2] {
         let votes = match rises {
             Some(true) => self.ends.and(self.lower),
@@ -145,7 +145,7 @@ impl Line<'_> {
             return;
         };
         let slope = (b - a).abs().max((d - c).abs());
-        // What is not a number is no jump.
+        // Comparisons with NaN are false: no jump.
         if (c - b).abs() > JUMP_OF_RANGE * range && (c - b).abs() > JUMP * slope {
             let [before, after] = [i - 2, i + 1].map(|i| (self.normal)(i));
             let (lower, higher) = match b < c {

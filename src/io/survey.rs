@@ -1,4 +1,4 @@
-//! What is in a file, for `inspect`: headers and names, and pixels only where names give no roles or objects have no names.
+//! Contents of a file, for `inspect`: headers and names, and pixels only where names give no roles or objects have no names.
 
 use super::exr::{ExrFile, SampleType};
 use super::numbers::NUMBERED;
@@ -10,7 +10,7 @@ use crate::frame::Window;
 use serde::Serialize;
 use std::path::Path;
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Survey {
     /// The pixels meant to be shown.
@@ -64,8 +64,8 @@ pub struct RoleSurvey {
     pub channels: Vec<String>,
 }
 
-/// Looks into the file at `path`; pixels are read only where layers have names that mean nothing, and of Cryptomatte without a manifest. Roles are those of the layers of `view`,
-/// or of the default one.
+/// Surveys the file at `path`; pixels are read only if layers have meaningless names, or for Cryptomatte without a
+/// manifest. Roles are those of the layers of `view`, or of the default one.
 ///
 /// # Errors
 /// Any [`crate::Error`] of opening it.

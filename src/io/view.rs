@@ -171,7 +171,7 @@ impl NormalReading {
     }
 }
 
-/// What is known of how the stored normals are to be read.
+/// Knowledge so far on how to read the stored normals.
 #[derive(Clone)]
 struct Reading {
     /// The reading, where it is known.
@@ -257,7 +257,7 @@ impl Reading {
                 .is_some_and(|left| left < TURN_LEAVES * slope)
     }
 
-    /// What a name or the renderer implies, where the data leave it open.
+    /// Takes the reading implied by a name or the renderer, if the data leave it open.
     fn take(&mut self, (hint, by): &(Hint, String)) {
         let open = self.certain.is_none() && !self.by_elimination;
         if let Some(space) = hint.space.filter(|_| open) {
@@ -369,8 +369,8 @@ impl Reading {
     }
 }
 
-/// Whether x and y are reversed, as `outlines` show it; `None` where they show too little, or the curl contradicts them, which
-/// tells whether one of the two is, or both or neither.
+/// Whether x and y are reversed, by `outlines`; `None` if they show too little or contradict the curl, which shows whether
+/// exactly one of the two is.
 fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Option<[bool; 2]> {
     let [Some(x), Some(y)] = outlines else {
         return None;

@@ -25,7 +25,7 @@ use std::path::Path;
 
 const TILED: u32 = 1 << 9;
 
-/// What adding channels to a part came to.
+/// The result of adding channels to a part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Merged {
     /// The names the channels have in the part, in the order in which they were given.

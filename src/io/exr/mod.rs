@@ -5,8 +5,8 @@
 //! makes a file of one part, adds a part to a copy of the input in which every other byte of pixels
 //! stays as it was, or adds channels to a part of a copy. All three go by strips of rows.
 //!
-//! ZIP is undone and done here, other compressions by the `exr` crate; everything that decides how much memory is used, and where a chunk
-//! lies, is done here, because that crate trusts what the file claims.
+//! ZIP is decoded and encoded here, other compressions by the `exr` crate; everything that decides memory use and the
+//! place of chunks is done here, because that crate trusts the file's claims.
 
 mod append;
 mod attributes;

@@ -1,8 +1,8 @@
 //! Which layer, read in which way, leads from a frame to the one before: the one along which both frames show the same.
 //!
-//! At pixels spread over the frame normals, depth and luminance are compared to those of the frame before, where each pair of channels under
-//! each convention says that the surface was. What leads there explains the frame better than a picture, or a world, that stands still,
-//! and better than any other reading of the same channels. Where nothing does, nothing is concluded.
+//! At pixels spread over the frame, normals, depth and luminance are compared to those of the previous frame at the place
+//! given by each pair of channels under each convention. True motion explains the frame better than a still picture or a
+//! still world, and better than any other reading of the same channels. If none does, nothing is concluded.
 
 use super::{MotionConvention, MotionLayers};
 use crate::frame::{AWAY, Frame, Mask, Plane, Vector2Planes, Vector3Planes, Window};
@@ -193,7 +193,7 @@ fn verdict(
     }
 }
 
-/// Whether `best`, of the layer called `label`, explains the frame, and better than a picture, or a world, that stands still; else
+/// Whether `best`, of the layer called `label`, explains the frame, and better than a still picture or a still world; else
 /// whether nothing moves, and why not.
 fn beats_stillness(
     best: &Way,

@@ -1,6 +1,6 @@
 //! Which layers may hold motion: by their names, else those whose names mean nothing.
 //!
-//! To teach a name, add it to [`NAMES`]; one that means the same whoever wrote it, to the row of motion in the table of names.
+//! To add a name, put it into [`NAMES`], or into the motion row of the table of names if it means the same everywhere.
 
 use super::MotionConvention;
 use crate::error::Result;
@@ -12,9 +12,9 @@ use crate::io::sources::RoleSource;
 use crate::io::words::said;
 use std::rc::Rc;
 
-/// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation: Arnold's
-/// `motionvector`, RenderMan's `motionFore` and `motionBack`, V-Ray's `VRayVelocity`, Nuke's `forward`, Mantra's `Vpixel`, Karma's,
-/// Redshift's, Octane's and Unreal's `MotionVectors`, and `mv` of many.
+/// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation:
+/// Arnold's `motionvector`, RenderMan's `motionFore` and `motionBack`, V-Ray's `VRayVelocity`, Nuke's `forward`, Mantra's
+/// `Vpixel`, `MotionVectors` of Karma, Redshift, Octane and Unreal, and the common `mv`.
 const NAMES: &[&str] = &[
     "motionvector",
     "motionvectors",
@@ -35,15 +35,15 @@ const NAMES: &[&str] = &[
     "flow",
 ];
 
-/// Components that are x and y of motion, the best first. Blender's `Vector` leads to the frame before by x and y, and from the next by
-/// z and w.
+/// Components that are x and y of motion, the best first. Blender's `Vector` leads to the previous frame by x and y, and
+/// from the next by z and w.
 const PAIRS: [[&str; 2]; 5] = [["x", "y"], ["z", "w"], ["u", "v"], ["r", "g"], ["b", "a"]];
 
 /// Most pairs that are looked at.
 const MOST_PAIRS: usize = 8;
 
-/// The layers that may hold motion: those of the layer or file that is `named`, else by their names, else all whose names mean
-/// nothing.
+/// The layers that may hold motion: those of the `named` layer or file, else those found by name, else all with
+/// meaningless names.
 ///
 /// # Errors
 /// [`crate::Error::MissingAov`] where nothing is called so, and those of reading the header of a file.

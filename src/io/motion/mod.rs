@@ -38,8 +38,8 @@ pub(super) struct MotionPair {
 }
 
 impl MotionLayers {
-    /// The layers of `sources`, with their planes as `read`; one that a flag names is read as the flag says unless the frames show
-    /// otherwise. A file named for motion may hold a picture of one channel: no motion along the other axis.
+    /// The layers of `sources`, with their planes as `read`; a layer named by a flag is read as the flag says unless the
+    /// frames show otherwise. A file named for motion may hold a single channel: no motion along the other axis.
     pub(super) fn of<'a>(
         sources: impl Iterator<Item = &'a RoleSource>,
         read: impl Iterator<Item = Vec<Plane>>,
@@ -64,8 +64,8 @@ impl MotionLayers {
         (!pairs.is_empty()).then_some(Self { pairs, display })
     }
 
-    /// How far, in pixels, the surface seen at each pixel has come since the frame before, x right, y up, as the name of the
-    /// first layer says; [`AWAY`] where the file has no finite number. `None` where no name says how to read it.
+    /// Motion of the surface at each pixel since the previous frame, in pixels, x right, y up, as implied by the name of
+    /// the first layer; [`AWAY`] where the file has no finite number. `None` if no name implies a convention.
     pub fn by_name(&self) -> Option<Vector2Planes> {
         let (index, convention) = self.named()?;
         Some(self.come(index, convention))
@@ -120,8 +120,8 @@ impl MotionLayers {
         }
     }
 
-    /// Compares `now`, the frame that these layers are of, to the frame `before` under each convention. `steps` is how many frames lie
-    /// between them; `still` is the motion of a world that stands still, where cameras are known.
+    /// Compares `now`, the frame of these layers, to the frame `before` under each convention. `steps` is the number of
+    /// frames from one to the other; `still` is the motion of a still world, if cameras are known.
     pub fn judge(
         &self,
         now: &Frame,

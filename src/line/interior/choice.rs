@@ -139,7 +139,7 @@ impl Taken {
     }
 }
 
-/// The lines that are drawn where lines through `drawn` points are drawn already, on a level of this size: `longest` in all.
+/// The lines to draw beside the lines already drawn through `drawn` points, on a level of this size: `longest` in all.
 pub(super) fn chosen(
     lines: Vec<Interior>,
     drawn: impl Iterator<Item = Vec2>,

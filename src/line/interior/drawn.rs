@@ -53,7 +53,8 @@ impl Pen {
         }
     }
 
-    /// The contour along a line of a kind that is drawn with a share of its width, whose strengths are in its spots; `normal` is that of the surface at a spot of that number.
+    /// The contour along a line of a kind drawn with a share of its width, with strengths in its spots; `normal` gives the
+    /// normal of the surface at a spot by its number.
     pub(super) fn contour(
         &self,
         (kind, fade): (ContourKind, f32),

@@ -79,7 +79,7 @@ pub(super) fn plainness(
     })
 }
 
-/// What was reached so far, and the cells from which the next ones are.
+/// The cells reached so far, and the front from which the next are reached.
 struct Flood<'a> {
     mask: &'a Mask,
     conductance: &'a Plane,

@@ -19,8 +19,8 @@ use glam::Vec3;
 /// Cells along the picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
 const CELLS: f32 = 700.0;
 
-/// Widths as shares of the picture's size: of the smoothing of normals before their turn is measured, of that of brightness, of the
-/// surroundings for local contrast, and of those that decide whether there is shape.
+/// Widths as shares of the picture's size: smoothing of normals before their turn is measured, smoothing of brightness,
+/// surroundings for local contrast, and surroundings that decide whether there is shape.
 const TURN_SHARE: f32 = 1.0 / 300.0;
 const SMOOTH_SHARE: f32 = 1.0 / 280.0;
 const AROUND_SHARE: f32 = 1.0 / 14.0;
@@ -143,7 +143,7 @@ impl Cells<'_> {
         }
     }
 
-    /// What silhouettes leave open. An edge closes every cell that it enters: in a mean, one that is two pixels wide and
+    /// Openness between silhouettes. An edge closes every cell that it enters: in a mean, one that is two pixels wide and
     /// falls half into each of two cells would leave both half open.
     fn before(&self, silhouette: Option<&Plane>) -> Plane {
         let mask = &self.grid.mask;
@@ -405,7 +405,7 @@ fn ranks_of(brightness: &Plane, active: &Plane, mask: &Mask) -> Ranks {
     }
     let all: f64 = counts.iter().sum();
     let mut sum = 0.0;
-    // What lies below the end of each bin.
+    // Cumulative counts up to the end of each bin.
     let below: Vec<f64> = counts
         .iter()
         .map(|count| {

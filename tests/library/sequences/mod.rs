@@ -12,11 +12,22 @@ use relievo::engine::{Drawing, Inputs, SequenceInputs, TextureCoordinates};
 use relievo::frame::{
     ColorPlanes, Frame, LightLayers, Mask, Plane, Source, Vector2Planes, Vector3Planes, Window,
 };
+use relievo::io::Needs;
 use relievo::params::{
     Adaptive, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
     StrokeScale,
 };
 use relievo::plan::{Available, Plan, ToneFrom};
+
+/// The needs of a frame whose strokes move with the surface.
+fn moving() -> Needs {
+    Needs {
+        color: true,
+        projection: true,
+        motion: true,
+        ..Needs::default()
+    }
+}
 
 /// A frame of cards that face the viewer, of one tone, at the distances `depth(x, y)`.
 fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>) -> Frame {

@@ -3,7 +3,7 @@
 use super::*;
 use relievo::frame::{DepthKind, static_world_motion};
 use relievo::io::inputs::Inputs;
-use relievo::io::{self, Needs, camera::read_camera};
+use relievo::io::{self, camera::read_camera};
 use relievo::report::coherence::{MovingFrame, measure};
 
 fn loaded(directory: &std::path::Path, number: i32) -> io::Loaded {
@@ -12,13 +12,7 @@ fn loaded(directory: &std::path::Path, number: i32) -> io::Loaded {
         camera: Some(directory.join(format!("monkeyrun.{number:04}.json"))),
         ..Inputs::default()
     };
-    let needs = Needs {
-        color: true,
-        projection: true,
-        motion: true,
-        ..Needs::default()
-    };
-    io::load(&inputs, needs).unwrap()
+    io::load(&inputs, moving()).unwrap()
 }
 
 #[test]

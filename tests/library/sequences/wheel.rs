@@ -1,11 +1,12 @@
 //! Motion of two rendered frames: a wheel that turns before standing cloth, past which the camera goes.
 
+use super::moving;
 use crate::common::exr::Part;
 use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Vector2Planes, static_world_motion};
 use relievo::io::camera::read_camera;
 use relievo::io::inputs::Inputs;
 use relievo::io::motion::{FrameBefore, MotionVerdict};
-use relievo::io::{Loaded, Needs, load};
+use relievo::io::{Loaded, load};
 use std::path::{Path, PathBuf};
 
 fn fixture(name: &str) -> PathBuf {
@@ -21,13 +22,7 @@ fn read(path: PathBuf, camera: Option<&str>, space: Option<NormalSpace>) -> Load
         normal_space: space,
         ..Inputs::default()
     };
-    let needs = Needs {
-        color: true,
-        projection: true,
-        motion: true,
-        ..Needs::default()
-    };
-    load(&inputs, needs).unwrap()
+    load(&inputs, moving()).unwrap()
 }
 
 fn frame(number: u32) -> Loaded {
