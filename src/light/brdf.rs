@@ -3,8 +3,128 @@
 //! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
+use super::batch::Pixels;
+use super::sum::exponent::Exponent;
 use crate::fast_math::{exp, ln};
-use crate::params::MaterialParams;
+use crate::params::{Material, MaterialParams};
+
+/// The lobes of a material under lights.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Lobes {
+    /// The cosine to a power; 1 is Lambert.
+    Diffuse {
+        /// The exponent zeta.
+        power: Exponent,
+    },
+    /// Lambert, and Phong's lobe about the mirrored view.
+    Phong {
+        /// The exponent eta.
+        power: Exponent,
+    },
+    /// Lambert, and Blinn's lobe about the normal.
+    BlinnPhong {
+        /// The exponent eta, halved, since it applies to the square of the cosine.
+        power: Exponent,
+        /// Whether the viewer is far away, along z at every pixel.
+        far: bool,
+    },
+    /// See [`AshikhminShirley`].
+    AshikhminShirley(AshikhminShirley),
+}
+
+impl Lobes {
+    /// The lobes of a material lit by a sum over lights; `None` for mirrors and glass.
+    pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
+        match params.material {
+            Material::Lambert | Material::Toon => Some(Self::Diffuse {
+                power: Exponent::of(1.0),
+            }),
+            Material::Sublambert => Some(Self::Diffuse {
+                power: Exponent::of(params.flatness),
+            }),
+            Material::Phong => Some(Self::Phong {
+                power: Exponent::of(params.shininess),
+            }),
+            Material::BlinnPhong => Some(Self::BlinnPhong {
+                power: Exponent::of(0.5 * params.shininess),
+                far,
+            }),
+            Material::AshikhminShirley => {
+                Some(Self::AshikhminShirley(AshikhminShirley::new(params)))
+            }
+            Material::Mirror | Material::Glass => None,
+        }
+    }
+
+    /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
+    #[inline(always)]
+    pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
+        let unwarp = &pixels.unwarp;
+        match self {
+            Self::Diffuse { .. } | Self::BlinnPhong { far: true, .. } => {}
+            Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
+            Self::BlinnPhong { far: false, .. } => pixels.to_eye.unwarp(unwarp),
+            Self::AshikhminShirley(_) => {
+                pixels.to_eye.unwarp(unwarp);
+                pixels.along.unwarp(unwarp);
+                pixels.across.unwarp(unwarp);
+            }
+        }
+    }
+
+    /// Whether there is a lobe other than the diffuse one.
+    pub(crate) fn are_glossy(&self) -> bool {
+        !matches!(self, Self::Diffuse { .. })
+    }
+}
+
+/// What `brdf.wgsl` takes of the lobes.
+#[cfg(feature = "gpu")]
+impl Lobes {
+    /// Its switches: which lobes these are.
+    pub(crate) fn switches(this: Option<Self>) -> [(&'static str, bool); 3] {
+        [
+            ("PHONG", matches!(this, Some(Self::Phong { .. }))),
+            ("BLINN_PHONG", matches!(this, Some(Self::BlinnPhong { .. }))),
+            (
+                "ASHIKHMIN_SHIRLEY",
+                matches!(this, Some(Self::AshikhminShirley(_))),
+            ),
+        ]
+    }
+
+    /// The exponent of the lobe; 1 if it has none or others.
+    pub(crate) fn exponent(&self) -> Exponent {
+        match self {
+            Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power, .. } => {
+                *power
+            }
+            Self::AshikhminShirley(_) => Exponent::Integer(1),
+        }
+    }
+
+    /// Its other numbers, `params.lobe_0` to `lobe_3`.
+    pub(crate) fn numbers(&self) -> [f32; 4] {
+        match self {
+            Self::Diffuse { .. } | Self::Phong { .. } | Self::BlinnPhong { .. } => [0.0; 4],
+            Self::AshikhminShirley(coat) => {
+                let [along, across] = coat.coat;
+                [along, across, coat.normalisation, coat.reflectance]
+            }
+        }
+    }
+}
+
+/// Largest error of a lobe of this material, with peak 1, for a given error of a cosine.
+pub(crate) fn lobe_error(params: &MaterialParams, cosine_error: f64) -> f64 {
+    let largest = |exponent: f32| f64::from(exponent) * cosine_error;
+    match params.material {
+        Material::Phong | Material::BlinnPhong => largest(params.shininess),
+        Material::AshikhminShirley => largest(params.coat[0].max(params.coat[1])),
+        Material::Sublambert => cosine_error.powf(params.flatness.into()),
+        Material::Lambert | Material::Toon | Material::Mirror | Material::Glass => 0.0,
+    }
+}
 
 /// The Ashikhmin-Shirley model ([RS] section 5.2; M. Ashikhmin, P. Shirley: An Anisotropic Phong BRDF Model, 2000): a
 /// diffuse base under a glossy coat, which reduces the base by the share it reflects.

@@ -1,5 +1,18 @@
 // Reflectance: the share of the light from one direction that is reflected toward the eye.
 
+// The lobes; the cosine or a power of it if none is set.
+override PHONG: bool;
+override BLINN_PHONG: bool;
+override ASHIKHMIN_SHIRLEY: bool;
+
+// A light reflected by the lobes, for a weight of 1, and the intensities that radiance scaling takes of it.
+struct Reflected {
+    cosine: f32,
+    lobe: f32,
+    diffuse: f32,
+    specular: f32,
+}
+
 // Cosines between unit vectors: n the normal, l to the light, e to the eye, h the half vector; u along the grain, v
 // across it.
 struct Cosines {
@@ -21,7 +34,7 @@ fn passed(cosine: f32) -> f32 {
 
 // The base under the coat, of albedo 1.
 fn ashikhmin_shirley_diffuse(nl: f32, ne: f32) -> f32 {
-    return BASE_SCALE * (1.0 - params.reflectance) * passed(nl) * passed(ne) * nl;
+    return BASE_SCALE * (1.0 - params.lobe_3) * passed(nl) * passed(ne) * nl;
 }
 
 // The coat.
@@ -30,12 +43,60 @@ fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     let vv = c.hv * c.hv;
     // The exponent of n.h is (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
     let aside = clamp(uu + vv, MIN_POSITIVE, 1.0);
-    let exponent = 0.5 * (params.coat_along * uu + params.coat_across * vv) / aside;
+    let exponent = 0.5 * (params.lobe_0 * uu + params.lobe_1 * vv) / aside;
     let logarithm = select(-F32_MAX, ln(1.0 - aside), aside < 1.0);
     let lobe = exp_of(exponent * logarithm);
-    let reflected = params.reflectance + (1.0 - params.reflectance) * fifth_power(1.0 - c.he);
+    let reflected = params.lobe_3 + (1.0 - params.lobe_3) * fifth_power(1.0 - c.he);
     let seen = c.nl / (max(c.he, GRAZING) * max(max(c.nl, c.ne), GRAZING));
-    return params.coat_normalisation * lobe * reflected * seen;
+    return params.lobe_2 * lobe * reflected * seen;
+}
+
+// Reflects a light by the lobes.
+fn reflect_by_lobes(light: Arriving, arrived: Incidence) -> Reflected {
+    let cosine = arrived.cosine;
+    if ASHIKHMIN_SHIRLEY {
+        return coat(light, arrived);
+    }
+    if PHONG {
+        let lobe = exponent_raise(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
+        return Reflected(cosine, lobe, cosine, lobe);
+    }
+    if BLINN_PHONG {
+        var lobe = arrived.lobe;
+        if !FAR_EYE {
+            let light_eye = product(light, arrived.inverse, pixel.to_eye);
+            // Recomputed, since the stored cosine may be limited.
+            let light_normal = product(light, arrived.inverse, pixel.normal);
+            lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
+        }
+        lobe = exponent_raise(lobe);
+        return Reflected(cosine, lobe, cosine, cosine * lobe);
+    }
+    let power = exponent_raise(cosine);
+    return Reflected(power, arrived.lobe, power, 0.0);
+}
+
+// Both terms of the coated model.
+fn coat(light: Arriving, arrived: Incidence) -> Reflected {
+    let eye = pixel.to_eye.vector;
+    let le = product(light, arrived.inverse, pixel.to_eye);
+    let lu = product(light, arrived.inverse, pixel.along);
+    let lv = product(light, arrived.inverse, pixel.across);
+    // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
+    let inverse = 1.0 / sqrt(max(2.0 + 2.0 * le, SHORTEST));
+    let ne = min(positive(scalar_product(pixel.normal.vector, eye)), 1.0);
+    let cosines = Cosines(
+        arrived.cosine,
+        ne,
+        clamp((1.0 + le) * inverse, 0.0, 1.0),
+        (lu + scalar_product(pixel.along.vector, eye)) * inverse,
+        (lv + scalar_product(pixel.across.vector, eye)) * inverse,
+    );
+    // n . h, from the parts of h along and across the grain.
+    let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
+    let lobe = sqrt(positive(1.0 - aside));
+    let diffuse = ashikhmin_shirley_diffuse(cosines.nl, ne);
+    return Reflected(cosines.nl, lobe, diffuse, ashikhmin_shirley_specular(cosines));
 }
 
 // Share of unpolarised light reflected by a clear surface.

@@ -10,7 +10,7 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::wgsl;
 use crate::frame::{ColorPlanes, DepthKind, Frame};
-use crate::light::brdf::{AshikhminShirley, BASE_SCALE, GRAZING};
+use crate::light::brdf::{BASE_SCALE, GRAZING, Lobes};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
@@ -18,9 +18,9 @@ use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::relight::shade::SHORTEST_TANGENT;
+use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
-use crate::light::sum::{Exponent, Lobes};
-use crate::params::{Material, MaterialParams, Quantisation, Tangent};
+use crate::params::{Material, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
@@ -56,10 +56,11 @@ uniforms! {
         /// The lobe's exponent if it is an integer, else 0; and the exponent if it is not.
         whole_power: u32,
         power: f32,
-        coat_along: f32,
-        coat_across: f32,
-        coat_normalisation: f32,
-        reflectance: f32,
+        /// Its other numbers.
+        lobe_0: f32,
+        lobe_1: f32,
+        lobe_2: f32,
+        lobe_3: f32,
         /// The grain direction in the picture.
         grain_x: f32,
         grain_y: f32,
@@ -187,7 +188,8 @@ impl Run<'_> {
             ("HAS_ALPHA", alpha.is_some()),
             ("HAS_ALBEDO", has_albedo),
         ];
-        let switches = [&of_light(relighting, light)[..], &of_frame].concat();
+        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
+        let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
         let [red, green, blue] = &picture;
         let params = light_params(plan, frame, light);
         let [xx, xy, yy] = entries;
@@ -245,7 +247,7 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
 }
 
 /// Switches of `relight.wgsl` shared by all frames in this light.
-fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17] {
+fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14] {
     let is = |kind: Material| relighting.params.material.material == kind;
     let used = &light.around.ready.used;
     let lobes = Lobes::of(&relighting.params.material, false);
@@ -254,9 +256,6 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17
         ("WARPS", relighting.warps),
         ("HAS_JACOBIAN", relighting.has_jacobian()),
         ("SCALES", relighting.scales),
-        ("PHONG", is(Material::Phong)),
-        ("BLINN_PHONG", is(Material::BlinnPhong)),
-        ("ASHIKHMIN_SHIRLEY", is(Material::AshikhminShirley)),
         ("GLOSSY", lobes.is_some_and(|lobes| lobes.are_glossy())),
         ("TOWARD_LIGHT", relighting.toward_light),
         ("ALBEDO_IS_COVERED", is_covered),
@@ -271,28 +270,20 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 17
     ]
 }
 
-/// The exponent of a material's lobe: integer or real.
-fn exponent(material: &MaterialParams, is_far: bool) -> (u32, f32) {
-    match Lobes::of(material, is_far) {
-        Some(
-            Lobes::Diffuse { power } | Lobes::Phong { power } | Lobes::BlinnPhong { power, .. },
-        ) => match power {
-            Exponent::Integer(whole) => (whole, 0.0),
-            Exponent::Real(any) => (0, any),
-        },
-        // A coat has its own exponents; mirrors and glass are not summed over lights.
-        Some(Lobes::AshikhminShirley(_)) | None => (1, 0.0),
-    }
-}
-
 fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
     let relighting = relighting(plan);
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
     let magnitudes = scaling.magnitudes();
     let weights = frame.luminance_weights();
-    let (whole_power, power) = exponent(material, is_eye_far(frame));
-    let coat = AshikhminShirley::new(material);
+    // Mirrors and glass are not summed over lights.
+    let lobes = Lobes::of(material, is_eye_far(frame));
+    let (whole_power, power) = match lobes.map(|lobes| lobes.exponent()) {
+        Some(Exponent::Integer(whole)) => (whole, 0.0),
+        Some(Exponent::Real(any)) => (0, any),
+        None => (1, 0.0),
+    };
+    let [lobe_0, lobe_1, lobe_2, lobe_3] = lobes.map_or([0.0; 4], |lobes| lobes.numbers());
     let grain = match material.tangent {
         Tangent::Degrees(angle) => angle.to_radians(),
         Tangent::Curvature => 0.0,
@@ -325,10 +316,10 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
         specular_gain: material.specular(),
         whole_power,
         power,
-        coat_along: coat.coat[0],
-        coat_across: coat.coat[1],
-        coat_normalisation: coat.normalisation,
-        reflectance: coat.reflectance,
+        lobe_0,
+        lobe_1,
+        lobe_2,
+        lobe_3,
         grain_x: grain.cos(),
         grain_y: grain.sin(),
         ior: material.ior,

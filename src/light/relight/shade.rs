@@ -3,6 +3,7 @@
 
 use crate::engine::cpu::simd::widened;
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
+use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
@@ -12,7 +13,7 @@ use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, Kind};
 use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
 use crate::light::relight::scene::{Scene, Term};
-use crate::light::sum::{Incoming, Intensity, Lobes, Shading};
+use crate::light::sum::{Incoming, Intensity, Shading};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;

@@ -10,12 +10,11 @@
 //!
 //! Use: `LightSum::add` light by light, then read the sums.
 
+pub(crate) mod exponent;
 mod shading;
 pub(crate) mod terms;
 
-#[cfg(feature = "gpu")]
-pub(crate) use shading::Exponent;
-pub(crate) use shading::{Lobes, Scaled, Shading, TowardLight, lobe_error};
+pub(crate) use shading::{Scaled, Shading, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;

@@ -1,8 +1,9 @@
 //! The terms of one light at every pixel of a batch: arrival, reflection by the lobes, scaling.
 
-use super::shading::{Exponent, Lobes, Scaled, Shading, TowardLight};
+use super::exponent::Exponent;
+use super::shading::{Scaled, Shading, TowardLight};
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
-use crate::light::brdf::{AshikhminShirley, Cosines};
+use crate::light::brdf::{AshikhminShirley, Cosines, Lobes};
 use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;

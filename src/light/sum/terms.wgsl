@@ -1,9 +1,5 @@
 // The terms of one light at a pixel, before its colour: arrival, reflection by the lobes, scaling.
 
-// The material; Lambert's cosine or a power of it if none is set.
-override PHONG: bool;
-override BLINN_PHONG: bool;
-override ASHIKHMIN_SHIRLEY: bool;
 // Whether the eye is far away, along z at every pixel.
 override FAR_EYE: bool;
 // Whether the mapping of curvature depends on the direction of light.
@@ -135,51 +131,12 @@ fn reflect_light(light: Arriving) -> Terms {
         diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
         specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
     }
-    var cosine = arrived.cosine;
-    var lobe = arrived.lobe;
-    var diffuse = 0.0;
-    var specular = 0.0;
-    if ASHIKHMIN_SHIRLEY {
-        let eye = pixel.to_eye.vector;
-        let le = product(light, arrived.inverse, pixel.to_eye);
-        let lu = product(light, arrived.inverse, pixel.along);
-        let lv = product(light, arrived.inverse, pixel.across);
-        // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
-        let inverse = 1.0 / sqrt(max(2.0 + 2.0 * le, SHORTEST));
-        let ne = min(positive(scalar_product(pixel.normal.vector, eye)), 1.0);
-        let cosines = Cosines(
-            cosine,
-            ne,
-            clamp((1.0 + le) * inverse, 0.0, 1.0),
-            (lu + scalar_product(pixel.along.vector, eye)) * inverse,
-            (lv + scalar_product(pixel.across.vector, eye)) * inverse,
-        );
-        // n . h, from the parts of h along and across the grain.
-        let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
-        lobe = sqrt(positive(1.0 - aside));
-        diffuse = arrived.weight * ashikhmin_shirley_diffuse(cosines.nl, ne);
-        specular = arrived.weight * ashikhmin_shirley_specular(cosines);
-    } else if PHONG {
-        lobe = exponent_raise(at_most_1(positive(product(light, arrived.inverse, pixel.mirrored))));
-        diffuse = arrived.weight * cosine;
-        specular = arrived.weight * lobe;
-    } else if BLINN_PHONG {
-        if !FAR_EYE {
-            let light_eye = product(light, arrived.inverse, pixel.to_eye);
-            // Recomputed, since the stored cosine may be limited.
-            let light_normal = product(light, arrived.inverse, pixel.normal);
-            lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
-        }
-        lobe = exponent_raise(lobe);
-        diffuse = arrived.weight * cosine;
-        specular = arrived.weight * cosine * lobe;
-    } else {
-        cosine = exponent_raise(cosine);
-        diffuse = arrived.weight * cosine;
-    }
+    let reflected = reflect_by_lobes(light, arrived);
+    var diffuse = arrived.weight * reflected.diffuse;
+    var specular = arrived.weight * reflected.specular;
     if SCALES {
-        diffuse *= scaling_curve_at(diffuse_curve, cosine, params.invariant_point);
-        specular *= scaling_curve_at(specular_curve, lobe, params.invariant_point);
+        diffuse *= scaling_curve_at(diffuse_curve, reflected.cosine, params.invariant_point);
+        specular *= scaling_curve_at(specular_curve, reflected.lobe, params.invariant_point);
     }
     return Terms(diffuse, specular);
 }

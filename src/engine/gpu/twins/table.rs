@@ -20,7 +20,7 @@ use crate::light::light_warping::{
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
-use crate::light::sum::Exponent;
+use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;

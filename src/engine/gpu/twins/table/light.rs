@@ -125,7 +125,7 @@ fn reflectance() -> Vec<Twin> {
                 model.diffuse(nl, ne)
             }
         )
-        .with(&["reflectance"]),
+        .with(&["lobe_3"]),
         // Cosines slightly beyond 1, by more than rounding; exponents and other values within the ranges of a coat.
         twin!(
             ashikhmin_shirley_specular,
@@ -141,12 +141,7 @@ fn reflectance() -> Vec<Twin> {
                 model.specular(Cosines { nl, ne, he, hu, hv })
             }
         )
-        .with(&[
-            "coat_along",
-            "coat_across",
-            "reflectance",
-            "coat_normalisation",
-        ])
+        .with(&["lobe_0", "lobe_1", "lobe_3", "lobe_2"])
         .on(|words| {
             within_range(&mut words[..5], -2.0, 2.0);
             within_range(&mut words[5..], 0.0, 1e6);
