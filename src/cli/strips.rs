@@ -29,11 +29,18 @@ use std::time::Instant;
 /// Most that a photo takes where no amount is given: beyond it goes in strips.
 const PHOTO_BYTES: u64 = 1536 << 20;
 
-/// Memory that is taken whatever the strips are: histograms, the program.
-const FIXED_BYTES: u64 = 96 << 20;
+/// Memory that is taken whatever the strips are: the program, histograms. Measured: 17 to 22 MiB in all, with strips of
+/// a few rows.
+const FIXED_BYTES: u64 = 24 << 20;
 
-/// The same for an EXR that is read or written: blocks being decoded and encoded.
+/// The same for each thread: tiles, and lights of a batch.
+const THREAD_BYTES: u64 = 2 << 20;
+
+/// Most that blocks of an EXR take while they are decoded and encoded.
 const BLOCK_BYTES: u64 = 160 << 20;
+
+/// Rows of the largest blocks that are common, those of DWAB.
+const BLOCK_ROWS: usize = 256;
 
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
@@ -150,6 +157,8 @@ struct Cost {
     fixed: u64,
     /// For each row of a strip.
     row: u64,
+    /// For each row of blocks, of which there are so many as in a strip or in the largest block; 0 without EXR.
+    block_row: u64,
     /// Rows of the picture.
     height: usize,
 }
@@ -158,30 +167,47 @@ impl Cost {
     fn new(job: &Job, height: usize, photo_bytes: u64, gathered: Option<&Gathered>) -> Self {
         let names = [Some(&job.work.input), job.work.output.output.as_ref()];
         let is_exr = |path: &PathBuf| matches!(Kind::of(path), Ok(Kind::Exr));
-        let blocks = match names.into_iter().flatten().any(is_exr) {
-            true => BLOCK_BYTES,
+        let row = whole_bytes(job).div_ceil(height.max(1) as u64).max(1);
+        let block_row = match names.into_iter().flatten().any(is_exr) {
+            // As decoded, and as stored or to be stored.
+            true => 2 * row,
             false => 0,
         };
+        let threads = rayon::current_num_threads() as u64;
         let [output, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
-            fixed: FIXED_BYTES + blocks + output + photo_bytes.max(encoding),
-            row: whole_bytes(job).div_ceil(height.max(1) as u64).max(1),
+            fixed: FIXED_BYTES + threads * THREAD_BYTES + output + photo_bytes.max(encoding),
+            row,
+            block_row,
             height,
         }
     }
 
+    /// Bytes that strips of so many rows take.
+    fn of_rows(&self, rows: usize) -> u64 {
+        let block_rows = rows.max(BLOCK_ROWS).min(self.height) as u64;
+        let blocks = self.block_row.saturating_mul(block_rows).min(BLOCK_BYTES);
+        let strip = self.row.saturating_mul(rows as u64);
+        self.fixed.saturating_add(blocks).saturating_add(strip)
+    }
+
     /// The least that strips take which reach so many rows beyond what they give.
     fn least(&self, reach: usize) -> u64 {
-        let rows = (FEWEST_ROWS + 2 * reach).min(self.height);
-        self.fixed
-            .saturating_add(self.row.saturating_mul(rows as u64))
+        self.of_rows((FEWEST_ROWS + 2 * reach).min(self.height))
     }
 
     /// Rows that fit into so many bytes.
     fn rows_in(&self, bytes: u64) -> usize {
-        let rows = bytes.saturating_sub(self.fixed) / self.row;
-        usize::try_from(rows).map_or(self.height, |rows| rows.min(self.height))
+        let (mut fitting, mut too_many) = (0, self.height + 1);
+        while too_many - fitting > 1 {
+            let rows = usize::midpoint(fitting, too_many);
+            match self.of_rows(rows) <= bytes {
+                true => fitting = rows,
+                false => too_many = rows,
+            }
+        }
+        fitting
     }
 }
 
