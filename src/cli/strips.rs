@@ -268,6 +268,11 @@ pub(super) fn make<W: StripWork>(
     let mut sample = middle(job, &files, &mut inputs, needs)?;
     sample.conventions.force(&mut inputs);
     inputs.known_camera = sample.known_camera();
+    // Strips do not look again for a camera that the middle of the picture does not show.
+    let needs = Needs {
+        projection: needs.projection && sample.frame.camera.is_some(),
+        ..needs
+    };
     let plan = work.plan(&sample, &StripChoice::default())?;
     job.tell_plan(&plan)?;
     let warnings = work.warnings(&sample);
