@@ -16,6 +16,10 @@ const NORMALS_REACH: usize = 2;
 /// has all its lengths below 0.94; means of directions 41 degrees to either side have length 0.75.
 const LENGTHS: [f32; 2] = [0.93, 0.75];
 
+/// Longest normal of a square, above which its normals are taken as they are, and below which for those of a foggy
+/// surface, or of a blurred one. The upper bound is [`LENGTHS`]'s, so that frames without such squares keep theirs.
+const FOG: [f32; 2] = [0.91, LENGTHS[0]];
+
 /// Half size of the square whose longest normals a pixel's normal is compared with: in fog all are short, by the share
 /// of their samples that hit it.
 const FOG_REACH: usize = 8;
@@ -54,35 +58,46 @@ pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     }
 }
 
-/// The confidence from the lengths of normals before normalisation.
-fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
-    let is_short = |length: &f32| *length < LENGTHS[0];
-    let squares = |lengths: &Plane| {
-        let longest = over_squares(lengths, NORMALS_REACH, f32::max);
-        longest
-            .samples()
-            .par_iter()
-            .any(is_short)
-            .then_some(longest)
-    };
-    // Pixels without surface end a square, like long normals.
-    let ended = of_rows(lengths, |y, row| {
-        let lengths = lengths.row(y).iter().zip(mask.row(y));
-        for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
-            *sample = if covered { length.min(1.0) } else { 1.0 };
+/// Divides normals that fog or blur has shortened, together with all around, by their mean length: a short normal then
+/// hides a crease only where it is short among its neighbours.
+pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
+    if !has_short_square(lengths, mask) {
+        return;
+    }
+    let longest = over_squares(&ended(lengths, mask), NORMALS_REACH, f32::max);
+    let mean = mean_of_covered(lengths, mask);
+    let lifted = of_rows(lengths, |y, row| {
+        let squares = longest.row(y).iter().zip(mean.row(y));
+        for ((sample, &length), (&longest, &mean)) in
+            row.iter_mut().zip(lengths.row(y)).zip(squares)
+        {
+            let fog = 1.0 - ramp(longest, FOG);
+            let compared = (length / mean.max(f32::MIN_POSITIVE)).min(1.0);
+            *sample = if fog > 0.0 {
+                length + fog * (compared - length)
+            } else {
+                length
+            };
         }
     });
-    squares(&ended)?;
-    let covered = sum_over_squares(&mask.plane().map(|c| f32::from(u8::from(c))), NORMALS_REACH);
-    let mean = |plane: &Plane| {
-        let sum = sum_over_squares(plane, NORMALS_REACH);
-        of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
-    };
+    *lengths = lifted;
+}
+
+/// The confidence from the lengths of normals before normalisation.
+fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
+    if !has_short_square(lengths, mask) {
+        return None;
+    }
+    let mean = |plane: &Plane| mean_of_covered(plane, mask);
     let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
-    let compared = of_two(&ended, &around, |length, around| {
+    let compared = of_two(&ended(lengths, mask), &around, |length, around| {
         length / around.max(f32::MIN_POSITIVE)
     });
-    let mixed = over_squares(&squares(&compared)?, NORMALS_REACH, f32::min);
+    let longest = over_squares(&compared, NORMALS_REACH, f32::max);
+    if !longest.samples().par_iter().any(is_short) {
+        return None;
+    }
+    let mixed = over_squares(&longest, NORMALS_REACH, f32::min);
     let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(mean);
     let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
         sum + z * z
@@ -94,6 +109,54 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     let is_mixed = deficit.samples().par_iter().any(|&deficit| deficit > 0.0);
     // The mean smooths away the corners of squares.
     is_mixed.then(|| mean_over_squares(&deficit, NORMALS_REACH).map(|deficit| 1.0 - deficit))
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "a predicate of samples")]
+fn is_short(length: &f32) -> bool {
+    *length < LENGTHS[0]
+}
+
+/// A length as it ends a square: pixels without surface do, like long normals.
+fn ending(length: f32, covered: bool) -> f32 {
+    if covered { length.min(1.0) } else { 1.0 }
+}
+
+fn ended(lengths: &Plane, mask: &Mask) -> Plane {
+    of_rows(lengths, |y, row| {
+        let lengths = lengths.row(y).iter().zip(mask.row(y));
+        for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
+            *sample = ending(length, covered);
+        }
+    })
+}
+
+/// Whether there is a square of short normals alone. Each contains a pixel of a grid as wide, so that few are looked at.
+fn has_short_square(lengths: &Plane, mask: &Mask) -> bool {
+    let [width, height] = [lengths.width(), lengths.height()];
+    let grid = |length: usize| {
+        let last = length.checked_sub(1);
+        (0..length).step_by(2 * NORMALS_REACH + 1).chain(last)
+    };
+    let is_short_at = |x, y| is_short(&ending(lengths.at(x, y), mask.at(x, y)));
+    let is_square = |x, y| {
+        around(y, NORMALS_REACH, height)
+            .all(|y| around(x, NORMALS_REACH, width).all(|x| is_short_at(x, y)))
+    };
+    let begins = |x, y| {
+        is_short_at(x, y)
+            && around(y, NORMALS_REACH, height)
+                .any(|y| around(x, NORMALS_REACH, width).any(|x| is_square(x, y)))
+    };
+    grid(height)
+        .par_bridge()
+        .any(|y| grid(width).any(|x| begins(x, y)))
+}
+
+/// The mean over the covered pixels of the square around each pixel.
+fn mean_of_covered(plane: &Plane, mask: &Mask) -> Plane {
+    let covered = mask.plane().map(|c| f32::from(u8::from(c)));
+    let [sum, covered] = [plane, &covered].map(|plane| sum_over_squares(plane, NORMALS_REACH));
+    of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
 }
 
 /// The confidence from isolated depths.
@@ -245,6 +308,43 @@ mod tests {
         assert!(difference.fold(0.0, f32::max) < 1e-5);
         // A far object in fog next to a near one, both flat.
         assert_eq!(of(&band, 0.0), None);
+    }
+
+    #[test]
+    fn fog_hides_no_crease() {
+        // A fold two pixels wide, of length 0.8: in fog that absorbs half of all samples its normals have length 0.4
+        // among 0.5. The mean of its square of 25, ten of them in the fold, is 0.46.
+        let fold = |x, _| if (20..22).contains(&x) { 0.8 } else { 1.0 };
+        let clear = lengths(40, 30, fold);
+        let mask = Mask::full(40, 30);
+        let mut same = clear.clone();
+        lift_out_of_fog(&mut same, &mask);
+        assert_eq!(same, clear);
+        let mut foggy = clear.map(|length| 0.5 * length);
+        lift_out_of_fog(&mut foggy, &mask);
+        assert!((foggy.at(20, 15) - 0.4 / 0.46).abs() < 1e-6);
+        assert_eq!(foggy.at(5, 15), 1.0);
+        assert_eq!(foggy.at(0, 0), 1.0);
+    }
+
+    #[test]
+    fn a_square_of_short_normals_is_found_wherever_it_is() {
+        let is_found = |left: usize, top: usize, side: usize| {
+            let short = lengths(20, 17, |x, y| {
+                match (left..left + side).contains(&x) && (top..top + side).contains(&y) {
+                    true => 0.5,
+                    false => 1.0,
+                }
+            });
+            has_short_square(&short, &Mask::full(20, 17))
+        };
+        for (left, top) in (0..=15).flat_map(|x| (0..=12).map(move |y| (x, y))) {
+            assert!(is_found(left, top, 5), "{left}, {top}");
+            // Squares are cut off at borders.
+            let is_corner = (left == 0 || left == 16) && (top == 0 || top == 13);
+            assert_eq!(is_found(left, top, 4), is_corner, "{left}, {top}");
+        }
+        assert!(is_found(17, 14, 3), "the last corner");
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
 pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
 pub(crate) use confidence::CONFIDENCE_REACH;
-pub(crate) use confidence::confidence;
+pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};

@@ -23,6 +23,7 @@ use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window,
+    lift_out_of_fog,
 };
 use std::ops::Range;
 use std::rc::Rc;
@@ -246,6 +247,9 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
     frame.confidence = needs.confidence(&frame);
+    if let Some(lengths) = &mut frame.normal_length {
+        lift_out_of_fog(lengths, &frame.mask);
+    }
     notes.on_steps(&frame);
     Ok(Loaded {
         motion: sources.motion(&mut planes, inputs, display_window),

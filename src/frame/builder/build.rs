@@ -8,7 +8,7 @@ use crate::frame::coverage::{self, Covered, cover};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
-    Window, normals, unround,
+    Window, lift_out_of_fog, normals, unround,
 };
 use glam::DMat3;
 use std::ops::RangeInclusive;
@@ -46,7 +46,9 @@ impl FrameBuilder<'_> {
         let own_mask = self.scalar("mask", &self.mask)?;
         let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
         let Covered {
-            mut mask, lengths, ..
+            mut mask,
+            mut lengths,
+            ..
         } = cover(
             &mut normal,
             depth.as_mut().map(|depth| (depth, stored_depth)),
@@ -61,6 +63,7 @@ impl FrameBuilder<'_> {
             (depth, depth_kind) = (Some(made), kind);
         }
         let occlusion = self.scalar("occlusion", &self.occlusion)?;
+        lift_out_of_fog(&mut lengths, &mask);
         Ok(Frame {
             display_window,
             data_window,
