@@ -58,7 +58,67 @@ pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
             depth.row_mut(y)[x] = surface;
         }
     }
-    filled
+    filled + fill_border(depth, normal)
+}
+
+/// Fills the holes of the outermost rows and columns, which have neighbours on one side only.
+fn fill_border(depth: &mut Plane, normal: &Vector3Planes) -> usize {
+    let (width, height) = (depth.width(), depth.height());
+    if width < 3 || height < 3 {
+        return 0;
+    }
+    let rows = [0, height - 1]
+        .into_iter()
+        .flat_map(|y| (0..width).map(move |x| [x, y]));
+    let columns = [0, width - 1]
+        .into_iter()
+        .flat_map(|x| (1..height - 1).map(move |y| [x, y]));
+    let found: Vec<_> = rows
+        .chain(columns)
+        .filter_map(|at| Some((at, surface_within(depth, normal, at)?)))
+        .collect();
+    for &([x, y], surface) in &found {
+        depth.row_mut(y)[x] = surface;
+    }
+    found.len()
+}
+
+/// The depth at a pixel of the border, if it is a hole, of the plane through the two pixels further in, if their
+/// normals resemble its own. A farther sample is a hole only between two that lie on that plane.
+fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
+    let inward = |at: usize, length: usize| match at {
+        0 => 1,
+        _ if at + 1 == length => -1,
+        _ => 0,
+    };
+    let [dx, dy] = [inward(x, depth.width()), inward(y, depth.height())];
+    let moved = |by: isize, [dx, dy]: [isize; 2]| {
+        [
+            x.wrapping_add_signed(by * dx),
+            y.wrapping_add_signed(by * dy),
+        ]
+    };
+    let sample = |[x, y]: [usize; 2]| Some(depth.at(x, y)).filter(|&sample| is_distance(sample));
+    let is_near = |a: f32, b: f32| (a / b - 1.0).abs() <= SAME_SURFACE;
+    let [next, second] = [1, 2].map(|by| moved(by, [dx, dy]));
+    let (a, b) = (sample(next)?, sample(second)?);
+    let surface = (2.0 / a - 1.0 / b).recip();
+    let farther = sample([x, y]);
+    if !is_near(surface, a) || farther.is_some_and(|here| here <= (1.0 + SAME_SURFACE) * surface) {
+        return None;
+    }
+    let here = direction(normal, x, y)?;
+    let resembles =
+        |[x, y]: [usize; 2]| direction(normal, x, y).is_some_and(|n| n.dot(here) > SAME_DIRECTION);
+    // Along the border; a corner has no such neighbours.
+    let is_between = || {
+        let along = [1, -1].map(|by| moved(by, [dy.abs(), dx.abs()]));
+        (dx == 0 || dy == 0)
+            && along
+                .into_iter()
+                .all(|at| sample(at).is_some_and(|s| is_near(s, surface)))
+    };
+    (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }
 
 /// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
@@ -204,9 +264,10 @@ mod tests {
                 false => slope(x, y),
             });
             assert!(fill(&mut depth, &facing()) > SIZE * SIZE / 8);
-            for y in 2..SIZE - 2 {
-                for x in 2..SIZE - 2 {
-                    // A mean of harmonic means on a plane is exact up to rounding.
+            // The last row, of the outermost, has holes too.
+            for y in 0..SIZE {
+                for x in 0..SIZE {
+                    // A mean of harmonic means on a plane is exact up to rounding, and so is the line through two.
                     let error = depth.at(x, y) / slope(x, y) - 1.0;
                     assert!(error.abs() < 1e-5, "{behind} at {x}, {y}: {error}");
                 }
