@@ -79,7 +79,7 @@ struct Arguments {
 enum Command {
     /// Render a scene to an EXR file that relievo reads.
     Render(RenderArguments),
-    /// Render the pictures of the README as one.
+    /// Render the pictures of the guide as one.
     PlacedTexture {
         /// A JPEG or PNG file.
         output: PathBuf,

@@ -1,4 +1,4 @@
-//! The pictures of the README: figures 9 of [LW], 10 and 11 of [RS], of our own things.
+//! The pictures of the guide: figures 9 of [LW], 10 and 11 of [RS], of our own things.
 
 use super::common::{codes, write};
 use super::enhancement::{Bounces, Enhancement};

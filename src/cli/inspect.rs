@@ -36,7 +36,7 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Most of it that the samples of one photo take; of larger ones rows are decoded alone.
 const MOST_OF_A_PHOTO: u64 = 256 << 20;
 
-/// Findings on one file; the JSON form of `inspect`, documented in the README.
+/// Findings on one file; the JSON form of `inspect`, documented in docs/guide/files.md.
 #[derive(Debug, Serialize)]
 struct Inspection {
     /// Its path, with anything not UTF-8 replaced.

@@ -65,7 +65,7 @@ pub(crate) struct RoleArgs {
     /// still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
     still_camera: Option<StillCamera>,
-    /// Camera as JSON: world_to_camera and focal_px, or other keys listed in the README.
+    /// Camera as JSON: world_to_camera and focal_px, or other keys listed in docs/guide/files.md.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
 }

@@ -187,12 +187,12 @@ mod tests {
     use eframe::egui::ModifierNames;
 
     #[test]
-    fn the_readme_lists_all_keys() {
-        let readme = include_str!("../../README.md");
+    fn the_guide_lists_all_keys() {
+        let chapter = include_str!("../../docs/guide/window.md");
         for Shortcut { keys, does, .. } in &SHORTCUTS {
             let keys = plainly(&keys.format(&ModifierNames::NAMES, false));
             let row = format!("| `{keys}` | {does} |");
-            assert!(readme.contains(&row), "the README has no row {row}");
+            assert!(chapter.contains(&row), "the guide has no row {row}");
         }
     }
 }

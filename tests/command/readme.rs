@@ -1,52 +1,85 @@
-//! The README is true: its commands work, and its defaults are those of the program.
+//! The README and the guide are true: their commands work, their links lead somewhere, and their defaults are those of
+//! the program.
 
-use super::report::OF_README;
+use super::report::OF_GUIDE;
 use crate::common::program::run;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
 
-const README: &str = include_str!("../../README.md");
+/// The README, a chapter of the guide, or ARCHITECTURE.md.
+struct Page {
+    path: PathBuf,
+    text: String,
+}
 
-/// The arguments of every `relievo` command in the README's shell blocks.
-fn commands() -> Vec<Vec<&'static str>> {
-    let blocks = README
-        .split("```sh\n")
-        .skip(1)
-        .filter_map(|rest| rest.split("```").next());
+impl Page {
+    fn read(path: PathBuf) -> Self {
+        let text = fs::read_to_string(&path).unwrap();
+        Self { path, text }
+    }
+
+    /// Its code blocks in `language`.
+    fn blocks(&self, language: &str) -> Vec<&str> {
+        let begin = format!("```{language}\n");
+        let rests = self.text.split(&begin).skip(1);
+        rests.filter_map(|rest| rest.split("```").next()).collect()
+    }
+}
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn chapter(name: &str) -> Page {
+    Page::read(file("docs/guide").join(name))
+}
+
+/// All pages, the README first.
+fn pages() -> Vec<Page> {
+    let entries = fs::read_dir(file("docs/guide")).unwrap();
+    let chapters = entries.map(|entry| entry.unwrap().path());
+    let chapters = chapters.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let chapters: BTreeSet<_> = chapters.collect();
+    let mut paths = vec![file("README.md"), file("docs/ARCHITECTURE.md")];
+    paths.extend(chapters);
+    paths.into_iter().map(Page::read).collect()
+}
+
+/// The `relievo` commands in the shell blocks of `pages`.
+fn commands(pages: &[Page]) -> Vec<&str> {
+    let blocks = pages.iter().flat_map(|page| page.blocks("sh"));
     blocks
         .flat_map(str::lines)
         .filter_map(|line| {
             line.strip_prefix("cargo run --release -- ")
                 .or(line.strip_prefix("relievo "))
         })
-        .map(|arguments| arguments.split_whitespace().collect())
         .collect()
 }
 
 #[test]
 fn every_command_works() {
     let place = tempfile::tempdir().unwrap();
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    std::fs::create_dir(place.path().join("fixtures")).unwrap();
-    for entry in std::fs::read_dir(fixtures).unwrap() {
-        let file = entry.unwrap();
-        std::fs::copy(
-            file.path(),
-            place.path().join("fixtures").join(file.file_name()),
-        )
-        .unwrap();
+    fs::create_dir(place.path().join("fixtures")).unwrap();
+    for entry in fs::read_dir(file("fixtures")).unwrap() {
+        let from = entry.unwrap();
+        let to = place.path().join("fixtures").join(from.file_name());
+        fs::copy(from.path(), to).unwrap();
     }
-    let commands = commands();
-    assert!(
-        commands.len() >= 6,
-        "the README shows {} commands",
-        commands.len()
+    let pages = pages();
+    let commands = commands(&pages);
+    assert!(commands.len() >= 20, "only {} commands", commands.len());
+    let distinct: BTreeSet<_> = commands.iter().collect();
+    assert_eq!(
+        distinct.len(),
+        commands.len(),
+        "a command stands in two places, and would run twice"
     );
-    assert!(commands.iter().any(|words| words.join(" ") == OF_README));
-    for arguments in commands
-        .into_iter()
-        .filter(|words| words.join(" ") != OF_README)
-    {
-        println!("relievo {}", arguments.join(" "));
+    assert!(commands.contains(&OF_GUIDE));
+    for command in commands.into_iter().filter(|&command| command != OF_GUIDE) {
+        println!("relievo {command}");
+        let arguments: Vec<_> = command.split_whitespace().collect();
         run(place.path(), &arguments).done();
         if let Some(at) = arguments.iter().position(|&a| a == "-o") {
             let output = place.path().join(arguments[at + 1]);
@@ -60,15 +93,12 @@ fn every_command_works() {
 }
 
 #[test]
-fn the_camera_of_the_readme_is_read() {
-    let json = README
-        .split("```json\n")
-        .nth(1)
-        .and_then(|rest| rest.split("```").next())
-        .unwrap();
+fn the_camera_of_the_guide_is_read() {
+    let page = chapter("files.md");
+    let json = page.blocks("json")[0];
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("camera.json");
-    std::fs::write(&path, json).unwrap();
+    fs::write(&path, json).unwrap();
     let window = relievo::frame::Window::from_size(640, 480);
     let camera = relievo::io::camera::read_camera(&path, window, 1.0).unwrap();
     // Looks along +y, from (0, -5, 1.2).
@@ -80,10 +110,62 @@ fn the_camera_of_the_readme_is_read() {
 }
 
 #[test]
-fn the_recipe_of_the_readme_is_one() {
-    let toml = README.split("```toml\n").nth(1);
-    let toml = toml.and_then(|rest| rest.split("```").next()).unwrap();
-    relievo::cli::recipe::Recipe::parse(Path::new("README.md"), toml).unwrap();
+fn the_recipe_of_the_guide_is_one() {
+    let page = chapter("sequences.md");
+    let toml = page.blocks("toml")[0];
+    relievo::cli::recipe::Recipe::parse(&page.path, toml).unwrap();
+}
+
+/// `cargo test` runs the program in the crate's documentation; the README shows its middle.
+#[test]
+fn the_program_of_the_readme_is_that_of_the_crate() {
+    let readme = Page::read(file("README.md"));
+    let documented = fs::read_to_string(file("src/lib.rs")).unwrap();
+    let program = readme.blocks("rust")[0];
+    let program: String = program
+        .lines()
+        .map(|line| format!("//! {line}\n"))
+        .collect();
+    assert!(documented.contains(&program), "src/lib.rs lacks\n{program}");
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let summary = chapter("SUMMARY.md").text;
+    for Page { path, text } in pages() {
+        let (folder, name) = (path.parent().unwrap(), path.file_name().unwrap());
+        let named = format!("({})", name.to_str().unwrap());
+        assert!(
+            folder != file("docs/guide") || name == "SUMMARY.md" || summary.contains(&named),
+            "SUMMARY.md lacks {named}"
+        );
+        let targets = text.split("](").skip(1);
+        let targets = targets.filter_map(|rest| rest.split(')').next());
+        for target in targets.filter(|target| !target.starts_with("https:")) {
+            let shown = path.display();
+            let (other, heading) = target.split_once('#').unwrap_or((target, ""));
+            let other = match other {
+                "" => path.clone(),
+                _ => folder.join(other),
+            };
+            assert!(other.exists(), "{shown} links to {target}");
+            assert!(
+                heading.is_empty() || anchors(&Page::read(other)).contains(heading),
+                "{shown} links to {target}"
+            );
+        }
+    }
+}
+
+/// The anchors of a page's headings, as GitHub and mdBook make them.
+fn anchors(page: &Page) -> BTreeSet<String> {
+    let headings = page.text.lines().filter(|line| line.starts_with('#'));
+    let anchor = |line: &str| {
+        let heading = line.trim_start_matches('#').trim().to_lowercase();
+        let dropped = |c: char| !c.is_alphanumeric() && !" -_".contains(c);
+        heading.replace(dropped, "").replace(' ', "-")
+    };
+    headings.map(anchor).collect()
 }
 
 /// The help of a command.
@@ -103,9 +185,11 @@ fn entry_of(help: &str, option: &str) -> Option<String> {
     Some(rest.fold(first.into(), |entry, line| entry + " " + line))
 }
 
-/// The README's table rows of options: the option and its default.
+/// The rows of options in all tables: the option and its default.
 fn option_rows() -> Vec<(String, String)> {
-    let rows = README.lines().filter(|line| line.starts_with("| `--"));
+    let pages = pages();
+    let lines = pages.iter().flat_map(|page| page.text.lines());
+    let rows = lines.filter(|line| line.starts_with("| `--"));
     rows.map(|row| {
         // `| `--name VALUE` | default | meaning |`; a bar inside the first cell is escaped.
         let row = row.replace("\\|", "/");
@@ -129,15 +213,13 @@ fn the_defaults_are_those_of_the_program() {
         for entry in entries {
             assert!(
                 entry.contains(&expected),
-                "README says {expected} of {option}; help: {entry}"
+                "the guide says {expected} of {option}; help: {entry}"
             );
         }
     }
-    assert!(
-        rows.len() >= 25,
-        "only {} options in the README's tables",
-        rows.len()
-    );
+    let distinct: BTreeSet<_> = rows.iter().map(|(option, _)| option).collect();
+    assert_eq!(distinct.len(), rows.len(), "an option stands in two tables");
+    assert!(rows.len() >= 80, "only {} options in tables", rows.len());
 }
 
 #[test]
@@ -156,11 +238,13 @@ fn every_option_of_new_light_is_explained() {
         .into_iter()
         .map(|(option, _)| option)
         .collect();
+    let pages = pages();
     for option in options {
         let explained = ["`", " "].map(|end| format!("`{option}{end}"));
+        let explains = |page: &Page| explained.iter().any(|text| page.text.contains(text));
         assert!(
-            explained.iter().any(|text| README.contains(text)),
-            "the README does not explain {option}"
+            pages.iter().any(explains),
+            "the guide does not explain {option}"
         );
         let has_default = entry_of(own, option).unwrap().contains("[default: ");
         assert!(

@@ -13,10 +13,10 @@ fn relievo(arguments: &[&str]) -> Ran {
     run(Path::new("."), arguments)
 }
 
-/// The README's own report, the slowest of its commands: [`RUN`] makes it.
-pub(crate) const OF_README: &str = "report fixtures/bust.exr -o report --quick --scale 20";
+/// The guide's own report, the slowest of its commands: [`RUN`] makes it.
+pub(crate) const OF_GUIDE: &str = "report fixtures/bust.exr -o report --quick --scale 20";
 
-/// One run for all tests, [`OF_README`] but for its paths, into a directory that holds an older report and something else.
+/// One run for all tests, [`OF_GUIDE`] but for its paths, into a directory that holds an older report and something else.
 struct Run {
     place: tempfile::TempDir,
     ran: Ran,

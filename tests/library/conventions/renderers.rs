@@ -106,7 +106,7 @@ impl File {
         vec![(self.more)(Part { channels, ..part() })]
     }
 
-    /// Reads the file and compares it; prints a row of the README's table.
+    /// Reads the file and compares it; prints its figures for the table in docs/guide/files.md.
     fn check(&self) {
         let desk = tempfile::tempdir().unwrap();
         let path = desk.path().join("a.exr");
