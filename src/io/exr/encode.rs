@@ -276,7 +276,10 @@ impl Encoder {
     fn compressed(&self, first_row: usize, rows: usize, raw: Vec<u8>) -> Parsed<Vec<u8>> {
         match self.header.compression {
             Compression::Uncompressed if OWN_CODEC => return Ok(raw),
-            Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => return Ok(zip::compress(raw)),
+            Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
+                let is_smooth = self.sources.iter().all(|s| matches!(s, Source::Given(..)));
+                return Ok(zip::compress(raw, is_smooth));
+            }
             _ => {}
         }
         let section = self.section(first_row, rows);

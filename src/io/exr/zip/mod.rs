@@ -22,10 +22,14 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
     }
 }
 
-/// Compresses a block; one that would not shrink is returned unchanged.
-pub(super) fn compress(raw: Vec<u8>) -> Vec<u8> {
+/// Compresses a block, of samples computed here alone or not; one that would not shrink is returned unchanged.
+pub(super) fn compress(raw: Vec<u8>, is_smooth: bool) -> Vec<u8> {
     let mut bytes = vec![0; raw.len()];
-    let size = zlib::deflate(&differences(&raw), &mut bytes);
+    let differences = differences(&raw);
+    let size = match is_smooth {
+        true => zlib::deflate_smooth(&differences, &mut bytes),
+        false => zlib::deflate(&differences, &mut bytes),
+    };
     match size.filter(|&size| size < raw.len()) {
         Some(size) => {
             bytes.truncate(size);
@@ -156,10 +160,19 @@ mod tests {
 
     #[test]
     fn a_block_comes_back() {
-        for count in [2, 16, 30, 1000, 4096] {
-            let raw = bytes(count);
+        // From 131072 bytes on runs alone are tried: these have some, and others that grow by and by.
+        let steps: Vec<u8> = (0..200_000u32)
+            .flat_map(|i| (i / 40).to_le_bytes())
+            .collect();
+        let counts = [2, 16, 30, 1000, 4096, 200_000].map(bytes);
+        for (raw, is_smooth) in counts
+            .into_iter()
+            .chain([steps])
+            .flat_map(|raw| [(raw.clone(), false), (raw, true)])
+        {
+            let count = raw.len();
             let mut differences = vec![0; count];
-            let compressed = compress(raw.clone());
+            let compressed = compress(raw.clone(), is_smooth);
             if compressed.len() < count {
                 inflate(&compressed, &mut differences).unwrap();
             } else {
@@ -199,7 +212,7 @@ mod tests {
     #[test]
     fn a_stream_of_another_size_is_damaged() {
         let raw = vec![0; 400];
-        let compressed = compress(raw);
+        let compressed = compress(raw, false);
         assert!(inflate(&compressed, &mut [0; 400]).is_ok());
         assert!(inflate(&compressed, &mut [0; 399]).is_err());
         assert!(inflate(&compressed, &mut [0; 401]).is_err());
