@@ -128,7 +128,7 @@ pub(crate) fn principal_curvatures(
         area,
         spread,
     } = Slopes::of(&x, &y)?;
-    let half_spread = half_difference.hypot(off);
+    let half_spread = DVec2::new(half_difference, off).length();
     let found = [mean + half_spread, mean - half_spread];
     let first = local.eigenvector(half_difference, off, half_spread);
     let second = local.normal.cross(first);
