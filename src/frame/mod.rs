@@ -39,6 +39,7 @@ pub use plane::{
 pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
+pub(crate) use sight::PixelLines;
 pub use sight::SightLines;
 pub use space::OutOfRange;
 pub(crate) use space::check_place;

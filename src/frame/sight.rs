@@ -136,9 +136,49 @@ impl SightLines {
     }
 }
 
+/// The sight lines through the middles of a frame's pixels. What belongs to a column or to a row is found once.
+pub(crate) struct PixelLines {
+    is_perspective: bool,
+    /// x of the direction by column, and y by row; for parallel lines, of the origin.
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl PixelLines {
+    /// The sight lines of a frame.
+    pub(crate) fn new(sight: &SightLines, frame: &Frame) -> Self {
+        let is_perspective = matches!(sight.projection, Projection::Perspective { .. });
+        let varying = |x: usize, y: usize| {
+            let at = frame.data_window.middle(x, y);
+            let (start, line) = sight.line(at.x, at.y);
+            if is_perspective { line } else { start }
+        };
+        Self {
+            is_perspective,
+            x: (0..frame.mask.width()).map(|x| varying(x, 0).x).collect(),
+            y: (0..frame.mask.height()).map(|y| varying(0, y).y).collect(),
+        }
+    }
+
+    /// [`SightLines::point`] at a pixel.
+    #[inline]
+    pub(crate) fn point(&self, x: usize, y: usize, depth: f64, kind: DepthKind) -> DVec3 {
+        let (across, up) = (self.x[x], self.y[y]);
+        if !self.is_perspective {
+            return DVec3::new(across, up, -depth);
+        }
+        let line = DVec3::new(across, up, -1.0);
+        match kind {
+            DepthKind::Ray => depth / line.length() * line,
+            DepthKind::Planar | DepthKind::Relative => depth * line,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::{Mask, Vector3Planes, Window};
 
     const LENS: Projection = Projection::Perspective {
         fx: 800.0,
@@ -164,6 +204,28 @@ mod tests {
         }
         let along = SightLines::new(LENS).point(17.5, 400.5, 7.0, DepthKind::Ray);
         assert!((along.length() - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn points_of_pixels_are_those_of_their_middles() {
+        let parallel = SightLines::parallel(0.5).projection();
+        for projection in [LENS, parallel] {
+            let sight = SightLines::new(projection);
+            let mut frame = Frame::of_normals(
+                Vector3Planes::from_fn(5, 4, |_, _| DVec3::Z),
+                Mask::full(5, 4),
+            );
+            frame.data_window = Window::at(-2, 300, 5, 4);
+            let lines = PixelLines::new(&sight, &frame);
+            for kind in [DepthKind::Planar, DepthKind::Ray] {
+                let expected = sight.point(1.5, 301.5, 7.3, kind);
+                assert_eq!(
+                    lines.point(3, 1, 7.3, kind),
+                    expected,
+                    "{projection:?}, {kind:?}"
+                );
+            }
+        }
     }
 
     #[test]

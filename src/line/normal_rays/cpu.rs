@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_covered;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, PixelLines, Plane, Vector2Planes};
 use crate::line::direction::fill::{Parts, fill};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{
@@ -47,19 +47,30 @@ enum Found {
     Nothing,
 }
 
+/// What a pixel shows.
+struct Seen {
+    at: (usize, usize),
+    normal: DVec3,
+    /// Where points are taken from depth.
+    point: Option<DVec3>,
+}
+
 /// The surface that a frame shows, to be walked over.
 struct WalkedSurface<'a> {
     frame: &'a Frame,
     conductance: &'a Plane,
     setting: RaySetting<'a>,
+    lines: PixelLines,
 }
 
 impl<'a> WalkedSurface<'a> {
     fn new(plan: &Plan, frame: &'a Frame, conductance: &'a Plane) -> Self {
+        let setting = RaySetting::new(plan, frame);
         Self {
             frame,
             conductance,
-            setting: RaySetting::new(plan, frame),
+            lines: PixelLines::new(&setting.sight, frame),
+            setting,
         }
     }
 
@@ -88,11 +99,15 @@ impl<'a> WalkedSurface<'a> {
             normal: self.setting.normal_noise,
             offset,
         };
-        let normal = self.normal(x, y);
+        let here = Seen {
+            at: (x, y),
+            normal: self.normal(x, y),
+            point: self.point(x, y),
+        };
         let [mut step, most] = self.setting.steps_px;
         loop {
-            let sides = [self.along_x(x, y, step), self.along_y(x, y, step)];
-            let found = principal_curvatures(normal, sides, noise)?;
+            let sides = [self.along_x(&here, step), self.along_y(&here, step)];
+            let found = principal_curvatures(here.normal, sides, noise)?;
             if found.direction().is_some() || step >= most {
                 return Some(found);
             }
@@ -106,44 +121,42 @@ impl<'a> WalkedSurface<'a> {
     }
 
     /// The rays left and right of a pixel, at most `step_px` away.
-    fn along_x(&self, x: usize, y: usize, step_px: usize) -> Sides {
+    fn along_x(&self, here: &Seen, step_px: usize) -> Sides {
+        let (x, y) = here.at;
         let row = self.conductance.row(y);
-        let open = |columns: &mut dyn Iterator<Item = usize>| {
-            columns.take(step_px).take_while(|&x| row[x] > 0.0).count()
-        };
-        let left = open(&mut (0..x).rev());
-        let right = open(&mut (x + 1..row.len()));
-        self.sides((x, y), [left, right], |far| {
+        let is_open = |x: &usize| row[*x] > 0.0;
+        let left = (0..x).rev().take(step_px).take_while(is_open).count();
+        let right = (x + 1..row.len()).take(step_px).take_while(is_open).count();
+        self.sides(here, [left, right], |far| {
             [(x.wrapping_sub(far), y), (x + far, y)]
         })
     }
 
     /// The rays below and above a pixel (y points up), at most `step_px` away.
-    fn along_y(&self, x: usize, y: usize, step_px: usize) -> Sides {
-        let open = |rows: &mut dyn Iterator<Item = usize>| {
-            rows.take(step_px)
-                .take_while(|&y| self.conductance.at(x, y) > 0.0)
-                .count()
-        };
-        let above = open(&mut (0..y).rev());
-        let below = open(&mut (y + 1..self.conductance.height()));
-        self.sides((x, y), [below, above], |far| {
+    fn along_y(&self, here: &Seen, step_px: usize) -> Sides {
+        let (x, y) = here.at;
+        let is_open = |y: &usize| self.conductance.at(x, *y) > 0.0;
+        let height = self.conductance.height();
+        let above = (0..y).rev().take(step_px).take_while(is_open).count();
+        let below = (y + 1..height).take(step_px).take_while(is_open).count();
+        self.sides(here, [below, above], |far| {
             [(x, y + far), (x, y.wrapping_sub(far))]
         })
     }
 
     /// Rays equally far on both sides, as far as the surface continues on each; on one side alone if it ends at once on
     /// the other.
+    #[inline]
     fn sides(
         &self,
-        from: (usize, usize),
+        here: &Seen,
         [before, after]: [usize; 2],
         at: impl Fn(usize) -> [(usize, usize); 2],
     ) -> Sides {
         let both = before.min(after);
         let step = if both > 0 { both } else { before.max(after) };
         let [minus, plus] = at(step);
-        let ray = |open: usize, to| (open > 0).then(|| self.ray(from, to)).flatten();
+        let ray = |open: usize, to| if open > 0 { self.ray(here, to) } else { None };
         Sides {
             before: ray(before, minus),
             after: ray(after, plus),
@@ -151,25 +164,25 @@ impl<'a> WalkedSurface<'a> {
         }
     }
 
-    fn ray(&self, from: (usize, usize), to: (usize, usize)) -> Option<NormalRay> {
-        let (start, end) = (self.position(from.0, from.1), self.position(to.0, to.1));
-        let normal = self.normal(to.0, to.1);
-        let offset = match self.setting.depth {
-            Some(depth) => {
-                let kind = self.frame.source.depth_kind;
-                let point = |at: DVec2, (x, y): (usize, usize)| {
-                    self.setting
-                        .sight
-                        .point(at.x, at.y, f64::from(depth.at(x, y)), kind)
-                };
-                point(end, to) - point(start, from)
+    #[inline]
+    fn ray(&self, here: &Seen, (x, y): (usize, usize)) -> Option<NormalRay> {
+        let normal = self.normal(x, y);
+        let offset = match (self.point(x, y), here.point) {
+            (Some(point), Some(own)) => point - own,
+            _ => {
+                let [start, end] = [here.at, (x, y)].map(|(x, y)| self.position(x, y));
+                self.setting.sight.step(start, here.normal, end, normal)?
             }
-            None => self
-                .setting
-                .sight
-                .step(start, self.normal(from.0, from.1), end, normal)?,
         };
         Some(NormalRay { offset, normal })
+    }
+
+    /// The point seen at a pixel, where points are taken from depth.
+    #[inline]
+    fn point(&self, x: usize, y: usize) -> Option<DVec3> {
+        let depth = self.setting.depth?;
+        let kind = self.frame.source.depth_kind;
+        Some(self.lines.point(x, y, f64::from(depth.at(x, y)), kind))
     }
 
     /// The centre of a pixel in the picture.

@@ -213,6 +213,7 @@ pub(crate) struct Slopes {
 }
 
 impl Slopes {
+    #[inline]
     pub(crate) fn of(x: &Difference, y: &Difference) -> Option<Self> {
         let (u, v) = (x.foot, y.foot);
         let area = u.perp_dot(v);
@@ -249,6 +250,7 @@ pub(crate) struct Difference {
 }
 
 impl Local {
+    #[inline]
     fn at(normal: DVec3) -> Option<Self> {
         let normal = normal.try_normalize()?;
         let (a, b) = normal.any_orthonormal_pair();
@@ -259,6 +261,7 @@ impl Local {
     }
 
     /// Foot and slope of a ray; `None` if it leans too far.
+    #[inline]
     pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
@@ -270,8 +273,10 @@ impl Local {
     }
 
     /// Difference of the rays after and before; the point's own ray, all zero, replaces a missing one.
+    #[inline]
     fn difference(&self, sides: &Sides) -> Option<Difference> {
-        let [before, after] = [&sides.before, &sides.after].map(|r| self.ray(r.as_ref()?));
+        let ray = |side: &Option<NormalRay>| side.as_ref().and_then(|ray| self.ray(ray));
+        let (before, after) = (ray(&sides.before), ray(&sides.after));
         let samples =
             sides.step_px * f64::from(u8::from(before.is_some()) + u8::from(after.is_some()));
         if samples == 0.0 {
