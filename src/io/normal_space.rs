@@ -14,8 +14,8 @@ use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Pixels that the judgement looks at.
-const WANTED: usize = 40_000;
+/// Pixels that the judgement looks at, about.
+const WANTED: usize = 20_000;
 /// A unit normal counts as facing the viewer down to this cosine: filtering and bump tip a few over.
 const FACING: f64 = -0.05;
 /// Share of facing normals from which a reading is accepted.
@@ -172,17 +172,6 @@ fn at(planes: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
 }
 
 impl Input<'_> {
-    /// Covered pixels, evenly thinned.
-    fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let plane = self.mask.plane();
-        let covered = (0..plane.height()).flat_map(move |y| {
-            let span = self.mask.span(y);
-            span.filter(move |&x| self.mask.at(x, y))
-                .map(move |x| (x, y))
-        });
-        covered.step_by((self.mask.count() / WANTED).max(1))
-    }
-
     fn turn(&self) -> Option<DMat3> {
         self.camera.map(|c| c.view_from_world.matrix3)
     }
@@ -212,7 +201,7 @@ impl Input<'_> {
 
     fn evidence(&self) -> NormalSpaceEvidence {
         let mut tally = Tally::default();
-        for (x, y) in self.pixels() {
+        for (x, y) in self.mask.sample(WANTED) {
             if let Some(readings) = self.readings(x, y) {
                 tally.add_facing(&readings, self.to_eye(x, y));
                 if let Some(slope) = self.slope(x, y) {
@@ -313,11 +302,13 @@ impl Tally {
                 lean.angle_to(slope).abs().to_degrees()
             }
         };
-        self.slope_view.push(off(readings.view));
-        for (sum, [x, y]) in self.reversed.iter_mut().zip(REVERSED) {
-            let sign = |reversed| if reversed { -1.0 } else { 1.0 };
-            *sum += off(readings.view * DVec3::new(sign(x), sign(y), 1.0));
-        }
+        let as_is = off(readings.view);
+        let x_reversed = off(readings.view * DVec3::new(-1.0, 1.0, 1.0));
+        self.slope_view.push(as_is);
+        // With the other axis reversed, a normal leans the opposite way.
+        let angles = [as_is, x_reversed, 180.0 - x_reversed, 180.0 - as_is];
+        let sums = self.reversed.iter_mut().zip(angles);
+        sums.for_each(|(sum, angle)| *sum += angle);
         self.slope_world.extend(readings.world.map(off));
     }
 

@@ -6,7 +6,7 @@ use half::f16;
 use nalgebra::{Vector2, Vector3};
 
 /// Pixels tried; about half survive on a typical picture.
-const CANDIDATES: usize = 40_000;
+const CANDIDATES: usize = 16_000;
 /// Enough patches; with fewer, smaller and rougher ones are accepted.
 const ENOUGH: usize = 2_000;
 /// Criteria for choosing patches.

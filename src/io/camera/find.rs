@@ -241,7 +241,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
 
 /// Median distance, in pixels, between the pixels of positions and their projections by the camera.
 fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
-    let covered = pixels(surface).filter_map(|(x, y)| {
+    let covered = surface.mask.sample(PROBES).filter_map(|(x, y)| {
         let point = position.at(x, y);
         (point.is_finite() && point != DVec3::ZERO).then_some((x, y, point))
     });
@@ -270,14 +270,6 @@ fn misfit(camera: &Camera, surface: &SurfaceSamples, normal: &Vector3Planes) -> 
     let evidence = verdict.evidence;
     let averted = 1.0 - evidence.facing_world.unwrap_or(0.0);
     averted.max(evidence.slope_world_deg.unwrap_or(0.0) / 90.0)
-}
-
-/// Covered pixels, evenly thinned.
-fn pixels<'a>(surface: &'a SurfaceSamples) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let mask = surface.mask;
-    let covered = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    let covered = covered.filter(|&(x, y)| mask.at(x, y));
-    covered.step_by((mask.count() / PROBES).max(1))
 }
 
 /// The camera in words; its position only if known.

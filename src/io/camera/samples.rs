@@ -123,19 +123,11 @@ pub(super) fn gather(
 
 type Candidate = (usize, usize, Vector3<f64>);
 
-/// Covered pixels, evenly thinned to a multiple of the number wanted.
+/// Covered pixels with a position.
 fn candidates(layer: &Layer) -> Vec<Candidate> {
-    let (width, height) = (layer.position.x.width(), layer.position.x.height());
-    let stride = (layer.mask.count() / CANDIDATES).max(1);
-    let covered = (0..height).flat_map(|y| {
-        layer
-            .mask
-            .span(y)
-            .filter(move |&x| x < width && layer.mask.at(x, y))
-            .map(move |x| (x, y))
-    });
-    covered
-        .step_by(stride)
+    layer
+        .mask
+        .sample(CANDIDATES)
         .filter_map(|(x, y)| Some((x, y, layer.at(x as isize, y as isize)?)))
         .collect()
 }

@@ -1,0 +1,69 @@
+//! A bounded sample of pixels, for judging a picture without looking at all of it.
+//!
+//! Stratified: one pixel at a random place in every cell of a lattice, so that no pattern of the picture can agree with
+//! it. The places depend on the lattice alone: the same picture always gives the same sample.
+
+use std::ops::Range;
+
+/// About one pixel in `area`, row of cells after row of cells: each of them once where that is 1 or less.
+pub(crate) fn one_in(
+    area: f64,
+    columns: Range<usize>,
+    rows: Range<usize>,
+) -> impl Iterator<Item = (usize, usize)> {
+    let side = area.max(1.0).sqrt();
+    let cells = move |within: &Range<usize>| (within.len() as f64 / side).ceil() as usize;
+    // Both ends of cell `i` along a side of the picture, and a place in between by 16 random bits.
+    let place = move |within: &Range<usize>, i: usize, random: u32| {
+        let [from, to] = [i, i + 1].map(|i| ((i as f64 * side) as usize).min(within.len()));
+        let offset = ((to - from) * (random & 0xffff) as usize) >> 16;
+        (from < to).then_some(within.start + from + offset)
+    };
+    let across = cells(&columns);
+    (0..cells(&rows)).flat_map(move |j| {
+        let (columns, rows) = (columns.clone(), rows.clone());
+        (0..across).filter_map(move |i| {
+            let random = scattered(i as u32, j as u32);
+            Some((place(&columns, i, random)?, place(&rows, j, random >> 16)?))
+        })
+    })
+}
+
+/// Bits that depend on both numbers like random ones.
+fn scattered(i: u32, j: u32) -> u32 {
+    let mixed = |bits: u32, by: u32| (bits ^ bits >> 16).wrapping_mul(by);
+    let both = i
+        .wrapping_mul(0x9e37_79b1)
+        .wrapping_add(mixed(j, 0x85eb_ca6b));
+    let bits = mixed(mixed(both, 0x85eb_ca6b), 0xc2b2_ae35);
+    bits ^ bits >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_gives_one_pixel_and_small_pictures_all_of_theirs() {
+        let all: Vec<_> = one_in(0.5, 2..7, 1..4).collect();
+        let expected: Vec<_> = (1..4).flat_map(|y| (2..7).map(move |x| (x, y))).collect();
+        assert_eq!(all, expected);
+        assert_eq!(one_in(9.0, 3..3, 0..9).count(), 0);
+        // Cells of 2.5 x 2.5 pixels: 4 x 2 in 10 x 5, one pixel in each of them.
+        let some: Vec<_> = one_in(6.25, 0..10, 0..5).collect();
+        let cells: Vec<_> = some.iter().map(|&(x, y)| (x * 2 / 5, y * 2 / 5)).collect();
+        let expected: Vec<_> = (0..2).flat_map(|j| (0..4).map(move |i| (i, j))).collect();
+        assert_eq!(cells, expected);
+    }
+
+    #[test]
+    fn every_pixel_is_as_likely() {
+        // Of cells of 4 x 4, 250 x 250: each of the sixteen places is taken 3906 times, give or take 4.5 standard
+        // deviations of 60.5.
+        let mut times = [0_u32; 16];
+        for (x, y) in one_in(16.0, 0..1000, 0..1000) {
+            times[x % 4 + 4 * (y % 4)] += 1;
+        }
+        assert!(times.iter().all(|n| n.abs_diff(3906) < 272), "{times:?}");
+    }
+}
