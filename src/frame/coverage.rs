@@ -90,9 +90,7 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
     for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
-        if !covered {
-            *sample = 0.0;
-        }
+        *sample = if covered { *sample } else { 0.0 };
     }
 }
 

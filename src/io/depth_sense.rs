@@ -9,7 +9,7 @@ use super::camera::{CameraSearch, recover_camera_from_depth};
 use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
-use super::normal_space::{is_reversed, judge_normal_space};
+use super::normal_space::{NormalSamples, is_reversed};
 use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::frame::coverage::{self, has_direction};
@@ -25,7 +25,7 @@ const FACES: f64 = 0.9;
 /// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
 const DISTANCE_DEG: f64 = 4.0;
 /// Samples of depth that are looked at, about.
-const WANTED: usize = 30_000;
+const WANTED: usize = 15_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 
@@ -214,11 +214,8 @@ impl Judged<'_> {
         };
         let raw = self.layers.raw;
         let surface = self.surface(raw);
-        let evidence = |camera: Option<&Camera>| {
-            let window = surface.data_window;
-            let (normal, mask) = (self.layers.normal, &self.covered);
-            judge_normal_space(normal, mask, None, Some(raw), camera, window).evidence
-        };
+        let samples = NormalSamples::new(self.layers.normal, &self.covered, None, Some(raw));
+        let evidence = |camera| samples.judge(camera, surface.data_window).evidence;
         let unaided = evidence(None);
         let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
@@ -235,7 +232,7 @@ impl Judged<'_> {
             return Ok((Some(way), why, None));
         }
         let mut search = CameraSearch::new(self.layers.inputs, &surface);
-        if let Some(camera) = search.placed(self.layers.normal)? {
+        if let Some(camera) = search.placed(&samples)? {
             let slope = evidence(Some(&camera)).slope_world_deg;
             let way = slope.and_then(way_of);
             return Ok((

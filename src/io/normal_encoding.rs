@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::path::Path;
 
 /// Vectors that are looked at, about.
-const WANTED: usize = 60_000;
+const WANTED: usize = 20_000;
 
 fn sample(stored: &Vector3Planes) -> impl Iterator<Item = Vec3> {
     let (width, height) = (stored.x.width(), stored.x.height());

@@ -6,7 +6,7 @@ use super::samples::{quantile, spread_out};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
 
 /// Patches that the scan over the lens, and the choice of its kind, look at.
-const SCANNED: usize = 600;
+const SCANNED: usize = 400;
 const RANKED: usize = 2_000;
 /// A step of a rotation, in radians, and of the logarithm of a lens that changes nothing any more.
 const SETTLED: f64 = 1e-6;
@@ -174,7 +174,7 @@ impl Fit {
             number: log.exp(),
         };
         let cost = |log: f64| {
-            let turn = robust_turn(lens(log), &some, 3, false);
+            let turn = robust_turn(lens(log), &some, 2, false);
             let fit =
                 turn.and_then(|t| Self::new(lens(log), Rotation3::from_matrix_unchecked(t), &some));
             fit.map_or(f64::INFINITY, |fit| fit.loss)

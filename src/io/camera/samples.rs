@@ -5,7 +5,7 @@ use half::f16;
 use nalgebra::{Vector2, Vector3};
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
-const WANTED: usize = 20_000;
+const WANTED: usize = 6_000;
 /// Pixels examined to find that many; edges and gaps cost some.
 const CANDIDATES: usize = 2 * WANTED;
 /// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
@@ -89,7 +89,7 @@ impl Layer<'_> {
     }
 }
 
-/// At most 20,000 covered pixels of `position`, away from edges if there are enough of those.
+/// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
 pub(super) fn gather(
     position: &Vector3Planes,
     mask: &Mask,
