@@ -25,7 +25,7 @@ const FACES: f64 = 0.9;
 /// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
 const DISTANCE_DEG: f64 = 4.0;
 /// Samples of depth that are looked at, about.
-const WANTED: usize = 15_000;
+const WANTED: usize = 10_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 

@@ -16,7 +16,7 @@ use glam::{DMat3, DVec2, DVec3};
 use std::cell::OnceCell;
 
 /// Pixels that the judgement looks at, about.
-const WANTED: usize = 12_000;
+const WANTED: usize = 8_000;
 /// A unit normal counts as facing the viewer down to this cosine: filtering and bump tip a few over.
 const FACING: f64 = -0.05;
 /// Share of facing normals from which a reading is accepted.

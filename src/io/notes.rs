@@ -51,7 +51,7 @@ const MANY_STEPS: f64 = 0.15;
 const STEP: f32 = 1.1;
 
 /// Pixels at which steps are looked for, about.
-const WANTED: usize = 15_000;
+const WANTED: usize = 10_000;
 
 /// The share of covered pixels at which depth steps to the next one to the right or below.
 fn share_at_steps(depth: &Plane, mask: &Mask) -> f64 {

@@ -4,7 +4,7 @@ use crate::frame::{ColorPlanes, LobeLayers, Mask};
 use crate::quantile::quantile;
 
 /// Pixels that the median is taken over, about.
-const WANTED: usize = 10_000;
+const WANTED: usize = 5_000;
 
 /// Pixels darker than this have no meaningful relative difference.
 const MIN_LIGHT: f32 = 1e-4;
