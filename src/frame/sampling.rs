@@ -55,7 +55,8 @@ mod tests {
         assert_eq!(one_in(9.0, 3..3, 0..9).count(), 0);
         // Cells of 2.5 x 2.5 pixels: 4 x 2 in 10 x 5, one pixel in each of them.
         let some: Vec<_> = one_in(6.25, 0..10, 0..5).collect();
-        let cells: Vec<_> = some.iter().map(|&(x, y)| (x * 2 / 5, y * 2 / 5)).collect();
+        let cell = |&(x, y): &(usize, usize)| ((2 * x + 1) / 5, (2 * y + 1) / 5);
+        let cells: Vec<_> = some.iter().map(cell).collect();
         let expected: Vec<_> = (0..2).flat_map(|j| (0..4).map(move |i| (i, j))).collect();
         assert_eq!(cells, expected);
     }
