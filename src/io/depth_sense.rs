@@ -17,6 +17,7 @@ use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::sampling::one_in;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 use crate::quantile::quantile;
+use std::borrow::Cow;
 
 /// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.
 const AGREES_DEG: f64 = 35.0;
@@ -26,6 +27,8 @@ const FACES: f64 = 0.9;
 const DISTANCE_DEG: f64 = 4.0;
 /// Samples of depth that are looked at, about.
 const WANTED: usize = 10_000;
+/// An angle up to which no other reading of depth can fit as well.
+const SURE_DEG: f64 = 0.5;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 
@@ -243,10 +246,11 @@ impl Judged<'_> {
         }
         // Without a camera one has to be found either way.
         let residual = |stored| self.recovered_deg(stored).unwrap_or(90.0);
-        let (away, toward) = (
-            residual(StoredDepth::Planar),
-            residual(StoredDepth::Inverse),
-        );
+        let away = residual(StoredDepth::Planar);
+        let toward = match away <= SURE_DEG {
+            true => 90.0,
+            false => residual(StoredDepth::Inverse),
+        };
         let way = match away.min(toward) <= DISTANCE_DEG {
             true if away <= toward => Some(Way::Away),
             true => Some(Way::Toward),
@@ -286,10 +290,18 @@ impl Judged<'_> {
         }
     }
 
+    /// The layer as distances, if it holds what is `stored`.
+    fn distances(&self, stored: StoredDepth) -> Cow<'_, Plane> {
+        let mut depth = Cow::Borrowed(self.layers.raw);
+        if stored != StoredDepth::Planar {
+            to_distances(depth.to_mut(), stored);
+        }
+        depth
+    }
+
     /// The angle left between normals and depth by the camera recovered from them, in degrees.
     fn recovered_deg(&self, stored: StoredDepth) -> Option<f64> {
-        let mut depth = self.layers.raw.clone();
-        to_distances(&mut depth, stored);
+        let depth = self.distances(stored);
         let surface = self.surface(&depth);
         let found = recover_camera_from_depth(
             self.layers.normal,
@@ -309,8 +321,7 @@ impl Judged<'_> {
                 .recovered_deg(stored)
                 .is_some_and(|deg| deg <= DISTANCE_DEG);
         };
-        let mut depth = self.layers.raw.clone();
-        to_distances(&mut depth, stored);
+        let depth = self.distances(stored);
         let surface = self.surface(&depth);
         let off = off_tangents(&surface, self.layers.normal, &depth, camera);
         off.is_some_and(|deg| deg <= DISTANCE_DEG)
