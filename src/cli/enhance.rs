@@ -54,13 +54,14 @@ impl FrameCommand for EnhanceArgs {
         if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
-        let (loaded, read) = job.load(&inputs, needs)?;
+        let (mut loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
         work.warnings(&loaded)
             .iter()
             .for_each(|text| job.warn(text));
-        let mut outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
+        let mut outcome =
+            job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,

@@ -171,16 +171,17 @@ impl<'a> Job<'a> {
         self.log.say(&format!("{kind}: {name}{text}"));
     }
 
-    /// Runs `plan` on a frame of this job, and warns where a device that is to do it does not.
+    /// Runs `plan` on a frame of this job, and warns where a device that is to do it does not. The outcome may hold less
+    /// of the shape than the plan.
     pub(super) fn execute(
         &self,
         engine: &Engine,
         plan: &Plan,
-        frame: &Frame,
+        frame: &mut Frame,
         inputs: engine::Inputs,
     ) -> Result<Outcome> {
         let warn = |text: &str| self.warn(text);
-        let outcome = engine.execute(plan, frame, inputs, &Run::new().warn(&warn))?;
+        let outcome = engine.execute_sparingly(plan, frame, inputs, &Run::new().warn(&warn))?;
         self.note_gain(plan, outcome.gain);
         Ok(outcome)
     }

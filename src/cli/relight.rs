@@ -93,7 +93,7 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let mut outcome = job.execute(&kit.engine, &plan, &loaded.frame, work.inputs())?;
+        let mut outcome = job.execute(&kit.engine, &plan, &mut loaded.frame, work.inputs())?;
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,

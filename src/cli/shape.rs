@@ -55,10 +55,10 @@ impl FrameCommand for WorkArgs {
         if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
-        let (loaded, read) = job.load(&inputs, needs)?;
+        let (mut loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
-        let outcome = job.execute(engine, &plan, &loaded.frame, engine::Inputs::default())?;
+        let outcome = job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
         let done = Done {
             loaded,
             plan,

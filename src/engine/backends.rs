@@ -167,8 +167,9 @@ impl Engine {
         }
     }
 
-    /// As [`Engine::execute`], bit for bit, with half the memory for a large frame that the CPU draws in its own light:
-    /// the picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
+    /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. An enhanced picture leaves out edges
+    /// and slopes. A large frame drawn in its own light takes half the memory: the picture is consumed, and the outcome
+    /// holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Engine::execute`].

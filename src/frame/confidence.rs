@@ -94,7 +94,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
         length / around.max(f32::MIN_POSITIVE)
     });
     let longest = over_squares(&compared, NORMALS_REACH, f32::max);
-    if !longest.samples().par_iter().any(is_short) {
+    if !longest.samples().par_iter().any(|&length| is_short(length)) {
         return None;
     }
     let mixed = over_squares(&longest, NORMALS_REACH, f32::min);
@@ -111,45 +111,14 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     is_mixed.then(|| mean_over_squares(&deficit, NORMALS_REACH).map(|deficit| 1.0 - deficit))
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "a predicate of samples")]
-fn is_short(length: &f32) -> bool {
-    *length < LENGTHS[0]
-}
-
-/// A length as it ends a square: pixels without surface do, like long normals.
-fn ending(length: f32, covered: bool) -> f32 {
-    if covered { length.min(1.0) } else { 1.0 }
-}
-
+/// Lengths as they end a square: pixels without surface do, like long normals.
 fn ended(lengths: &Plane, mask: &Mask) -> Plane {
     of_rows(lengths, |y, row| {
         let lengths = lengths.row(y).iter().zip(mask.row(y));
         for (sample, (&length, &covered)) in row.iter_mut().zip(lengths) {
-            *sample = ending(length, covered);
+            *sample = if covered { length.min(1.0) } else { 1.0 };
         }
     })
-}
-
-/// Whether there is a square of short normals alone. Each contains a pixel of a grid as wide, so that few are looked at.
-fn has_short_square(lengths: &Plane, mask: &Mask) -> bool {
-    let [width, height] = [lengths.width(), lengths.height()];
-    let grid = |length: usize| {
-        let last = length.checked_sub(1);
-        (0..length).step_by(2 * NORMALS_REACH + 1).chain(last)
-    };
-    let is_short_at = |x, y| is_short(&ending(lengths.at(x, y), mask.at(x, y)));
-    let is_square = |x, y| {
-        around(y, NORMALS_REACH, height)
-            .all(|y| around(x, NORMALS_REACH, width).all(|x| is_short_at(x, y)))
-    };
-    let begins = |x, y| {
-        is_short_at(x, y)
-            && around(y, NORMALS_REACH, height)
-                .any(|y| around(x, NORMALS_REACH, width).any(|x| is_square(x, y)))
-    };
-    grid(height)
-        .par_bridge()
-        .any(|y| grid(width).any(|x| begins(x, y)))
 }
 
 /// The mean over the covered pixels of the square around each pixel.
@@ -159,38 +128,111 @@ fn mean_of_covered(plane: &Plane, mask: &Mask) -> Plane {
     of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
 }
 
+fn is_short(length: f32) -> bool {
+    length < LENGTHS[0]
+}
+
+/// Whether all normals of some square of the picture, or of the part of one beside its border, are covered and short.
+/// Every square holds a pixel of a lattice as wide as it, so only the squares of short pixels there are looked at.
+fn has_short_square(lengths: &Plane, mask: &Mask) -> bool {
+    let (width, height) = (lengths.width(), lengths.height());
+    let is_short = |x: usize, y: usize| mask.at(x, y) && is_short(lengths.at(x, y));
+    let lattice = |length: usize| {
+        let last = length.saturating_sub(NORMALS_REACH + 1);
+        let inner = (NORMALS_REACH..last).step_by(2 * NORMALS_REACH + 1);
+        inner.chain((length > 0).then_some(last))
+    };
+    let is_square = |x: usize, y: usize| {
+        let columns = around(x, NORMALS_REACH, width);
+        around(y, NORMALS_REACH, height).all(|y| columns.clone().all(|x| is_short(x, y)))
+    };
+    let mut places = lattice(height).flat_map(|y| lattice(width).map(move |x| (x, y)));
+    places.any(|(x, y)| {
+        is_short(x, y)
+            && around(y, NORMALS_REACH, height)
+                .any(|y| around(x, NORMALS_REACH, width).any(|x| is_square(x, y)))
+    })
+}
+
 /// The confidence from isolated depths.
 fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
-    let last = [depth.width(), depth.height()].map(|length| length.saturating_sub(1));
-    let alone = of_rows(depth, |y, row| {
-        let (here, covered) = (depth.row(y), mask.row(y));
-        for x in mask.span(y).filter(|&x| covered[x]) {
-            let across = (x > 0 && x < last[0] && covered[x - 1] && covered[x + 1])
-                .then(|| [here[x - 1], here[x + 1]]);
-            let down = (y > 0 && y < last[1] && mask.at(x, y - 1) && mask.at(x, y + 1))
-                .then(|| [depth.at(x, y - 1), depth.at(x, y + 1)]);
-            let is_alone = [across, down]
-                .into_iter()
-                .flatten()
-                .any(|n| stands_alone(here[x], n));
-            row[x] = f32::from(u8::from(is_alone));
-        }
-    });
-    let is_alone = |share: &f32| *share > SHARES_ALONE[0];
-    if !alone.samples().par_iter().any(is_alone) {
+    if !may_be_alone_together(depth, mask) {
         return None;
     }
+    let alone = of_rows(depth, |y, row| alone_in_row(depth, mask, y, row));
     let share = mean_over_squares(&alone, DEPTHS_REACH);
-    let is_mixed = share.samples().par_iter().any(is_alone);
-    is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+    let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
+    let any_is_mixed = share.samples().par_iter().any(is_mixed);
+    any_is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+}
+
+/// Whether the isolated depths of some square may be many enough to count: those of two by two tiles as wide as a square
+/// hold those of each square inside.
+fn may_be_alone_together(depth: &Plane, mask: &Mask) -> bool {
+    const SIDE: usize = 2 * DEPTHS_REACH + 1;
+    let (width, height) = (depth.width(), depth.height());
+    let counts_of = |band: usize| {
+        let mut counts = vec![0.0; width.div_ceil(SIDE) + 1];
+        let mut alone = vec![0.0; width];
+        for y in band * SIDE..height.min((band + 1) * SIDE) {
+            alone_in_row(depth, mask, y, &mut alone);
+            let tiles = counts.iter_mut().zip(alone.chunks(SIDE));
+            tiles.for_each(|(count, alone)| *count += alone.iter().sum::<f32>());
+        }
+        counts
+    };
+    let bands: Vec<Vec<f32>> = (0..height.div_ceil(SIDE) + 1)
+        .into_par_iter()
+        .map(counts_of)
+        .collect();
+    let enough = SHARES_ALONE[0] * (SIDE * SIDE) as f32;
+    bands.windows(2).any(|bands| {
+        let pairs = bands[0].windows(2).zip(bands[1].windows(2));
+        pairs
+            .into_iter()
+            .any(|(upper, lower)| upper.iter().chain(lower).sum::<f32>() > enough)
+    })
+}
+
+/// 1 where the depth of a pixel of row `y` is isolated, else 0.
+fn alone_in_row(depth: &Plane, mask: &Mask, y: usize, alone: &mut [f32]) {
+    alone.fill(0.0);
+    let span = mask.span(y);
+    if span.is_empty() {
+        return;
+    }
+    let within = |y: usize| (&depth.row(y)[span.clone()], &mask.row(y)[span.clone()]);
+    let (here, covered) = within(y);
+    let alone = &mut alone[span.clone()];
+    let inner = alone.len().saturating_sub(2);
+    if inner > 0 {
+        let shifted = |by: usize| (&here[by..][..inner], &covered[by..][..inner]);
+        mark_alone(&mut alone[1..][..inner], [0, 1, 2].map(shifted));
+    }
+    if y > 0 && y + 1 < depth.height() {
+        mark_alone(alone, [within(y - 1), (here, covered), within(y + 1)]);
+    }
+}
+
+/// Marks the pixels in the middle of three covered ones whose depths are isolated between the two others.
+fn mark_alone(alone: &mut [f32], [before, here, after]: [(&[f32], &[bool]); 3]) {
+    let count = alone.len();
+    let [a, b, c] = [before.0, here.0, after.0].map(|depth| &depth[..count]);
+    let [in_a, in_b, in_c] = [before.1, here.1, after.1].map(|covered| &covered[..count]);
+    // Without branches, so that the compiler takes several pixels at a time.
+    for (x, alone) in alone.iter_mut().enumerate() {
+        let is_alone = in_a[x] & in_b[x] & in_c[x] & stands_alone(b[x], [a[x], c[x]]);
+        *alone = alone.max(f32::from(u8::from(is_alone)));
+    }
 }
 
 /// Whether a depth differs from both its neighbours, other than along a steady slope.
+#[inline(always)]
 fn stands_alone(depth: f32, [before, after]: [f32; 2]) -> bool {
     let [to_before, to_after] = [before - depth, after - depth];
     let bend = (to_before + to_after).abs();
-    to_before.abs().min(to_after.abs()) > ALONE * depth
-        && bend >= 0.5 * to_before.abs().max(to_after.abs())
+    (to_before.abs().min(to_after.abs()) > ALONE * depth)
+        & (bend >= 0.5 * to_before.abs().max(to_after.abs()))
 }
 
 /// 0 up to the first number, 1 from the second on.

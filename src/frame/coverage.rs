@@ -18,10 +18,9 @@ pub(crate) fn of_normals(
     let mut covered = Plane::filled(width, height, false);
     covered.each_row(|y, row| {
         let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-        for (x, covered) in row.iter_mut().enumerate() {
-            // Finite only if all components are.
-            let square = Vec3::new(nx[x], ny[x], nz[x]).length_squared();
-            *covered = square > MIN_LENGTH * MIN_LENGTH && square.is_finite();
+        let normals = nx.iter().zip(ny).zip(nz);
+        for (covered, ((&x, &y), &z)) in row.iter_mut().zip(normals) {
+            *covered = has_direction(Vec3::new(x, y, z));
         }
         let mut narrow = |plane: Option<&Plane>, holds: fn(f32) -> bool| {
             let samples = plane.into_iter().flat_map(|plane| plane.row(y));
@@ -33,6 +32,14 @@ pub(crate) fn of_normals(
         narrow(alpha, |share| share > 0.5);
     });
     Mask::new(covered)
+}
+
+/// Whether a normal has a direction.
+#[inline(always)]
+pub(crate) fn has_direction(normal: Vec3) -> bool {
+    // Finite only if all components are.
+    let square = normal.length_squared();
+    (square > MIN_LENGTH * MIN_LENGTH) & square.is_finite()
 }
 
 /// The covered pixels.
@@ -83,9 +90,7 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
     for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
-        if !covered {
-            *sample = 0.0;
-        }
+        *sample = if covered { *sample } else { 0.0 };
     }
 }
 

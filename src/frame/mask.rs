@@ -1,5 +1,6 @@
 //! The mask: where samples exist.
 
+use super::sampling::one_in;
 use crate::frame::{Plane, Window};
 use std::ops::Range;
 
@@ -81,6 +82,24 @@ impl Mask {
         self.count
     }
 
+    /// About `wanted` covered pixels, evenly spread over the picture and the same at every call; all of them, row by row,
+    /// if there are no more.
+    pub(crate) fn sample(&self, wanted: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let seen = |span: &&Range<usize>| !span.is_empty();
+        let rows = match self.spans.iter().position(|span| !span.is_empty()) {
+            Some(first) => {
+                let below = self.spans.iter().rev().take_while(|span| span.is_empty());
+                first..self.spans.len() - below.count()
+            }
+            None => 0..0,
+        };
+        let spans = || self.spans.iter().filter(seen);
+        let columns = spans().map(|span| span.start).min().unwrap_or(0)
+            ..spans().map(|span| span.end).max().unwrap_or(0);
+        let area = self.count as f64 / wanted.max(1) as f64;
+        one_in(area, columns, rows).filter(|&(x, y)| self.at(x, y))
+    }
+
     /// The coverage as a plane.
     pub fn plane(&self) -> &Plane<bool> {
         &self.covered
@@ -143,5 +162,20 @@ mod tests {
             }
         }
         assert_eq!(Mask::new(Plane::filled(5, 1, false)).runs(0).count(), 0);
+    }
+
+    #[test]
+    fn a_sample_has_covered_pixels_and_about_as_many_as_wanted() {
+        // A disk with a radius of 150 pixels, beside a quarter of the picture: 70,686 pixels.
+        let disk = |x: usize, y: usize| (x as f64 - 420.0).hypot(y as f64 - 200.0) < 150.0;
+        let mask = Mask::new(Plane::from_fn(800, 400, disk));
+        let sample: Vec<_> = mask.sample(5_000).collect();
+        assert!((4_700..5_300).contains(&sample.len()), "{}", sample.len());
+        assert!(sample.iter().all(|&(x, y)| mask.at(x, y)));
+        assert!(mask.sample(5_000).eq(sample));
+        // No fewer pixels are there than wanted.
+        let all = (0..400).flat_map(|y| mask.runs(y).flatten().map(move |x| (x, y)));
+        assert!(mask.sample(mask.count()).eq(all));
+        assert_eq!(Mask::new(Plane::filled(5, 2, false)).sample(9).count(), 0);
     }
 }

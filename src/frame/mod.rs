@@ -14,6 +14,7 @@ pub(crate) mod normals;
 mod plane;
 mod ray;
 mod reduced;
+pub(crate) mod sampling;
 mod sight;
 mod space;
 mod specular;

@@ -37,14 +37,18 @@ pub(crate) fn flip_axes(normal: &mut Vector3Planes, flip: Flip) {
 pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Plane {
     let mut lengths = Plane::filled(covered.width(), covered.height(), 0.0);
     let pixels = lengths.samples_mut().iter_mut().zip(covered.samples());
-    for (components, (length, &covered)) in normal.components_mut().zip(pixels) {
-        let stored = Vec3::from(components.each_ref().map(|v| **v));
-        let unit = match covered {
-            true => stored.normalize_or_zero(),
-            false => Vec3::ZERO,
-        };
-        *length = if covered { stored.length() } else { 0.0 };
-        write(components, unit);
+    for ([x, y, z], (length, &covered)) in normal.components_mut().zip(pixels) {
+        // Without branches, the compiler takes several at a time.
+        let stored = Vec3::new(*x, *y, *z).length();
+        let (has_direction, factor) = (covered & (stored > 0.0), stored.recip());
+        for component in [x, y, z] {
+            *component = if has_direction {
+                *component * factor
+            } else {
+                0.0
+            };
+        }
+        *length = if covered { stored } else { 0.0 };
     }
     lengths
 }

@@ -9,13 +9,15 @@ use super::camera::{CameraSearch, recover_camera_from_depth};
 use super::depth::off_tangents;
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
-use super::normal_space::{is_reversed, judge_normal_space};
+use super::normal_space::{NormalSamples, is_reversed};
 use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
-use crate::frame::coverage;
+use crate::frame::coverage::{self, has_direction};
 use crate::frame::depth::{is_distance, to_distances};
+use crate::frame::sampling::one_in;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 use crate::quantile::quantile;
+use std::borrow::Cow;
 
 /// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.
 const AGREES_DEG: f64 = 35.0;
@@ -23,6 +25,10 @@ const AGREES_DEG: f64 = 35.0;
 const FACES: f64 = 0.9;
 /// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
 const DISTANCE_DEG: f64 = 4.0;
+/// Samples of depth that are looked at, about.
+const WANTED: usize = 10_000;
+/// An angle up to which no other reading of depth can fit as well.
+const SURE_DEG: f64 = 0.5;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 
@@ -40,6 +46,19 @@ pub(super) struct Layers<'a> {
     pub(super) surface: SurfaceSamples<'a>,
     pub(super) alpha: Option<&'a Plane>,
     pub(super) mask: Option<&'a Plane>,
+}
+
+impl Layers<'_> {
+    /// Alpha, where it decides on coverage.
+    fn alpha(&self) -> Option<&Plane> {
+        self.alpha.filter(|_| self.mask.is_none())
+    }
+
+    /// Whether a pixel shows a surface, whatever its depth.
+    fn shows_surface(&self, x: usize, y: usize) -> bool {
+        let shows = |plane: Option<&Plane>| plane.is_none_or(|plane| plane.at(x, y) > 0.5);
+        shows(self.alpha()) && shows(self.mask) && has_direction(self.normal.at(x, y).as_vec3())
+    }
 }
 
 /// Values of depth where a surface was seen, and where none was.
@@ -82,9 +101,7 @@ enum Way {
 /// # Errors
 /// Those of reading the camera's file.
 pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate::Result<Sense> {
-    let alpha = layers.alpha.filter(|_| layers.mask.is_none());
-    let covered = coverage::of_normals(layers.normal, None, alpha, layers.mask);
-    let Some(range) = range(layers.raw, &covered) else {
+    let Some(range) = range(layers) else {
         return Ok(None);
     };
     let hinted = hint.depth.filter(|stored| match stored {
@@ -94,11 +111,9 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
     if range.is_open() {
         return Ok(None);
     }
-    let raw = layers.raw.map(|d| if is_distance(d) { d } else { 0.0 });
     let judged = Judged {
         layers,
-        covered: &covered,
-        raw: &raw,
+        covered: coverage::of_normals(layers.normal, Some(layers.raw), layers.alpha(), layers.mask),
         range: range.most - range.least,
     };
     let implied = match hinted {
@@ -135,8 +150,18 @@ pub(super) fn judge_sense(layers: &Layers, (hint, by): (Hint, String)) -> crate:
     })
 }
 
-/// The values of depth, where any surface was seen at all.
-fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
+/// The values of depth, where any surface was seen at all: those of a sample, unless all lie between 0 and 1, which takes
+/// all values to be sure of.
+fn range(layers: &Layers) -> Option<Range> {
+    let (width, height) = (layers.raw.width(), layers.raw.height());
+    let of = |area: f64| range_of(layers, one_in(area, 0..width, 0..height));
+    let sampled = of((width * height) as f64 / WANTED as f64);
+    let is_clear = |range: &Range| range.is_open() || !range.is_unit();
+    sampled.filter(is_clear).or_else(|| of(1.0))
+}
+
+/// The values of depth at some pixels.
+fn range_of(layers: &Layers, pixels: impl Iterator<Item = (usize, usize)>) -> Option<Range> {
     let mut range = Range {
         least: f32::INFINITY,
         most: f32::NEG_INFINITY,
@@ -144,8 +169,9 @@ fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
         background: None,
     };
     let mut outside = Vec::new();
-    for (&d, &covered) in raw.samples().iter().zip(covered.plane().samples()) {
-        if covered && (d == 0.0 || is_distance(d.abs())) {
+    for (x, y) in pixels {
+        let d = layers.raw.at(x, y);
+        if (d == 0.0 || is_distance(d.abs())) && layers.shows_surface(x, y) {
             range.least = range.least.min(d);
             range.most = range.most.max(d);
             range.clamped |= d == 0.0 || d == 1.0;
@@ -160,9 +186,8 @@ fn range(raw: &Plane, covered: &Mask) -> Option<Range> {
 
 struct Judged<'a> {
     layers: &'a Layers<'a>,
-    covered: &'a Mask,
-    /// Depth as stored, 0 where it is none.
-    raw: &'a Plane,
+    /// The surface, where it has a depth.
+    covered: Mask,
     /// The largest less the smallest of it.
     range: f32,
 }
@@ -170,7 +195,7 @@ struct Judged<'a> {
 impl Judged<'_> {
     fn surface<'a>(&'a self, depth: &'a Plane) -> SurfaceSamples<'a> {
         SurfaceSamples {
-            mask: self.covered,
+            mask: &self.covered,
             depth: Some(depth),
             ..self.layers.surface
         }
@@ -190,12 +215,10 @@ impl Judged<'_> {
             a if a >= 180.0 - AGREES_DEG => Some(Way::Toward),
             _ => None,
         };
-        let surface = self.surface(self.raw);
-        let evidence = |camera: Option<&Camera>| {
-            let window = surface.data_window;
-            let (normal, mask) = (self.layers.normal, self.covered);
-            judge_normal_space(normal, mask, None, Some(self.raw), camera, window).evidence
-        };
+        let raw = self.layers.raw;
+        let surface = self.surface(raw);
+        let samples = NormalSamples::new(self.layers.normal, &self.covered, None, Some(raw));
+        let evidence = |camera| samples.judge(camera, surface.data_window).evidence;
         let unaided = evidence(None);
         let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
@@ -212,7 +235,7 @@ impl Judged<'_> {
             return Ok((Some(way), why, None));
         }
         let mut search = CameraSearch::new(self.layers.inputs, &surface);
-        if let Some(camera) = search.placed(self.layers.normal)? {
+        if let Some(camera) = search.placed(&samples)? {
             let slope = evidence(Some(&camera)).slope_world_deg;
             let way = slope.and_then(way_of);
             return Ok((
@@ -223,10 +246,11 @@ impl Judged<'_> {
         }
         // Without a camera one has to be found either way.
         let residual = |stored| self.recovered_deg(stored).unwrap_or(90.0);
-        let (away, toward) = (
-            residual(StoredDepth::Planar),
-            residual(StoredDepth::Inverse),
-        );
+        let away = residual(StoredDepth::Planar);
+        let toward = match away <= SURE_DEG {
+            true => 90.0,
+            false => residual(StoredDepth::Inverse),
+        };
         let way = match away.min(toward) <= DISTANCE_DEG {
             true if away <= toward => Some(Way::Away),
             true => Some(Way::Toward),
@@ -251,8 +275,8 @@ impl Judged<'_> {
         if let Some(way) = implied.filter(|_| reversed.contains(&implied)) {
             return Some((way, leaning));
         }
-        let (normal, depth) = (self.layers.normal, Some((self.raw, self.range)));
-        let outlines = Silhouettes::of(normal, self.covered, depth);
+        let depth = Some((self.layers.raw, self.range));
+        let outlines = Silhouettes::of(self.layers.normal, &self.covered, depth);
         let shows = |way: Option<Way>, axes| {
             outlines
                 .agree(way? == Way::Away, axes)
@@ -266,15 +290,23 @@ impl Judged<'_> {
         }
     }
 
+    /// The layer as distances, if it holds what is `stored`.
+    fn distances(&self, stored: StoredDepth) -> Cow<'_, Plane> {
+        let mut depth = Cow::Borrowed(self.layers.raw);
+        if stored != StoredDepth::Planar {
+            to_distances(depth.to_mut(), stored);
+        }
+        depth
+    }
+
     /// The angle left between normals and depth by the camera recovered from them, in degrees.
     fn recovered_deg(&self, stored: StoredDepth) -> Option<f64> {
-        let mut depth = self.raw.clone();
-        to_distances(&mut depth, stored);
+        let depth = self.distances(stored);
         let surface = self.surface(&depth);
         let found = recover_camera_from_depth(
             self.layers.normal,
             &depth,
-            self.covered,
+            &self.covered,
             surface.data_window,
             surface.display_window,
             surface.pixel_aspect,
@@ -289,8 +321,7 @@ impl Judged<'_> {
                 .recovered_deg(stored)
                 .is_some_and(|deg| deg <= DISTANCE_DEG);
         };
-        let mut depth = self.raw.clone();
-        to_distances(&mut depth, stored);
+        let depth = self.distances(stored);
         let surface = self.surface(&depth);
         let off = off_tangents(&surface, self.layers.normal, &depth, camera);
         off.is_some_and(|deg| deg <= DISTANCE_DEG)

@@ -8,11 +8,14 @@
 //! neither. Of each pair the usual one is assumed: as stored, or y reversed. Surfaces that bend only along x or only
 //! along y give no evidence.
 
+use crate::frame::sampling::one_in;
 use crate::frame::{Mask, Vector3Planes};
 use glam::DVec3;
 
 /// Blocks that the normals are averaged to, at most: rounding and noise fall as blocks grow.
 const BLOCKS: usize = 250_000;
+/// Pixels that are looked at, about, in cells of two by two blocks.
+const PIXELS: usize = 500_000;
 /// Unit normals below this z are at silhouettes or on slopes too steep to count.
 const LEAST_NZ: f64 = 0.3;
 /// Cosine between neighbouring normals below which there is an edge between them.
@@ -37,14 +40,13 @@ impl Curl {
     pub(super) fn of(normal: &Vector3Planes, mask: &Mask) -> Self {
         let pixels = mask.width() * mask.height();
         let side = (pixels as f64 / BLOCKS as f64).sqrt().ceil().max(1.0) as usize;
+        let [columns, rows] = [mask.width(), mask.height()].map(|length| length / side);
+        let [across, down] = [columns, rows].map(|blocks| blocks.saturating_sub(1));
+        let wanted = (PIXELS / (4 * side * side)).max(1);
         let mut curl = Self::default();
-        let mut above = block_row(normal, mask, side, 0);
-        for row in 1..mask.height() / side {
-            let below = block_row(normal, mask, side, row);
-            for (a, b) in above.windows(2).zip(below.windows(2)) {
-                curl.add([a[0], a[1], b[0], b[1]]);
-            }
-            above = below;
+        for (x, y) in one_in((across * down) as f64 / wanted as f64, 0..across, 0..down) {
+            let places = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+            curl.add(places.map(|(x, y)| block(normal, mask, side, x, y)));
         }
         let cells = curl.cells.max(1) as f64;
         curl.as_is /= cells;
@@ -98,26 +100,26 @@ impl Curl {
     }
 }
 
-/// The mean normals of a row of blocks, z toward the viewer; `None` where blocks are not all covered or too steep.
-fn block_row(normal: &Vector3Planes, mask: &Mask, side: usize, row: usize) -> Vec<Option<DVec3>> {
-    let block = |column: usize| {
-        let mut sum = DVec3::ZERO;
-        for y in row * side..(row + 1) * side {
-            for x in column * side..(column + 1) * side {
-                if !mask.at(x, y) {
-                    return None;
-                }
-                let n = normal.at(x, y);
-                // With z away from the viewer both slopes change sign, and the curl keeps its magnitude.
-                sum += n.truncate().extend(n.z.abs());
+/// The mean normal of a block, z toward the viewer; `None` if it is not all covered or too steep.
+fn block(
+    normal: &Vector3Planes,
+    mask: &Mask,
+    side: usize,
+    column: usize,
+    row: usize,
+) -> Option<DVec3> {
+    let mut sum = DVec3::ZERO;
+    for y in row * side..(row + 1) * side {
+        for x in column * side..(column + 1) * side {
+            if !mask.at(x, y) {
+                return None;
             }
+            let n = normal.at(x, y);
+            // With z away from the viewer both slopes change sign, and the curl keeps its magnitude.
+            sum += n.truncate().extend(n.z.abs());
         }
-        sum.try_normalize().filter(|n| n.z >= LEAST_NZ)
-    };
-    match (row + 1) * side <= mask.height() {
-        true => (0..mask.width() / side).map(block).collect(),
-        false => Vec::new(),
     }
+    sum.try_normalize().filter(|n| n.z >= LEAST_NZ)
 }
 
 #[cfg(test)]

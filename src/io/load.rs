@@ -226,14 +226,18 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
     notes.findings.extend(read.findings);
     notes.warnings.extend(read.warnings);
     let chromaticities = source.chromaticities(colorspace);
-    let occlusion = planes.scalar(Role::Occlusion);
+    // Silhouettes follow depth where there is any.
+    let alpha = layers.alpha.as_ref().filter(|_| layers.depth.is_none());
+    let occlusion = planes
+        .scalar(Role::Occlusion)
+        .or_else(|| coverage::varying(alpha));
     let mut frame = Frame {
         data_window,
         display_window,
         pixel_aspect,
         normal_length: (encoding == NormalEncoding::Signed).then_some(lengths),
         depth: layers.depth,
-        occlusion: occlusion.or_else(|| coverage::varying(layers.alpha.as_ref())),
+        occlusion,
         importance: planes.scalar(Role::Importance),
         strength,
         stroke_fallback: objects::fallbacks(&inputs.object_angles, &main, data_window)?,

@@ -4,13 +4,23 @@ use super::inputs::NormalEncoding;
 use crate::error::{Error, Result};
 use crate::frame::Vector3Planes;
 use crate::frame::normals::MIN_LENGTH;
+use crate::frame::sampling::one_in;
 use glam::Vec3;
 use std::path::Path;
+
+/// Vectors that are looked at, about.
+const WANTED: usize = 20_000;
+
+fn sample(stored: &Vector3Planes) -> impl Iterator<Item = Vec3> {
+    let (width, height) = (stored.x.width(), stored.x.height());
+    let area = (width * height) as f64 / WANTED as f64;
+    one_in(area, 0..width, 0..height).map(|(x, y)| stored.at(x, y).as_vec3())
+}
 
 /// Distinguishes signed from unsigned components: unsigned ones hold no negatives, and have unit length only once decoded.
 pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
     let (mut decoded, mut as_stored) = (0_usize, 0_usize);
-    for n in stored.vectors().filter(|n| n.length() > MIN_LENGTH) {
+    for n in sample(stored).filter(|n| n.length() > MIN_LENGTH) {
         if n.min_element() < -0.01 {
             return NormalEncoding::Signed;
         }
@@ -37,8 +47,7 @@ const FEWEST_UNIT: f64 = 0.5;
 /// [`Error::Unsupported`] with the share of its vectors that could be normals.
 pub(super) fn refuse_pictures(stored: &Vector3Planes, path: &Path) -> Result<()> {
     let is_written = |n: &Vec3| *n != Vec3::ZERO && *n != Vec3::ONE;
-    let decoded = stored
-        .vectors()
+    let decoded = sample(stored)
         .filter(is_written)
         .map(|n| 2.0 * n - Vec3::ONE);
     let (mut count, mut unit) = (0_usize, 0_usize);

@@ -11,11 +11,12 @@
 
 use super::camera::median;
 use super::inputs::Flip;
-use crate::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
+use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
+use std::cell::OnceCell;
 
-/// Pixels that the judgement looks at.
-const WANTED: usize = 40_000;
+/// Pixels that the judgement looks at, about.
+const WANTED: usize = 8_000;
 /// A unit normal counts as facing the viewer down to this cosine: filtering and bump tip a few over.
 const FACING: f64 = -0.05;
 /// Share of facing normals from which a reading is accepted.
@@ -128,30 +129,27 @@ pub fn judge_normal_space(
     camera: Option<&Camera>,
     data_window: Window,
 ) -> NormalSpaceVerdict {
-    let input = Input {
-        normal,
-        mask,
-        position,
-        depth,
-        camera,
-        data_window,
-    };
-    let evidence = input.evidence();
-    let (conclusion, why) = concluded(&evidence);
-    NormalSpaceVerdict {
-        conclusion,
-        reason: format!("{why}{}", numbers(&evidence)),
-        evidence,
-    }
+    NormalSamples::new(normal, mask, position, depth).judge(camera, data_window)
 }
 
-struct Input<'a> {
+/// Normals of pixels spread over a picture, with what shows their space. They are looked at once, when a judgement first
+/// needs them, for all judgements.
+pub(super) struct NormalSamples<'a> {
     normal: &'a Vector3Planes,
     mask: &'a Mask,
     position: Option<&'a Vector3Planes>,
     depth: Option<&'a Plane>,
-    camera: Option<&'a Camera>,
-    data_window: Window,
+    list: OnceCell<Vec<NormalSample>>,
+}
+
+/// A unit normal as stored, and the surface around it.
+struct NormalSample {
+    place: (usize, usize),
+    normal: DVec3,
+    /// The gradient of depth on the picture, y up.
+    slope: Option<DVec2>,
+    /// The normal of the positions around.
+    shape: Option<DVec3>,
 }
 
 /// One normal under each reading, in the space it is compared in.
@@ -171,59 +169,65 @@ fn at(planes: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
     v.is_finite().then_some(v)
 }
 
-impl Input<'_> {
-    /// Covered pixels, evenly thinned.
-    fn pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let plane = self.mask.plane();
-        let covered = (0..plane.height()).flat_map(move |y| {
-            let span = self.mask.span(y);
-            span.filter(move |&x| self.mask.at(x, y))
-                .map(move |x| (x, y))
-        });
-        covered.step_by((self.mask.count() / WANTED).max(1))
+impl<'a> NormalSamples<'a> {
+    /// Samples for [`judge_normal_space`], whose inputs these are.
+    pub(super) fn new(
+        normal: &'a Vector3Planes,
+        mask: &'a Mask,
+        position: Option<&'a Vector3Planes>,
+        depth: Option<&'a Plane>,
+    ) -> Self {
+        Self {
+            normal,
+            mask,
+            position,
+            depth,
+            list: OnceCell::new(),
+        }
     }
 
-    fn turn(&self) -> Option<DMat3> {
-        self.camera.map(|c| c.view_from_world.matrix3)
-    }
-
-    /// The normal at a pixel under each reading, in view space.
-    fn readings(&self, x: usize, y: usize) -> Option<Readings> {
-        let n = at(self.normal, x, y)?;
-        // Filtering shortens normals at edges; the shortest ones have no meaningful direction.
-        let n = n.try_normalize().filter(|_| n.length() > 0.1)?;
-        Some(Readings {
-            view: n,
-            flipped: DVec3::new(n.x, n.y, -n.z),
-            world: self.turn().map(|m| m * n),
-        })
-    }
-
-    /// The unit direction to the eye, in view space.
-    fn to_eye(&self, x: usize, y: usize) -> DVec3 {
-        let place = DVec2::new(
-            f64::from(self.data_window.x0) + x as f64 + 0.5,
-            f64::from(self.data_window.y0) + y as f64 + 0.5,
-        );
-        let projection: Option<Projection> = self.camera.map(|c| c.projection);
-        let lean = projection.map_or(DVec2::ZERO, |p| p.to_eye(place.x, place.y));
-        lean.extend(1.0).normalize_or(DVec3::Z)
-    }
-
-    fn evidence(&self) -> NormalSpaceEvidence {
+    /// The judgement with a camera, or without.
+    pub(super) fn judge(&self, camera: Option<&Camera>, data_window: Window) -> NormalSpaceVerdict {
+        let turn = camera.map(|c| c.view_from_world.matrix3);
         let mut tally = Tally::default();
-        for (x, y) in self.pixels() {
-            if let Some(readings) = self.readings(x, y) {
-                tally.add_facing(&readings, self.to_eye(x, y));
-                if let Some(slope) = self.slope(x, y) {
-                    tally.add_slope(&readings, slope);
-                }
-                if let Some(shape) = self.shape(x, y) {
-                    tally.add_shape(self.normal, (x, y), shape, self.turn());
-                }
+        for sample in self.list.get_or_init(|| self.gathered()) {
+            let (x, y) = sample.place;
+            let n = sample.normal;
+            let readings = Readings {
+                view: n,
+                flipped: DVec3::new(n.x, n.y, -n.z),
+                world: turn.map(|m| m * n),
+            };
+            tally.add_facing(&readings, to_eye(camera, data_window.middle(x, y)));
+            if let Some(slope) = sample.slope {
+                tally.add_slope(&readings, slope);
+            }
+            if let Some(shape) = sample.shape {
+                tally.add_shape(&readings, shape, turn);
             }
         }
-        tally.evidence(self.camera.is_some())
+        let evidence = tally.evidence(camera.is_some());
+        let (conclusion, why) = concluded(&evidence);
+        NormalSpaceVerdict {
+            conclusion,
+            reason: format!("{why}{}", numbers(&evidence)),
+            evidence,
+        }
+    }
+
+    fn gathered(&self) -> Vec<NormalSample> {
+        let sample = |(x, y)| {
+            let n = at(self.normal, x, y)?;
+            // Filtering shortens normals at edges; the shortest ones have no meaningful direction.
+            let normal = n.try_normalize().filter(|_| n.length() > 0.1)?;
+            Some(NormalSample {
+                place: (x, y),
+                normal,
+                slope: self.slope(x, y),
+                shape: self.shape(x, y),
+            })
+        };
+        self.mask.sample(WANTED).filter_map(sample).collect()
     }
 
     /// The gradient of depth on the picture, y up, where it is clear of rounding and of edges.
@@ -265,6 +269,12 @@ impl Input<'_> {
         let up = central(seen(x, y + 1)?, here, seen(x, y - 1)?)?;
         right.cross(up).try_normalize()
     }
+}
+
+/// The unit direction from a place on the picture to the eye, in view space.
+fn to_eye(camera: Option<&Camera>, place: DVec2) -> DVec3 {
+    let lean = camera.map_or(DVec2::ZERO, |c| c.projection.to_eye(place.x, place.y));
+    lean.extend(1.0).normalize_or(DVec3::Z)
 }
 
 /// The step from `before` to `after`; `None` across an edge, where the two halves are unlike.
@@ -313,30 +323,23 @@ impl Tally {
                 lean.angle_to(slope).abs().to_degrees()
             }
         };
-        self.slope_view.push(off(readings.view));
-        for (sum, [x, y]) in self.reversed.iter_mut().zip(REVERSED) {
-            let sign = |reversed| if reversed { -1.0 } else { 1.0 };
-            *sum += off(readings.view * DVec3::new(sign(x), sign(y), 1.0));
-        }
+        let as_is = off(readings.view);
+        let x_reversed = off(readings.view * DVec3::new(-1.0, 1.0, 1.0));
+        self.slope_view.push(as_is);
+        // With the other axis reversed, a normal leans the opposite way.
+        let angles = [as_is, x_reversed, 180.0 - x_reversed, 180.0 - as_is];
+        let sums = self.reversed.iter_mut().zip(angles);
+        sums.for_each(|(sum, angle)| *sum += angle);
         self.slope_world.extend(readings.world.map(off));
     }
 
-    fn add_shape(
-        &mut self,
-        normal: &Vector3Planes,
-        (x, y): (usize, usize),
-        shape: DVec3,
-        turn: Option<DMat3>,
-    ) {
-        let Some(n) = at(normal, x, y).and_then(DVec3::try_normalize) else {
-            return;
-        };
-        self.shape_world.push(line_angle_deg(n, shape));
+    fn add_shape(&mut self, readings: &Readings, shape: DVec3, turn: Option<DMat3>) {
+        self.shape_world.push(line_angle_deg(readings.view, shape));
         if let Some(turn) = turn {
             let shape = turn * shape;
-            let flipped = DVec3::new(n.x, n.y, -n.z);
-            self.shape_view.push(line_angle_deg(n, shape));
-            self.shape_flipped.push(line_angle_deg(flipped, shape));
+            self.shape_view.push(line_angle_deg(readings.view, shape));
+            let flipped = line_angle_deg(readings.flipped, shape);
+            self.shape_flipped.push(flipped);
         }
     }
 

@@ -9,7 +9,6 @@ use super::roles::Role;
 use super::sources::Chosen;
 use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
-use rayon::prelude::*;
 
 /// Conclusions and warnings gathered while loading.
 pub(super) struct Notes {
@@ -51,21 +50,23 @@ const MANY_STEPS: f64 = 0.15;
 /// Neighbours whose depths differ by a larger factor lie on two surfaces.
 const STEP: f32 = 1.1;
 
+/// Pixels at which steps are looked for, about.
+const WANTED: usize = 10_000;
+
 /// The share of covered pixels at which depth steps to the next one to the right or below.
 fn share_at_steps(depth: &Plane, mask: &Mask) -> f64 {
     let is_step = |a: f32, b: f32| a > STEP * b || b > STEP * a;
-    let steps_in_row = |y: usize| {
-        let (row, covered) = (depth.row(y), mask.row(y));
-        let below = (y + 1 < depth.height()).then(|| (depth.row(y + 1), mask.row(y + 1)));
-        let at_step = |x: usize| {
-            let right = x + 1 < row.len() && covered[x + 1] && is_step(row[x], row[x + 1]);
-            let below = below.is_some_and(|(next, covers)| covers[x] && is_step(row[x], next[x]));
-            right || below
+    let (mut count, mut steps) = (0_usize, 0_usize);
+    for (x, y) in mask.sample(WANTED) {
+        let steps_to = |x: usize, y: usize, here: f32| {
+            let is_inside = x < depth.width() && y < depth.height();
+            is_inside && mask.at(x, y) && is_step(here, depth.at(x, y))
         };
-        mask.span(y).filter(|&x| covered[x] && at_step(x)).count()
-    };
-    let steps: usize = (0..depth.height()).into_par_iter().map(steps_in_row).sum();
-    steps as f64 / mask.count().max(1) as f64
+        let here = depth.at(x, y);
+        count += 1;
+        steps += usize::from(steps_to(x + 1, y, here) || steps_to(x, y + 1, here));
+    }
+    steps as f64 / count.max(1) as f64
 }
 
 impl Notes {

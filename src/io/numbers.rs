@@ -80,51 +80,53 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     };
     let is_picture = |layer: &Layer| picture.is_some() && layer.matched(Role::Color) == picture;
     let means_nothing = |layer: &Layer| !layer.means_something() && !layer.said().is_excluded;
-    let open: Vec<&Layer> = layers
+    let named = roles::find(layers, Role::Normal);
+    let is_named = |layer: &Layer| named.is_some() && layer.matched(Role::Normal) == named;
+    let open = layers
         .iter()
         .filter(|layer| layer.is_letter() || means_nothing(layer) && !is_picture(layer))
-        .filter(is_float)
-        .take(MOST_LAYERS)
-        .collect();
+        .filter(|layer| is_float(layer) && !is_named(layer))
+        .take(MOST_LAYERS);
+    let (vectors, scalars): (Vec<_>, Vec<_>) =
+        open.partition(|layer| layer.matched(Role::Position).is_some());
+    let is_missing = |role: Role| roles::find(layers, role).is_none();
+    let of = |layers: Vec<&Layer>, role: Role, is_wanted: bool| -> Vec<Match> {
+        let found = layers.into_iter().filter_map(|layer| layer.matched(role));
+        found.filter(|_| is_wanted).collect()
+    };
+    let vectors_wanted = named.is_none() || is_missing(Role::Position);
+    let vectors = of(vectors, Role::Position, vectors_wanted);
+    let scalars = of(scalars, Role::Depth, is_missing(Role::Depth));
+    if vectors.is_empty() && scalars.is_empty() {
+        return Vec::new();
+    }
+    // All at once, for each block of the file to be decoded once.
+    let all = [&vectors[..], &scalars, named.as_slice()].concat();
+    let (mut vectors, rest): (Vec<_>, Vec<_>) = samples(file, &all)
+        .into_iter()
+        .partition(|sampled| vectors.contains(&sampled.found));
+    let (scalars, named_normals): (Vec<_>, Vec<_>) = rest
+        .into_iter()
+        .partition(|sampled| scalars.contains(&sampled.found));
     let mut roles = Vec::new();
-    let mut vectors = of_layers(file, &open, Role::Position);
-    let normals = match roles::find(layers, Role::Normal) {
-        Some(_) if open.is_empty() => None,
-        Some(found) => {
+    let normals = match named {
+        Some(_) => {
             // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
-            samples(file, &[found]).into_iter().find_map(normals_of)
+            named_normals.into_iter().find_map(normals_of)
         }
         None => take_normals(&mut vectors, &mut roles),
     };
     let Some(normals) = normals else {
         return roles;
     };
-    if roles::find(layers, Role::Position).is_none() {
-        roles.extend(best(
-            &normals,
-            Role::Position,
-            vectors,
-            &[Points::Positions],
-        ));
+    if is_missing(Role::Position) {
+        let kinds = [Points::Positions];
+        roles.extend(best(&normals, Role::Position, vectors, &kinds));
     }
-    if roles::find(layers, Role::Depth).is_none() {
-        let kinds = [Points::Depth, Points::InverseDepth, Points::ParallelDepth];
-        let scalars: Vec<_> = open
-            .iter()
-            .copied()
-            .filter(|layer| layer.matched(Role::Position).is_none())
-            .collect();
-        let scalars = of_layers(file, &scalars, Role::Depth);
-        roles.extend(best(&normals, Role::Depth, scalars, &kinds));
-    }
+    let kinds = [Points::Depth, Points::InverseDepth, Points::ParallelDepth];
+    roles.extend(best(&normals, Role::Depth, scalars, &kinds));
     roles
-}
-
-/// Samples of the layers that have the channels of `role`.
-fn of_layers(file: &ExrFile, layers: &[&Layer], role: Role) -> Vec<Sampled> {
-    let found: Vec<Match> = layers.iter().filter_map(|l| l.matched(role)).collect();
-    samples(file, &found)
 }
 
 /// Removes the layers of normals from `vectors`; returns the best of them.

@@ -3,8 +3,8 @@
 use crate::frame::{ColorPlanes, LobeLayers, Mask};
 use crate::quantile::quantile;
 
-/// A median needs no more pixels than this.
-const ENOUGH_PIXELS: usize = 1 << 16;
+/// Pixels that the median is taken over, about.
+const WANTED: usize = 5_000;
 
 /// Pixels darker than this have no meaningful relative difference.
 const MIN_LIGHT: f32 = 1e-4;
@@ -17,13 +17,8 @@ pub(super) fn difference(
     rest: &[ColorPlanes],
     mask: &Mask,
 ) -> Option<f32> {
-    let every = mask.count().div_ceil(ENOUGH_PIXELS).max(1);
-    let covered = (0..mask.height()).flat_map(|y| {
-        let row = mask.row(y);
-        mask.span(y).filter(|&x| row[x]).map(move |x| (x, y))
-    });
-    let mut differences: Vec<f32> = covered
-        .step_by(every)
+    let mut differences: Vec<f32> = mask
+        .sample(WANTED)
         .filter_map(|at| {
             let shown = rgb(picture, at);
             let summed = sum(lobes, rest, at);

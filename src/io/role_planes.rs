@@ -1,7 +1,7 @@
 //! The planes of one role as they were read.
 
 use super::photo::StoredPhoto;
-use super::roles::Role;
+use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::sanitise;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
@@ -12,6 +12,8 @@ pub(super) struct RolePlanes {
     pub(super) alpha: Option<Plane>,
     /// The pixels they hold.
     pub(super) window: Window,
+    /// Whether all samples are known to be finite.
+    is_finite: bool,
 }
 
 impl RolePlanes {
@@ -22,6 +24,19 @@ impl RolePlanes {
             planes,
             alpha,
             window,
+            is_finite: false,
+        }
+    }
+
+    /// The planes of a layer of an EXR, its alpha last, each with whether all samples are finite.
+    pub(super) fn of_layer(layer: &Match, checked: Vec<(Plane, bool)>, window: Window) -> Self {
+        let is_finite = checked.iter().all(|(_, is_finite)| *is_finite);
+        let mut planes: Vec<Plane> = checked.into_iter().map(|(plane, _)| plane).collect();
+        Self {
+            alpha: layer.alpha.and_then(|_| planes.pop()),
+            planes,
+            window,
+            is_finite,
         }
     }
 
@@ -39,6 +54,7 @@ impl RolePlanes {
     /// Makes colours linear that were encoded by the sRGB curve and then multiplied by their coverage.
     pub(super) fn decode(&mut self) {
         let decoded = |v: f32| srgb::decoded(v.into()) as f32;
+        self.is_finite = false;
         for plane in &mut self.planes {
             let samples = plane.samples_mut().iter_mut();
             match &self.alpha {
@@ -66,6 +82,7 @@ impl RolePlanes {
             *plane = plane.moved(self.window, window, outside);
         }
         self.window = window;
+        self.is_finite &= outside == 0.0;
     }
 
     /// A vector of three components; those of a single plane are equal.
@@ -85,6 +102,10 @@ impl RolePlanes {
 
     /// Replaces non-finite samples; returns their number.
     pub(super) fn sanitise(&mut self) -> usize {
+        if self.is_finite {
+            return 0;
+        }
+        self.is_finite = true;
         let planes = self.planes.iter_mut().chain(&mut self.alpha);
         planes.map(sanitise).sum()
     }

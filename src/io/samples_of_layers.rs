@@ -8,8 +8,8 @@ use std::ops::Range;
 
 /// Pixels of a layer that are read, about.
 const PIXELS: usize = 60_000;
-/// Most bands of rows that they lie in.
-const BANDS: usize = 24;
+/// Most bands of rows that they lie in: of most files a block of 16 or 32 rows is decoded for each.
+const BANDS: usize = 8;
 
 /// The pixels of a layer that were read.
 pub(super) struct Sampled {
@@ -137,9 +137,9 @@ mod tests {
         };
         assert_eq!(rows(1, 1), [[0, 1]]);
         assert_eq!(rows(300, 200), [[0, 200]]);
-        // 60,000 pixels in 24 bands are 2 rows of 1,000 each.
+        // 60,000 pixels in 8 bands are 7 rows of 1,000 each.
         let wide = rows(1000, 1000);
-        assert_eq!((wide.len(), wide[0], wide[23]), (24, [0, 2], [998, 1000]));
+        assert_eq!((wide.len(), wide[0], wide[7]), (8, [0, 7], [993, 1000]));
         // Two rows at the least, where there are two.
         assert_eq!(rows(1_000_000, 9), [[3, 5]]);
         assert_eq!(rows(100_000, 1), [[0, 1]]);

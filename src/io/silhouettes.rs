@@ -70,21 +70,27 @@ impl Silhouettes {
     pub(super) fn of(normal: &Vector3Planes, mask: &Mask, depth: Option<(&Plane, f32)>) -> Self {
         let (width, height) = (mask.width(), mask.height());
         let mut found = Self::default();
-        let mut scan = |axis: usize, length: usize, at: &dyn Fn(usize) -> [usize; 2]| {
-            let line = Line {
-                length,
-                is_covered: &|i| mask.at(at(i)[0], at(i)[1]),
-                normal: &|i| normal.at(at(i)[0], at(i)[1])[axis],
-                depth: &|i| depth.map(|(depth, range)| (depth.at(at(i)[0], at(i)[1]), range)),
-            };
-            line.scan(&mut found, axis);
-        };
         for y in (0..height).step_by(height.div_ceil(LINES).max(1)) {
-            scan(0, width, &|i| [i, y]);
+            let line = Line {
+                covered: mask.row(y),
+                depth: depth.map(|(depth, range)| (depth.row(y), range)),
+                normal: &|i| normal.x.at(i, y),
+            };
+            line.scan(&mut found, 0);
         }
-        for x in (0..width).step_by(width.div_ceil(LINES).max(1)) {
-            // Upward, as y of normals.
-            scan(1, height, &|i| [x, height - 1 - i]);
+        let columns: Vec<usize> = (0..width).step_by(width.div_ceil(LINES).max(1)).collect();
+        let covered = upward(mask.plane(), &columns);
+        let depths = depth.map(|(depth, range)| (upward(depth, &columns), range));
+        for (j, &x) in columns.iter().enumerate() {
+            let column = j * height..(j + 1) * height;
+            let line = Line {
+                covered: &covered[column.clone()],
+                depth: depths
+                    .as_ref()
+                    .map(|(depths, range)| (&depths[column], *range)),
+                normal: &|i| normal.y.at(x, height - 1 - i),
+            };
+            line.scan(&mut found, 1);
         }
         found
     }
@@ -111,27 +117,38 @@ impl Silhouettes {
     }
 }
 
+/// Some columns of a plane, one after another, each upward as y of normals is.
+fn upward<T: Copy + Default>(plane: &Plane<T>, columns: &[usize]) -> Vec<T> {
+    let height = plane.height();
+    let mut samples = vec![T::default(); columns.len() * height];
+    // Row by row: to go along columns takes a page of memory for every sample.
+    for y in 0..height {
+        let row = plane.row(y);
+        for (j, &x) in columns.iter().enumerate() {
+            samples[(j + 1) * height - 1 - y] = row[x];
+        }
+    }
+    samples
+}
+
 /// A row or a column of the picture, along an axis of its normals.
 struct Line<'a> {
-    length: usize,
-    is_covered: &'a dyn Fn(usize) -> bool,
-    normal: &'a dyn Fn(usize) -> f64,
+    covered: &'a [bool],
     /// Depth, and its range.
-    depth: &'a dyn Fn(usize) -> Option<(f32, f32)>,
+    depth: Option<(&'a [f32], f32)>,
+    /// The component of the normal along the line.
+    normal: &'a dyn Fn(usize) -> f32,
 }
 
 impl Line<'_> {
     fn scan(&self, found: &mut Silhouettes, axis: usize) {
+        let normal = |i: usize| f64::from((self.normal)(i));
         // The sample beside an outline may be a mean over both sides: the next one is looked at.
-        for i in 3..(self.length + 1).saturating_sub(3) {
-            let covered = [i - 3, i - 2, i - 1, i, i + 1, i + 2].map(self.is_covered);
-            match covered {
-                [_, true, true, false, false, _] => {
-                    found.ends.add(axis, true, (self.normal)(i - 2));
-                }
-                [_, false, false, true, true, _] => {
-                    found.ends.add(axis, false, (self.normal)(i + 1));
-                }
+        for (from, covered) in self.covered.windows(6).enumerate() {
+            let i = from + 3;
+            match *covered {
+                [_, true, true, false, false, _] => found.ends.add(axis, true, normal(i - 2)),
+                [_, false, false, true, true, _] => found.ends.add(axis, false, normal(i + 1)),
                 [true, true, true, true, true, true] => self.jump(i, found, axis),
                 _ => {}
             }
@@ -140,14 +157,14 @@ impl Line<'_> {
 
     /// Adds the normals on both sides if depth jumps beside sample `i`.
     fn jump(&self, i: usize, found: &mut Silhouettes, axis: usize) {
-        let at = [i - 3, i - 2, i + 1, i + 2].map(|i| (self.depth)(i));
-        let [Some((a, range)), Some((b, _)), Some((c, _)), Some((d, _))] = at else {
+        let Some((depth, range)) = self.depth else {
             return;
         };
+        let [a, b, c, d] = [i - 3, i - 2, i + 1, i + 2].map(|i| depth[i]);
         let slope = (b - a).abs().max((d - c).abs());
         // Comparisons with NaN are false: no jump.
         if (c - b).abs() > JUMP_OF_RANGE * range && (c - b).abs() > JUMP * slope {
-            let [before, after] = [i - 2, i + 1].map(|i| (self.normal)(i));
+            let [before, after] = [i - 2, i + 1].map(|i| f64::from((self.normal)(i)));
             let (lower, higher) = match b < c {
                 true => (&mut found.lower, &mut found.higher),
                 false => (&mut found.higher, &mut found.lower),

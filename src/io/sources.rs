@@ -386,16 +386,13 @@ pub(super) fn read_rows(
                 let ids = together.iter().flat_map(|&i| sources[i].channel_ids());
                 let ids: Vec<_> = ids.collect();
                 let row = |y: i32| (y - stored.y0) as usize;
-                let read = match window == stored {
-                    true => file.read_channels(&ids)?,
-                    false => file.read_rows(&ids, row(window.y0)..row(window.y1))?,
-                };
-                let mut read = read.into_iter();
+                let rows = (window != stored).then(|| row(window.y0)..row(window.y1));
+                let mut read = file.read_checked(&ids, rows)?.into_iter();
                 for &i in &together {
-                    planes[i] = sources[i].layer.as_ref().map(|layer| RolePlanes {
-                        planes: read.by_ref().take(layer.channels.len()).collect(),
-                        alpha: layer.alpha.and_then(|_| read.next()),
-                        window,
+                    planes[i] = sources[i].layer.as_ref().map(|layer| {
+                        let count = layer.channels.len() + usize::from(layer.alpha.is_some());
+                        let checked = read.by_ref().take(count).collect();
+                        RolePlanes::of_layer(layer, checked, window)
                     });
                     if sources[i].role.is_color() && colorspace == Some(ColorSpace::Srgb) {
                         planes[i].iter_mut().for_each(RolePlanes::decode);

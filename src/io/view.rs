@@ -5,7 +5,7 @@ use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
 use super::integrability::Curl;
 use super::names::Hint;
-use super::normal_space::{NormalSpaceConclusion, NormalSpaceEvidence, judge_normal_space};
+use super::normal_space::{NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence};
 use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
@@ -44,23 +44,24 @@ pub(super) fn turn_to_view(
     hint: &(Hint, String),
     normal: &mut Vector3Planes,
 ) -> Result<View> {
+    let samples = NormalSamples::new(normal, surface.mask, surface.position, surface.depth);
     let mut search = CameraSearch::new(inputs, surface);
     let is_needed = projection || inputs.camera.is_some();
     let mut camera = match is_needed {
-        true => search.placed(normal)?,
+        true => search.placed(&samples)?,
         false => None,
     };
-    let mut reading = Reading::of(inputs, surface, normal, camera.as_ref());
+    let mut reading = Reading::of(inputs, surface, &samples, camera.as_ref());
     if !is_needed && !reading.is_view() {
         // Only now is a camera worth looking for.
-        camera = search.placed(normal)?;
+        camera = search.placed(&samples)?;
         if camera.is_some() {
-            reading = Reading::of(inputs, surface, normal, camera.as_ref());
+            reading = Reading::of(inputs, surface, &samples, camera.as_ref());
         }
     }
     let is_placed = camera.is_some();
     if camera.is_none() && (is_needed || !reading.is_view() || reading.could_be_turned()) {
-        let judge = |camera: &Camera| Reading::of(inputs, surface, normal, Some(camera));
+        let judge = |camera: &Camera| Reading::of(inputs, surface, &samples, Some(camera));
         (camera, reading) = aided_by_depth(&mut search, reading, normal, judge);
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
@@ -188,7 +189,7 @@ impl Reading {
     fn of(
         inputs: &Inputs,
         surface: &SurfaceSamples,
-        normal: &Vector3Planes,
+        samples: &NormalSamples,
         camera: Option<&Camera>,
     ) -> Self {
         if let Some(space) = inputs.normal_space {
@@ -201,14 +202,7 @@ impl Reading {
                 reason: "as given".into(),
             };
         }
-        let SurfaceSamples {
-            mask,
-            position,
-            depth,
-            data_window,
-            ..
-        } = *surface;
-        let verdict = judge_normal_space(normal, mask, position, depth, camera, data_window);
+        let verdict = samples.judge(camera, surface.data_window);
         let (certain, by_elimination) = match verdict.conclusion {
             NormalSpaceConclusion::Certain { space, flip } => {
                 // Where axes were given, only z is still flipped toward the viewer.

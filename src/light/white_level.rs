@@ -93,9 +93,9 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
 }
 
 fn choose_term_whites(run: &mut Run) {
-    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
+    let (plan, frame) = (run.plan, run.frame);
     let terms = light_terms(&frame.light.lobes, &plan.scaling);
-    let levels = || white_levels(&terms, frame, &plan.scaling, memory);
+    let levels = || white_levels(&terms, frame, &plan.scaling);
     run.outcome.term_white_levels = match plan.scaling.white_level {
         Adaptive::Auto => {
             let key = plan.key(AUTO_WHITE.name);

@@ -16,5 +16,5 @@ pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
 /// The white levels of the terms of a frame's light.
 pub(crate) fn term_white_levels(frame: &Frame, params: &ScalingParams) -> Vec<(&'static str, f32)> {
     let terms = light_terms(&frame.light.lobes, params);
-    light_layers::white_levels(&terms, frame, params, &Memory::default())
+    light_layers::white_levels(&terms, frame, params)
 }

@@ -1,8 +1,9 @@
-//! Percentiles of many values, without sorting or copying them.
+//! Percentiles of many values, without sorting or copying all of them: exactly the values that sorting would give.
 //!
-//! Floats have the order of their bits, once negative ones are flipped. So a histogram over the upper half of the bits
-//! finds the bin that holds the value, and one over the lower half within that bin finds the value: exactly the one
-//! that sorting would give. Counts are integers, independent of the number of threads.
+//! Some rows show about where a percentile lies; a pass over all counts what is below, and collects what is near. Where
+//! it lies elsewhere, or where values come a few rows at a time, histograms find it: floats have the order of their bits,
+//! once negative ones are flipped, so one over the upper half of the bits finds the bin that holds the value, and one over
+//! the lower half within that bin finds the value. Counts are integers, independent of the number of threads.
 
 use rayon::prelude::*;
 use std::ops::Range;
@@ -10,18 +11,102 @@ use std::ops::Range;
 /// Bins of a histogram over half the bits.
 const BINS: usize = 1 << 16;
 
+/// Rows that show about where a percentile lies, and how far off it may be, in percent.
+const SAMPLED_ROWS: usize = 64;
+const MARGIN: u32 = 3;
+
+/// One in this many values, at most, is collected.
+const MOST_WITHIN: usize = 6;
+
 /// The value below which `percent` of the finite values lie; `None` if there are none. `row(y)` gives the values of row
-/// `y` and is called twice.
+/// `y` and is called a few times.
 pub(crate) fn percentile<Values: Iterator<Item = f32>>(
     height: usize,
     percent: u32,
     row: impl Fn(usize) -> Values + Sync,
 ) -> Option<f32> {
+    if let Some(found) = bracketed(height, percent, &row) {
+        return Some(found);
+    }
     let mut search = PercentileSearch::new(percent);
     search.add(0..height, &row);
     search.narrow();
     search.add(0..height, &row);
     search.found()
+}
+
+/// The percentile, if it lies where some rows show that it should. The others are looked at once.
+fn bracketed<Values: Iterator<Item = f32>>(
+    height: usize,
+    percent: u32,
+    row: impl Fn(usize) -> Values + Sync,
+) -> Option<f32> {
+    let step = height / SAMPLED_ROWS;
+    if step < 2 {
+        return None;
+    }
+    let is_finite = |v: &f32| v.is_finite();
+    let rows = (step / 2..height).step_by(step);
+    let mut sample: Vec<f32> = rows.flat_map(&row).filter(is_finite).collect();
+    let last = sample.len().checked_sub(1)?;
+    let mut at = |percent: u32| {
+        let index = last * percent as usize / 100;
+        *sample.select_nth_unstable_by(index, f32::total_cmp).1
+    };
+    let from = percent.checked_sub(MARGIN).map_or(f32::MIN, &mut at);
+    let to = match percent + MARGIN {
+        above @ ..100 => at(above),
+        _ => f32::MAX,
+    };
+    // Many equal values are better counted than collected.
+    let is_within = |v: &&f32| **v >= from && **v <= to;
+    if sample.iter().filter(is_within).count() > sample.len() / MOST_WITHIN {
+        return None;
+    }
+    let count = |mut found: Bracketed, y: usize| {
+        for v in row(y) {
+            found.below += usize::from(v < from && v >= f32::MIN);
+            found.above += usize::from(v > to && v <= f32::MAX);
+            if v >= from && v <= to {
+                found.within.push(v);
+            }
+        }
+        found
+    };
+    let mut found = (0..height)
+        .into_par_iter()
+        .with_min_len(height.div_ceil(2 * rayon::current_num_threads()))
+        .fold(Bracketed::default, count)
+        .reduce(Bracketed::default, Bracketed::and);
+    let last = (found.below + found.within.len() + found.above).checked_sub(1)?;
+    let rank = rank_of(percent, last as u64) as usize;
+    let within = rank.checked_sub(found.below)?;
+    (within < found.within.len()).then(|| {
+        let order = f32::total_cmp;
+        *found.within.select_nth_unstable_by(within, order).1
+    })
+}
+
+/// Finite values below and above a range, and those in it.
+#[derive(Default)]
+struct Bracketed {
+    below: usize,
+    within: Vec<f32>,
+    above: usize,
+}
+
+impl Bracketed {
+    fn and(mut self, mut other: Self) -> Self {
+        self.below += other.below;
+        self.above += other.above;
+        self.within.append(&mut other.within);
+        self
+    }
+}
+
+/// The rank of a percentile, where the last one is `last`.
+fn rank_of(percent: u32, last: u64) -> u64 {
+    (f64::from(percent) / 100.0 * last as f64).round() as u64
 }
 
 /// A search among values that come some at a time, all of them twice: once before [`PercentileSearch::narrow`], and
@@ -73,10 +158,9 @@ impl PercentileSearch {
         upper[..=key_of(f32::NEG_INFINITY) as usize >> 16].fill(0);
         upper[key_of(f32::INFINITY) as usize >> 16..].fill(0);
         let count: u64 = upper.iter().sum();
-        self.upper = count.checked_sub(1).map(|last| {
-            let rank = (f64::from(self.percent) / 100.0 * last as f64).round() as u64;
-            bin_at(upper, rank)
-        });
+        self.upper = count
+            .checked_sub(1)
+            .map(|last| bin_at(upper, rank_of(self.percent, last)));
         self.counts.fill(0);
         self.is_narrow = true;
     }

@@ -1,4 +1,5 @@
-//! Drawings of large pictures: shape and tone are computed in bands, and only what strokes need is kept.
+//! Runs whose shape nobody looks at. An enhanced picture takes the memory of slopes and edges. Shape and tone of large
+//! drawings are computed in bands, and only what strokes need is kept.
 
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
@@ -14,7 +15,7 @@ use crate::light::white_level::choose_picture_white;
 use crate::line::canvas::Canvas;
 use crate::params::Adaptive;
 use crate::plan::Plan;
-use crate::plan::stages::DRAWING;
+use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
 use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
@@ -25,8 +26,9 @@ const LARGE: usize = 1 << 24;
 const BAND_ROWS: usize = 512;
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. A large frame drawn in its own light takes half the memory: its
-    /// picture is consumed, and the outcome holds the drawing and the automatic choices, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. An enhanced picture leaves out edges and slopes. A large frame drawn in
+    /// its own light takes half the memory: its picture is consumed, and the outcome holds the drawing and the automatic
+    /// choices, not the shape.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -37,12 +39,43 @@ impl Runner {
         inputs: Inputs,
         watch: Watch,
     ) -> Result<Outcome> {
+        if is_enhanced(plan) {
+            return self.enhance(plan, frame, inputs, watch);
+        }
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
         if !(is_large && plan.drawing.is_some() && goes_in_bands(plan)) {
             return self.execute_watched(plan, frame, inputs, watch, None);
         }
         inputs.check(plan, frame)?;
         self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
+    }
+
+    /// The enhanced picture, without edges and slopes.
+    fn enhance(&self, plan: &Plan, frame: &Frame, inputs: Inputs, watch: Watch) -> Result<Outcome> {
+        inputs.check(plan, frame)?;
+        let memory = &self.memory.for_run(watch.token());
+        let mut run = Run {
+            memory,
+            watch,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through(SHAPE)?;
+        let shape = &mut run.outcome.shape;
+        let edges = [
+            &mut shape.silhouette,
+            &mut shape.crease,
+            &mut shape.conductance,
+        ];
+        memory.recycle(edges.into_iter().filter_map(Option::take));
+        memory.recycle(
+            shape
+                .gradient
+                .take()
+                .into_iter()
+                .flat_map(|slopes| [slopes.x, slopes.y]),
+        );
+        run.go_through(PICTURE)?;
+        Ok(run.outcome)
     }
 
     fn draw_in_bands(
@@ -118,6 +151,12 @@ impl Runner {
     }
 }
 
+/// Whether a plan enhances a picture and does nothing else.
+fn is_enhanced(plan: &Plan) -> bool {
+    let does_more = plan.drawing.is_some() || plan.relighting.is_some() || plan.display;
+    plan.enhancement.is_some() && !does_more
+}
+
 /// Whether a drawing needs nothing of the shape but edges, and nothing of the light but the picture's radiance.
 fn goes_in_bands(plan: &Plan) -> bool {
     let scales_picture = plan.enhancement.is_some_and(|enhancement| {
@@ -166,7 +205,7 @@ mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes};
     use crate::params::{LineParams, ScalingParams, ShapeParams};
-    use crate::plan::{Available, ToneFrom};
+    use crate::plan::{Available, Goal, ToneFrom};
 
     /// Bumps of 20 pixels with a hole, under varying light.
     fn bumps(width: usize, height: usize) -> Frame {
@@ -189,6 +228,21 @@ mod tests {
             }),
             ..Frame::of_normals(normal, Mask::new(covered))
         }
+    }
+
+    #[test]
+    fn an_enhanced_picture_is_the_same_without_slopes() {
+        let mut frame = bumps(90, 60);
+        let (available, shape) = (Available::in_frame(&frame), ShapeParams::default());
+        let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default()).unwrap();
+        let (runner, inputs) = (Runner::default(), Inputs::default());
+        let whole = runner.execute(&plan, &frame, inputs).unwrap();
+        let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        let made = made.unwrap();
+        assert_eq!(made.color, whole.color);
+        assert_ne!(made.color, frame.color);
+        let has_slopes = |outcome: &Outcome| outcome.shape.gradient.is_some();
+        assert_eq!([&made, &whole].map(has_slopes), [false, true]);
     }
 
     #[test]

@@ -62,15 +62,18 @@ impl FrameBuilder<'_> {
             let (made, kind) = self.depth_of(position, camera.as_ref(), &mut mask)?;
             (depth, depth_kind) = (Some(made), kind);
         }
+        // Silhouettes follow depth where there is any.
+        let shown = alpha.as_ref().filter(|_| depth.is_none());
         let occlusion = self.scalar("occlusion", &self.occlusion)?;
         lift_out_of_fog(&mut lengths, &mask);
+        let occlusion = occlusion.or_else(|| coverage::varying(shown));
         Ok(Frame {
             display_window,
             data_window,
             pixel_aspect: self.pixel_aspect,
             normal_length: (stored.encoding == NormalEncoding::Signed).then_some(lengths),
             depth,
-            occlusion: occlusion.or_else(|| coverage::varying(alpha.as_ref())),
+            occlusion,
             importance: self.scalar("importance", &self.importance)?,
             albedo: self.colors("albedo", &self.albedo)?,
             light: self.light.layers(self.size)?,

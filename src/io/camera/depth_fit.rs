@@ -6,8 +6,10 @@ use super::samples::{quantile, spread_out};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
 
 /// Patches that the scan over the lens, and the choice of its kind, look at.
-const SCANNED: usize = 2_000;
-const RANKED: usize = 5_000;
+const SCANNED: usize = 400;
+const RANKED: usize = 2_000;
+/// A step of a rotation, in radians, and of the logarithm of a lens that changes nothing any more.
+const SETTLED: f64 = 1e-6;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
 const TRIM: f64 = 4.0;
 const HUBER: f64 = 1.5;
@@ -51,6 +53,25 @@ pub(super) struct Certainty {
     pub(super) turn: f64,
     /// Logarithm of the lens parameter.
     pub(super) lens: f64,
+}
+
+/// The weighted cost of a fit, to second order.
+pub(super) struct Cost {
+    /// Its second derivatives.
+    hessian: Matrix4<f64>,
+    /// The covariance of its gradient.
+    scatter: Matrix4<f64>,
+    /// The sum of weights.
+    total: f64,
+}
+
+impl Cost {
+    /// Mean square sine of the normals' deviation from their main direction, along the narrower axis: this constrains
+    /// rotation about that direction. Only features in both normals and slopes count.
+    pub(super) fn spread(&self) -> f64 {
+        let turn: Matrix3<f64> = self.hessian.fixed_view::<3, 3>(0, 0).into_owned();
+        SymmetricEigen::new(turn).eigenvalues.min() / self.total.max(f64::MIN_POSITIVE)
+    }
 }
 
 /// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
@@ -153,7 +174,7 @@ impl Fit {
             number: log.exp(),
         };
         let cost = |log: f64| {
-            let turn = robust_turn(lens(log), &some, 3, false);
+            let turn = robust_turn(lens(log), &some, 2, false);
             let fit =
                 turn.and_then(|t| Self::new(lens(log), Rotation3::from_matrix_unchecked(t), &some));
             fit.map_or(f64::INFINITY, |fit| fit.loss)
@@ -201,7 +222,7 @@ impl Fit {
             let weights = weights(&self.residuals(patches), patches);
             let step = self.step(patches, &weights)?;
             self = self.moved(&step);
-            if step.norm() < 1e-9 {
+            if step.norm() < SETTLED {
                 break;
             }
         }
@@ -225,8 +246,8 @@ impl Fit {
         let (mut normal, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
         for (patch, &weight) in patches.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
             let turned = self.turn * patch.normal;
-            let slope = self.slope_by_lens(patch);
-            let off = turned - self.lens.normal(patch);
+            let (normal_of_slope, slope) = self.lens.normal_and_slope(patch);
+            let off = turned - normal_of_slope;
             let mut j = nalgebra::Matrix3x4::zeros();
             j.fixed_view_mut::<3, 3>(0, 0)
                 .copy_from(&-turned.cross_matrix());
@@ -239,49 +260,35 @@ impl Fit {
         normal.cholesky().map(|c| c.solve(&-gradient))
     }
 
-    /// Change of the normal with the logarithm of the lens's number.
-    fn slope_by_lens(&self, patch: &Patch) -> Vector3<f64> {
-        const H: f64 = 1e-4;
-        let ahead = self.lens.times(1.0 + H).normal(patch);
-        let behind = self.lens.times(1.0 - H).normal(patch);
-        (ahead - behind) / (2.0 * H)
-    }
-
     /// The patches that this lens does not see at a grazing angle.
     pub(super) fn facing(&self, patches: &[Patch]) -> Vec<Patch> {
         let facing = |p: &&Patch| self.lens.facing(p) > GRAZING;
         patches.iter().filter(facing).copied().collect()
     }
 
-    /// The typical residual of the patches that determine the rotation, for this fit and for the best mirrored one with
-    /// the same lens.
-    pub(super) fn telling_residuals(&self, patches: &[Patch]) -> (f64, f64) {
-        let telling = |turn: &Matrix3<f64>| {
-            telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)
-        };
-        let mirrored = robust_turn(self.lens, patches, 4, true);
-        (
-            telling(self.turn.matrix()),
-            mirrored.map_or(f64::INFINITY, |turn| telling(&turn)),
-        )
+    /// The typical residual of the patches that determine the rotation.
+    pub(super) fn telling_residual(&self, patches: &[Patch]) -> f64 {
+        self.telling(self.turn.matrix(), patches)
     }
 
-    /// Mean square sine of the normals' deviation from their main direction, along the narrower axis: this constrains
-    /// rotation about that direction. Only features in both normals and slopes count.
-    pub(super) fn spread(&self, patches: &[Patch]) -> f64 {
-        let (hessian, _, total) = self.curvature(patches);
-        let turn: Matrix3<f64> = hessian.fixed_view::<3, 3>(0, 0).into_owned();
-        SymmetricEigen::new(turn).eigenvalues.min() / total.max(f64::MIN_POSITIVE)
+    /// The same for the best mirrored fit with the same lens.
+    pub(super) fn mirrored_residual(&self, patches: &[Patch]) -> f64 {
+        let turn = robust_turn(self.lens, patches, 4, true);
+        turn.map_or(f64::INFINITY, |turn| self.telling(&turn, patches))
     }
 
-    /// Second derivatives of the weighted cost, the covariance of its gradient, and the sum of weights.
-    fn curvature(&self, patches: &[Patch]) -> (Matrix4<f64>, Matrix4<f64>, f64) {
+    fn telling(&self, turn: &Matrix3<f64>, patches: &[Patch]) -> f64 {
+        telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)
+    }
+
+    /// The shape of the weighted cost about this fit.
+    pub(super) fn cost(&self, patches: &[Patch]) -> Cost {
         let weights = weights(&self.residuals(patches), patches);
         let mut hessian = Matrix4::zeros();
         let mut by_tile = vec![Vector4::zeros(); TILES * TILES];
         for (patch, &weight) in patches.iter().zip(&weights).filter(|(_, w)| **w > 0.0) {
-            let (turned, normal) = (self.turn * patch.normal, self.lens.normal(patch));
-            let slope = self.slope_by_lens(patch);
+            let turned = self.turn * patch.normal;
+            let (normal, slope) = self.lens.normal_and_slope(patch);
             let outer = normal * turned.transpose();
             let turn = Matrix3::from_diagonal_element(normal.dot(&turned))
                 - 0.5 * (outer + outer.transpose());
@@ -294,17 +301,20 @@ impl Fit {
             hessian += weight * h;
             by_tile[patch.tile] -= weight * turned.cross(&normal).push(slope.dot(&turned));
         }
-        let scatter = by_tile.iter().map(|g| g * g.transpose()).sum();
-        (hessian, scatter, weights.iter().sum())
+        Cost {
+            hessian,
+            scatter: by_tile.iter().map(|g| g * g.transpose()).sum(),
+            total: weights.iter().sum(),
+        }
     }
 
     /// Standard errors that allow for residuals related within a tile, and for facets; `None` where the fit is no
     /// minimum.
-    pub(super) fn certainty(&self, patches: &[Patch]) -> Option<Certainty> {
-        let (mut hessian, scatter, total) = self.curvature(patches);
-        hessian[(3, 3)] += 1e-9 * total;
+    pub(super) fn certainty(&self, cost: &Cost, patches: &[Patch]) -> Option<Certainty> {
+        let mut hessian = cost.hessian;
+        hessian[(3, 3)] += 1e-9 * cost.total;
         let inverse = hessian.cholesky()?.inverse();
-        let covariance = inverse * scatter * inverse;
+        let covariance = inverse * cost.scatter * inverse;
         let capped = |r: f64| r.min(OUTLYING);
         let residuals = self.residuals(patches);
         let bias = residuals.into_iter().map(capped).sum::<f64>() / patches.len() as f64;
@@ -342,12 +352,12 @@ fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
     middle.map(|(residual, _)| *residual)
 }
 
-/// The place of the least value of `cost` between two bounds, to a thousandth.
+/// The place of the least value of `cost` between two bounds, to a hundredth.
 fn golden_section(mut low: f64, mut high: f64, cost: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5f64.sqrt() - 1.0);
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
     let (mut at_a, mut at_b) = (cost(a), cost(b));
-    while high - low > 1e-3 {
+    while high - low > 1e-2 {
         if at_a < at_b {
             (high, b, at_b) = (b, a, at_a);
             a = high - ratio * (high - low);

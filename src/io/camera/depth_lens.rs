@@ -47,6 +47,21 @@ impl Lens {
         self.raw_normal(patch).normalize()
     }
 
+    /// The unit normal, and its change with the logarithm of the lens's number.
+    pub(super) fn normal_and_slope(&self, patch: &Patch) -> (Vector3<f64>, Vector3<f64>) {
+        let raw = self.raw_normal(patch);
+        let mut change = Vector3::new(raw.x, raw.y, 0.0);
+        if self.kind == Kind::Ray {
+            let (square, seen) = (self.number * self.number, patch.seen);
+            let slope = 2.0 * square / (square + seen.norm_squared()).powi(2) * seen;
+            let along = self.number * slope;
+            change += Vector3::new(along.x, along.y, slope.dot(&seen));
+        }
+        let length = raw.norm();
+        let normal = raw / length;
+        (normal, (change - normal.dot(&change) * normal) / length)
+    }
+
     /// Cosine between the normal and the direction to the eye.
     pub(super) fn facing(&self, patch: &Patch) -> f64 {
         let lean = match self.kind {
@@ -60,6 +75,38 @@ impl Lens {
         Self {
             number: self.number * factor,
             ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+
+    /// The change by the logarithm of the number is that between two lenses that differ a little.
+    #[test]
+    fn slopes_are_those_of_differences() {
+        let patch = Patch {
+            seen: Vector2::new(300.0, -170.0),
+            depth: 7.0,
+            slope: Vector2::new(2e-3, 5e-4),
+            normal: Vector3::z(),
+            bend: 0.0,
+            tile: 0,
+        };
+        for (kind, number) in [
+            (Kind::Planar, 900.0),
+            (Kind::Ray, 900.0),
+            (Kind::Parallel, 80.0),
+        ] {
+            let lens = Lens { kind, number };
+            let (normal, slope) = lens.normal_and_slope(&patch);
+            let [ahead, behind] = [1e-4, -1e-4].map(|h: f64| lens.times(h.exp()).normal(&patch));
+            assert!((normal - lens.normal(&patch)).norm() < 1e-14);
+            // The error of a central difference is a sixth of the third derivative, about 1, times 1e-8.
+            assert!((slope - (ahead - behind) / 2e-4).norm() < 1e-8, "{kind:?}");
+            assert!(slope.norm() > 0.05, "{kind:?}");
         }
     }
 }

@@ -5,10 +5,13 @@ use crate::frame::{Mask, Plane, Vector3Planes, Window};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 
-/// Pixels tried; about half survive on a typical picture.
-const CANDIDATES: usize = 40_000;
+/// Pixels tried for patches of 3x3 pixels, and a share of them for larger ones, whose errors are smaller; about half
+/// survive on a typical picture.
+const CANDIDATES: usize = 10_000;
 /// Enough patches; with fewer, smaller and rougher ones are accepted.
-const ENOUGH: usize = 2_000;
+const ENOUGH: usize = 700;
+/// Covered pixels from which on larger patches leave enough of them.
+const ROOMY: usize = 8_000;
 /// Criteria for choosing patches.
 #[derive(Clone, Copy)]
 struct Choice {
@@ -102,21 +105,22 @@ struct Sums {
 impl NormalsAndDepth<'_> {
     /// Patches on an even grid over the picture, of the strictest choice that gives enough of them.
     pub(super) fn patches(&self) -> Vec<Patch> {
-        let roomy = self.mask.count() >= 4 * ENOUGH;
+        let roomy = self.mask.count() >= ROOMY;
         let rough = self.is_half() || self.off_centre().is_some_and(|px| px > OFF_CENTRE);
         let choices = if roomy && rough {
             &COARSE[..]
         } else {
             &FINE[..]
         };
-        let mut best = Vec::new();
+        let (mut best, mut most) = (Vec::new(), 0);
         for &choice in choices {
             let found = self.patches_of(choice);
-            if found.len() >= ENOUGH {
+            let count = found.len() * choice.reach;
+            if count >= ENOUGH {
                 return found;
             }
-            if found.len() > 2 * best.len() {
-                best = found;
+            if count > 2 * most {
+                (best, most) = (found, count);
             }
         }
         best
@@ -171,7 +175,7 @@ impl NormalsAndDepth<'_> {
     fn patches_of(&self, choice: Choice) -> Vec<Patch> {
         let reach = choice.reach;
         let (width, height) = (self.depth.width(), self.depth.height());
-        let stride = stride(self.mask.count(), CANDIDATES);
+        let stride = stride(self.mask.count(), CANDIDATES / reach);
         let rows = (reach..height.saturating_sub(reach)).step_by(stride);
         rows.flat_map(|y| {
             let columns = (reach..width.saturating_sub(reach)).step_by(stride);
@@ -217,12 +221,18 @@ impl NormalsAndDepth<'_> {
             ..Sums::default()
         };
         let columns = x - reach..x + reach + 1;
+        let n = self.normal;
         for row in y - reach..y + reach + 1 {
             let covered = &self.mask.row(row)[columns.clone()];
             let depths = &self.depth.row(row)[columns.clone()];
+            let [nx, ny, nz] = [&n.x, &n.y, &n.z].map(|plane| &plane.row(row)[columns.clone()]);
             for (i, (&covered, &depth)) in covered.iter().zip(depths).enumerate() {
                 let depth = f64::from(depth);
-                if !(covered && depth > 0.0 && depth < FARTHEST) {
+                let normal = Vector3::new(nx[i], ny[i], nz[i]).map(f64::from);
+                let length = normal.norm();
+                if !(covered && depth > 0.0 && depth < FARTHEST)
+                    || !(shortest..=LONGEST).contains(&length)
+                {
                     return None;
                 }
                 // Sums about the middle keep their digits where depth hardly changes.
@@ -231,22 +241,11 @@ impl NormalsAndDepth<'_> {
                 sums.square += rise * rise;
                 sums.across += rise * (i as f64 - reach as f64);
                 sums.up += rise * (y as f64 - row as f64);
-                self.add_normal(&mut sums, x + i - reach, row, shortest)?;
+                sums.normal += normal;
+                sums.length += length;
             }
         }
         Some(sums)
-    }
-
-    fn add_normal(&self, sums: &mut Sums, x: usize, y: usize, shortest: f64) -> Option<()> {
-        let n = self.normal;
-        let normal = Vector3::new(n.x.at(x, y), n.y.at(x, y), n.z.at(x, y)).map(f64::from);
-        let length = normal.norm();
-        if !(shortest..=LONGEST).contains(&length) {
-            return None;
-        }
-        sums.normal += normal;
-        sums.length += length;
-        Some(())
     }
 
     fn seen(&self, x: usize, y: usize) -> Vector2<f64> {

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
-use crate::io::normal_space::judge_normal_space;
+use crate::io::normal_space::NormalSamples;
 use crate::io::surface::SurfaceSamples;
 use glam::DVec3;
 
@@ -63,12 +63,12 @@ impl<'a> CameraSearch<'a> {
         }
     }
 
-    /// The camera with a known world-space position: from a file, from attributes, or from positions. `normal` helps to
+    /// The camera with a known world-space position: from a file, from attributes, or from positions. `normals` help to
     /// decide between readings of attributes.
     ///
     /// # Errors
     /// Those of reading the file.
-    pub(in crate::io) fn placed(&mut self, normal: &Vector3Planes) -> Result<Option<Camera>> {
+    pub(in crate::io) fn placed(&mut self, normals: &NormalSamples) -> Result<Option<Camera>> {
         let SurfaceSamples {
             position,
             display_window,
@@ -89,7 +89,7 @@ impl<'a> CameraSearch<'a> {
                 let camera = read_camera(path, display_window, pixel_aspect)?;
                 FoundCamera::new(camera, format!("from {}", path.display()))
             }
-            (None, position) => match (self.by_attributes(normal), position) {
+            (None, position) => match (self.by_attributes(normals), position) {
                 (Some(found), _) => found,
                 (None, Some(position)) => match self.by_positions(position) {
                     Ok(found) => {
@@ -111,7 +111,7 @@ impl<'a> CameraSearch<'a> {
 
     /// The reading of the attributes that agrees best with the positions, else with the normals, else the
     /// standard's.
-    fn by_attributes(&self, normal: &Vector3Planes) -> Option<FoundCamera> {
+    fn by_attributes(&self, normals: &NormalSamples) -> Option<FoundCamera> {
         let surface = self.surface;
         let aspect = f64::from(surface.pixel_aspect);
         let candidates = candidates(surface.attributes?, surface.display_window, aspect);
@@ -134,7 +134,7 @@ impl<'a> CameraSearch<'a> {
                 if sensible.is_empty() {
                     sensible = candidates;
                 }
-                let (chosen, misfit) = best(&sensible, |c| misfit(&c.camera, surface, normal))?;
+                let (chosen, misfit) = best(&sensible, |c| misfit(&c.camera, surface, normals))?;
                 let agrees = match misfit < WORST_MISFIT {
                     true => ", by which the normals fit best".into(),
                     false => String::new(),
@@ -241,7 +241,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
 
 /// Median distance, in pixels, between the pixels of positions and their projections by the camera.
 fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
-    let covered = pixels(surface).filter_map(|(x, y)| {
+    let covered = surface.mask.sample(PROBES).filter_map(|(x, y)| {
         let point = position.at(x, y);
         (point.is_finite() && point != DVec3::ZERO).then_some((x, y, point))
     });
@@ -259,25 +259,11 @@ fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector
 }
 
 /// Misfit between a camera and normals assumed to be in world space: 0 for a good fit, 1 for none.
-fn misfit(camera: &Camera, surface: &SurfaceSamples, normal: &Vector3Planes) -> f64 {
-    let SurfaceSamples {
-        mask,
-        depth,
-        data_window,
-        ..
-    } = *surface;
-    let verdict = judge_normal_space(normal, mask, None, depth, Some(camera), data_window);
+fn misfit(camera: &Camera, surface: &SurfaceSamples, normals: &NormalSamples) -> f64 {
+    let verdict = normals.judge(Some(camera), surface.data_window);
     let evidence = verdict.evidence;
     let averted = 1.0 - evidence.facing_world.unwrap_or(0.0);
     averted.max(evidence.slope_world_deg.unwrap_or(0.0) / 90.0)
-}
-
-/// Covered pixels, evenly thinned.
-fn pixels<'a>(surface: &'a SurfaceSamples) -> impl Iterator<Item = (usize, usize)> + 'a {
-    let mask = surface.mask;
-    let covered = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| (x, y)));
-    let covered = covered.filter(|&(x, y)| mask.at(x, y));
-    covered.step_by((mask.count() / PROBES).max(1))
 }
 
 /// The camera in words; its position only if known.

@@ -140,11 +140,12 @@ impl Answer {
         let (fit, patches) = chosen(patches, width)
             .ok_or(RecoveryFailure::NormalsDisagree { residual_deg: 90.0 })?;
         check_residual(&fit, &patches)?;
-        if fit.spread(&patches) < LEAST_SPREAD {
+        let cost = fit.cost(&patches);
+        if cost.spread() < LEAST_SPREAD {
             return Err(RecoveryFailure::ParallelNormals);
         }
         let certainty = fit
-            .certainty(&patches)
+            .certainty(&cost, &patches)
             .ok_or(RecoveryFailure::Undetermined { rotation_deg: 90.0 })?;
         let answer = Self {
             fit,
@@ -230,11 +231,12 @@ fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
 }
 
 fn check_residual(fit: &Fit, patches: &[Patch]) -> Result<(), RecoveryFailure> {
-    let (proper, mirrored) = fit.telling_residuals(patches);
-    let residual_deg = angle_deg(proper);
-    let mirrored_deg = angle_deg(mirrored);
-    if residual_deg > MIRRORED_RESIDUAL_DEG && mirrored_deg < MIRRORED_SHARE * residual_deg {
-        return Err(RecoveryFailure::Mirrored);
+    let residual_deg = angle_deg(fit.telling_residual(patches));
+    if residual_deg > MIRRORED_RESIDUAL_DEG {
+        let mirrored_deg = angle_deg(fit.mirrored_residual(patches));
+        if mirrored_deg < MIRRORED_SHARE * residual_deg {
+            return Err(RecoveryFailure::Mirrored);
+        }
     }
     if residual_deg > WORST_RESIDUAL_DEG {
         return Err(RecoveryFailure::NormalsDisagree { residual_deg });

@@ -5,7 +5,7 @@ use half::f16;
 use nalgebra::{Vector2, Vector3};
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
-const WANTED: usize = 20_000;
+const WANTED: usize = 6_000;
 /// Pixels examined to find that many; edges and gaps cost some.
 const CANDIDATES: usize = 2 * WANTED;
 /// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
@@ -89,7 +89,7 @@ impl Layer<'_> {
     }
 }
 
-/// At most 20,000 covered pixels of `position`, away from edges if there are enough of those.
+/// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
 pub(super) fn gather(
     position: &Vector3Planes,
     mask: &Mask,
@@ -123,19 +123,11 @@ pub(super) fn gather(
 
 type Candidate = (usize, usize, Vector3<f64>);
 
-/// Covered pixels, evenly thinned to a multiple of the number wanted.
+/// Covered pixels with a position.
 fn candidates(layer: &Layer) -> Vec<Candidate> {
-    let (width, height) = (layer.position.x.width(), layer.position.x.height());
-    let stride = (layer.mask.count() / CANDIDATES).max(1);
-    let covered = (0..height).flat_map(|y| {
-        layer
-            .mask
-            .span(y)
-            .filter(move |&x| x < width && layer.mask.at(x, y))
-            .map(move |x| (x, y))
-    });
-    covered
-        .step_by(stride)
+    layer
+        .mask
+        .sample(CANDIDATES)
         .filter_map(|(x, y)| Some((x, y, layer.at(x as isize, y as isize)?)))
         .collect()
 }

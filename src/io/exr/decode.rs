@@ -18,6 +18,7 @@ use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether ZIP and uncompressed blocks are decoded and encoded here: on machines that store numbers in the byte order
 /// of the files, low byte first.
@@ -101,10 +102,29 @@ pub(super) enum Block {
     Differences(Vec<u8>),
 }
 
+/// The rows of a plane that a channel is read to.
+pub(super) struct Target<'t> {
+    pub(super) slot: Slot,
+    /// As wide as the picture.
+    pub(super) samples: &'t mut [f32],
+    /// Becomes true with a sample that is not finite.
+    pub(super) is_broken: &'t AtomicBool,
+}
+
+impl Target<'_> {
+    fn check(&self, samples: &[f32]) {
+        // An exponent of ones overflows into the sign.
+        let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
+        if samples.iter().fold(0, |all, v| all | overflow(v)) >> 31 == 1 {
+            self.is_broken.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
 /// Rows of a picture that are to be filled.
 pub(super) enum Rows<'t> {
-    /// The samples of some channels, in planes as wide as the picture.
-    Samples(Vec<(Slot, &'t mut [f32])>),
+    /// The samples of some channels.
+    Samples(Vec<Target<'t>>),
     /// All channels as stored, laid out as in a block as wide as the picture.
     Bytes(&'t mut [u8]),
 }
@@ -115,10 +135,13 @@ impl<'t> Rows<'t> {
         let pixels = rows * layout.width;
         match self {
             Rows::Samples(planes) => {
-                let top = planes.iter_mut().map(|(slot, plane)| {
-                    let (top, rest) = std::mem::take(plane).split_at_mut(pixels);
-                    *plane = rest;
-                    (*slot, top)
+                let top = planes.iter_mut().map(|target| {
+                    let (top, rest) = std::mem::take(&mut target.samples).split_at_mut(pixels);
+                    target.samples = rest;
+                    Target {
+                        samples: top,
+                        ..*target
+                    }
                 });
                 Rows::Samples(top.collect())
             }
@@ -151,14 +174,15 @@ impl<'t> Rows<'t> {
         pairs.skip((shared.start - area.rows.start) * row_pairs);
         let mut words = vec![0; row_pairs];
         if let Rows::Samples(planes) = self {
-            planes.sort_by_key(|(slot, _)| slot.before);
+            planes.sort_by_key(|target| target.slot.before);
         }
         for y in shared {
             let y = y - rows.start;
             match self {
                 Rows::Samples(planes) => {
                     let (mut at, mut last) = (0, None);
-                    for (slot, samples) in planes {
+                    for target in planes {
+                        let slot = target.slot;
                         let count = slot.sample_type.bytes_per_sample() / 2 * width;
                         // A channel may be wanted twice.
                         if last != Some(slot.before) {
@@ -167,8 +191,9 @@ impl<'t> Rows<'t> {
                             at = slot.before / 2 * width + count;
                             last = Some(slot.before);
                         }
-                        let into = &mut samples[y * layout.width + x..][..width];
-                        slot.convert_words(&words[..count], into);
+                        let at = y * layout.width + x..y * layout.width + x + width;
+                        slot.convert_words(&words[..count], &mut target.samples[at.clone()]);
+                        target.check(&target.samples[at]);
                     }
                     pairs.skip(row_pairs - at);
                 }
@@ -199,9 +224,11 @@ impl<'t> Rows<'t> {
             let y = y - rows.start;
             match self {
                 Rows::Samples(planes) => {
-                    for (slot, samples) in planes {
-                        let into = &mut samples[y * layout.width + x..][..width];
-                        slot.convert(row, width, &mut bits, into);
+                    for target in planes {
+                        let at = y * layout.width + x..y * layout.width + x + width;
+                        let into = &mut target.samples[at.clone()];
+                        target.slot.convert(row, width, &mut bits, into);
+                        target.check(&target.samples[at]);
                     }
                 }
                 Rows::Bytes(bytes) => {

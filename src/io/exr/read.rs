@@ -1,7 +1,7 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot, decode_block};
+use super::decode::{Rows, Slot, Target, decode_block};
 use super::fault::{Fault, Parsed};
 use super::layout::Layout;
 use super::{ChannelId, ExrFile};
@@ -10,6 +10,11 @@ use crate::frame::Plane;
 use ::exr::meta::MetaData;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+fn planes_of(checked: Vec<(Plane, bool)>) -> Vec<Plane> {
+    checked.into_iter().map(|(plane, _)| plane).collect()
+}
 
 impl ExrFile {
     /// The samples of the `wanted` channels, in that order.
@@ -20,8 +25,7 @@ impl ExrFile {
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`].
     pub fn read_channels(&self, wanted: &[ChannelId]) -> Result<Vec<Plane>> {
-        self.read_each(wanted, None)
-            .map_err(|fault| fault.at(&self.path))
+        self.read_checked(wanted, None).map(planes_of)
     }
 
     /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
@@ -33,11 +37,24 @@ impl ExrFile {
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.
     pub fn read_rows(&self, wanted: &[ChannelId], rows: Range<usize>) -> Result<Vec<Plane>> {
-        self.read_each(wanted, Some(rows))
+        self.read_checked(wanted, Some(rows)).map(planes_of)
+    }
+
+    /// The rows `rows`, or all, of the `wanted` channels, each with whether all its samples are finite.
+    pub(in crate::io) fn read_checked(
+        &self,
+        wanted: &[ChannelId],
+        rows: Option<Range<usize>>,
+    ) -> Result<Vec<(Plane, bool)>> {
+        self.read_each(wanted, rows)
             .map_err(|fault| fault.at(&self.path))
     }
 
-    fn read_each(&self, wanted: &[ChannelId], rows: Option<Range<usize>>) -> Parsed<Vec<Plane>> {
+    fn read_each(
+        &self,
+        wanted: &[ChannelId],
+        rows: Option<Range<usize>>,
+    ) -> Parsed<Vec<(Plane, bool)>> {
         self.check_rows(wanted, rows.as_ref(), 1)?;
         let rows_of = |part: usize| match &rows {
             Some(rows) => rows.clone(),
@@ -53,21 +70,27 @@ impl ExrFile {
                 )
             })
             .collect();
+        let broken: Vec<_> = wanted.iter().map(|_| AtomicBool::new(false)).collect();
         let mut chunks = ChunkReader::open(self)?;
         for part in 0..self.parts.len() {
             let header = &self.header.meta.headers[part];
-            let targets: Vec<(Slot, &mut [f32])> = wanted
+            let targets: Vec<Target> = wanted
                 .iter()
-                .zip(&mut planes)
+                .zip(planes.iter_mut().zip(&broken))
                 .filter(|(id, _)| id.part == part)
-                .map(|(id, plane)| (Slot::of_channel(header, id.channel), plane.samples_mut()))
+                .map(|(id, (plane, is_broken))| Target {
+                    slot: Slot::of_channel(header, id.channel),
+                    samples: plane.samples_mut(),
+                    is_broken,
+                })
                 .collect();
             if !targets.is_empty() {
                 let blocks = PartBlocks::open(&mut chunks, part)?;
                 blocks.read(&mut chunks, rows_of(part), Rows::Samples(targets))?;
             }
         }
-        Ok(planes)
+        let is_finite = broken.into_iter().map(|broken| !broken.into_inner());
+        Ok(planes.into_iter().zip(is_finite).collect())
     }
 
     /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated. Each

@@ -1,13 +1,14 @@
 //! Reading rows, one range after another.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot};
+use super::decode::{Rows, Slot, Target};
 use super::fault::Parsed;
 use super::read::PartBlocks;
 use super::{ChannelId, ExrFile};
 use crate::error::Result;
 use crate::frame::Plane;
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
 
 /// Reads channels of an open file a few rows at a time, for pictures that do not fit in memory.
 ///
@@ -69,9 +70,14 @@ impl<'f> RowReader<'f> {
         {
             let goal = blocks.layout.rows_of(&blocks.layout.bands_of(&rows));
             held.hold(goal, |missing, targets| {
-                let slots = slots.iter().map(|&(_, slot)| slot);
-                let targets = Rows::Samples(slots.zip(targets).collect());
-                blocks.read(&mut self.chunks, missing, targets)
+                let is_broken = AtomicBool::new(false);
+                let target = |(&(_, slot), samples)| Target {
+                    slot,
+                    samples,
+                    is_broken: &is_broken,
+                };
+                let targets = slots.iter().zip(targets).map(target).collect();
+                blocks.read(&mut self.chunks, missing, Rows::Samples(targets))
             })?;
             for (i, &(index, _)) in slots.iter().enumerate() {
                 let samples = held.rows(i, &rows).to_vec();

@@ -262,19 +262,11 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn of(now: &'a Frame, before: &'a FrameBefore) -> Self {
-        let mask = &now.mask;
-        let step = (mask.count() / PIXELS).max(1);
-        let rows = 0..mask.height();
-        let covered = rows.flat_map(|y| {
-            mask.span(y)
-                .filter(move |&x| mask.at(x, y))
-                .map(move |x| [x, y])
-        });
         Self {
             now,
             before,
             luminance: luminance(now).filter(|_| before.luminance.is_some()),
-            at: covered.step_by(step).collect(),
+            at: now.mask.sample(PIXELS).map(|(x, y)| [x, y]).collect(),
         }
     }
 

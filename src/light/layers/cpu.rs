@@ -52,12 +52,15 @@ impl LightTerm<'_> {
     }
 
     /// A high percentile of this light's luminance; 1 without light.
-    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> f32 {
-        let luminance = self.luminance(weights, mask, absent, memory);
-        let lit = |y| lit(&luminance, mask, y);
-        let white = percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0);
-        memory.recycle([luminance]);
-        white
+    fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent) -> f32 {
+        let simd = Simd::widest();
+        let lit = |y| {
+            let mut luminance = vec![0.0; mask.width()];
+            simd.lobe_luminance_row(&mut luminance, &self.row(y, absent), weights);
+            let covered = luminance.into_iter().zip(mask.row(y));
+            covered.filter_map(|(light, &covered)| (covered && light > 0.0).then_some(light))
+        };
+        percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0)
     }
 
     fn luminance(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> Plane {
@@ -105,13 +108,12 @@ pub(crate) fn white_levels(
     terms: &[LightTerm],
     frame: &Frame,
     params: &ScalingParams,
-    memory: &Memory,
 ) -> Vec<(&'static str, f32)> {
     let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
     let level =
         |term: &LightTerm| match (params.term_white_levels.of(term.name), params.white_level) {
             (Some(level), _) | (None, Adaptive::Fixed(level)) => level,
-            (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent, memory),
+            (None, Adaptive::Auto) => term.white_level(weights, &frame.mask, &absent),
         };
     terms.iter().map(|term| (term.name, level(term))).collect()
 }
