@@ -15,6 +15,9 @@ use std::ops::Range;
 /// Rows are padded to a multiple of this, so that sweeps start and end on whole vectors.
 const LANES: usize = 8;
 
+/// Samples of a page of memory.
+const PAGE: usize = 1024;
+
 /// Rows processed together by a sweep, while their neighbours are in the first-level cache.
 const TOGETHER: usize = 4;
 
@@ -188,6 +191,10 @@ impl WavefrontTile {
     fn make_room(&mut self, sweeps: usize, columns: usize, sums: usize) {
         self.pad = (sweeps + LANES).next_multiple_of(LANES);
         self.stride = (self.pad + columns + sweeps + LANES).next_multiple_of(LANES) + LANES;
+        if self.stride.is_multiple_of(PAGE) {
+            // Neighbouring rows would lie whole pages apart: a load from one then waits for stores to the other.
+            self.stride += LANES;
+        }
         self.in_flight = sweeps + TOGETHER + 1;
         let ring = self.in_flight * self.stride;
         let refill = |buffer: &mut Vec<f32>, samples: usize| {
