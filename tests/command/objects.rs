@@ -14,8 +14,12 @@ fn red(desk: &Path, input: &str, flags: &str) -> Plane {
 
 /// The share of each pixel that the head covers, from the samples themselves.
 fn head(haze: &str) -> Plane {
-    // The hash that Blender wrote into the manifest for the name: {"Head":"05777012"}.
-    let number = f32::from_bits(0x0577_7012);
+    share_of(0x0577_7012, haze)
+}
+
+/// The same for the object with this hash, as Blender wrote it into the manifest: {"Head":"05777012","Block":"3af60354"}.
+fn share_of(hash: u32, haze: &str) -> Plane {
+    let number = f32::from_bits(hash);
     let stored = |level: usize, c: char| {
         channel(
             Path::new(haze),
@@ -134,18 +138,19 @@ fn strokes_have_an_angle_by_object() {
     };
     let plain = drawn("", "plain");
     let turned = drawn(
-        "--object-angle Head=90 --object-angle H*d=0 --save-recipe turned.toml",
+        "--object-angle Block=90 --object-angle B*k=0 --save-recipe turned.toml",
         "turned",
     );
     let recipe = std::fs::read_to_string(desk.path().join("turned.toml")).unwrap();
     assert!(
-        recipe.contains("object-angle = [\"Head=90\", \"H*d=0\"]"),
+        recipe.contains("object-angle = [\"Block=90\", \"B*k=0\"]"),
         "{recipe}"
     );
-    // Strokes change on the head alone, and where the fog's specks beside it take directions from up to 32 pixels away.
+    // Strokes change on the block alone, whose sides are plane, and where the fog's specks beside it take directions from
+    // up to 32 pixels away.
     // The last of the two angles counts.
-    assert_eq!(turned, drawn("--object-angle Head=0", "again"));
-    let share = head(&haze);
+    assert_eq!(turned, drawn("--object-angle Block=0", "again"));
+    let share = share_of(0x3af6_0354, &haze);
     let mut changed = 0;
     for (x, y) in (0..share.height()).flat_map(|y| (0..share.width()).map(move |x| (x, y))) {
         if plain.at(x, y) == turned.at(x, y) {
@@ -156,7 +161,7 @@ fn strokes_have_an_angle_by_object() {
         let mut around = share.rows_within(columns, rows).flatten();
         assert!(
             around.any(|&share| share > 0.5),
-            "({x}, {y}) is not on the head"
+            "({x}, {y}) is not on the block"
         );
         changed += 1;
     }
