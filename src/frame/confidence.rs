@@ -352,6 +352,50 @@ mod tests {
         assert_eq!(of(&band, 0.0), None);
     }
 
+    /// Pictures of every small size, with random samples: a quick look finds what a look at every square finds.
+    #[test]
+    fn no_square_is_missed() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut found = [0; 2];
+        for (width, height) in (1..17).flat_map(|width| (1..17).map(move |height| (width, height)))
+        {
+            let mut chance = |share: f32| random() < share;
+            let short = Plane::from_fn(width, height, |_, _| if chance(0.9) { 0.5 } else { 1.0 });
+            let mask = Mask::new(Plane::from_fn(width, height, |_, _| chance(0.99)));
+            let ended = Plane::from_fn(width, height, |x, y| {
+                if mask.at(x, y) { short.at(x, y) } else { 1.0 }
+            });
+            let longest = over_squares(&ended, NORMALS_REACH, f32::max);
+            let has_square = longest.samples().iter().any(|&length| is_short(length));
+            assert_eq!(
+                has_short_square(&short, &mask),
+                has_square,
+                "{width}x{height}"
+            );
+            let depth = Plane::from_fn(width, height, |_, _| if chance(0.12) { 9.0 } else { 5.0 });
+            let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
+            let shares = mean_over_squares(&alone, DEPTHS_REACH);
+            let is_mixed = shares
+                .samples()
+                .iter()
+                .any(|&share| share > SHARES_ALONE[0]);
+            assert!(
+                may_be_alone_together(&depth, &mask) || !is_mixed,
+                "{width}x{height}"
+            );
+            found[0] += usize::from(has_square);
+            found[1] += usize::from(is_mixed);
+        }
+        // Both ways often enough.
+        assert!(found.iter().all(|n| (10..246).contains(n)), "{found:?}");
+    }
+
     #[test]
     fn fog_hides_no_crease() {
         // A fold two pixels wide, of length 0.8: in fog that absorbs half of all samples its normals have length 0.4

@@ -63,20 +63,14 @@ fn bracketed<Values: Iterator<Item = f32>>(
     if sample.iter().filter(is_within).count() > sample.len() / MOST_WITHIN {
         return None;
     }
-    let count = |mut found: Bracketed, y: usize| {
-        for v in row(y) {
-            found.below += usize::from(v < from && v >= f32::MIN);
-            found.above += usize::from(v > to && v <= f32::MAX);
-            if v >= from && v <= to {
-                found.within.push(v);
-            }
-        }
+    let add = |mut found: Bracketed, y: usize| {
+        row(y).for_each(|v| found.add(v, from, to));
         found
     };
     let mut found = (0..height)
         .into_par_iter()
         .with_min_len(height.div_ceil(2 * rayon::current_num_threads()))
-        .fold(Bracketed::default, count)
+        .fold(Bracketed::default, add)
         .reduce(Bracketed::default, Bracketed::and);
     let last = (found.below + found.within.len() + found.above).checked_sub(1)?;
     let rank = rank_of(percent, last as u64) as usize;
@@ -96,6 +90,14 @@ struct Bracketed {
 }
 
 impl Bracketed {
+    fn add(&mut self, value: f32, from: f32, to: f32) {
+        self.below += usize::from(value < from && value >= f32::MIN);
+        self.above += usize::from(value > to && value <= f32::MAX);
+        if value >= from && value <= to {
+            self.within.push(value);
+        }
+    }
+
     fn and(mut self, mut other: Self) -> Self {
         self.below += other.below;
         self.above += other.above;

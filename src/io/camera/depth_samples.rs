@@ -230,9 +230,8 @@ impl NormalsAndDepth<'_> {
                 let depth = f64::from(depth);
                 let normal = Vector3::new(nx[i], ny[i], nz[i]).map(f64::from);
                 let length = normal.norm();
-                if !(covered && depth > 0.0 && depth < FARTHEST)
-                    || !(shortest..=LONGEST).contains(&length)
-                {
+                let is_surface = covered && depth > 0.0 && depth < FARTHEST;
+                if !(is_surface && (shortest..=LONGEST).contains(&length)) {
                     return None;
                 }
                 // Sums about the middle keep their digits where depth hardly changes.

@@ -112,7 +112,9 @@ pub(super) struct Target<'t> {
 }
 
 impl Target<'_> {
-    fn check(&self, samples: &[f32]) {
+    /// Looks at `count` samples, from number `first` on.
+    fn check(&self, first: usize, count: usize) {
+        let samples = &self.samples[first..][..count];
         // An exponent of ones overflows into the sign.
         let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
         if samples.iter().fold(0, |all, v| all | overflow(v)) >> 31 == 1 {
@@ -191,9 +193,9 @@ impl<'t> Rows<'t> {
                             at = slot.before / 2 * width + count;
                             last = Some(slot.before);
                         }
-                        let at = y * layout.width + x..y * layout.width + x + width;
-                        slot.convert_words(&words[..count], &mut target.samples[at.clone()]);
-                        target.check(&target.samples[at]);
+                        let into = &mut target.samples[y * layout.width + x..][..width];
+                        slot.convert_words(&words[..count], into);
+                        target.check(y * layout.width + x, width);
                     }
                     pairs.skip(row_pairs - at);
                 }
@@ -225,10 +227,9 @@ impl<'t> Rows<'t> {
             match self {
                 Rows::Samples(planes) => {
                     for target in planes {
-                        let at = y * layout.width + x..y * layout.width + x + width;
-                        let into = &mut target.samples[at.clone()];
+                        let into = &mut target.samples[y * layout.width + x..][..width];
                         target.slot.convert(row, width, &mut bits, into);
-                        target.check(&target.samples[at]);
+                        target.check(y * layout.width + x, width);
                     }
                 }
                 Rows::Bytes(bytes) => {

@@ -10,12 +10,31 @@ use std::ops::Range;
 ///
 /// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
 pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, most: f32) -> f32 {
-    let mut search = GainSearch::new([trace.width(), trace.height()], factor, most);
-    let rows = 0..trace.height();
-    search.add(rows.clone(), trace, conductance);
-    search.search.narrow();
-    search.add(rows, trace, conductance);
-    search.gain()
+    let flat = flat_curvature([trace.width(), trace.height()], factor);
+    let curved = |y| curved(trace, conductance, flat, y);
+    gain_of(percentile(trace.height(), CURVATURE_PERCENT, curved), most)
+}
+
+/// The magnitudes of the trace in a row, off edges and where the surface is not flat.
+fn curved<'a>(
+    trace: &'a Plane,
+    conductance: &'a Plane,
+    flat: f32,
+    y: usize,
+) -> impl Iterator<Item = f32> + 'a {
+    let samples = trace.row(y).iter().zip(conductance.row(y));
+    samples
+        .filter(|&(_, &c)| c > 0.5)
+        .map(|(t, _)| t.abs())
+        .filter(move |&t| t > flat)
+}
+
+/// The gain for a typical magnitude of the trace.
+fn gain_of(typical: Option<f32>, most: f32) -> f32 {
+    match typical {
+        Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(most),
+        _ => most,
+    }
 }
 
 /// A search for the gain in a picture passed as groups of rows, each twice.
@@ -38,20 +57,12 @@ impl GainSearch {
 
     pub(crate) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
         let flat = self.flat;
-        self.search.add(rows, |y| {
-            let samples = trace.row(y).iter().zip(conductance.row(y));
-            samples
-                .filter(|&(_, &c)| c > 0.5)
-                .map(|(t, _)| t.abs())
-                .filter(move |&t| t > flat)
-        });
+        self.search
+            .add(rows, |y| curved(trace, conductance, flat, y));
     }
 
     pub(crate) fn gain(&self) -> f32 {
-        match self.search.found() {
-            Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(self.most),
-            _ => self.most,
-        }
+        gain_of(self.search.found(), self.most)
     }
 }
 
