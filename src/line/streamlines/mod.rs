@@ -18,7 +18,8 @@ use super::direction_field::setting::OPEN;
 use crate::engine::watch::CancelToken;
 use crate::frame::{Plane, Vector2Planes};
 use glam::Vec2;
-use placed::{Placed, Point};
+use placed::{Placed, Point, PointsByCell};
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use swelling::swell;
@@ -132,11 +133,11 @@ pub(crate) fn streamlines(
     }
     drawer.lead_on();
     drawer.fill();
-    let Drawer { placed, lines, .. } = &drawer;
-    let drawn = lines.iter().enumerate();
+    let placed = drawer.placed.by_cell();
+    let drawn = drawer.lines.par_iter().enumerate();
     let mut lines: Vec<Streamline> = drawn
         .map(|(number, points)| Streamline {
-            widths: drawer.widths(number as u32, points, placed),
+            widths: drawer.widths(number as u32, points, &placed),
             points: points.clone(),
             crosses: false,
         })
@@ -270,11 +271,12 @@ impl Drawer<'_> {
             points: [behind, ahead],
         } = *seed;
         let ink = self.ink_at(seed).filter(|_| !self.wanted.is_edge(seed))?;
-        let along = self.direction(seed, along)?;
         let distance = room * self.tool.spacing(ink);
+        // Before the direction, as most seeds are too close to a line.
         if !self.placed.is_free(seed, distance, |_| true) {
             return None;
         }
+        let along = self.direction(seed, along)?;
         let (number, before) = (self.lines.len() as u32, self.placed.count());
         self.placed.add(seed, number, 0);
         let step = self.step;
@@ -376,7 +378,7 @@ impl Drawer<'_> {
     }
 
     /// The widths that cover the ink wanted between a line's neighbours.
-    fn widths(&self, line: u32, points: &[Vec2], placed: &Placed) -> Vec<f32> {
+    fn widths(&self, line: u32, points: &[Vec2], placed: &PointsByCell) -> Vec<f32> {
         let [thinnest, thickest] = self.tool.widths();
         let wanted: Vec<f32> = (0..points.len())
             .map(|i| {

@@ -101,20 +101,140 @@ impl Placed {
         !self.any(at, distance, counts)
     }
 
+    /// The points in the order of their cells, for many questions when no more are added.
+    pub(super) fn by_cell(&self) -> PointsByCell<'_> {
+        let mut points = Vec::with_capacity(self.points.len());
+        let mut starts = Vec::with_capacity(self.last.len() + 1);
+        for &newest in &self.last {
+            starts.push(points.len());
+            let mut number = newest;
+            while let Some(point) = self.points.get(number as usize) {
+                points.push((point.at, point.line));
+                number = point.before;
+            }
+        }
+        starts.push(points.len());
+        PointsByCell {
+            placed: self,
+            points,
+            starts,
+        }
+    }
+}
+
+/// Points with their lines, cell by cell and row by row, so that neighbouring cells of a row are one slice.
+pub(super) struct PointsByCell<'a> {
+    placed: &'a Placed,
+    points: Vec<(Vec2, u32)>,
+    /// The first point of every cell, and the number of points.
+    starts: Vec<usize>,
+}
+
+impl PointsByCell<'_> {
     /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.
     pub(super) fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
-        let mut room = [f32::INFINITY; 2];
-        self.any(at, 1.5 * spacing, |other| {
-            let offset = other.at - at;
-            let across = along.perp_dot(offset);
-            // A point ahead is not a neighbour.
-            let is_beside = across.abs() > 0.7 * along.length() * offset.length();
-            if other.line != line && is_beside {
-                let side = &mut room[usize::from(across > 0.0)];
-                *side = side.min(offset.length());
+        let reach = 1.5 * spacing;
+        let least_across = 0.7 * along.length();
+        let mut squares = [f32::INFINITY; 2];
+        // Square of the distance beyond which no point is nearer than those found.
+        let mut limit = reach * reach;
+        self.rows_outward(at, reach, |y, away| {
+            let across = limit - away * away;
+            if across <= 0.0 {
+                return;
             }
-            false
+            for &(other, of_line) in self.cells(at, across.sqrt(), y) {
+                let offset = other - at;
+                let square = offset.length_squared();
+                if square >= limit || of_line == line {
+                    continue;
+                }
+                let across = along.perp_dot(offset);
+                // A point ahead is not a neighbour.
+                if across.abs() > least_across * square.sqrt() {
+                    let side = &mut squares[usize::from(across > 0.0)];
+                    *side = side.min(square);
+                    limit = limit.min(squares[0].max(squares[1]));
+                }
+            }
         });
-        room.map(|room| if room.is_finite() { room } else { spacing })
+        squares.map(|square| {
+            if square.is_finite() {
+                square.sqrt()
+            } else {
+                spacing
+            }
+        })
+    }
+
+    /// Visits the rows of cells within `reach` of a position, the nearest first, with at most their distance.
+    #[inline]
+    fn rows_outward(&self, at: Vec2, reach: f32, mut visit: impl FnMut(usize, f32)) {
+        let side = self.placed.side;
+        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.cell(at + d)[1]);
+        visit(own, 0.0);
+        for step in 1..=(own - first).max(last - own) {
+            // Less than the distance by as much as rounding may have moved a point to the next cell.
+            let [above, below] = [
+                at.y - (own + 1 - step) as f32 * side,
+                (own + step) as f32 * side - at.y,
+            ]
+            .map(|away| (away - ROUNDING * side).max(0.0));
+            if own >= first + step {
+                visit(own - step, above);
+            }
+            if own + step <= last {
+                visit(own + step, below);
+            }
+        }
+    }
+
+    /// The points of the cells in row `y` that are within `reach` of a position along the row.
+    #[inline]
+    fn cells(&self, at: Vec2, reach: f32, y: usize) -> &[(Vec2, u32)] {
+        let row = y * self.placed.size[0];
+        let reach = reach + ROUNDING * self.placed.side;
+        let [first, last] = [-reach, reach].map(|d| row + self.placed.cell(at + d)[0]);
+        &self.points[self.starts[first]..self.starts[last + 1]]
+    }
+}
+
+/// Error of the border between cells, in sides.
+const ROUNDING: f32 = 1e-2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_is_that_to_the_nearest_of_all_points_on_either_side() {
+        // Points of eight lines all over the paper; distances by looking at every one of them.
+        let mut placed = Placed::new([97, 61], 3.7);
+        let mut state = 1_u32;
+        let mut random = |most: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            most * (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for i in 0..700 {
+            let at = Vec2::new(random(97.0), random(61.0));
+            placed.add(at, random(8.0) as u32, i);
+        }
+        let by_cell = placed.by_cell();
+        for i in 0..500 {
+            let (at, along) = (placed.points[i].at, Vec2::from_angle(random(6.0)));
+            let (line, spacing) = (placed.points[i].line, 0.5 + random(20.0));
+            let mut nearest = [f32::INFINITY; 2];
+            for other in placed.points.iter().filter(|other| other.line != line) {
+                let offset = other.at - at;
+                let across = along.perp_dot(offset);
+                let is_near = offset.length_squared() < (1.5 * spacing) * (1.5 * spacing);
+                if is_near && across.abs() > 0.7 * along.length() * offset.length() {
+                    let side = &mut nearest[usize::from(across > 0.0)];
+                    *side = side.min(offset.length());
+                }
+            }
+            let expected = nearest.map(|room| if room.is_finite() { room } else { spacing });
+            assert_eq!(by_cell.room(at, along, spacing, line), expected);
+        }
     }
 }
