@@ -87,10 +87,23 @@ impl Wanted<'_> {
 /// The sample of the pixel at a position.
 #[inline]
 fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
-    let inside = at.x >= 0.0 && at.y >= 0.0;
+    number(plane, at).map(|i| plane.samples()[i])
+}
+
+/// The number of the pixel at a position, row by row.
+#[inline]
+fn number(plane: &Plane, at: Vec2) -> Option<usize> {
     let (x, y) = (at.x as usize, at.y as usize);
-    let inside = inside && x < plane.width() && y < plane.height();
-    inside.then(|| plane.at(x, y))
+    let is_inside = at.x >= 0.0 && at.y >= 0.0 && x < plane.width() && y < plane.height();
+    is_inside.then(|| y * plane.width() + x)
+}
+
+/// The greatest integer that is not above a coordinate.
+#[inline]
+fn floor(at: f32) -> f32 {
+    // Without a call to the maths library, as the processor's own instruction is not there on all.
+    let whole = at as i32 as f32;
+    if whole > at { whole - 1.0 } else { whole }
 }
 
 /// Longest distance, in pixels, that a line continues on an edge.
@@ -357,16 +370,18 @@ impl Drawer<'_> {
     /// one that continues `ahead`.
     fn direction(&self, at: Vec2, ahead: Vec2) -> Option<Vec2> {
         self.ink_at(at)?;
-        let corner = (at - 0.5).floor();
+        let corner = (at - 0.5).map(floor);
         let share = at - 0.5 - corner;
+        let ink = self.wanted.ink;
+        let (tx, ty) = (self.field.x.samples(), self.field.y.samples());
         let mut sum = Vec2::ZERO;
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let pixel = corner + Vec2::new(dx + 0.5, dy + 0.5);
-            if self.ink_at(pixel).is_none() {
+            let inked = number(ink, pixel).filter(|&i| ink.samples()[i] >= self.least_ink);
+            let Some(i) = inked else {
                 continue;
-            }
-            let (x, y) = (pixel.x as usize, pixel.y as usize);
-            let t = Vec2::new(self.field.x.at(x, y), -self.field.y.at(x, y));
+            };
+            let t = Vec2::new(tx[i], -ty[i]);
             let weight = (1.0 - (dx - share.x).abs()) * (1.0 - (dy - share.y).abs());
             sum += if t.dot(ahead) < 0.0 {
                 -weight * t

@@ -23,6 +23,8 @@ pub(super) struct Placed {
     last: Vec<u32>,
     size: [usize; 2],
     side: f32,
+    /// Cells to a pixel.
+    per_px: f32,
 }
 
 impl Placed {
@@ -34,18 +36,30 @@ impl Placed {
             last: vec![NONE; size[0] * size[1]],
             size,
             side,
+            per_px: side.recip(),
         }
     }
 
+    /// The column or row of cells, of so many, at a coordinate.
     #[inline]
-    fn cell(&self, at: Vec2) -> [usize; 2] {
-        let cell = |at: f32, count: usize| ((at / self.side).max(0.0) as usize).min(count - 1);
-        [cell(at.x, self.size[0]), cell(at.y, self.size[1])]
+    fn along(&self, at: f32, count: usize) -> usize {
+        // A cast of less than 0 is 0.
+        ((at * self.per_px) as usize).min(count - 1)
+    }
+
+    #[inline]
+    fn column(&self, at: f32) -> usize {
+        self.along(at, self.size[0])
+    }
+
+    #[inline]
+    fn row(&self, at: f32) -> usize {
+        self.along(at, self.size[1])
     }
 
     #[inline]
     fn last(&mut self, at: Vec2) -> &mut u32 {
-        let [x, y] = self.cell(at);
+        let (x, y) = (self.column(at.x), self.row(at.y));
         &mut self.last[y * self.size[0] + x]
     }
 
@@ -78,11 +92,11 @@ impl Placed {
     /// Whether any point within some distance `counts`.
     #[inline]
     fn any(&self, at: Vec2, distance: f32, mut counts: impl FnMut(&Point) -> bool) -> bool {
-        let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
+        let [first, last] = [-distance, distance].map(|d| self.column(at.x + d));
         let square = distance * distance;
-        for y in first[1]..=last[1] {
+        for y in self.row(at.y - distance)..=self.row(at.y + distance) {
             let row = y * self.size[0];
-            for &newest in &self.last[row + first[0]..=row + last[0]] {
+            for &newest in &self.last[row + first..=row + last] {
                 let mut number = newest;
                 while let Some(point) = self.points.get(number as usize) {
                     if point.at.distance_squared(at) < square && counts(point) {
@@ -171,7 +185,7 @@ impl PointsByCell<'_> {
     #[inline]
     fn rows_outward(&self, at: Vec2, reach: f32, mut visit: impl FnMut(usize, f32)) {
         let side = self.placed.side;
-        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.cell(at + d)[1]);
+        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
         visit(own, 0.0);
         for step in 1..=(own - first).max(last - own) {
             // Less than the distance by as much as rounding may have moved a point to the next cell.
@@ -194,7 +208,7 @@ impl PointsByCell<'_> {
     fn cells(&self, at: Vec2, reach: f32, y: usize) -> &[(Vec2, u32)] {
         let row = y * self.placed.size[0];
         let reach = reach + ROUNDING * self.placed.side;
-        let [first, last] = [-reach, reach].map(|d| row + self.placed.cell(at + d)[0]);
+        let [first, last] = [-reach, reach].map(|d| row + self.placed.column(at.x + d));
         &self.points[self.starts[first]..self.starts[last + 1]]
     }
 }
