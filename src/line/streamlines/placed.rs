@@ -187,18 +187,16 @@ impl PointsByCell<'_> {
         let side = self.placed.side;
         let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
         visit(own, 0.0);
+        // Less than the distance by as much as rounding may have moved a point to the next cell.
+        let at_most = |away: f32| (away - ROUNDING * side).max(0.0);
         for step in 1..=(own - first).max(last - own) {
-            // Less than the distance by as much as rounding may have moved a point to the next cell.
-            let [above, below] = [
-                at.y - (own + 1 - step) as f32 * side,
-                (own + step) as f32 * side - at.y,
-            ]
-            .map(|away| (away - ROUNDING * side).max(0.0));
             if own >= first + step {
-                visit(own - step, above);
+                let row = own - step;
+                visit(row, at_most(at.y - (row + 1) as f32 * side));
             }
             if own + step <= last {
-                visit(own + step, below);
+                let row = own + step;
+                visit(row, at_most(row as f32 * side - at.y));
             }
         }
     }
