@@ -148,12 +148,11 @@ impl Cells<'_> {
     fn before(&self, silhouette: Option<&Plane>) -> Plane {
         let mask = &self.grid.mask;
         let most = silhouette.map(|silhouette| self.grid.most(silhouette));
-        Plane::from_fn(mask.width(), mask.height(), |x, y| {
-            if !mask.at(x, y) {
-                return 0.0;
-            }
-            1.0 - most.as_ref().map_or(0.0, |most| most.at(x, y))
-        })
+        let [before] = map_covered(mask, self.memory, |y| {
+            let most = most.as_ref().map(|most| most.row(y));
+            move |x| [1.0 - most.map_or(0.0, |most| most[x])]
+        });
+        before
     }
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
