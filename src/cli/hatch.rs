@@ -25,6 +25,7 @@ use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::StrokeParams;
+use crate::plan::planned::DrawnAs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -107,7 +108,7 @@ impl FrameCommand for HatchArgs {
         let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
         let illumination = kit.illumination.clone();
-        let (plan, illumination) = self.plan(
+        let (mut plan, illumination) = self.plan(
             &kit.looks,
             illumination,
             &loaded.frame,
@@ -118,6 +119,13 @@ impl FrameCommand for HatchArgs {
                 is_specular: scene.is_some(),
             },
         )?;
+        plan.drawn_as = match is_svg(&job.work) {
+            true => DrawnAs::Lines,
+            false => match job.work.output.kind()? {
+                Kind::Picture(_) => DrawnAs::Picture,
+                _ => DrawnAs::Layers,
+            },
+        };
         job.tell_plan(&plan)?;
         let inputs = engine::Inputs {
             specular: scene.as_ref(),

@@ -8,6 +8,7 @@ use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities, ToneOf};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
+use crate::plan::planned::DrawnAs;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use rayon::prelude::*;
@@ -153,6 +154,7 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
     let (contours, contour_lines) = canvas.contours.unzip();
     let (interior, interior_lines) = canvas.interior.unzip();
     run.outcome.color = tone.made;
+    let asked = tone.density.filter(|_| plan.drawn_as == DrawnAs::Layers);
     run.outcome.drawing = Some(Drawing {
         hatching,
         lines,
@@ -161,7 +163,7 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
         contour_lines: contour_lines.unwrap_or_default(),
         interior,
         interior_lines: interior_lines.unwrap_or_default(),
-        asked: tone.density.map(covering),
+        asked: asked.map(covering),
         white_point: tone.white,
         coordinates: canvas.coordinates,
     });

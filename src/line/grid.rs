@@ -73,17 +73,18 @@ impl Grid {
         self.folded(pixels, f32::NEG_INFINITY, f32::max)
     }
 
-    fn folded(&self, pixels: &Plane, none: f32, fold: fn(f32, f32) -> f32) -> Plane {
+    fn folded(&self, pixels: &Plane, none: f32, fold: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
         let step = self.step;
-        Plane::from_fn(self.mask.width(), self.mask.height(), |column, row| {
-            if !self.mask.at(column, row) {
-                return 0.0;
-            }
+        let mut cells = Plane::filled(self.mask.width(), self.mask.height(), 0.0);
+        cells.each_row(|row, cells| {
             let rows = row * step..((row + 1) * step).min(pixels.height());
-            let columns = column * step..((column + 1) * step).min(pixels.width());
-            let samples = rows.flat_map(|y| &pixels.row(y)[columns.clone()]);
-            samples.copied().fold(none, fold)
-        })
+            for column in self.mask.runs(row).flatten() {
+                let columns = column * step..((column + 1) * step).min(pixels.width());
+                let samples = rows.clone().flat_map(|y| &pixels.row(y)[columns.clone()]);
+                cells[column] = samples.copied().fold(none, &fold);
+            }
+        });
+        cells
     }
 
     /// A plane of cells interpolated at the `width` pixels of row `y`: the mean of the four cells around, weighted by

@@ -19,6 +19,17 @@ pub enum Points {
     Normals,
 }
 
+/// What is written from a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DrawnAs {
+    /// Coverage layer by layer, and the tone that strokes were to have.
+    Layers,
+    /// Ink on paper.
+    Picture,
+    /// Lines and dots; no coverage of strokes is computed.
+    Lines,
+}
+
 /// The stages of a run in order, the reason for each step kept or dropped, and the parameters of the run.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -34,6 +45,8 @@ pub struct Plan {
     pub(crate) display: bool,
     /// Drawing of the picture, if any.
     pub(crate) drawing: Option<LineParams>,
+    /// What is written from it.
+    pub(crate) drawn_as: DrawnAs,
     /// Width factor of the drawing's lines along edges; 1 at scale 1.
     pub(crate) line_scale: f32,
     /// Whether the drawing's tone is stretched to show the shape.

@@ -8,7 +8,7 @@ use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style, check_scales,
 };
 use crate::plan::available::Available;
-use crate::plan::planned::{Decision, Plan, Points};
+use crate::plan::planned::{Decision, DrawnAs, Plan, Points};
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::plan::stages::stages;
 use crate::product::Product;
@@ -208,6 +208,7 @@ impl Plan {
             relighting,
             display: goal == Goal::Display,
             drawing,
+            drawn_as: DrawnAs::Layers,
             line_scale,
             shows_shape,
             specular: available.specular,

@@ -17,9 +17,18 @@ pub(crate) struct Bands<'a> {
 }
 
 impl Bands<'_> {
+    /// Column and row of a pixel.
+    #[inline]
+    fn place(&self, pixel: u32) -> [usize; 2] {
+        // A division of 32 bits takes half the time of one of 64.
+        let width = self.width as u32;
+        [pixel % width, pixel / width].map(|i| i as usize)
+    }
+
     /// The pixel a step away.
+    #[inline]
     fn beside(&self, pixel: u32, [dx, dy]: [i32; 2]) -> Option<usize> {
-        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let [x, y] = self.place(pixel);
         let (x, y) = (
             x.checked_add_signed(dx as isize)?,
             y.checked_add_signed(dy as isize)?,
@@ -45,7 +54,7 @@ impl Bands<'_> {
 
     /// The pixels all steps away, in their order.
     fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
-        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let [x, y] = self.place(pixel);
         let is_inside = x > 0 && y > 0 && x + 1 < self.width && y + 1 < self.height;
         STEPS.map(|[dx, dy]| match is_inside {
             true => {
@@ -136,11 +145,12 @@ impl Bands<'_> {
             .collect();
         let mut layer = layer.into_iter();
         waiting.retain(|&pixel| {
-            let bits = self.neighbours(pixel, is_left);
             let may_go = layer.next() == Some(true);
-            let stays = !may_go || bits.count_ones() < 2 || !is_simple(bits);
-            is_left[pixel as usize] = stays;
-            stays
+            let goes = may_go && IS_SPARE[usize::from(self.neighbours(pixel, is_left))];
+            if goes {
+                is_left[pixel as usize] = false;
+            }
+            !goes
         });
         before > waiting.len()
     }
@@ -163,7 +173,7 @@ impl Bands<'_> {
     /// The middle of the weights around a pixel, in picture coordinates: of a band two pixels wide it is the
     /// crack between them.
     pub(crate) fn middle(&self, pixel: u32) -> Vec2 {
-        let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+        let [x, y] = self.place(pixel);
         let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
         for step in STEPS {
             let weight = self.weight_beside(pixel, step);
@@ -188,14 +198,32 @@ const LEVELS: usize = 4;
 /// Layers that are taken from all sides: enough for bands of twice as many pixels.
 const MOST_LAYERS: usize = 6;
 
+/// Whether a pixel with these remaining neighbours is neither needed for a line's length nor to connect them.
+const IS_SPARE: [bool; 256] = {
+    let mut is_spare = [false; 256];
+    let mut bits = 0;
+    while bits < is_spare.len() {
+        is_spare[bits] = bits.count_ones() >= 2 && is_simple(bits);
+        bits += 1;
+    }
+    is_spare
+};
+
 /// Whether a pixel with these remaining neighbours can be removed without separating them or opening a hole: its
 /// 8-connectivity number (Yokoi) is 1.
-fn is_simple(bits: u8) -> bool {
-    let free = |i: usize| u8::from(bits >> (i % 8) & 1 == 0);
-    let number: u8 = (0..8)
-        .step_by(2)
-        .map(|i| free(i) - free(i) * free(i + 1) * free(i + 2))
-        .sum();
+const fn is_simple(bits: usize) -> bool {
+    let (mut number, mut side) = (0, 0);
+    while side < 8 {
+        let free = [
+            (bits >> side) & 1 == 0,
+            (bits >> (side + 1)) & 1 == 0,
+            (bits >> ((side + 2) % 8)) & 1 == 0,
+        ];
+        if free[0] && !(free[1] && free[2]) {
+            number += 1;
+        }
+        side += 2;
+    }
     number == 1
 }
 

@@ -22,6 +22,9 @@ pub(super) struct Crest {
 /// Largest distance of a crest from its pixel's centre.
 const FARTHEST: f32 = 0.6;
 
+/// Component of a unit direction, above which it leads across a border.
+const ACROSS: f32 = std::f32::consts::FRAC_1_SQRT_2;
+
 /// Strength required of ridges, as a multiple of that of valleys.
 const RIDGE_STRENGTH: f32 = 2.0;
 
@@ -158,8 +161,15 @@ pub(super) fn each_pixel<T: Send>(
     rows.into_iter().flatten().collect()
 }
 
-/// The maximum of a plane along a direction (x right, y up) close to a pixel, if there is one.
+/// The maximum of a plane along a direction (x right, y up) close to a pixel, if there is one. Along the border there is
+/// none, as nothing is known beyond it.
 pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
+    let (across_columns, across_rows) = (along.x.abs() > ACROSS, along.y.abs() > ACROSS);
+    let is_at_end = |i: usize, count: usize| i == 0 || i + 1 == count;
+    if across_columns && is_at_end(x, plane.width()) || across_rows && is_at_end(y, plane.height())
+    {
+        return None;
+    }
     let (here, ahead, behind) = (
         plane.at(x, y),
         sampled(plane, x, y, along),
@@ -190,4 +200,22 @@ fn sampled(plane: &Plane, x: usize, y: usize, offset: Vec2) -> f32 {
     let part = at - Vec2::new(left as f32, top as f32);
     let row = |y: usize| (1.0 - part.x) * plane.at(left, y) + part.x * plane.at(right, y);
     (1.0 - part.y) * row(top) + part.y * row(bottom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_run_into_the_border_and_not_along_it() {
+        // Strength that rises to the last row: as far as is known, it is largest beyond it.
+        let rising = Plane::from_fn(9, 9, |_, y| y as f32);
+        assert_eq!(crest(&rising, 4, 8, Vec2::Y), None);
+        assert_eq!(crest(&rising, 4, 8, Vec2::NEG_Y), None);
+        // A crest along column 4 is one up to that row.
+        let roof = Plane::from_fn(9, 9, |x, _| -(x as f32 - 4.0).abs());
+        for across in [Vec2::X, Vec2::NEG_X] {
+            assert_eq!(crest(&roof, 4, 8, across), Some(Vec2::new(4.5, 8.5)));
+        }
+    }
 }

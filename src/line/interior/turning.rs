@@ -1,13 +1,13 @@
 //! Rate at which the normal turns across the picture.
 
 use crate::frame::{Mask, Plane};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 
 /// Derivatives of the unit normal per pixel, x right and y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Turning {
-    x: Vec3,
-    y: Vec3,
+    x: Vec3A,
+    y: Vec3A,
 }
 
 impl Turning {
@@ -20,13 +20,13 @@ impl Turning {
     /// The turning in the middle of three rows of normals.
     #[inline]
     fn between(rows: [&[Vec3]; 3], x: usize) -> Self {
-        let here = rows[1][x];
+        let here = Vec3A::from(rows[1][x]);
         let columns = [x.saturating_sub(1), x, (x + 1).min(rows[1].len() - 1)];
-        let there = |normal: Vec3| if normal == Vec3::ZERO { here } else { normal };
-        let [above, level, below] = rows.map(|row| columns.map(|x| there(row[x])));
-        let smooth = |a: Vec3, b: Vec3, c: Vec3| 0.25 * (a + c) + 0.5 * b;
+        let there = |normal: Vec3A| if normal == Vec3A::ZERO { here } else { normal };
+        let [above, level, below] = rows.map(|row| columns.map(|x| there(row[x].into())));
+        let smooth = |a: Vec3A, b: Vec3A, c: Vec3A| 0.25 * (a + c) + 0.5 * b;
         let column = |i: usize| smooth(above[i], level[i], below[i]);
-        let row = |row: [Vec3; 3]| smooth(row[0], row[1], row[2]);
+        let row = |row: [Vec3A; 3]| smooth(row[0], row[1], row[2]);
         Self {
             x: 0.5 * (column(2) - column(0)),
             y: 0.5 * (row(above) - row(below)),

@@ -148,12 +148,11 @@ impl Cells<'_> {
     fn before(&self, silhouette: Option<&Plane>) -> Plane {
         let mask = &self.grid.mask;
         let most = silhouette.map(|silhouette| self.grid.most(silhouette));
-        Plane::from_fn(mask.width(), mask.height(), |x, y| {
-            if !mask.at(x, y) {
-                return 0.0;
-            }
-            1.0 - most.as_ref().map_or(0.0, |most| most.at(x, y))
-        })
+        let [before] = map_covered(mask, self.memory, |y| {
+            let most = most.as_ref().map(|most| most.row(y));
+            move |x| [1.0 - most.map_or(0.0, |most| most[x])]
+        });
+        before
     }
 
     fn density(&self, seen: &Seen, shown: &Shown) -> (Plane, [f32; ToneLevels::COUNT]) {
@@ -199,11 +198,24 @@ impl Cells<'_> {
             let [x, y, z] = [&xy.x, &xy.y, &z].map(|plane| plane.row(row));
             move |i| Vec3::new(x[i], y[i], z[i]).normalize_or_zero().to_array()
         });
-        let at = |x: usize, y: usize| Vec3::from(units.each_ref().map(|plane| plane.at(x, y)));
         let [turn] = map_covered(mask, self.memory, |y| {
+            let around = [
+                y.checked_sub(1),
+                Some(y),
+                Some(y + 1).filter(|&y| y < mask.height()),
+            ];
+            let [above, own, below] = around.map(|y| {
+                let rows = units
+                    .each_ref()
+                    .map(|plane| y.map_or(&[][..], |y| plane.row(y)));
+                (y.map_or(&[][..], |y| mask.row(y)), rows)
+            });
+            let open = open.row(y);
             move |x| {
-                let across = slope(mask, [x, y], [1, 0], at);
-                let down = slope(mask, [x, y], [0, 1], at);
+                let here = Vec3::from(own.1.map(|row| row[x]));
+                let [left, right] = [x.checked_sub(1), Some(x + 1)].map(|x| normal_at(&own, x?));
+                let across = slope(left, here, right);
+                let down = slope(normal_at(&above, x), here, normal_at(&below, x));
                 let (a, b, c) = (
                     across.length_squared(),
                     across.dot(down),
@@ -211,7 +223,7 @@ impl Cells<'_> {
                 );
                 let largest = 0.5 * (a + c) + (0.5 * (a - c)).hypot(b);
                 // Across an edge nothing turns.
-                [open.at(x, y) * largest.sqrt() * self.size]
+                [open[x] * largest.sqrt() * self.size]
             }
         });
         turn
@@ -343,18 +355,15 @@ impl Cells<'_> {
     }
 }
 
+/// The normal at a column of a row with its coverage, if covered.
+#[inline(always)]
+fn normal_at((covered, [nx, ny, nz]): &(&[bool], [&[f32]; 3]), x: usize) -> Option<Vec3> {
+    (*covered.get(x)?).then(|| Vec3::new(nx[x], ny[x], nz[x]))
+}
+
 /// Half the difference between the cells on both sides, by what is covered of them.
 #[inline(always)]
-fn slope(
-    mask: &Mask,
-    [x, y]: [usize; 2],
-    [dx, dy]: [usize; 2],
-    at: impl Fn(usize, usize) -> Vec3,
-) -> Vec3 {
-    let here = at(x, y);
-    let before = (x >= dx && y >= dy && mask.at(x - dx, y - dy)).then(|| at(x - dx, y - dy));
-    let is_inside = x + dx < mask.width() && y + dy < mask.height();
-    let after = (is_inside && mask.at(x + dx, y + dy)).then(|| at(x + dx, y + dy));
+fn slope(before: Option<Vec3>, here: Vec3, after: Option<Vec3>) -> Vec3 {
     match (before, after) {
         (Some(before), Some(after)) => 0.5 * (after - before),
         (Some(before), None) => here - before,

@@ -18,7 +18,8 @@ use super::direction_field::setting::OPEN;
 use crate::engine::watch::CancelToken;
 use crate::frame::{Plane, Vector2Planes};
 use glam::Vec2;
-use placed::{Placed, Point};
+use placed::{Placed, Point, PointsByCell};
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use swelling::swell;
@@ -86,10 +87,23 @@ impl Wanted<'_> {
 /// The sample of the pixel at a position.
 #[inline]
 fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
-    let inside = at.x >= 0.0 && at.y >= 0.0;
+    number(plane, at).map(|i| plane.samples()[i])
+}
+
+/// The number of the pixel at a position, row by row.
+#[inline]
+fn number(plane: &Plane, at: Vec2) -> Option<usize> {
     let (x, y) = (at.x as usize, at.y as usize);
-    let inside = inside && x < plane.width() && y < plane.height();
-    inside.then(|| plane.at(x, y))
+    let is_inside = at.x >= 0.0 && at.y >= 0.0 && x < plane.width() && y < plane.height();
+    is_inside.then(|| y * plane.width() + x)
+}
+
+/// The greatest integer that is not above a coordinate.
+#[inline]
+fn floor(at: f32) -> f32 {
+    // Without a call to the maths library, as the processor's own instruction is not there on all.
+    let whole = at as i32 as f32;
+    if whole > at { whole - 1.0 } else { whole }
 }
 
 /// Longest distance, in pixels, that a line continues on an edge.
@@ -132,11 +146,11 @@ pub(crate) fn streamlines(
     }
     drawer.lead_on();
     drawer.fill();
-    let Drawer { placed, lines, .. } = &drawer;
-    let drawn = lines.iter().enumerate();
+    let placed = drawer.placed.by_cell();
+    let drawn = drawer.lines.par_iter().enumerate();
     let mut lines: Vec<Streamline> = drawn
         .map(|(number, points)| Streamline {
-            widths: drawer.widths(number as u32, points, placed),
+            widths: drawer.widths(number as u32, points, &placed),
             points: points.clone(),
             crosses: false,
         })
@@ -270,11 +284,12 @@ impl Drawer<'_> {
             points: [behind, ahead],
         } = *seed;
         let ink = self.ink_at(seed).filter(|_| !self.wanted.is_edge(seed))?;
-        let along = self.direction(seed, along)?;
         let distance = room * self.tool.spacing(ink);
+        // Before the direction, as most seeds are too close to a line.
         if !self.placed.is_free(seed, distance, |_| true) {
             return None;
         }
+        let along = self.direction(seed, along)?;
         let (number, before) = (self.lines.len() as u32, self.placed.count());
         self.placed.add(seed, number, 0);
         let step = self.step;
@@ -355,16 +370,18 @@ impl Drawer<'_> {
     /// one that continues `ahead`.
     fn direction(&self, at: Vec2, ahead: Vec2) -> Option<Vec2> {
         self.ink_at(at)?;
-        let corner = (at - 0.5).floor();
+        let corner = (at - 0.5).map(floor);
         let share = at - 0.5 - corner;
+        let ink = self.wanted.ink;
+        let (tx, ty) = (self.field.x.samples(), self.field.y.samples());
         let mut sum = Vec2::ZERO;
         for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
             let pixel = corner + Vec2::new(dx + 0.5, dy + 0.5);
-            if self.ink_at(pixel).is_none() {
+            let inked = number(ink, pixel).filter(|&i| ink.samples()[i] >= self.least_ink);
+            let Some(i) = inked else {
                 continue;
-            }
-            let (x, y) = (pixel.x as usize, pixel.y as usize);
-            let t = Vec2::new(self.field.x.at(x, y), -self.field.y.at(x, y));
+            };
+            let t = Vec2::new(tx[i], -ty[i]);
             let weight = (1.0 - (dx - share.x).abs()) * (1.0 - (dy - share.y).abs());
             sum += if t.dot(ahead) < 0.0 {
                 -weight * t
@@ -376,7 +393,7 @@ impl Drawer<'_> {
     }
 
     /// The widths that cover the ink wanted between a line's neighbours.
-    fn widths(&self, line: u32, points: &[Vec2], placed: &Placed) -> Vec<f32> {
+    fn widths(&self, line: u32, points: &[Vec2], placed: &PointsByCell) -> Vec<f32> {
         let [thinnest, thickest] = self.tool.widths();
         let wanted: Vec<f32> = (0..points.len())
             .map(|i| {

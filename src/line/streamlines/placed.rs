@@ -23,6 +23,8 @@ pub(super) struct Placed {
     last: Vec<u32>,
     size: [usize; 2],
     side: f32,
+    /// Cells to a pixel.
+    per_px: f32,
 }
 
 impl Placed {
@@ -34,18 +36,30 @@ impl Placed {
             last: vec![NONE; size[0] * size[1]],
             size,
             side,
+            per_px: side.recip(),
         }
     }
 
+    /// The column or row of cells, of so many, at a coordinate.
     #[inline]
-    fn cell(&self, at: Vec2) -> [usize; 2] {
-        let cell = |at: f32, count: usize| ((at / self.side).max(0.0) as usize).min(count - 1);
-        [cell(at.x, self.size[0]), cell(at.y, self.size[1])]
+    fn along(&self, at: f32, count: usize) -> usize {
+        // A cast of less than 0 is 0.
+        ((at * self.per_px) as usize).min(count - 1)
+    }
+
+    #[inline]
+    fn column(&self, at: f32) -> usize {
+        self.along(at, self.size[0])
+    }
+
+    #[inline]
+    fn row(&self, at: f32) -> usize {
+        self.along(at, self.size[1])
     }
 
     #[inline]
     fn last(&mut self, at: Vec2) -> &mut u32 {
-        let [x, y] = self.cell(at);
+        let (x, y) = (self.column(at.x), self.row(at.y));
         &mut self.last[y * self.size[0] + x]
     }
 
@@ -78,11 +92,11 @@ impl Placed {
     /// Whether any point within some distance `counts`.
     #[inline]
     fn any(&self, at: Vec2, distance: f32, mut counts: impl FnMut(&Point) -> bool) -> bool {
-        let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
+        let [first, last] = [-distance, distance].map(|d| self.column(at.x + d));
         let square = distance * distance;
-        for y in first[1]..=last[1] {
+        for y in self.row(at.y - distance)..=self.row(at.y + distance) {
             let row = y * self.size[0];
-            for &newest in &self.last[row + first[0]..=row + last[0]] {
+            for &newest in &self.last[row + first..=row + last] {
                 let mut number = newest;
                 while let Some(point) = self.points.get(number as usize) {
                     if point.at.distance_squared(at) < square && counts(point) {
@@ -101,20 +115,138 @@ impl Placed {
         !self.any(at, distance, counts)
     }
 
+    /// The points in the order of their cells, for many questions when no more are added.
+    pub(super) fn by_cell(&self) -> PointsByCell<'_> {
+        let mut points = Vec::with_capacity(self.points.len());
+        let mut starts = Vec::with_capacity(self.last.len() + 1);
+        for &newest in &self.last {
+            starts.push(points.len());
+            let mut number = newest;
+            while let Some(point) = self.points.get(number as usize) {
+                points.push((point.at, point.line));
+                number = point.before;
+            }
+        }
+        starts.push(points.len());
+        PointsByCell {
+            placed: self,
+            points,
+            starts,
+        }
+    }
+}
+
+/// Points with their lines, cell by cell and row by row, so that neighbouring cells of a row are one slice.
+pub(super) struct PointsByCell<'a> {
+    placed: &'a Placed,
+    points: Vec<(Vec2, u32)>,
+    /// The first point of every cell, and the number of points.
+    starts: Vec<usize>,
+}
+
+impl PointsByCell<'_> {
     /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.
     pub(super) fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
-        let mut room = [f32::INFINITY; 2];
-        self.any(at, 1.5 * spacing, |other| {
-            let offset = other.at - at;
-            let across = along.perp_dot(offset);
-            // A point ahead is not a neighbour.
-            let is_beside = across.abs() > 0.7 * along.length() * offset.length();
-            if other.line != line && is_beside {
-                let side = &mut room[usize::from(across > 0.0)];
-                *side = side.min(offset.length());
+        let reach = 1.5 * spacing;
+        let least_across = 0.7 * along.length();
+        let mut squares = [f32::INFINITY; 2];
+        // Square of the distance beyond which no point is nearer than those found.
+        let mut limit = reach * reach;
+        self.rows_outward(at, reach, |y, away| {
+            let across = limit - away * away;
+            if across <= 0.0 {
+                return;
             }
-            false
+            for &(other, of_line) in self.cells(at, across.sqrt(), y) {
+                let offset = other - at;
+                let square = offset.length_squared();
+                if square >= limit || of_line == line {
+                    continue;
+                }
+                let across = along.perp_dot(offset);
+                // A point ahead is not a neighbour.
+                if across.abs() > least_across * square.sqrt() {
+                    let side = &mut squares[usize::from(across > 0.0)];
+                    *side = side.min(square);
+                    limit = limit.min(squares[0].max(squares[1]));
+                }
+            }
         });
-        room.map(|room| if room.is_finite() { room } else { spacing })
+        squares.map(|square| {
+            if square.is_finite() {
+                square.sqrt()
+            } else {
+                spacing
+            }
+        })
+    }
+
+    /// Visits the rows of cells within `reach` of a position, the nearest first, with at most their distance.
+    #[inline]
+    fn rows_outward(&self, at: Vec2, reach: f32, mut visit: impl FnMut(usize, f32)) {
+        let side = self.placed.side;
+        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
+        visit(own, 0.0);
+        // Less than the distance by as much as rounding may have moved a point to the next cell.
+        let at_most = |away: f32| (away - ROUNDING * side).max(0.0);
+        for step in 1..=(own - first).max(last - own) {
+            if own >= first + step {
+                let row = own - step;
+                visit(row, at_most(at.y - (row + 1) as f32 * side));
+            }
+            if own + step <= last {
+                let row = own + step;
+                visit(row, at_most(row as f32 * side - at.y));
+            }
+        }
+    }
+
+    /// The points of the cells in row `y` that are within `reach` of a position along the row.
+    #[inline]
+    fn cells(&self, at: Vec2, reach: f32, y: usize) -> &[(Vec2, u32)] {
+        let row = y * self.placed.size[0];
+        let reach = reach + ROUNDING * self.placed.side;
+        let [first, last] = [-reach, reach].map(|d| row + self.placed.column(at.x + d));
+        &self.points[self.starts[first]..self.starts[last + 1]]
+    }
+}
+
+/// Error of the border between cells, in sides.
+const ROUNDING: f32 = 1e-2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_is_that_to_the_nearest_of_all_points_on_either_side() {
+        // Points of eight lines all over the paper; distances by looking at every one of them.
+        let mut placed = Placed::new([97, 61], 3.7);
+        let mut state = 1_u32;
+        let mut random = |most: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            most * (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for i in 0..700 {
+            let at = Vec2::new(random(97.0), random(61.0));
+            placed.add(at, random(8.0) as u32, i);
+        }
+        let by_cell = placed.by_cell();
+        for i in 0..500 {
+            let (at, along) = (placed.points[i].at, Vec2::from_angle(random(6.0)));
+            let (line, spacing) = (placed.points[i].line, 0.5 + random(20.0));
+            let mut nearest = [f32::INFINITY; 2];
+            for other in placed.points.iter().filter(|other| other.line != line) {
+                let offset = other.at - at;
+                let across = along.perp_dot(offset);
+                let is_near = offset.length_squared() < (1.5 * spacing) * (1.5 * spacing);
+                if is_near && across.abs() > 0.7 * along.length() * offset.length() {
+                    let side = &mut nearest[usize::from(across > 0.0)];
+                    *side = side.min(offset.length());
+                }
+            }
+            let expected = nearest.map(|room| if room.is_finite() { room } else { spacing });
+            assert_eq!(by_cell.room(at, along, spacing, line), expected);
+        }
     }
 }

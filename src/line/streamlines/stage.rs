@@ -1,11 +1,13 @@
 //! Strokes as lines.
 
 use crate::engine::cpu::run::Run;
+use crate::frame::Plane;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
+use crate::plan::planned::DrawnAs;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
@@ -64,7 +66,11 @@ fn lay(run: &mut Run) {
             drawn,
             memory,
         );
-        (inked(&laid, frame, memory), laid, seeds)
+        let ink = match plan.drawn_as {
+            DrawnAs::Lines => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
+            DrawnAs::Layers | DrawnAs::Picture => inked(&laid, frame, memory),
+        };
+        (ink, laid, seeds)
     });
     drop(densities);
     (run.canvas, run.outcome.shape) = (canvas, shape);

@@ -192,6 +192,6 @@ impl Tool {
 
     /// The side of cells of points that finds neighbours soonest.
     pub(super) fn cell_side(&self) -> f32 {
-        (2.0 * self.closest()).max(LEAST_SIDE)
+        self.closest().max(LEAST_SIDE)
     }
 }
