@@ -27,8 +27,6 @@ const FACES: f64 = 0.9;
 const DISTANCE_DEG: f64 = 4.0;
 /// Samples of depth that are looked at, about.
 const WANTED: usize = 10_000;
-/// An angle up to which no other reading of depth can fit as well.
-const SURE_DEG: f64 = 0.5;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 const ABOVE_ONE: f32 = 1e-3;
 
@@ -246,11 +244,8 @@ impl Judged<'_> {
         }
         // Without a camera one has to be found either way.
         let residual = |stored| self.recovered_deg(stored).unwrap_or(90.0);
-        let away = residual(StoredDepth::Planar);
-        let toward = match away <= SURE_DEG {
-            true => 90.0,
-            false => residual(StoredDepth::Inverse),
-        };
+        // Both are tried: the inverse of a plane's distance in perspective is that of another plane in parallel.
+        let [away, toward] = [StoredDepth::Planar, StoredDepth::Inverse].map(residual);
         let way = match away.min(toward) <= DISTANCE_DEG {
             true if away <= toward => Some(Way::Away),
             true => Some(Way::Toward),
