@@ -16,8 +16,8 @@ const NORMALS_REACH: usize = 2;
 /// has all its lengths below 0.94; means of directions 41 degrees to either side have length 0.75.
 const LENGTHS: [f32; 2] = [0.93, 0.75];
 
-/// Longest normal of a square, above which its normals are taken as they are, and below which for those of a foggy
-/// surface, or of a blurred one. The upper bound is [`LENGTHS`]'s, so that frames without such squares keep theirs.
+/// A square whose longest normal has at most the first length is in fog, or blurred; one with a normal of the second
+/// length is not. The second is that of [`LENGTHS`], so that sharp frames keep the lengths they have.
 const FOG: [f32; 2] = [0.91, LENGTHS[0]];
 
 /// Half size of the square whose longest normals a pixel's normal is compared with: in fog all are short, by the share
@@ -166,8 +166,8 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     any_is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
 }
 
-/// Whether the isolated depths of some square may be many enough to count: those of two by two tiles as wide as a square
-/// hold those of each square inside.
+/// Whether some square may hold enough isolated depths to count: every square lies within two by two tiles of its width,
+/// so it has no more than they do.
 fn may_be_alone_together(depth: &Plane, mask: &Mask) -> bool {
     const SIDE: usize = 2 * DEPTHS_REACH + 1;
     let (width, height) = (depth.width(), depth.height());
