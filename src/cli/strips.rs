@@ -16,7 +16,7 @@ use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
 use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
-use crate::io::inputs::Inputs;
+use crate::io::inputs::{Inputs, Wrap};
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
 use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
@@ -141,6 +141,9 @@ fn whole_bytes(job: &Job) -> u64 {
 fn allowed(job: &Job) -> u64 {
     let run = &job.work.run;
     let bytes = run.max_memory.bytes();
+    if job.work.roles.wrap != Wrap::None {
+        return run.max_memory.most();
+    }
     let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
     match run.max_memory {
         MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {

@@ -4,7 +4,7 @@ use super::flags::{Flag, one_of};
 use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
 use crate::io::colorspace::ColorSpace;
-use crate::io::inputs::{Conventions, Flip, Inputs, NormalEncoding, StoredDepth};
+use crate::io::inputs::{Conventions, Flip, Inputs, NormalEncoding, StoredDepth, Wrap};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use std::path::PathBuf;
@@ -61,6 +61,10 @@ pub(crate) struct RoleArgs {
     /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
     #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
     colorspace: Given<ColorSpace>,
+    /// Opposite borders that continue each other, in a picture that is a tile: none, x (left and right), y, xy, or auto,
+    /// those across which normals change no more than beside them. Results then continue across them.
+    #[arg(long, value_name = "BORDERS", default_value = "none", value_parser = one_of(wraps()))]
+    pub(crate) wrap: Wrap,
     /// The camera shared by all frames of a sequence, as --save-recipe writes it where it was recovered and stands
     /// still.
     #[arg(long, value_name = "JSON", conflicts_with = "camera")]
@@ -100,6 +104,11 @@ impl std::str::FromStr for FlipArg {
 /// A given value, or `auto`.
 #[derive(Debug, Clone, Copy)]
 struct Given<T>(Option<T>);
+
+fn wraps() -> impl Iterator<Item = (Wrap, &'static str)> {
+    let words = Wrap::CHOICES.iter().map(|choice| choice.name);
+    words.filter_map(|word| Some((Wrap::named(word)?, word)))
+}
 
 /// Parser for `auto` and the names of `all`.
 fn auto_or<T: Copy + Send + Sync + 'static>(
@@ -158,6 +167,7 @@ impl RoleArgs {
             depth_kind: self.depth_kind.0,
             colorspace: self.colorspace.0,
             light: None,
+            wrap: self.wrap,
             rows: None,
             known_camera: self.still_camera.map(|still| still.0),
         }

@@ -138,14 +138,17 @@ impl Engine {
     ) -> Result<Outcome> {
         let window = run.region.unwrap_or(frame.data_window);
         run.begin([window.height(), window.width()])?;
-        let Some(region) = run.region else {
+        // A tile is run with as much of its repetition around it as the plan reaches.
+        let tile = frame.is_tile().then_some(frame.data_window);
+        let Some(region) = run.region.or(tile) else {
             let outcome = run.install(|| self.execute_here(plan, frame, inputs, run))?;
             run.finish(frame, &outcome)?;
             return Ok(outcome);
         };
         let part = Part::around(region, plan, frame, inputs)?;
         let inputs = part.inputs(inputs);
-        let mut outcome = run.install(|| self.execute_here(plan, &part.frame, inputs, run))?;
+        let mut outcome =
+            run.install(|| self.execute_here(&part.plan, &part.frame, inputs, run))?;
         outcome.crop(part.frame.data_window, region);
         run.finish(&frame.crop(region), &outcome)?;
         Ok(outcome)
@@ -180,7 +183,7 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        if run.region.is_some() {
+        if run.region.is_some() || frame.is_tile() {
             return self.execute(plan, frame, inputs, run);
         }
         run.begin([frame.mask.height(), frame.mask.width()])?;

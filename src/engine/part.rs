@@ -9,6 +9,8 @@ use crate::plan::Plan;
 /// A region with a margin of the plan's reach.
 pub(crate) struct Part {
     pub(crate) frame: Frame,
+    /// The plan for it, which counts no repetition of a tile.
+    pub(crate) plan: Plan,
     /// Mask and points cropped to this part; the scene behind and around is whole.
     specular: Option<SpecularScene>,
     motion: Option<Vector2Planes>,
@@ -31,23 +33,23 @@ impl Part {
             });
         }
         inputs.check(plan, frame)?;
-        let reach = i32::try_from(plan.reach()).unwrap_or(i32::MAX);
-        let around = Window {
-            x0: region.x0.saturating_sub(reach),
-            y0: region.y0.saturating_sub(reach),
-            x1: region.x1.saturating_add(reach),
-            y1: region.y1.saturating_add(reach),
-        };
-        let around = around.common(&whole).unwrap_or(region);
+        let around = around(region, whole, plan.reach(), frame.wraps);
         let motion = inputs.sequence.and_then(|sequence| sequence.motion);
         Ok(Self {
-            frame: frame.crop(around),
+            frame: match frame.is_tile() {
+                true => frame.repeated(around),
+                false => frame.crop(around),
+            },
+            plan: match frame.is_tile() {
+                true => plan.clone().of_tile(whole, frame.wraps),
+                false => plan.clone(),
+            },
             specular: inputs
                 .specular
                 .map(|scene| specular_in(scene, whole, around)),
             motion: motion.map(|Vector2Planes { x, y }| Vector2Planes {
-                x: x.crop(whole, around),
-                y: y.crop(whole, around),
+                x: x.repeated(whole, around),
+                y: y.repeated(whole, around),
             }),
         })
     }
@@ -65,15 +67,32 @@ impl Part {
     }
 }
 
-/// A scene whose per-pixel planes are cropped to a part of the frame.
+/// The pixels within `reach` of a region: across a border of the frame only where it wraps.
+fn around(region: Window, whole: Window, reach: usize, wraps: [bool; 2]) -> Window {
+    let reach = i32::try_from(reach).unwrap_or(i32::MAX);
+    let bounds = |wraps: bool, from: i32, to: i32| match wraps {
+        true => (i32::MIN, i32::MAX),
+        false => (from, to),
+    };
+    let (x0, x1) = bounds(wraps[0], whole.x0, whole.x1);
+    let (y0, y1) = bounds(wraps[1], whole.y0, whole.y1);
+    Window {
+        x0: region.x0.saturating_sub(reach).max(x0),
+        y0: region.y0.saturating_sub(reach).max(y0),
+        x1: region.x1.saturating_add(reach).min(x1),
+        y1: region.y1.saturating_add(reach).min(y1),
+    }
+}
+
+/// A scene with the samples of a part of the frame, or of its repetition.
 fn specular_in(scene: &SpecularScene, whole: Window, part: Window) -> SpecularScene {
     let points = scene.hit_position.as_ref();
     SpecularScene {
-        mask: scene.mask.as_ref().map(|mask| mask.crop(whole, part)),
+        mask: scene.mask.as_ref().map(|mask| mask.repeated(whole, part)),
         hit_position: points.map(|Vector3Planes { x, y, z }| Vector3Planes {
-            x: x.crop(whole, part),
-            y: y.crop(whole, part),
-            z: z.crop(whole, part),
+            x: x.repeated(whole, part),
+            y: y.repeated(whole, part),
+            z: z.repeated(whole, part),
         }),
         ..scene.clone()
     }

@@ -26,8 +26,8 @@ pub struct Session<F> {
     kept: FrameCache,
     /// The last outcome of the CPU.
     outcome: Outcome,
-    /// A later outcome from a device.
-    on_device: Option<Outcome>,
+    /// A later outcome that nothing is kept for: from a device, or of a tile.
+    elsewhere: Option<Outcome>,
     counts: BTreeMap<&'static str, u32>,
 }
 
@@ -40,7 +40,7 @@ impl<F: AsRef<Frame>> Session<F> {
             runner: Runner::default(),
             kept: FrameCache::default(),
             outcome: Outcome::default(),
-            on_device: None,
+            elsewhere: None,
             counts: BTreeMap::new(),
         }
     }
@@ -52,7 +52,7 @@ impl<F: AsRef<Frame>> Session<F> {
 
     /// The outcome of the last run.
     pub fn outcome(&self) -> &Outcome {
-        self.on_device.as_ref().unwrap_or(&self.outcome)
+        self.elsewhere.as_ref().unwrap_or(&self.outcome)
     }
 
     /// How often each pass has run on the CPU, named as in [`Outcome::timings`]; a cached pass does not count.
@@ -83,11 +83,14 @@ impl<F: AsRef<Frame>> Session<F> {
         }
         let mask = &self.held.as_ref().mask;
         run.begin([mask.height(), mask.width()])?;
-        self.on_device = None;
-        self.on_device = self
-            .engine
-            .on_device(plan, self.held.as_ref(), inputs, run)?;
-        if self.on_device.is_none() {
+        self.elsewhere = None;
+        let frame = self.held.as_ref();
+        if frame.is_tile() {
+            self.elsewhere = Some(self.engine.execute(plan, frame, inputs, run)?);
+            return Ok(self.outcome());
+        }
+        self.elsewhere = self.engine.on_device(plan, frame, inputs, run)?;
+        if self.elsewhere.is_none() {
             self.execute_on_cpu(plan, inputs, run)?;
         }
         run.finish(self.held.as_ref(), self.outcome())?;

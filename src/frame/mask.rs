@@ -105,6 +105,11 @@ impl Mask {
         &self.covered
     }
 
+    /// The part inside `part` of the mask repeated in all directions, where the mask itself covers `whole`.
+    pub(crate) fn repeated(&self, whole: Window, part: Window) -> Mask {
+        Mask::new(self.covered.repeated(whole, part))
+    }
+
     /// The part of the mask inside `part`, where the mask itself covers `whole`.
     pub fn crop(&self, whole: Window, part: Window) -> Mask {
         Mask::new(self.covered.crop(whole, part))

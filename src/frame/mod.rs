@@ -98,6 +98,9 @@ pub struct Frame {
     pub light: LightLayers,
     /// The camera, if known.
     pub camera: Option<Camera>,
+    /// Whether the picture is a tile: whether its left and right borders continue each other, and its top and bottom.
+    /// Engines then look past the border on the opposite side.
+    pub wraps: [bool; 2],
     /// Facts about the file that the frame was read from.
     pub source: Source,
 }
@@ -144,6 +147,7 @@ impl Frame {
             alpha: None,
             light: LightLayers::default(),
             camera: None,
+            wraps: [false; 2],
             source: Source::default(),
         }
     }
@@ -158,6 +162,22 @@ impl Frame {
         Frame {
             data_window: part,
             ..self.with_planes(mask, |plane| plane.crop(whole, part))
+        }
+    }
+
+    /// Whether any of its borders continue each other.
+    pub(crate) fn is_tile(&self) -> bool {
+        self.wraps.contains(&true)
+    }
+
+    /// The frame repeated in all directions, inside `part`: no tile itself, with the same camera and display window.
+    pub(crate) fn repeated(&self, part: Window) -> Frame {
+        let whole = self.data_window;
+        let mask = self.mask.repeated(whole, part);
+        Frame {
+            data_window: part,
+            wraps: [false; 2],
+            ..self.with_planes(mask, |plane| plane.repeated(whole, part))
         }
     }
 

@@ -136,6 +136,29 @@ impl<T: Copy> Plane<T> {
         }
     }
 
+    /// The part inside `part` of this plane repeated in all directions, where the plane itself covers `whole`.
+    pub(crate) fn repeated(&self, whole: Window, part: Window) -> Plane<T> {
+        let source = |at: i32, start: i32, length: usize| {
+            (i64::from(at) - i64::from(start)).rem_euclid(length.max(1) as i64) as usize
+        };
+        let mut samples = Vec::with_capacity(part.width() * part.height());
+        for y in part.y0..part.y1 {
+            let row = self.row(source(y, whole.y0, self.height));
+            let mut x = source(part.x0, whole.x0, self.width);
+            let mut left = part.width();
+            while left > 0 {
+                let run = left.min(self.width - x);
+                samples.extend_from_slice(&row[x..x + run]);
+                (x, left) = (0, left - run);
+            }
+        }
+        Plane {
+            width: part.width(),
+            height: part.height(),
+            samples,
+        }
+    }
+
     /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` elsewhere.
     pub fn moved(&self, from: Window, to: Window, outside: T) -> Plane<T> {
         let mut moved = Plane::filled(to.width(), to.height(), outside);

@@ -1,5 +1,6 @@
 //! The layers of a frame: their sources, and the planes read from them.
 
+use super::borders::Borders;
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
 use super::light_layers::LightSources;
@@ -33,9 +34,18 @@ impl FrameSources {
         with_light: bool,
     ) -> Result<Self> {
         let find = |role, name: &Option<String>| RoleSource::resolve(role, name.as_deref(), main);
-        let normal = find(Role::Normal, &inputs.normal)?
-            .ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
-        let mut roles = vec![normal];
+        let map = match inputs.normal {
+            None => RoleSource::normal_map(main),
+            Some(_) => None,
+        };
+        let is_map = map.is_some();
+        let normal = match map {
+            Some(map) => Some(map),
+            None => find(Role::Normal, &inputs.normal)?,
+        };
+        let normal =
+            normal.ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
+        let mut roles = vec![normal.wrapped(inputs.wrap)];
         let depth = if only_occlusion(inputs) {
             None
         } else {
@@ -48,7 +58,11 @@ impl FrameSources {
         if inputs.camera.is_none() || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(find(Role::Position, &inputs.position)?);
         }
-        let color = find(Role::Color, &inputs.color)?;
+        // A normal map is no picture.
+        let color = match &inputs.color {
+            None if is_map => None,
+            color => find(Role::Color, color)?,
+        };
         if needs.color && color.is_none() {
             return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
         }
@@ -192,6 +206,12 @@ impl Planes {
 
     pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
         self.take(role).map(RolePlanes::into_vector)
+    }
+
+    /// The borders of normals that were stored in coarse codes.
+    pub(super) fn borders(&self) -> Option<Borders> {
+        let normal = self.roles.iter().find(|(role, _)| *role == Role::Normal);
+        normal.and_then(|(_, read)| read.borders)
     }
 
     pub(super) fn scalar(&mut self, role: Role) -> Option<Plane> {

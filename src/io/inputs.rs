@@ -59,6 +59,8 @@ pub struct Inputs {
     pub depth_kind: Option<StoredDepth>,
     /// Colour space; `None` follows the files: photos are sRGB, EXR files linear.
     pub colorspace: Option<ColorSpace>,
+    /// Whether the picture is a tile.
+    pub wrap: Wrap,
     /// Light layers; read only if requested here.
     pub light: Option<LightInputs>,
     /// Rows of the frame to be read, counted from the top of its data window; all where not given.
@@ -128,7 +130,7 @@ pub struct LightInputs {
     pub occlusion: bool,
 }
 
-pub use crate::params::LobeChoice;
+pub use crate::params::{LobeChoice, Wrap};
 
 /// A light group and where its light comes from.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,12 +1,13 @@
 //! From files to a frame: reads the inputs a run needs, and converts everything to view space once.
 
+use super::borders::Borders;
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
-use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth};
+use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
 use super::light_layers::LightSources;
 use super::motion::MotionLayers;
 use super::notes::Notes;
@@ -200,9 +201,14 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         pixel_aspect,
     };
 
+    let stored_borders = planes.borders();
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
+    let borders = stored_borders.unwrap_or_else(|| Borders::of(&normal));
+    if inputs.wrap != Wrap::None || main.is_normal_map() {
+        notes.findings.extend(borders.finding());
+    }
     let encoding = notes.encoding(inputs, &sources, &normal)?;
     let given_flip = inputs.normal_flip.unwrap_or_default();
     normals::decode(&mut normal, encoding, given_flip);
@@ -246,6 +252,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         alpha: layers.alpha,
         light: read.layers,
         camera: view.camera,
+        wraps: borders.wrapped(inputs.wrap),
         source: source.source(chromaticities),
         ..Frame::of_normals(normal, mask)
     };

@@ -1,6 +1,7 @@
 //! Files to frames, and planes to files.
 
 mod art_map;
+mod borders;
 pub mod camera;
 pub mod colorspace;
 mod cryptomatte;

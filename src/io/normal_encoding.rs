@@ -1,6 +1,7 @@
 //! Checks that vectors are normals, and tells signed from unsigned components.
 
 use super::inputs::NormalEncoding;
+use super::photo::{Meaning, StoredPhoto};
 use crate::error::{Error, Result};
 use crate::frame::Vector3Planes;
 use crate::frame::normals::MIN_LENGTH;
@@ -41,11 +42,9 @@ const NEAR_UNIT: f32 = 0.15;
 /// on photographs and other pictures below 0.4.
 const FEWEST_UNIT: f64 = 0.5;
 
-/// Refuses a picture of integers that is no normal map.
-///
-/// # Errors
-/// [`Error::Unsupported`] with the share of its vectors that could be normals.
-pub(super) fn refuse_pictures(stored: &Vector3Planes, path: &Path) -> Result<()> {
+/// The share of vectors of unit length in a picture of integers, once decoded, among those written; `None` of a blank
+/// one.
+fn share_of_unit(stored: &Vector3Planes) -> Option<f64> {
     let is_written = |n: &Vec3| *n != Vec3::ZERO && *n != Vec3::ONE;
     let decoded = sample(stored)
         .filter(is_written)
@@ -58,10 +57,41 @@ pub(super) fn refuse_pictures(stored: &Vector3Planes, path: &Path) -> Result<()>
         count += 1;
         unit += usize::from((length - 1.0).abs() < NEAR_UNIT);
     }
-    let share = unit as f64 / count.max(1) as f64;
-    if count == 0 || share >= FEWEST_UNIT {
+    (count > 0).then(|| unit as f64 / count as f64)
+}
+
+/// The same share in a picture that is taken for a normal map though nobody says so.
+const FEWEST_UNIT_UNNAMED: f64 = 0.9;
+
+/// Rows that are looked at for it.
+const ROWS: usize = 256;
+
+/// Whether a photo is a normal map, by the rows in its middle. One that cannot be decoded is none.
+pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
+    let header = &photo.header;
+    if header.is_float || header.color_channels() != 3 {
+        return false;
+    }
+    let rows = ROWS.min(header.height);
+    let first = (header.height - rows) / 2;
+    let planes = photo.planes(first..first + rows, Meaning::Stored);
+    planes.is_ok_and(|mut planes| {
+        planes.truncate(3);
+        let share = share_of_unit(&Vector3Planes::of(planes));
+        share.is_some_and(|share| share >= FEWEST_UNIT_UNNAMED)
+    })
+}
+
+/// Refuses a picture of integers that is no normal map.
+///
+/// # Errors
+/// [`Error::Unsupported`] with the share of its vectors that could be normals.
+pub(super) fn refuse_pictures(stored: &Vector3Planes, path: &Path) -> Result<()> {
+    let share = share_of_unit(stored);
+    if share.is_none_or(|share| share >= FEWEST_UNIT) {
         return Ok(());
     }
+    let share = share.unwrap_or_default();
     Err(Error::Unsupported {
         path: path.to_path_buf(),
         found: format!(

@@ -2,6 +2,7 @@
 
 use super::exr::{self, ExrFile, Limits};
 use super::nearest;
+use super::normal_encoding::holds_normals;
 use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
 use super::open::open_input;
 use super::photo::StoredPhoto;
@@ -29,6 +30,8 @@ pub(super) enum Opened {
     },
     Photo {
         photo: StoredPhoto,
+        /// Whether it is a normal map, found when first asked for.
+        is_normal_map: OnceCell<bool>,
         companions: Companions,
     },
 }
@@ -95,7 +98,11 @@ impl Opened {
         let companions = Companions::held(holding);
         if !has_exr_magic(path)? {
             let photo = StoredPhoto::open(path, holding.most_bytes)?;
-            return Ok(Rc::new(Self::Photo { photo, companions }));
+            return Ok(Rc::new(Self::Photo {
+                photo,
+                is_normal_map: OnceCell::new(),
+                companions,
+            }));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
@@ -145,6 +152,18 @@ impl Opened {
                 by_numbers.iter().find(|found| found.role == role)
             }
             _ => None,
+        }
+    }
+
+    /// Whether it is a photo whose pixels are normals.
+    pub(super) fn is_normal_map(&self) -> bool {
+        match self {
+            Self::Exr { .. } => false,
+            Self::Photo {
+                photo,
+                is_normal_map,
+                ..
+            } => *is_normal_map.get_or_init(|| holds_normals(photo)),
         }
     }
 

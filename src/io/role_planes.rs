@@ -1,5 +1,6 @@
 //! The planes of one role as they were read.
 
+use super::borders::Borders;
 use super::photo::StoredPhoto;
 use super::roles::{Match, Role};
 use super::srgb;
@@ -12,6 +13,8 @@ pub(super) struct RolePlanes {
     pub(super) alpha: Option<Plane>,
     /// The pixels they hold.
     pub(super) window: Window,
+    /// Whether borders of vectors in coarse codes continue each other: as stored, before their steps were removed.
+    pub(super) borders: Option<Borders>,
     /// Whether all samples are known to be finite.
     is_finite: bool,
 }
@@ -24,6 +27,7 @@ impl RolePlanes {
             planes,
             alpha,
             window,
+            borders: None,
             is_finite: false,
         }
     }
@@ -36,6 +40,7 @@ impl RolePlanes {
             alpha: layer.alpha.and_then(|_| planes.pop()),
             planes,
             window,
+            borders: None,
             is_finite,
         }
     }

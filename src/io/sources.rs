@@ -1,8 +1,9 @@
 //! The file and layer of each role, and reading them.
 
+use super::borders::{Borders, unround_wrapped};
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType};
-use super::inputs::NONE;
+use super::inputs::{NONE, Wrap};
 use super::names::{self, Hint};
 use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, max_code};
@@ -11,9 +12,7 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::{
-    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround,
-};
+use crate::frame::{UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window};
 use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
@@ -25,6 +24,8 @@ pub(super) struct RoleSource {
     pub(super) file: Rc<Opened>,
     /// The layer of an EXR; a photo is one layer.
     layer: Option<Match>,
+    /// Whether it is a tile, where it holds normals.
+    wrap: Wrap,
     /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
     pub(super) chosen: Option<Chosen>,
 }
@@ -74,17 +75,34 @@ impl RoleSource {
                     role,
                     file: file.clone(),
                     layer: Some(layer),
+                    wrap: Wrap::None,
                     chosen,
                 })
             }
-            Opened::Photo { .. } if role == Role::Color => Some(Self {
-                role,
-                file: file.clone(),
-                layer: None,
-                chosen: None,
-            }),
+            Opened::Photo { .. } if role == Role::Color => Some(Self::whole(role, file, None)),
             Opened::Photo { .. } => None,
         }
+    }
+
+    /// A photo for `role`.
+    fn whole(role: Role, file: &Rc<Opened>, chosen: Option<Chosen>) -> Self {
+        Self {
+            role,
+            file: file.clone(),
+            layer: None,
+            wrap: Wrap::None,
+            chosen,
+        }
+    }
+
+    /// The normals of a photo that is a normal map itself.
+    pub(super) fn normal_map(main: &Rc<Opened>) -> Option<Self> {
+        let chosen = Chosen {
+            why: "its pixels hold vectors of unit length".into(),
+            others: Vec::new(),
+        };
+        main.is_normal_map()
+            .then(|| Self::whole(Role::Normal, main, Some(chosen)))
     }
 
     /// The layer of `file` that plays `role`, or else the first that could.
@@ -102,6 +120,7 @@ impl RoleSource {
             role,
             file: file.clone(),
             layer,
+            wrap: Wrap::None,
             chosen: None,
         })
     }
@@ -115,6 +134,7 @@ impl RoleSource {
             role,
             file: main.clone(),
             layer: Some(layer),
+            wrap: Wrap::None,
             chosen: None,
         })
     }
@@ -125,6 +145,7 @@ impl RoleSource {
             role,
             file: file.clone(),
             layer: Some(found),
+            wrap: Wrap::None,
             chosen: None,
         }
     }
@@ -142,6 +163,11 @@ impl RoleSource {
         let channels = &file.parts[layer.part].channels;
         let names = layer.channels.iter().map(|&c| channels[c].name.as_str());
         names.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The same of a picture that may be a tile.
+    pub(super) fn wrapped(self, wrap: Wrap) -> Self {
+        Self { wrap, ..self }
     }
 
     /// The same without its coverage.
@@ -399,9 +425,11 @@ pub(super) fn read_rows(
                     }
                 }
             }
-            Opened::Photo { photo, companions } => {
+            Opened::Photo {
+                photo, companions, ..
+            } => {
                 for &i in &together {
-                    planes[i] = Some(photo_planes(photo, sources[i].role, window, colorspace)?);
+                    planes[i] = Some(photo_planes(photo, &sources[i], window, colorspace)?);
                 }
                 if !companions.holding.stay {
                     photo.release();
@@ -416,17 +444,18 @@ pub(super) fn read_rows(
 /// a frame's picture. As data its values are used as stored.
 fn photo_planes(
     photo: &StoredPhoto,
-    role: Role,
+    source: &RoleSource,
     window: Window,
     colorspace: Option<ColorSpace>,
 ) -> Result<RolePlanes> {
+    let role = source.role;
     let is_linear = colorspace.is_some_and(|space| space != ColorSpace::Srgb);
     let meaning = match role.is_color() && !is_linear {
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
     if role == Role::Normal && has_coarse_vectors(photo) {
-        return unrounded_vectors(photo, window);
+        return unrounded_vectors(photo, window, source.wrap);
     }
     let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
     let mut read = RolePlanes::of_photo(photo, planes, window);
@@ -442,7 +471,7 @@ fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
 }
 
 /// The vectors of a photo without the steps of their codes.
-fn unrounded_vectors(photo: &StoredPhoto, window: Window) -> Result<RolePlanes> {
+fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<RolePlanes> {
     let [first, last] = [window.y0, window.y1].map(|y| y as usize);
     let first = first.saturating_sub(UNROUNDING_REACH) / UNROUNDING_PHASE * UNROUNDING_PHASE;
     let last = (last + UNROUNDING_REACH).min(photo.header.height);
@@ -454,7 +483,10 @@ fn unrounded_vectors(photo: &StoredPhoto, window: Window) -> Result<RolePlanes> 
     };
     let mut read = RolePlanes::of_photo(photo, planes, taken);
     let mut vectors = Vector3Planes::of(read.planes);
-    unround(&mut vectors, 0.5 / max_code(photo.header.bits) as f32);
+    let borders = Borders::of(&vectors);
+    let half_step = 0.5 / max_code(photo.header.bits) as f32;
+    unround_wrapped(&mut vectors, half_step, borders.wrapped(wrap));
+    read.borders = Some(borders);
     read.planes = vec![vectors.x, vectors.y, vectors.z];
     read.fit_to(Role::Normal, window);
     Ok(read)

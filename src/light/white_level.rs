@@ -1,6 +1,7 @@
 //! White levels: chosen from the whole picture, or given.
 
 use crate::engine::cpu::run::Run;
+use crate::frame::ColorPlanes;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
@@ -35,6 +36,11 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
         decide: decide_white,
     }],
     cpu: choose_white,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |plan| {
+        let of_tile = plan.tile.is_some() && chosen_for(plan).is_some();
+        of_tile.then_some("a white level chosen from a tile")
+    },
     ..Stage::DEFAULT
 };
 
@@ -85,7 +91,14 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
                     .color
                     .as_ref()
                     .expect("radiance scaling needs a picture");
-                white_level(color, frame.luminance_weights(), &frame.mask)
+                let weights = frame.luminance_weights();
+                let Some(tile) = plan.tile else {
+                    return white_level(color, weights, &frame.mask);
+                };
+                let (whole, part) = (frame.data_window, tile.window);
+                let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.crop(whole, part));
+                let color = ColorPlanes { r, g, b };
+                white_level(&color, weights, &frame.mask.crop(whole, part))
             },
         ),
     };

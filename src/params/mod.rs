@@ -54,6 +54,23 @@ pub use specular::{Bend, SearchParams, SpecularParams};
 pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
 
 choices! {
+    /// Which opposite borders continue each other, in a picture that is a tile.
+    #[derive(Default)]
+    pub enum Wrap {
+        /// None.
+        None = "none" [default],
+        /// Left and right.
+        X = "x",
+        /// Top and bottom.
+        Y = "y",
+        /// Both.
+        Xy = "xy",
+        /// Those across which normals change no more than beside them.
+        Auto = "auto",
+    }
+}
+
+choices! {
     /// Whether the lobes of light are scaled separately.
     #[derive(Default)]
     pub enum LobeChoice {

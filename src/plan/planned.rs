@@ -1,5 +1,6 @@
 //! The plan and its decisions.
 
+use crate::frame::Window;
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
 use crate::params::{ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams};
@@ -28,6 +29,15 @@ pub(crate) enum DrawnAs {
     Picture,
     /// Lines and dots; no coverage of strokes is computed.
     Lines,
+}
+
+/// A tile within a frame that repeats it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Tile {
+    /// Its pixels. Gains and white levels are chosen from them.
+    pub(crate) window: Window,
+    /// Whether it is repeated to the left and right, and above and below.
+    pub(crate) wraps: [bool; 2],
 }
 
 /// The stages of a run in order, the reason for each step kept or dropped, and the parameters of the run.
@@ -66,6 +76,8 @@ pub struct Plan {
     pub(crate) direction_steps_px: [usize; 2],
     /// The inputs the plan was made for.
     pub(crate) available: Available,
+    /// The tile of which the frame is a repetition, if it is.
+    pub(crate) tile: Option<Tile>,
     /// Why no shape is needed, if so.
     pub(crate) no_shape: Option<&'static str>,
     pub(super) wanted: BTreeSet<Product>,
@@ -97,6 +109,14 @@ impl std::fmt::Display for Decision {
 }
 
 impl Plan {
+    /// The same plan for a frame that repeats a tile.
+    pub(crate) fn of_tile(self, window: Window, wraps: [bool; 2]) -> Self {
+        Self {
+            tile: Some(Tile { window, wraps }),
+            ..self
+        }
+    }
+
     /// All steps in the order of execution, kept or dropped, with reasons.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions

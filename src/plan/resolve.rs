@@ -156,9 +156,28 @@ impl Plan {
         })
     }
 
+    /// As [`Plan::at_scales`] for [`Goal::Layers`], with these products alone.
+    ///
+    /// # Errors
+    /// Those of [`Plan::at_scales`].
+    pub(crate) fn of_products(
+        products: &[Product],
+        available: Available,
+        shape: ShapeParams,
+        scaling: ScalingParams,
+        more_px: &[f32],
+    ) -> Result<Self> {
+        Self::made(Asked {
+            products: Some(products),
+            more_px,
+            ..Asked::of(Goal::Layers, available, shape, scaling)
+        })
+    }
+
     fn made(asked: Asked) -> Result<Self> {
         let Asked {
             goal,
+            products,
             available,
             shape,
             scaling,
@@ -218,8 +237,12 @@ impl Plan {
             points,
             direction_steps_px,
             available,
+            tile: None,
             no_shape,
-            wanted: goal.products().collect(),
+            wanted: match products {
+                Some(products) => products.iter().copied().collect(),
+                None => goal.products().collect(),
+            },
             decisions: Vec::new(),
             stages: Vec::new(),
             keys: BTreeMap::new(),
@@ -304,6 +327,8 @@ fn decision(step: &Step, plan: &Plan) -> Decision {
 /// The inputs of planning.
 struct Asked<'a> {
     goal: Goal,
+    /// The products wanted, if not all of the goal's.
+    products: Option<&'a [Product]>,
     available: Available,
     shape: ShapeParams,
     scaling: ScalingParams,
@@ -318,6 +343,7 @@ impl Asked<'_> {
     fn of(goal: Goal, available: Available, shape: ShapeParams, scaling: ScalingParams) -> Self {
         Self {
             goal,
+            products: None,
             available,
             shape,
             scaling,

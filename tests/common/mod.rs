@@ -285,6 +285,7 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             alpha: frame.alpha.as_ref().map(plane),
             light: frame.light.map(plane),
             camera: frame.camera.map(camera),
+            wraps: frame.wraps,
             source: frame.source.clone(),
         }
     }

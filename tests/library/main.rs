@@ -28,3 +28,4 @@ mod sequences;
 mod shape;
 mod specular;
 mod stroke_field;
+mod tiles;

@@ -29,6 +29,11 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::choose_gain,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |plan| {
+        let of_tile = plan.tile.is_some() && plan.chooses_gain();
+        of_tile.then_some("a gain chosen from a tile")
+    },
     ..Stage::DEFAULT
 };
 
@@ -83,11 +88,19 @@ fn gain_of_frame(run: &mut Run) -> f32 {
     let made_of = (own.is_some(), plan.relighting.is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
+    let whole = run.frame.data_window;
     let gain = run.copied_or(
         &key,
         |kept| &mut kept.gain,
         AUTO_GAIN.name,
-        || cpu::curvature_gain(trace, conductance, factor, most),
+        || match plan.tile {
+            Some(tile) => {
+                let [trace, conductance] =
+                    [trace, conductance].map(|plane| plane.crop(whole, tile.window));
+                cpu::curvature_gain(&trace, &conductance, factor, most)
+            }
+            None => cpu::curvature_gain(trace, conductance, factor, most),
+        },
     );
     (run.outcome.shape, run.trace) = (shape, own);
     gain

@@ -3,7 +3,7 @@
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::cpu::run::Run;
 use crate::engine::outcome::{ScaleShape, Shape};
-use crate::frame::{Plane, SymmetricPlanes, Vector2Planes};
+use crate::frame::{CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -91,7 +91,10 @@ pub(crate) static DIRECTIONS: Stage = Stage {
 
 /// Curvature mapped to -1..1, and curvature at further scales.
 pub(crate) static MAPPED_CURVATURE: Stage = Stage {
-    takes: |_| vec![Product::Curvature, Product::Hessian, Product::Conductance],
+    takes: |plan| match maps_trace(plan) {
+        true => vec![Product::Trace, Product::Conductance],
+        false => vec![Product::Curvature, Product::Hessian, Product::Conductance],
+    },
     name: "mapped-curvature",
     steps: &[Step {
         name: "mapped-curvature",
@@ -104,8 +107,17 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
     cpu: map_curvature,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::describe,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |plan| maps_trace(plan).then_some("mapped curvature alone"),
     ..Stage::DEFAULT
 };
+
+/// Whether curvature is mapped of which nothing else is wanted: its trace is enough.
+fn maps_trace(plan: &Plan) -> bool {
+    plan.wants(Product::MappedCurvature)
+        && !plan.wants(Product::Curvature)
+        && plan.more_px.is_empty()
+}
 
 fn asked_for(plan: &Plan, product: Product, why_not: &str) -> Verdict {
     match plan.wants(product) {
@@ -216,10 +228,11 @@ fn find_directions(run: &mut Run) {
 fn map_curvature(run: &mut Run) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let gain = run.gain();
-    let curvatures = run.outcome.shape.curvatures.as_ref();
-    let curvatures = curvatures.expect("curvatures come before their map");
-    let trace = run.trace.take().unwrap_or_else(|| curvatures.trace());
-    run.outcome.shape.kappa = Some(cpu::mapped_curvature(&trace, gain, mask, memory));
+    let (shape, summed) = (&run.outcome.shape, run.trace.take());
+    let summed = summed.or_else(|| shape.curvatures.as_ref().map(CurvaturePlanes::trace));
+    let trace = summed.as_ref().or(shape.trace.as_ref());
+    let trace = trace.expect("curvature comes before its map");
+    run.outcome.shape.kappa = Some(cpu::mapped_curvature(trace, gain, mask, memory));
     if plan.more_px.is_empty() {
         return;
     }

@@ -60,6 +60,7 @@ fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>)
         alpha: None,
         light: LightLayers::default(),
         camera: None,
+        wraps: [false; 2],
         source: Source::default(),
     }
 }

@@ -1,0 +1,214 @@
+//! Pictures whose opposite borders continue each other.
+
+use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
+use relievo::frame::{Frame, Normals, Window};
+use relievo::io::inputs::{Inputs as Files, Wrap};
+use relievo::io::{self, Needs};
+use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::plan::Available;
+use std::f64::consts::TAU;
+
+const SIZE: [usize; 2] = [40, 28];
+
+/// The normal and the brightness at a pixel of an endless pavement: waves, and a step in slope that makes a crease.
+fn pavement(x: i64, y: i64) -> ([f32; 3], f32) {
+    let [u, v] = [
+        x.rem_euclid(40) as f64 / 40.0,
+        y.rem_euclid(28) as f64 / 28.0,
+    ];
+    let edge = if (0.3..0.5).contains(&u) { 1.5 } else { 0.0 };
+    let slope = [
+        0.5 * (TAU * u).cos() + 0.2 * (TAU * (3.0 * u + v)).sin() + edge,
+        0.4 * (TAU * 2.0 * v).sin() - 0.1 * (TAU * (u - 5.0 * v)).cos(),
+    ];
+    let n = glam::DVec3::new(-slope[0], -slope[1], 1.0).normalize();
+    let light = 0.5 + 0.3 * (TAU * (u + 2.0 * v)).sin();
+    (n.as_vec3().to_array(), light as f32)
+}
+
+/// A window of it.
+fn part(window: Window, wraps: [bool; 2]) -> Frame {
+    let (mut normals, mut rgb) = (Vec::new(), Vec::new());
+    for y in window.y0..window.y1 {
+        for x in window.x0..window.x1 {
+            let (n, light) = pavement(x.into(), y.into());
+            normals.extend(n);
+            rgb.extend([light, 0.8 * light, 0.5 * light]);
+        }
+    }
+    let frame = Frame::builder(window.width(), window.height())
+        .normals(Normals::view(&normals))
+        .color(&rgb)
+        .build();
+    Frame {
+        wraps,
+        ..frame.unwrap()
+    }
+}
+
+fn tile(wraps: [bool; 2]) -> Frame {
+    part(Window::from_size(SIZE[0], SIZE[1]), wraps)
+}
+
+/// All products, of light and of shape.
+fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
+    let shape = ShapeParams {
+        scale: Scale::Sigma(3.0),
+        ..ShapeParams::default()
+    };
+    let requests = [
+        Request::layers(shape, scaling).scales(&[9.0]),
+        Request::enhance(shape, scaling),
+    ];
+    requests.map(|request| {
+        let plan = request.plan(Available::in_frame(frame)).unwrap();
+        Engine::cpu()
+            .execute(&plan, frame, Inputs::default(), &Run::new())
+            .unwrap()
+    })
+}
+
+fn given() -> ScalingParams {
+    ScalingParams {
+        curvature_gain: Adaptive::Fixed(3.0),
+        white_level: Adaptive::Fixed(0.8),
+        ..ScalingParams::default()
+    }
+}
+
+/// A tile is the middle of the repetition, bit for bit; along an axis that does not wrap, of one row of it.
+#[test]
+fn a_tile_is_the_middle_of_its_repetition() {
+    let [w, h] = SIZE.map(|length| length as i32);
+    // Sigma 9 reaches beyond one repetition of 28 rows: five of them are the truth.
+    let repetitions = [
+        ([true, true], [-2 * w, -2 * h, 3 * w, 3 * h]),
+        ([true, false], [-2 * w, 0, 3 * w, h]),
+        ([false, true], [0, -2 * h, w, 3 * h]),
+    ];
+    for (wraps, [x0, y0, x1, y1]) in repetitions {
+        let around = Window { x0, y0, x1, y1 };
+        let whole = part(around, [false; 2]);
+        let middle = Window::at(-x0, -y0, SIZE[0], SIZE[1]);
+        for (tile, whole) in made(&tile(wraps), given())
+            .iter()
+            .zip(made(&whole, given()))
+        {
+            let mut count = 0;
+            for ((product, tile), (_, whole)) in tile.products().zip(whole.products()) {
+                for (tile, whole) in tile.iter().zip(whole) {
+                    let all = Window::from_size(whole.width(), whole.height());
+                    assert_eq!(**tile, whole.crop(all, middle), "{product:?} {wraps:?}");
+                    count += 1;
+                }
+            }
+            assert!(count > 0);
+        }
+    }
+    // It matters: at the border a tile is another than the same pixels alone.
+    let [alone, wrapped] = [[false; 2], [true; 2]].map(|wraps| {
+        let [shape, _] = made(&tile(wraps), given());
+        shape.shape.kappa.unwrap()
+    });
+    assert!((alone.at(0, 10) - wrapped.at(0, 10)).abs() > 0.01);
+}
+
+/// Where a tile is cut changes nothing but where its results begin, automatic choices included.
+#[test]
+fn a_rolled_tile_gives_rolled_results() {
+    let rolled = part(Window::at(13, 9, SIZE[0], SIZE[1]), [true; 2]);
+    let auto = ScalingParams::default();
+    for (straight, rolled) in made(&tile([true; 2]), auto).iter().zip(made(&rolled, auto)) {
+        assert_eq!(straight.gain, rolled.gain);
+        assert_eq!(straight.white_level, rolled.white_level);
+        for ((product, straight), (_, rolled)) in straight.products().zip(rolled.products()) {
+            for (straight, rolled) in straight.iter().zip(rolled) {
+                for (x, y) in [(0, 0), (39, 27), (26, 18), (27, 19), (5, 20)] {
+                    let there = straight.at((x + 13) % SIZE[0], (y + 9) % SIZE[1]);
+                    assert_eq!(rolled.at(x, y), there, "{product:?} at {x}, {y}");
+                }
+            }
+        }
+    }
+}
+
+/// The tile as an 8-bit normal map, in which steps between codes are removed across borders too.
+fn written(folder: &std::path::Path, window: Window) -> std::path::PathBuf {
+    let pixel = |x: u32, y: u32| {
+        let (n, _) = pavement(
+            i64::from(window.x0) + i64::from(x),
+            i64::from(window.y0) + i64::from(y),
+        );
+        image::Rgb(n.map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8))
+    };
+    let path = folder.join(format!("{window}.png").replace(' ', "_"));
+    let picture = image::RgbImage::from_fn(window.width() as u32, window.height() as u32, pixel);
+    picture.save(&path).unwrap();
+    path
+}
+
+/// Opposite borders are compared: waves continue, a part of one does not; a normal map is read without a second mention.
+#[test]
+fn borders_that_continue_each_other_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let [w, h] = SIZE;
+    let cases = [
+        (Window::at(0, 0, w, h), [true, true]),
+        (Window::at(0, 0, w - 5, h), [false, true]),
+        (Window::at(0, 0, w, h - 10), [true, false]),
+        (Window::at(0, 0, w - 5, h - 10), [false, false]),
+    ];
+    for (window, expected) in cases {
+        let loaded = io::load(
+            &Files {
+                picture: written(folder.path(), window),
+                wrap: Wrap::Auto,
+                ..Files::default()
+            },
+            Needs::default(),
+        );
+        let loaded = loaded.unwrap();
+        assert_eq!(loaded.frame.wraps, expected, "{window}");
+        assert!(loaded.frame.color.is_none());
+        let said = loaded
+            .findings
+            .iter()
+            .any(|found| found.subject == "borders");
+        assert_eq!(said, expected != [false; 2], "{window}");
+    }
+}
+
+/// Steps between codes are removed on a tile as on its repetition: both are multiples of 16 pixels, at which the removal
+/// begins anew.
+#[test]
+fn rounding_is_undone_across_borders() {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = |x: u32| {
+        let slope = 0.02 * (TAU * f64::from(x % 64) / 64.0).cos();
+        let n = glam::DVec3::new(-slope, 0.0, 1.0).normalize();
+        image::Rgb(
+            n.to_array()
+                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
+        )
+    };
+    let read = |name: &str, width: u32, height: u32, wrap: Wrap| {
+        let path = folder.path().join(name);
+        let picture = image::RgbImage::from_fn(width, height, |x, _| wave(x));
+        picture.save(&path).unwrap();
+        let inputs = Files {
+            picture: path,
+            wrap,
+            ..Files::default()
+        };
+        io::load(&inputs, Needs::default()).unwrap().frame.normal
+    };
+    // Rounding is undone within 269 pixels: five repetitions on each side.
+    let tile = read("tile.png", 64, 64, Wrap::Xy);
+    let whole = read("whole.png", 64 * 11, 64 * 11, Wrap::None);
+    let alone = read("alone.png", 64, 64, Wrap::None);
+    for i in 0..64 {
+        assert_eq!(tile.at(i, 0), whole.at(320 + i, 320), "{i}");
+        assert_eq!(tile.at(0, i), whole.at(320, 320 + i), "{i}");
+    }
+    assert!((0..64).any(|x| alone.at(x, 30) != tile.at(x, 30)));
+}
