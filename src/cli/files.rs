@@ -4,14 +4,14 @@ use crate::command::args::WorkArgs;
 use crate::error::{Error, Result};
 use crate::io::output::{check_writable, directory_of, remove_leftovers};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Refuses outputs of `work`, one frame, that could not be written.
 ///
 /// # Errors
 /// [`Error::BadParameter`] for a file that must stay; [`Error::Io`].
 pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
-    if let Some(output) = work.output.output.as_ref().filter(|o| o.exists())
+    if let Some(output) = work.output.files().iter().find(|output| output.exists())
         && work.output.no_clobber
     {
         return Err(Error::BadParameter {
@@ -27,7 +27,7 @@ pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
         } else {
             work.output.replace_beside()
         };
-        check_writable(path, replace)?;
+        check_writable(&path, replace)?;
     }
     Ok(())
 }
@@ -35,7 +35,7 @@ pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
 /// Removes the leftovers of killed runs from the output directories of `work`, except those already `swept`.
 pub(super) fn sweep(work: &WorkArgs, swept: &mut BTreeSet<PathBuf>) {
     for (_, path) in outputs_of_frame(work).chain(recipe_of(work)) {
-        let directory = directory_of(path);
+        let directory = directory_of(&path);
         if !swept.contains(directory) {
             swept.insert(directory.into());
             remove_leftovers(directory);
@@ -44,15 +44,12 @@ pub(super) fn sweep(work: &WorkArgs, swept: &mut BTreeSet<PathBuf>) {
 }
 
 /// The files that are written of one frame, by their flags.
-pub(super) fn outputs_of_frame(work: &WorkArgs) -> impl Iterator<Item = (&'static str, &Path)> {
-    let outputs = [
-        ("-o", &work.output.output),
-        ("--timings", &work.run.timings),
-    ];
-    let given = outputs.into_iter();
-    given.filter_map(|(name, path)| Some((name, path.as_deref()?)))
+pub(super) fn outputs_of_frame(work: &WorkArgs) -> impl Iterator<Item = (&'static str, PathBuf)> {
+    let outputs = work.output.files().into_iter().map(|path| ("-o", path));
+    let timings = work.run.timings.iter().cloned();
+    outputs.chain(timings.map(|path| ("--timings", path)))
 }
 
-fn recipe_of(work: &WorkArgs) -> Option<(&'static str, &Path)> {
-    Some(("--save-recipe", work.run.save_recipe.as_deref()?))
+fn recipe_of(work: &WorkArgs) -> Option<(&'static str, PathBuf)> {
+    Some(("--save-recipe", work.run.save_recipe.clone()?))
 }

@@ -33,6 +33,11 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
 
     fn work_mut(&mut self) -> &mut WorkArgs;
 
+    /// The command with what follows from its arguments.
+    fn settled(self) -> Self {
+        self
+    }
+
     /// Files that only this command reads, of one frame of a sequence.
     fn files(&self, frame: Option<i32>) -> Vec<PathBuf>;
 
@@ -84,6 +89,7 @@ pub(super) fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, Recipe
     let matches = matches.unwrap_or_else(|error| error.exit());
     let (_, own) = matches.subcommand().expect("a command was parsed");
     let command = C::from_arg_matches(own).unwrap_or_else(|error| error.exit());
+    let command = command.settled();
     (command, RecipeText::of(&matches, invocation.kept()))
 }
 
@@ -159,7 +165,7 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
     }
     for work in &works {
         for (name, path) in files::outputs_of_frame(work) {
-            known.writes(name, path)?;
+            known.writes(name, &path)?;
         }
     }
     let mut recipes: Vec<_> = works
@@ -281,8 +287,9 @@ struct Making {
 fn making(work: &WorkArgs, frames: &[i32]) -> Making {
     let there = |&frame: &i32| {
         let work = work.of_frame(frame);
-        let output = work.output.output.as_deref();
-        work.sequence.skip_existing && output.is_some_and(is_whole)
+        let files = work.output.files();
+        let are_there = !files.is_empty() && files.iter().all(|path| is_whole(path));
+        work.sequence.skip_existing && are_there
     };
     let is_there: Vec<bool> = frames.iter().map(there).collect();
     let last_needed = is_there.iter().rposition(|there| !there);

@@ -23,6 +23,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// A frame to be made.
+#[derive(Clone)]
 pub(super) struct Job<'a> {
     /// The arguments, with the names of this frame.
     pub(super) work: WorkArgs,
@@ -77,6 +78,14 @@ impl<'a> Job<'a> {
             index: Some(index),
             ..Self::new(work, log, recipe)
         }
+    }
+
+    /// The same with the output of one of the maps that its name stands for.
+    pub(super) fn writing(&self, part: &str) -> Self {
+        let mut job = self.clone();
+        job.work.output.parts = vec![part.into()];
+        job.work.output.output = job.work.output.files().pop();
+        job
     }
 
     /// The same, to be made only so that the next ones can be: nothing is written.
@@ -156,6 +165,14 @@ impl<'a> Job<'a> {
     /// Says a warning, unless it was said of another frame.
     pub(super) fn warn(&self, text: &str) {
         self.say_once("warning", text, false);
+    }
+
+    /// Says something about this picture, unless it is one of a sequence.
+    pub(super) fn note(&self, text: &str) {
+        if !self.work.run.quiet && !self.log.is_sequence() {
+            self.log
+                .say(&format!("{}: {text}", self.work.input.display()));
+        }
     }
 
     fn say_once(&self, kind: &str, text: &str, with_name: bool) {

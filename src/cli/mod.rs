@@ -8,6 +8,7 @@ mod hatch;
 mod inspect;
 mod inspect_motion;
 mod job;
+mod map;
 mod message;
 mod motion;
 mod output;
@@ -30,6 +31,7 @@ use crate::command::args::WorkArgs;
 use crate::command::commands::{Cli, Command, EnhanceArgs};
 use crate::command::invocation::Invocation;
 use crate::command::line_args::HatchArgs;
+use crate::command::map::MapArgs;
 use crate::command::recipe::Recipe;
 use crate::command::relight_args::RelightArgs;
 use crate::error::Result;
@@ -72,6 +74,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),
         Command::Hatch(_) => batch::run::<HatchArgs>(typed),
+        Command::Map(_) => batch::run::<MapArgs>(typed),
         Command::View(args) => view(args, typed),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;

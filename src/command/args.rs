@@ -129,6 +129,9 @@ pub(crate) struct OutputArgs {
         required_unless_present = "save_recipe"
     )]
     pub(crate) output: Option<PathBuf>,
+    /// What {map} in its name stands for, each in a file of its own.
+    #[arg(skip)]
+    pub(crate) parts: Vec<String>,
     /// EXR: keep the input's bytes and append a part; write channels into its re-encoded first part, for readers that
     /// see no other; or write the results only.
     #[arg(long, value_name = "WHAT", default_value = "keep")]

@@ -4,6 +4,7 @@ use super::args::{ComputeArgs, WorkArgs};
 use super::flags::{Flags, Section};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
+use super::map::MapArgs;
 use super::motion_arg::MotionArg;
 use super::recipe;
 use super::relight_args::RelightArgs;
@@ -45,6 +46,9 @@ pub(crate) enum Command {
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
     #[command(after_help = HATCH_EXAMPLES)]
     Hatch(Box<HatchArgs>),
+    /// Make grey maps for textures: curvature, its convex and concave parts, edges.
+    #[command(after_help = MAP_EXAMPLES)]
+    Map(MapArgs),
     /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
     #[command(after_help = run_examples())]
     Run(RecipeArgs),
@@ -100,6 +104,15 @@ Examples:
   relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png
   relievo hatch render.exr --specular-mask Mirror --surroundings around.exr -o mirror.png
   relievo hatch render.exr --specular-mask Lens --back back.exr --behind without.exr -o lens.png";
+
+const MAP_EXAMPLES: &str = "\
+Examples:
+  relievo map brick_normal.png -o brick_curvature.png
+  relievo map brick_normal.png -o brick_{map}.png --map convex,concave,edges
+  relievo map brick_normal.png -o brick_{map}.png --scale 1,4,16        brick_curvature_1.png and so on
+  relievo map brick_normal.png -o wear.png --scale 1,4,16 --sum 1,2,4
+  relievo map rock_directx.png -o rock.png --normal-flip y --bits 8
+  relievo map render.exr -o maps.exr --map curvature,edges";
 
 const RUN_EXAMPLES: &str = "\
 Examples:

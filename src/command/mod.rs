@@ -14,6 +14,7 @@ mod light_layers;
 pub(crate) mod line_args;
 #[cfg(feature = "view")]
 pub(crate) mod look;
+pub(crate) mod map;
 pub(crate) mod memory;
 mod motion_arg;
 pub(crate) mod output;

@@ -1,6 +1,7 @@
 //! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
+use super::map::MAP;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
@@ -9,7 +10,7 @@ use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, Vi
 use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The kind of file that an output path names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +99,20 @@ impl OutputArgs {
         match &self.output {
             Some(path) => Kind::of(path),
             None => Ok(Kind::Picture(PictureFormat::Png)),
+        }
+    }
+
+    /// The files it names: one, or one for each map.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let Some(output) = &self.output else {
+            return Vec::new();
+        };
+        match output.to_str() {
+            Some(name) if name.contains(MAP) && !self.parts.is_empty() => {
+                let parts = self.parts.iter();
+                parts.map(|part| name.replace(MAP, part).into()).collect()
+            }
+            _ => vec![output.clone()],
         }
     }
 

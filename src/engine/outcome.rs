@@ -331,7 +331,7 @@ impl Outcome {
 
     /// Crops results of the window `from` to the window `to`.
     pub(crate) fn crop(&mut self, from: Window, to: Window) {
-        self.for_each_plane(|plane| *plane = plane.crop(from, to));
+        self.for_each_plane(|plane| plane.crop_in_place(from, to));
         let Some(drawing) = &mut self.drawing else {
             return;
         };

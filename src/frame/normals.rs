@@ -1,5 +1,6 @@
 //! From stored components to unit normals in view space: encoding, flipped axes, length, rotation.
 
+use super::plane::each_row_of;
 use super::{Camera, Flip, NormalEncoding, NormalSpace, Plane, Vector3Planes};
 use glam::{Mat3, Vec3};
 
@@ -9,13 +10,18 @@ pub(crate) const MIN_LENGTH: f32 = 0.05;
 /// Decodes components and flips axes, in place.
 pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
     if encoding == NormalEncoding::Unsigned {
-        for components in stored.components_mut() {
-            // Black marks a pixel that was never written, not the direction (-1, -1, -1).
-            let unwritten = components.iter().all(|v| **v == 0.0);
-            for v in components.into_iter().filter(|_| !unwritten) {
-                *v = 2.0 * *v - 1.0;
-            }
-        }
+        each_row_of(
+            [&mut stored.x, &mut stored.y, &mut stored.z],
+            |_, [x, y, z]| {
+                for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+                    // Black marks a pixel that was never written, not the direction (-1, -1, -1).
+                    let is_written = (*x != 0.0) | (*y != 0.0) | (*z != 0.0);
+                    for v in [x, y, z] {
+                        *v = if is_written { 2.0 * *v - 1.0 } else { *v };
+                    }
+                }
+            },
+        );
     }
     flip_axes(stored, flip);
 }
@@ -36,20 +42,24 @@ pub(crate) fn flip_axes(normal: &mut Vector3Planes, flip: Flip) {
 /// Normalises every covered normal and zeroes all others. Returns the original lengths of the covered ones.
 pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Plane {
     let mut lengths = Plane::filled(covered.width(), covered.height(), 0.0);
-    let pixels = lengths.samples_mut().iter_mut().zip(covered.samples());
-    for ([x, y, z], (length, &covered)) in normal.components_mut().zip(pixels) {
-        // Without branches, the compiler takes several at a time.
-        let stored = Vec3::new(*x, *y, *z).length();
-        let (has_direction, factor) = (covered & (stored > 0.0), stored.recip());
-        for component in [x, y, z] {
-            *component = if has_direction {
-                *component * factor
-            } else {
-                0.0
-            };
+    let Vector3Planes { x, y, z } = normal;
+    each_row_of([x, y, z, &mut lengths], |row, [x, y, z, lengths]| {
+        let vectors = x.iter_mut().zip(y).zip(z);
+        let pixels = lengths.iter_mut().zip(covered.row(row));
+        for (((x, y), z), (length, &covered)) in vectors.zip(pixels) {
+            // Without branches, the compiler takes several at a time.
+            let stored = Vec3::new(*x, *y, *z).length();
+            let (has_direction, factor) = (covered & (stored > 0.0), stored.recip());
+            for component in [x, y, z] {
+                *component = if has_direction {
+                    *component * factor
+                } else {
+                    0.0
+                };
+            }
+            *length = if covered { stored } else { 0.0 };
         }
-        *length = if covered { stored } else { 0.0 };
-    }
+    });
     lengths
 }
 

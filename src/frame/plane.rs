@@ -128,12 +128,30 @@ impl<T: Copy> Plane<T> {
         assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
         let columns = (part.x0 - whole.x0) as usize..(part.x1 - whole.x0) as usize;
         let rows = (part.y0 - whole.y0) as usize..(part.y1 - whole.y0) as usize;
-        let samples = self.rows_within(columns, rows).flatten().copied().collect();
+        let mut samples = Vec::with_capacity(part.width() * part.height());
+        self.rows_within(columns, rows)
+            .for_each(|row| samples.extend_from_slice(row));
         Plane {
             width: part.width(),
             height: part.height(),
             samples,
         }
+    }
+
+    /// [`Plane::crop`] in the memory that it has.
+    ///
+    /// # Panics
+    /// If `part` reaches outside `whole`.
+    pub(crate) fn crop_in_place(&mut self, whole: Window, part: Window) {
+        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
+        let (x, y) = ((part.x0 - whole.x0) as usize, (part.y0 - whole.y0) as usize);
+        let (width, height) = (part.width(), part.height());
+        for row in 0..height {
+            let from = (y + row) * self.width + x;
+            self.samples.copy_within(from..from + width, row * width);
+        }
+        self.samples.truncate(width * height);
+        (self.width, self.height) = (width, height);
     }
 
     /// The part inside `part` of this plane repeated in all directions, where the plane itself covers `whole`.
@@ -188,6 +206,31 @@ impl<T: Copy> Plane<T> {
         ArrayViewMut2::from_shape((self.height, self.width), &mut self.samples)
             .expect("a plane is contiguous")
     }
+}
+
+/// Calls `work(y, rows)` for every row of several planes of one size, in parallel.
+///
+/// # Panics
+/// If their sizes differ.
+pub(crate) fn each_row_of<const N: usize>(
+    planes: [&mut Plane; N],
+    work: impl Fn(usize, [&mut [f32]; N]) + Sync,
+) {
+    let [width, height] = [planes[0].width, planes[0].height];
+    assert!(
+        planes
+            .iter()
+            .all(|p| [p.width, p.height] == [width, height])
+    );
+    let mut rows = planes.map(|plane| plane.samples.chunks_exact_mut(width.max(1)));
+    let rows: Vec<[&mut [f32]; N]> = (0..height)
+        .map_while(|_| {
+            let row: Vec<_> = rows.iter_mut().filter_map(Iterator::next).collect();
+            row.try_into().ok()
+        })
+        .collect();
+    let rows = rows.into_par_iter().enumerate();
+    rows.for_each(|(y, rows)| work(y, rows));
 }
 
 /// Not generic in `work`, so that rayon is compiled once per sample type.

@@ -38,21 +38,24 @@ pub(crate) fn unround(stored: &mut Vector3Planes, half_step: f32) {
         .filter(|(_, v)| *v == glam::Vec3::ZERO)
         .map(|(i, _)| i)
         .collect();
+    // Components take turns in the same memory.
+    let (mut codes, mut steps) = (stored.x.clone(), stored.x.clone());
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
-        unround_plane(plane, half_step);
+        codes.samples_mut().copy_from_slice(plane.samples());
+        unround_plane(plane, &codes, &mut steps, half_step);
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }
 
-fn unround_plane(field: &mut Plane, half_step: f32) {
+fn unround_plane(field: &mut Plane, codes: &Plane, steps: &mut Plane, half_step: f32) {
     if field.samples().is_empty() {
         return;
     }
-    let codes = field.clone();
-    let mut steps = steps_of(&codes, 0.5 / half_step);
+    steps_of(codes, 0.5 / half_step, steps);
+    let mut steps = halved(steps);
     let steps: [Plane; LEVELS] = std::array::from_fn(|_| {
-        steps = halved(&steps);
-        steps.clone()
+        let next = halved(&steps);
+        std::mem::replace(&mut steps, next)
     });
     for level in (1..=LEVELS).rev() {
         // The variance is 4^k for each k below the level, in halving and again in doubling.
@@ -69,7 +72,7 @@ fn unround_plane(field: &mut Plane, half_step: f32) {
                 wide = halved(&wide);
             }
             let wide = doubled(without_bias(&wide), level, field);
-            toward(field, &codes, [&wide, &share], half_step);
+            toward(field, codes, [&wide, &share], half_step);
         }
     }
 }
@@ -90,9 +93,8 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
     });
 }
 
-/// Sum of a field's changes from each pixel to the next ones, times `scale`.
-fn steps_of(field: &Plane, scale: f32) -> Plane {
-    let mut steps = Plane::filled(field.width(), field.height(), 0.0);
+/// Sum of a field's changes from each pixel to the next ones, times `scale`, written to `steps`.
+fn steps_of(field: &Plane, scale: f32, steps: &mut Plane) {
     steps.each_row(|y, steps| {
         let (row, below) = (field.row(y), field.row((y + 1).min(field.height() - 1)));
         let right = row[1..].iter().chain(row.last());
@@ -103,7 +105,6 @@ fn steps_of(field: &Plane, scale: f32) -> Plane {
             *step = scale * (dx * dx + dy * dy).sqrt();
         }
     });
-    steps
 }
 
 /// Twice a mean minus its own mean: restores the amount that the mean takes off a bend.

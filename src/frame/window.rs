@@ -63,6 +63,16 @@ impl Window {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
 
+    /// The same pixels, counted from the corner of `whole`.
+    pub(crate) fn relative_to(&self, whole: Window) -> Window {
+        Window {
+            x0: self.x0 - whole.x0,
+            y0: self.y0 - whole.y0,
+            x1: self.x1 - whole.x0,
+            y1: self.y1 - whole.y0,
+        }
+    }
+
     /// The intersection, if there is one.
     pub fn common(&self, other: &Window) -> Option<Window> {
         let both = Window {

@@ -34,7 +34,7 @@ params! {
         /// Curvature is mapped to -1..1: a ball of this radius to tanh(2). Auto takes a gain that shows an ordinary bump
         /// of the frame clearly. Low gains show sharp features only; high ones saturate, and draw noise.
         curvature_gain: Adaptive = Adaptive::Auto,
-            flag: "--curvature-gain", form: "K|auto", group: Group::Shape, unit: Unit::Pixels,
+            flag: "--curvature-gain", alias: Some("gain"), form: "K|auto", group: Group::Shape, unit: Unit::Pixels,
             valid: GAINS_PX, useful: by_factors(0.1, 200.0);
         /// Scaling magnitude: 0 changes nothing.
         ///

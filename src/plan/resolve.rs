@@ -156,20 +156,18 @@ impl Plan {
         })
     }
 
-    /// As [`Plan::at_scales`] for [`Goal::Layers`], with these products alone.
+    /// As [`Plan::new`] for [`Goal::Layers`], with these products alone.
     ///
     /// # Errors
-    /// Those of [`Plan::at_scales`].
+    /// Those of [`Plan::new`].
     pub(crate) fn of_products(
         products: &[Product],
         available: Available,
         shape: ShapeParams,
         scaling: ScalingParams,
-        more_px: &[f32],
     ) -> Result<Self> {
         Self::made(Asked {
             products: Some(products),
-            more_px,
             ..Asked::of(Goal::Layers, available, shape, scaling)
         })
     }

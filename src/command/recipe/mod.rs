@@ -26,7 +26,7 @@ pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe can run.
-pub(super) const COMMANDS: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
+pub(super) const COMMANDS: [&str; 5] = ["shape", "enhance", "relight", "hatch", "map"];
 
 /// Names of the presets.
 pub(super) fn presets() -> String {

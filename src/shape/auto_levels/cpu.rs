@@ -1,7 +1,7 @@
 //! Automatic choices from the whole frame: the gain of the curvature mapping and the white level.
 
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
-use crate::frame::{ColorPlanes, Mask, Plane, luminance};
+use crate::frame::{ColorPlanes, Mask, Plane, Window, luminance};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{CURVATURE_PERCENT, flat_curvature, typical_exponent};
 use std::ops::Range;
@@ -10,19 +10,35 @@ use std::ops::Range;
 ///
 /// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
 pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, most: f32) -> f32 {
-    let flat = flat_curvature([trace.width(), trace.height()], factor);
-    let curved = |y| curved(trace, conductance, flat, y);
-    gain_of(percentile(trace.height(), CURVATURE_PERCENT, curved), most)
+    let whole = Window::from_size(trace.width(), trace.height());
+    gain_within(trace, conductance, whole, factor, most)
+}
+
+/// [`curvature_gain`] of the pixels in `part`, counted from the corner of the planes.
+pub(crate) fn gain_within(
+    trace: &Plane,
+    conductance: &Plane,
+    part: Window,
+    factor: f32,
+    most: f32,
+) -> f32 {
+    let flat = flat_curvature([part.width(), part.height()], factor);
+    let columns = part.x0 as usize..part.x1 as usize;
+    let curved = |y| {
+        let y = y + part.y0 as usize;
+        let row = |plane| &Plane::row(plane, y)[columns.clone()];
+        curved(row(trace), row(conductance), flat)
+    };
+    gain_of(percentile(part.height(), CURVATURE_PERCENT, curved), most)
 }
 
 /// The magnitudes of the trace in a row, off edges and where the surface is not flat.
 fn curved<'a>(
-    trace: &'a Plane,
-    conductance: &'a Plane,
+    trace: &'a [f32],
+    conductance: &'a [f32],
     flat: f32,
-    y: usize,
 ) -> impl Iterator<Item = f32> + 'a {
-    let samples = trace.row(y).iter().zip(conductance.row(y));
+    let samples = trace.iter().zip(conductance);
     samples
         .filter(|&(_, &c)| c > 0.5)
         .map(|(t, _)| t.abs())
@@ -58,7 +74,7 @@ impl GainSearch {
     pub(crate) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
         let flat = self.flat;
         self.search
-            .add(rows, |y| curved(trace, conductance, flat, y));
+            .add(rows, |y| curved(trace.row(y), conductance.row(y), flat));
     }
 
     pub(crate) fn gain(&self) -> f32 {

@@ -95,9 +95,8 @@ fn gain_of_frame(run: &mut Run) -> f32 {
         AUTO_GAIN.name,
         || match plan.tile {
             Some(tile) => {
-                let [trace, conductance] =
-                    [trace, conductance].map(|plane| plane.crop(whole, tile.window));
-                cpu::curvature_gain(&trace, &conductance, factor, most)
+                let part = tile.window.relative_to(whole);
+                cpu::gain_within(trace, conductance, part, factor, most)
             }
             None => cpu::curvature_gain(trace, conductance, factor, most),
         },

@@ -1,0 +1,308 @@
+//! `relievo map`: its arguments, its plan, and the maps it makes.
+
+use super::args::WorkArgs;
+use super::output::Kind;
+use crate::engine::outcome::Outcome;
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Plane};
+use crate::io::Needs;
+use crate::io::inputs::Inputs;
+use crate::params::{Params, Scale, ShapeParams, SoftThreshold};
+use crate::plan::{Available, Plan};
+use crate::product::Product;
+use clap::{Args, ValueEnum};
+
+/// Placeholder in the output's name for the map.
+pub(crate) const MAP: &str = "{map}";
+
+/// The arguments of `map`.
+#[derive(Debug, Args)]
+#[command(mut_arg("wrap", |wrap| wrap.default_value("auto")), mut_arg("crease", |crease| crease.default_value("15,45")))]
+pub(crate) struct MapArgs {
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    /// Maps to make. Several take {map} in the name of the output, as in -o brick_{map}.png, or an .exr for all.
+    #[arg(
+        long = "map",
+        value_name = "MAP,..",
+        value_delimiter = ',',
+        default_value = "curvature",
+        help_heading = "Maps"
+    )]
+    maps: Vec<Map>,
+    /// Bits of a grey sample in PNG and TIFF.
+    #[arg(long, value_name = "8|16", default_value = "16", value_parser = ["8", "16"], help_heading = "Maps")]
+    bits: String,
+    /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
+    #[arg(
+        long,
+        value_name = "WEIGHT,..",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        help_heading = "Maps"
+    )]
+    sum: Vec<f32>,
+}
+
+/// A grey map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Map {
+    /// Mapped curvature: 0.5 is flat, brighter convex, darker concave
+    Curvature,
+    /// Its convex part: 0 is flat, 1 sharply convex
+    Convex,
+    /// Its concave part: 0 is flat, 1 sharply concave
+    Concave,
+    /// Edges: 1 where the surface bends, either way, by the larger angle of --crease or more, or depth jumps
+    Edges,
+}
+
+/// One map that is made.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    /// Its name in files and channels.
+    pub(crate) name: String,
+    map: Map,
+    /// Index of the scale it shows; `None` for a map of no scale, or of their sum.
+    scale: Option<usize>,
+}
+
+/// A run of the engine, and what maps take of it.
+pub(crate) struct Pass {
+    pub(crate) plan: Plan,
+    kind: PassKind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PassKind {
+    /// Curvature at one scale.
+    Scale,
+    /// Silhouettes and creases.
+    Edges,
+}
+
+/// The planes that maps are made of.
+#[derive(Debug, Default)]
+pub(crate) struct Samples {
+    /// Mapped curvature, by scale.
+    kappa: Vec<Plane>,
+    /// The larger of the weights of silhouettes and creases.
+    edges: Option<Plane>,
+}
+
+/// A map as it is computed, and the values shown in black and white.
+pub(crate) struct Made {
+    pub(crate) plane: Plane,
+    range: [f32; 2],
+}
+
+impl Made {
+    /// In grey, 0..1.
+    pub(crate) fn grey(mut self) -> Plane {
+        let [black, white] = self.range;
+        let scale = 1.0 / (white - black);
+        self.plane.each_row(|_, row| {
+            row.iter_mut()
+                .for_each(|v| *v = ((*v - black) * scale).clamp(0.0, 1.0));
+        });
+        self.plane
+    }
+}
+
+impl Map {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Curvature => "curvature",
+            Self::Convex => "convex",
+            Self::Concave => "concave",
+            Self::Edges => "edges",
+        }
+    }
+
+    /// Whether it is made once for each scale.
+    fn has_scales(self) -> bool {
+        matches!(self, Self::Curvature | Self::Convex | Self::Concave)
+    }
+}
+
+/// Curvature of a texture goes on across its sharpest edges, which are what it is made for.
+const NO_CREASES: SoftThreshold = SoftThreshold {
+    lo: 180.0,
+    hi: 180.0,
+};
+
+impl MapArgs {
+    /// Bits of a grey sample.
+    pub(crate) fn bits(&self) -> u8 {
+        if self.bits == "8" { 8 } else { 16 }
+    }
+
+    /// All scales in pixels, the first one included.
+    fn sigmas(&self) -> Vec<f32> {
+        let flags = &self.work.flags;
+        let first = match flags.params.shape.scale {
+            Scale::Sigma(sigma) => sigma,
+            Scale::Iterations(_) => flags.params.shape.scale_px() as f32,
+        };
+        let more = flags.more_scales().iter().copied();
+        std::iter::once(first).chain(more).collect()
+    }
+
+    /// The maps, each at each scale unless scales are added up.
+    pub(crate) fn parts(&self) -> Vec<Part> {
+        let sigmas = self.sigmas();
+        let by_scale = sigmas.len() > 1 && self.sum.is_empty();
+        let mut parts: Vec<Part> = Vec::new();
+        for &map in &self.maps {
+            let one = |scale: Option<usize>, name: String| Part { name, map, scale };
+            match by_scale && map.has_scales() {
+                true => parts.extend((0..sigmas.len()).map(|scale| {
+                    let name = format!("{}_{}", map.name(), sigmas[scale]);
+                    one(Some(scale), name)
+                })),
+                false => parts.push(one(None, map.name().into())),
+            }
+        }
+        let mut known = Vec::new();
+        parts.retain(|part| {
+            let is_new = !known.contains(&part.name);
+            known.push(part.name.clone());
+            is_new
+        });
+        parts
+    }
+
+    /// Refuses several maps for one picture, and weights that do not match the scales.
+    pub(crate) fn check(&self) -> Result<()> {
+        let bad = |name, found: String, remedy: &str| {
+            Err(Error::BadParameter {
+                name,
+                found,
+                remedy: remedy.into(),
+            })
+        };
+        let (parts, sigmas) = (self.parts(), self.sigmas());
+        let kind = self.work.output.kind()?;
+        let output = self.work.output.output.as_deref();
+        let named = output.is_none_or(|path| path.to_string_lossy().contains(MAP));
+        if parts.len() > 1 && !named && kind != Kind::Exr {
+            let found = format!("is one picture for {} maps", parts.len());
+            return bad("-o", found, "put {map} into its name, or write an .exr");
+        }
+        if !self.sum.is_empty() {
+            if !matches!(self.sum.len(), 1 if sigmas.len() > 1) && self.sum.len() != sigmas.len() {
+                let (weights, scales) = (self.sum.len(), sigmas.len());
+                let found = format!("has {weights} weights for {scales} scales");
+                return bad("--sum", found, "give one for each scale, or one for all");
+            }
+            let total: f32 = self.sum.iter().map(|weight| weight.abs()).sum();
+            if !(total > 0.0 && total.is_finite()) {
+                let found = "has weights that add up to nothing".to_string();
+                return bad("--sum", found, "give finite numbers, not all of them 0");
+            }
+        }
+        Ok(())
+    }
+
+    /// Inputs and layers to read for a frame.
+    pub(crate) fn reading(&self, frame: Option<i32>) -> (Inputs, Needs) {
+        let needs = Needs {
+            projection: self.work.flags.params.shape.foreshortening != 0.0,
+            ..Needs::default()
+        };
+        (self.work.inputs(frame), needs)
+    }
+
+    /// The runs that all maps of a frame take: one for each scale, since each has a gain of its own.
+    pub(crate) fn passes(&self, frame: &Frame) -> Result<Vec<Pass>> {
+        let Params { shape, scaling, .. } = self.work.flags.params;
+        let available = Available::in_frame(frame);
+        let pass = |kind, products: &[Product], shape| {
+            let plan = Plan::of_products(products, available, shape, scaling)?;
+            Ok(Pass { plan, kind })
+        };
+        let mut passes = Vec::new();
+        if self.maps.iter().any(|map| map.has_scales()) {
+            let more = self.work.flags.more_scales().iter();
+            let scales = std::iter::once(shape.scale).chain(more.map(|&px| Scale::Sigma(px)));
+            for scale in scales {
+                let shape = ShapeParams {
+                    scale,
+                    crease: NO_CREASES,
+                    ..shape
+                };
+                passes.push(pass(PassKind::Scale, &[Product::MappedCurvature], shape)?);
+            }
+        }
+        if self.maps.contains(&Map::Edges) {
+            let products = [Product::Silhouette, Product::Crease, Product::Conductance];
+            passes.push(pass(PassKind::Edges, &products, shape)?);
+        }
+        Ok(passes)
+    }
+
+    /// One of the maps.
+    pub(crate) fn made(&self, part: &Part, samples: &Samples) -> Made {
+        let (plane, range) = match part.map {
+            Map::Curvature => (self.kappa(part, samples), [-1.0, 1.0]),
+            Map::Convex => {
+                let kappa = self.kappa(part, samples);
+                (kappa.map(|kappa| kappa.max(0.0)), [0.0, 1.0])
+            }
+            Map::Concave => {
+                let kappa = self.kappa(part, samples);
+                (kappa.map(|kappa| (-kappa).max(0.0)), [0.0, 1.0])
+            }
+            Map::Edges => {
+                let edges = samples.edges.clone();
+                (edges.expect("a pass makes edges"), [0.0, 1.0])
+            }
+        };
+        Made { plane, range }
+    }
+
+    /// Mapped curvature at one scale, or the weighted mean over all.
+    fn kappa(&self, part: &Part, samples: &Samples) -> Plane {
+        let all = &samples.kappa;
+        if self.sum.is_empty() {
+            return all[part.scale.unwrap_or(0)].clone();
+        }
+        let weights: Vec<f32> = match self.sum[..] {
+            [one] => vec![one; all.len()],
+            _ => self.sum.clone(),
+        };
+        let total: f32 = weights.iter().map(|weight| weight.abs()).sum();
+        let mut sum = Plane::filled(all[0].width(), all[0].height(), 0.0);
+        sum.each_row(|y, row| {
+            for (plane, weight) in all.iter().zip(&weights) {
+                let samples = row.iter_mut().zip(plane.row(y));
+                samples.for_each(|(sum, kappa)| *sum += weight / total * kappa);
+            }
+        });
+        sum
+    }
+}
+
+impl Samples {
+    /// Takes what maps are made of from the outcome of a pass.
+    pub(crate) fn take(&mut self, pass: &Pass, outcome: &mut Outcome) {
+        let shape = &mut outcome.shape;
+        match pass.kind {
+            PassKind::Scale => self.kappa.extend(shape.kappa.take()),
+            PassKind::Edges => self.edges = larger(shape.crease.take(), shape.silhouette.take()),
+        }
+    }
+}
+
+/// The larger of two planes, pixel by pixel, or the one that there is.
+fn larger(one: Option<Plane>, other: Option<Plane>) -> Option<Plane> {
+    let (mut one, other) = match (one, other) {
+        (Some(one), Some(other)) => (one, other),
+        (one, other) => return one.or(other),
+    };
+    one.each_row(|y, row| {
+        let samples = row.iter_mut().zip(other.row(y));
+        samples.for_each(|(one, other)| *one = one.max(*other));
+    });
+    Some(one)
+}

@@ -1,0 +1,169 @@
+//! Grey maps of normal maps.
+
+use super::inputs::write_planes;
+use crate::common::exr::channel;
+use crate::common::program::{names, relievo};
+use glam::DVec3;
+use relievo::frame::Plane;
+use relievo::io::photo::Photo;
+use relievo::io::picture::ViewTransform;
+use std::path::Path;
+
+const SIZE: usize = 96;
+const RADIUS: f64 = 200.0;
+
+/// Writes a normal map of 16 bits.
+fn write_normals(path: &Path, normal: impl Fn(f64, f64) -> DVec3) {
+    let planes = [0, 1, 2].map(|axis| {
+        Plane::from_fn(SIZE, SIZE, |x, y| {
+            let middle = 0.5 * SIZE as f64;
+            let n = normal(x as f64 + 0.5 - middle, middle - y as f64 - 0.5).normalize();
+            (0.5 * n[axis] + 0.5) as f32
+        })
+    });
+    write_planes(path, planes, None, 16, ViewTransform::None);
+}
+
+/// The cap of a ball, seen from above.
+fn cap(x: f64, y: f64) -> DVec3 {
+    DVec3::new(x, y, (RADIUS * RADIUS - x * x - y * y).sqrt())
+}
+
+/// A roof with its ridge in the middle, each side 30 degrees steep.
+fn roof(x: f64, _: f64) -> DVec3 {
+    DVec3::new(x.signum() * 0.5, 0.0, 0.75_f64.sqrt())
+}
+
+fn grey_at(path: &Path, x: usize, y: usize) -> f32 {
+    let photo = Photo::read(path).unwrap();
+    assert_eq!(photo.channels.len(), 1, "{}", path.display());
+    photo.channels[0].at(x, y)
+}
+
+/// A ball of radius 200 has curvature 2/200 everywhere; a gain of 50 maps it to tanh(0.5) = 0.46212: a grey of 0.73106.
+#[test]
+fn a_ball_is_as_bright_as_it_is_curved() {
+    let desk = tempfile::tempdir().unwrap();
+    write_normals(&desk.path().join("ball.png"), cap);
+    let map = "map ball.png --iterations 0 --gain 50 -q";
+    let of = |name: &str, grey: f32, tolerance: f32| {
+        let found = grey_at(&desk.path().join(name), 40, 50);
+        assert!((found - grey).abs() < tolerance, "{name}: {found}");
+    };
+    relievo(
+        desk.path(),
+        &format!("{map} -o {{map}}.png --map curvature,convex,concave"),
+    )
+    .done();
+    of("curvature.png", 0.731_06, 2e-3);
+    of("convex.png", 0.462_12, 4e-3);
+    of("concave.png", 0.0, 1e-6);
+    relievo(desk.path(), &format!("{map} -o eight.tif --bits 8")).done();
+    of("eight.tif", 0.731_06, 4e-3);
+    assert_eq!(
+        Photo::read(&desk.path().join("curvature.png"))
+            .unwrap()
+            .bits,
+        16
+    );
+    assert_eq!(Photo::read(&desk.path().join("eight.tif")).unwrap().bits, 8);
+    // In an EXR numbers are as they are, and stand beside each other.
+    relievo(
+        desk.path(),
+        &format!("{map} -o all.exr --map curvature,concave"),
+    )
+    .done();
+    let of = |name: &str| channel(&desk.path().join("all.exr"), name).at(40, 50);
+    assert!((of("map.curvature") - 0.462_12).abs() < 4e-3);
+    assert_eq!(of("map.concave"), 0.0);
+    // With y as in DirectX the cap is a saddle, whose curvatures cancel.
+    relievo(
+        desk.path(),
+        &format!("{map} -o flipped.png --normal-flip y"),
+    )
+    .done();
+    assert!((grey_at(&desk.path().join("flipped.png"), 40, 50) - 0.5).abs() < 2e-3);
+}
+
+/// Each scale has a file and a gain of its own; their sum is a weighted mean.
+#[test]
+fn scales_have_maps_of_their_own_or_one_together() {
+    let desk = tempfile::tempdir().unwrap();
+    write_normals(&desk.path().join("in.png"), |x, y| {
+        DVec3::new((x / 5.0).sin(), (y / 9.0).cos(), 3.0)
+    });
+    let run = |words: &str| relievo(desk.path(), &format!("map in.png {words}"));
+    let said = run("-o {map}.exr --scale 1,4 --map curvature,edges")
+        .done()
+        .stderr;
+    assert_eq!(said.matches("curvature gain").count(), 2, "{said}");
+    let exr: Vec<_> = names(desk.path(), "")
+        .into_iter()
+        .filter(|name| name.ends_with("exr"))
+        .collect();
+    assert_eq!(exr, ["curvature_1.exr", "curvature_4.exr", "edges.exr"]);
+    let of = |name: &str, layer: &str| channel(&desk.path().join(name), layer).at(50, 20);
+    let [fine, coarse] = [1, 4].map(|px| {
+        of(
+            &format!("curvature_{px}.exr"),
+            &format!("map.curvature_{px}"),
+        )
+    });
+    run("-o sum.exr --scale 1,4 --sum 1,3 -q").done();
+    let sum = of("sum.exr", "map.curvature");
+    assert!(
+        (sum - (fine + 3.0 * coarse) / 4.0).abs() < 1e-6,
+        "{sum} {fine} {coarse}"
+    );
+    // A recipe keeps what was asked.
+    run("-o again.exr --scale 1,4 --sum 1,3 -q --save-recipe r.toml").done();
+    relievo(desk.path(), "run r.toml in.png -o by_recipe.exr -q").done();
+    assert_eq!(of("by_recipe.exr", "map.curvature"), sum);
+}
+
+/// The ridge of a roof bends by 60 degrees: an edge, at which curvature is not cut out. Slopes of +-0.5, diffused by 2
+/// pixels, change by 1 / (sqrt(2 pi) 2) = 0.2 per pixel: tanh(10 * 0.2) = 0.96.
+#[test]
+fn a_ridge_is_an_edge_and_the_most_convex() {
+    let desk = tempfile::tempdir().unwrap();
+    write_normals(&desk.path().join("roof.png"), roof);
+    relievo(
+        desk.path(),
+        "map roof.png -o {map}.png --map edges,convex --gain 10 --wrap none -q",
+    )
+    .done();
+    let at = |name: &str, x: usize| grey_at(&desk.path().join(name), x, 40);
+    assert_eq!([at("edges.png", 48), at("edges.png", 30)], [1.0, 0.0]);
+    assert!(at("convex.png", 48) > 0.9 && at("convex.png", 30) < 0.01);
+}
+
+#[test]
+fn what_cannot_be_made_is_refused_in_a_line() {
+    let desk = tempfile::tempdir().unwrap();
+    write_normals(&desk.path().join("in.png"), cap);
+    write_normals(&desk.path().join("in_edges.png"), cap);
+    let refused = |words: &str, code: i32, names: &str| {
+        let line = relievo(desk.path(), &format!("map {words}")).refused(code);
+        assert!(line.contains(names), "{line}");
+    };
+    refused("in.png -o one.png --map curvature,edges", 2, "{map}");
+    refused("in.png -o one.png --scale 1,4", 2, "{map}");
+    refused("in.png -o one.png --scale 1,4 --sum 1,2,3", 2, "--sum");
+    refused("in.png -o one.png --scale 1,4 --sum 0,0", 2, "--sum");
+    refused("in.png -o one.png --sum 1,2", 2, "--sum");
+    // Each map is checked against the inputs.
+    refused(
+        "in_edges.png -o in_{map}.png --map curvature,edges",
+        2,
+        "in_edges.png",
+    );
+    assert!(!desk.path().join("in_curvature.png").exists());
+    refused(
+        "in.png -o in_{map}.png --map curvature,edges --no-clobber",
+        2,
+        "in_edges.png",
+    );
+    // A normal map is no picture.
+    let line = relievo(desk.path(), "enhance in.png -o out.png").refused(1);
+    assert!(line.contains("--color"), "{line}");
+}
