@@ -12,9 +12,9 @@ use super::commands::{ViewArgs, command_named, long, typed_ids};
 use super::error_line::misuse_line;
 use super::flags::Flag;
 use super::invocation::{Invocation, Parsed};
-use super::recipe::{COMMANDS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
+use super::recipe::{Recipe, RecipeText, is_repeatable, is_setting, is_switch};
 use crate::engine::Engine;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::light::lights::LAMP_DEG;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -26,6 +26,9 @@ const NOWHERE: &str = "view.png";
 
 /// The command opened first: new light shows shape on any surface.
 const FIRST_COMMAND: &str = "relight";
+
+/// The commands whose results are shown.
+const SHOWN: [&str; 4] = ["shape", "enhance", "relight", "hatch"];
 
 /// An error as one line.
 pub(crate) type Said = String;
@@ -54,9 +57,16 @@ impl Look {
     /// The look that a recipe holds.
     ///
     /// # Errors
-    /// As [`Recipe::read`].
+    /// As [`Recipe::read`]; [`Error::Recipe`] for a command that the window does not show.
     pub(crate) fn of_recipe(path: &Path) -> Result<Self> {
         let recipe = Recipe::read(path)?;
+        if !SHOWN.contains(&&recipe.command[..]) {
+            return Err(Error::Recipe {
+                path: path.to_path_buf(),
+                found: format!("is for {}, which has no window", recipe.command),
+                remedy: format!("give one for {}", SHOWN.join(", ")),
+            });
+        }
         let mut look = Self {
             settings: BTreeMap::new(),
             command: recipe.command.clone(),
@@ -65,9 +75,9 @@ impl Look {
         Ok(look)
     }
 
-    /// The names of all commands.
+    /// The names of the commands that are shown.
     pub(crate) fn commands() -> &'static [&'static str] {
-        &COMMANDS
+        &SHOWN
     }
 
     pub(crate) fn command(&self) -> &str {
