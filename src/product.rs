@@ -27,6 +27,10 @@ pub enum Product {
     Direction,
     /// Direction of the view-centred curvature.
     ViewDirection,
+    /// Height toward the viewer.
+    Height,
+    /// What the height misses of the slopes.
+    HeightResidual,
     /// The picture: enhanced, in new light, or the curvature display.
     Picture,
     /// Coverage of the strokes.
@@ -72,6 +76,8 @@ pub struct ProductRow {
     pub unit: &'static str,
     /// Whether each further scale has this product too.
     pub at_scales: bool,
+    /// Whether it is made only when it is named.
+    pub(crate) on_request: bool,
     /// How backends are compared.
     pub(crate) compared: Compared,
     /// Tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
@@ -96,6 +102,7 @@ const fn row(
         components,
         unit,
         at_scales: false,
+        on_request: false,
         compared: Compared::Largest,
         tolerance,
         shown: None,
@@ -106,6 +113,13 @@ impl ProductRow {
     const fn at_scales(self) -> Self {
         Self {
             at_scales: true,
+            ..self
+        }
+    }
+
+    const fn on_request(self) -> Self {
+        Self {
+            on_request: true,
             ..self
         }
     }
@@ -123,11 +137,12 @@ impl ProductRow {
 }
 
 const PER_PIXEL: &str = "per pixel; convex is negative";
+const HEIGHT: &str = "pixels; with depth its unit, less the distance";
 const DIRECTION: &str = "unit, x right, y up; 0 for none";
 
 /// All products, in the order of their layers in a file.
 #[rustfmt::skip]
-static TABLE: [ProductRow; 14] = [
+static TABLE: [ProductRow; 16] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
         .shown("Silhouette", "weights where depth jumps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
@@ -143,6 +158,8 @@ static TABLE: [ProductRow; 14] = [
     row(Product::Direction, "direction", Some("direction"), &["x", "y"], DIRECTION, 2e-5).compared(Compared::Directions),
     row(Product::ViewDirection, "view direction", Some("direction_view"), &["x", "y"], DIRECTION, 2e-5)
         .compared(Compared::Directions),
+    row(Product::Height, "height", Some("relief"), &["height"], HEIGHT, 1e-4).on_request(),
+    row(Product::HeightResidual, "height residual", Some("relief"), &["residual"], "change per pixel", 1e-4).on_request(),
     row(Product::Picture, "picture", None, &["R", "G", "B"], "scene-linear", 1e-5),
     row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink),
     row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink),

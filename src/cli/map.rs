@@ -103,6 +103,9 @@ impl MapArgs {
         let mut chosen = Chosen::default();
         for part in &parts {
             let made = self.made(part, samples);
+            if !is_exr && let Some(range) = made.range_in_words(part) {
+                job.note(&range);
+            }
             let job = job.writing(&part.name);
             chosen = match is_exr {
                 true => job.write_exr(

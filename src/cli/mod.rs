@@ -27,8 +27,7 @@ mod window;
 
 pub use crate::command::recipe;
 
-use crate::command::args::WorkArgs;
-use crate::command::commands::{Cli, Command, EnhanceArgs};
+use crate::command::commands::{Cli, Command, EnhanceArgs, ShapeArgs};
 use crate::command::invocation::Invocation;
 use crate::command::line_args::HatchArgs;
 use crate::command::map::MapArgs;
@@ -70,7 +69,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Inspect(args) => inspect::run(args).map(|()| 0),
         Command::Report(args) => report::run(args).map(|()| 0),
         Command::Schema => message::json(&recipe::schema()).map(|()| 0),
-        Command::Shape(_) => batch::run::<WorkArgs>(typed),
+        Command::Shape(_) => batch::run::<ShapeArgs>(typed),
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),
         Command::Hatch(_) => batch::run::<HatchArgs>(typed),

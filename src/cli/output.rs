@@ -1,7 +1,7 @@
 //! From planes to the output file.
 
 use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
-use crate::command::layer_names::PART;
+use crate::command::layer_names::{PART, names_of};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
@@ -218,14 +218,6 @@ impl OutputArgs {
             )
         })
     }
-}
-
-/// Names that select a channel: its full name, its layer, and each word of it.
-fn names_of(channel: &str) -> impl Iterator<Item = &str> {
-    let layer = channel.rsplit_once('.').map(|(layer, _)| layer);
-    std::iter::once(channel)
-        .chain(layer)
-        .chain(channel.split('.'))
 }
 
 fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {

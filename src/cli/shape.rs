@@ -5,6 +5,7 @@ use super::job::{Done, Job};
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
+use crate::command::commands::ShapeArgs;
 use crate::command::shape::display;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
@@ -19,15 +20,15 @@ use crate::plan::{Goal, Plan};
 use crate::product::Product;
 use std::path::PathBuf;
 
-impl FrameCommand for WorkArgs {
+impl FrameCommand for ShapeArgs {
     type Kit = Engine;
 
     fn work(&self) -> &WorkArgs {
-        self
+        &self.work
     }
 
     fn work_mut(&mut self) -> &mut WorkArgs {
-        self
+        &mut self.work
     }
 
     fn files(&self, _frame: Option<i32>) -> Vec<PathBuf> {
@@ -35,24 +36,26 @@ impl FrameCommand for WorkArgs {
     }
 
     fn validate(&self) -> Result<()> {
-        match self.goal()? {
-            Goal::Display => self.flags.refuse_more_scales(),
+        match self.work.goal()? {
+            Goal::Display => self.work.flags.refuse_more_scales(),
             _ => Ok(()),
         }
     }
 
     fn prepare(&self) -> Result<Engine> {
-        self.run.compute.backend.engine()
+        self.work.run.compute.backend.engine()
     }
 
     fn make(&self, engine: &Engine, job: &Job) -> Result<Chosen> {
         let work = Description {
-            args: self,
-            goal: self.goal()?,
+            args: &self.work,
+            goal: self.work.goal()?,
             runner: engine.cpu_runner(),
         };
-        let (inputs, needs) = self.reading(work.goal, job.frame);
-        if strips::is_too_large(job) {
+        let (inputs, needs) = self.work.reading(work.goal, job.frame);
+        if self.work.takes_whole() {
+            job.work.refuse_too_large(&job.work.input)?;
+        } else if strips::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;

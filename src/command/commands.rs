@@ -36,7 +36,7 @@ pub(crate) enum Command {
     Inspect(InspectArgs),
     /// Write the shape descriptor: layers to an EXR, or the coloured curvature display to a picture.
     #[command(after_help = SHAPE_EXAMPLES)]
-    Shape(WorkArgs),
+    Shape(ShapeArgs),
     /// Bring out the shape in the shading that a picture already has.
     #[command(after_help = ENHANCE_EXAMPLES)]
     Enhance(EnhanceArgs),
@@ -191,6 +191,14 @@ pub(crate) struct ViewArgs {
     pub(super) frames: FramesArg,
     #[command(flatten)]
     pub(crate) compute: ComputeArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ShapeArgs {
+    #[command(flatten)]
+    pub(crate) work: WorkArgs,
+    #[command(flatten)]
+    _relief: Section<{ Group::Relief as u8 }>,
 }
 
 #[derive(Debug, Args)]

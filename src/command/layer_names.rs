@@ -25,6 +25,14 @@ impl LayerNames {
     }
 }
 
+/// Names that select a channel: its full name, its layer, and each word of it.
+pub(crate) fn names_of(channel: &str) -> impl Iterator<Item = &str> {
+    let layer = channel.rsplit_once('.').map(|(layer, _)| layer);
+    std::iter::once(channel)
+        .chain(layer)
+        .chain(channel.split('.'))
+}
+
 /// `direction_view` as `DirectionView`; numbers keep their underscores: `curvature_2_5px` is `Curvature_2_5px`.
 fn in_capitals(name: &str) -> String {
     let words = name.split('_');

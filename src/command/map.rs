@@ -1,13 +1,14 @@
 //! `relievo map`: its arguments, its plan, and the maps it makes.
 
 use super::args::WorkArgs;
+use super::flags::Section;
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
-use crate::params::{Params, Scale, ShapeParams, SoftThreshold};
+use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 use clap::{Args, ValueEnum};
@@ -21,6 +22,8 @@ pub(crate) const MAP: &str = "{map}";
 pub(crate) struct MapArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
+    #[command(flatten)]
+    _relief: Section<{ Group::Relief as u8 }>,
     /// Maps to make. Several take {map} in the name of the output, as in -o brick_{map}.png, or an .exr for all.
     #[arg(
         long = "map",
@@ -55,6 +58,10 @@ enum Map {
     Concave,
     /// Edges: 1 where the surface bends, either way, by the larger angle of --crease or more, or depth jumps
     Edges,
+    /// Height: 0 is the lowest, 1 the highest, which are said; in an EXR in pixels, or as depth
+    Height,
+    /// Where the height cannot follow the normals, since no surface has them: the change per pixel that is missed
+    Residual,
 }
 
 /// One map that is made.
@@ -79,6 +86,8 @@ enum PassKind {
     Scale,
     /// Silhouettes and creases.
     Edges,
+    /// Height.
+    Relief,
 }
 
 /// The planes that maps are made of.
@@ -88,6 +97,8 @@ pub(crate) struct Samples {
     kappa: Vec<Plane>,
     /// The larger of the weights of silhouettes and creases.
     edges: Option<Plane>,
+    height: Option<Plane>,
+    residual: Option<Plane>,
 }
 
 /// A map as it is computed, and the values shown in black and white.
@@ -97,6 +108,13 @@ pub(crate) struct Made {
 }
 
 impl Made {
+    /// The values shown in black and white, if they are not those of all pictures.
+    pub(crate) fn range_in_words(&self, part: &Part) -> Option<String> {
+        let [black, white] = self.range;
+        let is_measured = part.map == Map::Height;
+        is_measured.then(|| format!("{} {black:.3} is black, {white:.3} white", part.name))
+    }
+
     /// In grey, 0..1.
     pub(crate) fn grey(mut self) -> Plane {
         let [black, white] = self.range;
@@ -116,6 +134,8 @@ impl Map {
             Self::Convex => "convex",
             Self::Concave => "concave",
             Self::Edges => "edges",
+            Self::Height => "height",
+            Self::Residual => "residual",
         }
     }
 
@@ -218,7 +238,7 @@ impl MapArgs {
         let Params { shape, scaling, .. } = self.work.flags.params;
         let available = Available::in_frame(frame);
         let pass = |kind, products: &[Product], shape| {
-            let plan = Plan::of_products(products, available, shape, scaling)?;
+            let plan = Plan::of_products(products, available, shape, scaling, &[])?;
             Ok(Pass { plan, kind })
         };
         let mut passes = Vec::new();
@@ -238,6 +258,19 @@ impl MapArgs {
             let products = [Product::Silhouette, Product::Crease, Product::Conductance];
             passes.push(pass(PassKind::Edges, &products, shape)?);
         }
+        let relief = [
+            (Map::Height, Product::Height),
+            (Map::Residual, Product::HeightResidual),
+        ];
+        let relief = relief.iter().filter(|(map, _)| self.maps.contains(map));
+        let products: Vec<_> = relief.map(|(_, product)| *product).collect();
+        if !products.is_empty() {
+            let shape = ShapeParams {
+                crease: NO_CREASES,
+                ..shape
+            };
+            passes.push(pass(PassKind::Relief, &products, shape)?);
+        }
         Ok(passes)
     }
 
@@ -256,6 +289,15 @@ impl MapArgs {
             Map::Edges => {
                 let edges = samples.edges.clone();
                 (edges.expect("a pass makes edges"), [0.0, 1.0])
+            }
+            Map::Height => {
+                let height = samples.height.clone().expect("a pass makes the height");
+                let range = range_of(&height);
+                (height, range)
+            }
+            Map::Residual => {
+                let residual = samples.residual.clone();
+                (residual.expect("a pass makes the residual"), [0.0, 1.0])
             }
         };
         Made { plane, range }
@@ -289,8 +331,24 @@ impl Samples {
         let shape = &mut outcome.shape;
         match pass.kind {
             PassKind::Scale => self.kappa.extend(shape.kappa.take()),
+            PassKind::Relief => {
+                self.height = shape.height.take();
+                self.residual = shape.height_residual.take();
+            }
             PassKind::Edges => self.edges = larger(shape.crease.take(), shape.silhouette.take()),
         }
+    }
+}
+
+/// The lowest and the highest value; 1 apart for a plane of one value.
+fn range_of(plane: &Plane) -> [f32; 2] {
+    let samples = plane.samples().iter();
+    let (low, high) = samples.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| {
+        (low.min(v), high.max(v))
+    });
+    match high > low {
+        true => [low, high],
+        false => [low, low + 1.0],
     }
 }
 

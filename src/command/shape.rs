@@ -1,6 +1,7 @@
 //! `relievo shape`: the layers it needs, and its plan.
 
 use super::args::WorkArgs;
+use super::layer_names::names_of;
 use super::output::Kind;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
@@ -11,6 +12,7 @@ use crate::io::inputs::Inputs;
 use crate::io::picture::{Display, Picture, ViewTransform};
 use crate::params::Params;
 use crate::plan::{Available, Goal, Plan};
+use crate::product::Product;
 
 /// The curvature display.
 pub(crate) fn display(outcome: &Outcome) -> Picture<'_> {
@@ -42,7 +44,30 @@ impl WorkArgs {
     pub(crate) fn plan(&self, goal: Goal, frame: &Frame, found: &StripChoice) -> Result<Plan> {
         let Params { shape, scaling, .. } = self.flags.params;
         let (available, scaling) = (Available::in_frame(frame), found.given(scaling));
-        Plan::at_scales(goal, available, shape, scaling, self.flags.more_scales())
+        let more = self.flags.more_scales();
+        if goal != Goal::Layers {
+            return Plan::at_scales(goal, available, shape, scaling, more);
+        }
+        let products: Vec<_> = goal.products().chain(self.asked()).collect();
+        Plan::of_products(&products, available, shape, scaling, more)
+    }
+
+    /// Products that are made since they are named.
+    fn asked(&self) -> impl Iterator<Item = Product> {
+        let on_request = Product::all().filter(|product| product.row().on_request);
+        on_request.filter(|product| {
+            let mut names = self.output.write.iter();
+            let is_named = |name: &String| {
+                let mut channels = product.channels();
+                channels.any(|channel| names_of(&channel).any(|own| own == name))
+            };
+            names.any(is_named)
+        })
+    }
+
+    /// Refuses a picture that goes in strips with results that take the whole of it.
+    pub(crate) fn takes_whole(&self) -> bool {
+        self.asked().next().is_some()
     }
 
     /// The result, by the kind of output: layers or a display.

@@ -88,6 +88,13 @@ shape_products! {
     /// Direction of the view-centred curvature (of the Hessian) of larger magnitude, in the same form; 0 where there is
     /// none.
     ViewDirection: direction_view of Vector2Planes;
+    /// Height toward the viewer, if asked for by name: with depth its negative, in its unit, with the detail of the
+    /// normals; else in pixels, with mean 0 over each connected surface. 0 outside the mask. In a region of a frame it
+    /// is that of the region alone.
+    Height: height of Plane;
+    /// How far the change of that height from pixel to pixel is from what the normals say; in perspective relative to
+    /// the distance.
+    HeightResidual: height_residual of Plane;
 }
 
 /// Curvature at one of several scales.

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::params::range::in_range;
 use crate::params::table::{Kind, Many, Unit, by_factors, even};
 use crate::params::value::{Value, finite};
-use crate::params::{Adaptive, Param, Parameters};
+use crate::params::{Adaptive, Group, Param, Parameters};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
@@ -179,6 +179,13 @@ params! {
             flag: "--direction-step", form: "PX|auto", unit: Unit::Pixels,
             kind: Kind::Number { whole: true, word: Some("auto") },
             valid: 1.0..=MAX_DIRECTION_STEP_PX as f32, useful: even(1.0, 32.0);
+        /// Largest error of the height, in relation to the height itself, where it is found round by round.
+        height_tolerance: f32 = 1e-4, flag: "--height-tolerance", form: "E", group: Group::Relief,
+            valid: 1e-7..=0.1, useful: by_factors(1e-6, 1e-2);
+        /// Distance in pixels over which normals alone shape the height; over longer ones it follows depth, where there
+        /// is any.
+        height_detail: f32 = 32.0, flag: "--height-detail", form: "PX", group: Group::Relief, unit: Unit::Pixels,
+            valid: 1.0..=4096.0, useful: by_factors(4.0, 256.0);
     }
     relations ShapeParams::relations;
 }

@@ -120,6 +120,8 @@ pub struct Useful {
 pub enum Group {
     /// Shape analysis.
     Shape,
+    /// Height.
+    Relief,
     /// Layers of light that are scaled separately.
     LightLayers,
     /// Lights.
@@ -153,6 +155,7 @@ impl Group {
     pub fn name(self) -> &'static str {
         match self {
             Self::Shape => "Shape",
+            Self::Relief => "Height",
             Self::LightLayers => "Light layers",
             Self::Light => "Light",
             Self::Warping => "Light warping",

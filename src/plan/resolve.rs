@@ -48,8 +48,12 @@ pub enum ToneFrom {
 
 impl Goal {
     /// Products the goal consists of; pictures are handled separately.
-    fn products(self) -> impl Iterator<Item = Product> {
-        Product::all().filter(move |product| self == Self::Layers && product.row().layer.is_some())
+    pub(crate) fn products(self) -> impl Iterator<Item = Product> {
+        let is_layer = |product: &Product| {
+            let row = product.row();
+            row.layer.is_some() && !row.on_request
+        };
+        Product::all().filter(move |product| self == Self::Layers && is_layer(product))
     }
 }
 
@@ -156,18 +160,20 @@ impl Plan {
         })
     }
 
-    /// As [`Plan::new`] for [`Goal::Layers`], with these products alone.
+    /// As [`Plan::at_scales`] for [`Goal::Layers`], with these products alone.
     ///
     /// # Errors
-    /// Those of [`Plan::new`].
+    /// Those of [`Plan::at_scales`].
     pub(crate) fn of_products(
         products: &[Product],
         available: Available,
         shape: ShapeParams,
         scaling: ScalingParams,
+        more_px: &[f32],
     ) -> Result<Self> {
         Self::made(Asked {
             products: Some(products),
+            more_px,
             ..Asked::of(Goal::Layers, available, shape, scaling)
         })
     }

@@ -22,10 +22,12 @@ use crate::shape::curvature::stage::{CURVATURES, DIRECTIONS, HESSIAN, MAPPED_CUR
 use crate::shape::curvature_display::stage::CURVATURE_DISPLAY;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::edges::stage::EDGES;
+use crate::shape::height::stage::HEIGHT;
 
 /// Stages that find the shape.
-pub(crate) static SHAPE: [&Stage; 9] = [
+pub(crate) static SHAPE: [&Stage; 10] = [
     &EDGES,
+    &HEIGHT,
     &DIFFUSION,
     &TRACE,
     &HESSIAN,

@@ -6,6 +6,7 @@
 pub(crate) mod auto_levels;
 pub(crate) mod curvature_display;
 pub(crate) mod edges;
+pub(crate) mod height;
 
 use std::ops::Range;
 

@@ -392,7 +392,7 @@ impl ViewSession {
 /// The arguments that all commands share.
 fn work_of(command: &Command) -> &WorkArgs {
     match command {
-        Command::Shape(work) => work,
+        Command::Shape(args) => &args.work,
         Command::Enhance(args) => &args.work,
         Command::Relight(args) => &args.work,
         Command::Hatch(args) => &args.relight.work,

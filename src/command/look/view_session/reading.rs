@@ -79,7 +79,7 @@ impl ViewSession {
             (!inputs.is_empty()).then_some((inputs, material))
         };
         let ((inputs, needs), specular) = match command {
-            Command::Shape(work) => (work.reading(Goal::Display, frame), None),
+            Command::Shape(args) => (args.work.reading(Goal::Display, frame), None),
             Command::Enhance(args) => (args.reading(frame), None),
             Command::Relight(args) => {
                 let illumination = self.illumination(args)?;

@@ -1,0 +1,41 @@
+//! The height: only where it is asked for.
+
+use super::cpu::find_height;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// The height from normals, and what it misses of them.
+pub(crate) static HEIGHT: Stage = Stage {
+    name: "height",
+    steps: &[
+        Step {
+            name: "height",
+            gives: &[Product::Height],
+            decide: |plan| match plan.wants(Product::Height) || plan.wants(Product::HeightResidual)
+            {
+                true => Verdict::runs("asked for"),
+                false => Verdict::left_out("not asked for"),
+            },
+        },
+        Step {
+            name: "height-residual",
+            gives: &[Product::HeightResidual],
+            decide: |plan| match plan.wants(Product::HeightResidual) {
+                true => Verdict::runs("asked for"),
+                false => Verdict::left_out("not asked for"),
+            },
+        },
+    ],
+    takes: |_| vec![Product::Conductance],
+    depends_on: |plan| {
+        let shape = &plan.shape;
+        format!(
+            "{} {} {}",
+            shape.min_nz, shape.height_tolerance, shape.height_detail
+        )
+    },
+    cpu: find_height,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| Some("height"),
+    ..Stage::DEFAULT
+};
