@@ -70,7 +70,12 @@ pub(crate) fn solve(problem: &Problem) -> Solved {
         let islands = Islands::of(&faces, mask);
         let right = changes.divergence(&faces);
         drop(changes);
-        let mut solved = conjugate_gradients(Level::all(faces, None), right, problem.tolerance);
+        let mut solved = conjugate_gradients(
+            Level::all(faces, None),
+            right,
+            problem.tolerance,
+            islands.are_one(mask),
+        );
         islands.level(&mut solved.height);
         return solved;
     };
@@ -80,7 +85,12 @@ pub(crate) fn solve(problem: &Problem) -> Solved {
     let pull = mask.plane().map(|covered| if covered { pull } else { 0.0 });
     let right = changes.divergence(&faces);
     drop(changes);
-    let mut solved = conjugate_gradients(Level::all(faces, Some(pull)), right, problem.tolerance);
+    let mut solved = conjugate_gradients(
+        Level::all(faces, Some(pull)),
+        right,
+        problem.tolerance,
+        false,
+    );
     solved.height.each_row(|y, row| {
         let heights = row.iter_mut().zip(depth.row(y));
         heights.for_each(|(height, depth)| *height += depth);
@@ -190,7 +200,15 @@ impl Changes {
 }
 
 /// Solves the equation of the first level by conjugate gradients, preconditioned by a cycle over all.
-fn conjugate_gradients(mut levels: Vec<Level>, right: Plane, tolerance: f32) -> Solved {
+///
+/// Where nothing pulls the height it is known up to a constant, and rounding adds one to the residual: it is taken off
+/// again. A round that no longer brings the height nearer is the last: single precision holds no more.
+fn conjugate_gradients(
+    mut levels: Vec<Level>,
+    right: Plane,
+    tolerance: f32,
+    is_free: bool,
+) -> Solved {
     let (width, rows) = (right.width(), right.height());
     let empty = || Plane::filled(width, rows, 0.0);
     let (mut height, mut residual) = (empty(), right);
@@ -212,8 +230,14 @@ fn conjugate_gradients(mut levels: Vec<Level>, right: Plane, tolerance: f32) -> 
         let step = (energy / curvature) as f32;
         add(&mut height, step, &direction);
         add(&mut residual, -step, &image);
+        if is_free {
+            center(&mut residual);
+        }
         cycle(&mut levels, &residual, &mut correction);
         let next = product(&residual, &correction);
+        if next.is_nan() || next >= energy {
+            break;
+        }
         let kept = (next / energy) as f32;
         energy = next;
         direction.each_row(|y, row| {
@@ -230,6 +254,16 @@ fn add(plane: &mut Plane, factor: f32, other: &Plane) {
         let samples = row.iter_mut().zip(other.row(y));
         samples.for_each(|(own, other)| *own += factor * other);
     });
+}
+
+/// Takes the mean off a plane.
+fn center(plane: &mut Plane) {
+    let rows = (0..plane.height()).into_par_iter();
+    let sums: Vec<f64> = rows
+        .map(|y| plane.row(y).iter().map(|&v| f64::from(v)).sum())
+        .collect();
+    let mean = (sums.iter().sum::<f64>() / plane.samples().len().max(1) as f64) as f32;
+    plane.each_row(|_, row| row.iter_mut().for_each(|v| *v -= mean));
 }
 
 /// The product of two planes.
@@ -281,6 +315,11 @@ impl Islands {
             of,
             count: count as usize,
         }
+    }
+
+    /// Whether they are one, all over the picture.
+    fn are_one(&self, mask: &Mask) -> bool {
+        self.count == 1 && mask.count() == mask.width() * mask.height()
     }
 
     /// Subtracts from each surface its mean height.
