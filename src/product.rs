@@ -31,6 +31,10 @@ pub enum Product {
     Height,
     /// What the height misses of the slopes.
     HeightResidual,
+    /// The share of the sky seen over that height.
+    Sky,
+    /// The direction from which its light arrives on average.
+    BentNormal,
     /// The picture: enhanced, in new light, or the curvature display.
     Picture,
     /// Coverage of the strokes.
@@ -142,7 +146,7 @@ const DIRECTION: &str = "unit, x right, y up; 0 for none";
 
 /// All products, in the order of their layers in a file.
 #[rustfmt::skip]
-static TABLE: [ProductRow; 16] = [
+static TABLE: [ProductRow; 18] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
         .shown("Silhouette", "weights where depth jumps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
@@ -160,6 +164,8 @@ static TABLE: [ProductRow; 16] = [
         .compared(Compared::Directions),
     row(Product::Height, "height", Some("relief"), &["height"], HEIGHT, 1e-4).on_request(),
     row(Product::HeightResidual, "height residual", Some("relief"), &["residual"], "change per pixel", 1e-4).on_request(),
+    row(Product::Sky, "sky", Some("relief"), &["sky"], "0..1", 1e-4).on_request(),
+    row(Product::BentNormal, "bent normal", Some("bent"), &["x", "y", "z"], "unit, view space", 1e-4).on_request(),
     row(Product::Picture, "picture", None, &["R", "G", "B"], "scene-linear", 1e-5),
     row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink),
     row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
@@ -186,6 +192,11 @@ impl Product {
     /// Whether it belongs to the shape descriptor, rather than a picture or a drawing.
     pub(crate) fn is_of_shape(self) -> bool {
         self < Self::Picture
+    }
+
+    /// Whether half floats are too coarse for it: they tell heights to three digits.
+    pub(crate) fn needs_floats(self) -> bool {
+        self == Self::Height
     }
 
     /// Its row of the table.

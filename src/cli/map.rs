@@ -84,14 +84,14 @@ impl FrameCommand for MapArgs {
 impl MapArgs {
     /// Writes each map to a file of its own, or all to one EXR.
     fn write(&self, job: &Job, done: &Done, samples: &Samples) -> Result<Chosen> {
-        let parts = self.parts();
+        let (parts, mask) = (self.parts(), &done.loaded.frame.mask);
         let is_exr = job.work.output.kind()? == Kind::Exr;
         let output = job.work.output.output.clone().unwrap_or_default();
         let has_own = output.to_string_lossy().contains(MAP);
         if is_exr && !has_own {
             let made: Vec<_> = parts
                 .iter()
-                .map(|part| (part, self.made(part, samples)))
+                .map(|part| (part, self.made(part, samples, mask)))
                 .collect();
             let channels = made.iter().map(|(part, made)| OutputChannel {
                 name: format!("map.{}", part.name),
@@ -102,9 +102,9 @@ impl MapArgs {
         }
         let mut chosen = Chosen::default();
         for part in &parts {
-            let made = self.made(part, samples);
-            if !is_exr && let Some(range) = made.range_in_words(part) {
-                job.note(&range);
+            let made = self.made(part, samples, mask);
+            if let Some(words) = made.in_words(part, mask) {
+                job.note(&words);
             }
             let job = job.writing(&part.name);
             chosen = match is_exr {
@@ -119,7 +119,7 @@ impl MapArgs {
                 false => job.write_picture(
                     done,
                     &Picture {
-                        color: &ColorPlanes::grey(made.grey()),
+                        color: &ColorPlanes::grey(made.grey(mask)),
                         alpha: None,
                         grey: true,
                         bits: self.bits(),

@@ -131,7 +131,15 @@ fn descriptor_channels<'a>(
     let normal = &frame.normal;
     let normals = [("x", &normal.x), ("y", &normal.y), ("z", &normal.z)];
     let normals = normals.map(|(axis, plane)| (format!("normal.{axis}"), plane));
-    let first = Product::all().flat_map(|product| product.channels().zip(outcome.planes(product)));
+    let of_product = |product: Product| {
+        let sample_type = match product.needs_floats() {
+            true => OutputType::Float,
+            false => sample_type,
+        };
+        let channels = product.channels().zip(outcome.planes(product));
+        channels.map(move |(name, plane)| (name, plane, sample_type))
+    };
+    let first = Product::all().flat_map(of_product);
     let more = outcome
         .shape
         .more_scales
@@ -139,12 +147,10 @@ fn descriptor_channels<'a>(
         .flat_map(ScaleShape::channels);
     let confidence = frame.confidence.as_ref();
     let confidence = confidence.map(|plane| ("weights.confidence".to_string(), plane));
-    let channels = normals
-        .into_iter()
-        .chain(confidence)
-        .chain(first)
-        .chain(more);
-    let channels = channels.map(|(name, plane)| OutputChannel {
+    let typed = |(name, plane)| (name, plane, sample_type);
+    let channels = normals.into_iter().chain(confidence).map(typed);
+    let channels = channels.chain(first).chain(more.map(typed));
+    let channels = channels.map(|(name, plane, sample_type)| OutputChannel {
         name,
         plane,
         sample_type,

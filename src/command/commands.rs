@@ -46,7 +46,7 @@ pub(crate) enum Command {
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
     #[command(after_help = HATCH_EXAMPLES)]
     Hatch(Box<HatchArgs>),
-    /// Make grey maps for textures: curvature, its convex and concave parts, edges.
+    /// Make grey maps for textures: curvature, its convex and concave parts, edges, height, occlusion.
     #[command(after_help = MAP_EXAMPLES)]
     Map(MapArgs),
     /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
@@ -111,6 +111,7 @@ Examples:
   relievo map brick_normal.png -o brick_{map}.png --map convex,concave,edges
   relievo map brick_normal.png -o brick_{map}.png --scale 1,4,16        brick_curvature_1.png and so on
   relievo map brick_normal.png -o wear.png --scale 1,4,16 --sum 1,2,4
+  relievo map brick_normal.png -o brick_{map}.png --map height,occlusion
   relievo map rock_directx.png -o rock.png --normal-flip y --bits 8
   relievo map render.exr -o maps.exr --map curvature,edges";
 

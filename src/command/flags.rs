@@ -53,6 +53,8 @@ pub(crate) struct Flags {
     pub(crate) params: Params,
     /// All sigmas of `--scale`.
     scales: Vec<f32>,
+    /// All radii of `--occlusion-radius`.
+    radii: Vec<f32>,
     /// The folder given to `--style`.
     pub(super) folder_of_strokes: Option<PathBuf>,
 }
@@ -61,6 +63,11 @@ impl Flags {
     /// Sigmas of the scales after the first.
     pub(super) fn more_scales(&self) -> &[f32] {
         self.scales.get(1..).unwrap_or(&[])
+    }
+
+    /// All radii of occlusion; none where the command makes none.
+    pub(super) fn radii(&self) -> &[f32] {
+        &self.radii
     }
 
     /// Refuses parameters outside their ranges.
@@ -94,19 +101,27 @@ impl FromArgMatches for Flags {
         let mut params = Params::default();
         for row in table() {
             if let Some(values) = values(matches, row.name()) {
-                let set = params.set(row.name(), &values.join(","));
+                // Of several values of one number the first is the parameter.
+                let is_number = matches!(row.kind, Kind::Number { .. });
+                let first = &values[..values.len().min(1)];
+                let of_row = if is_number { first } else { &values[..] };
+                let set = params.set(row.name(), &of_row.join(","));
                 set.map_err(|expected| clap::Error::raw(ErrorKind::ValueValidation, expected))?;
             }
         }
-        let scales = values(matches, "scale").unwrap_or_default();
+        let numbers = |name: &str| -> Vec<f32> {
+            let values = values(matches, name).unwrap_or_default();
+            values
+                .iter()
+                .filter_map(|value| value.parse().ok())
+                .collect()
+        };
         let style =
             values(matches, "style").filter(|_| params.line.strokes.style == Style::Pictures);
         Ok(Self {
             params,
-            scales: scales
-                .iter()
-                .filter_map(|scale| scale.parse().ok())
-                .collect(),
+            scales: numbers("scale"),
+            radii: numbers("occlusion-radius"),
             folder_of_strokes: style.and_then(|style| style.last().map(PathBuf::from)),
         })
     }

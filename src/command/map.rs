@@ -5,7 +5,7 @@ use super::flags::Section;
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Plane};
+use crate::frame::{Frame, Mask, Plane};
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
 use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
@@ -60,6 +60,8 @@ enum Map {
     Edges,
     /// Height: 0 is the lowest, 1 the highest, which are said; in an EXR in pixels, or as depth
     Height,
+    /// The share of the sky that is seen over the height: 1 is open, 0 hidden; see --occlusion-radius
+    Occlusion,
     /// Where the height cannot follow the normals, since no surface has them: the change per pixel that is missed
     Residual,
 }
@@ -70,7 +72,7 @@ pub(crate) struct Part {
     /// Its name in files and channels.
     pub(crate) name: String,
     map: Map,
-    /// Index of the scale it shows; `None` for a map of no scale, or of their sum.
+    /// Index of the scale or radius it shows; `None` for a map of neither, or of the sum of all scales.
     scale: Option<usize>,
 }
 
@@ -99,6 +101,8 @@ pub(crate) struct Samples {
     edges: Option<Plane>,
     height: Option<Plane>,
     residual: Option<Plane>,
+    /// The sky seen, by radius.
+    sky: Vec<Plane>,
 }
 
 /// A map as it is computed, and the values shown in black and white.
@@ -108,20 +112,38 @@ pub(crate) struct Made {
 }
 
 impl Made {
-    /// The values shown in black and white, if they are not those of all pictures.
-    pub(crate) fn range_in_words(&self, part: &Part) -> Option<String> {
+    /// What its grey does not tell: the values shown in black and white, and how much is missed.
+    pub(crate) fn in_words(&self, part: &Part, mask: &Mask) -> Option<String> {
         let [black, white] = self.range;
-        let is_measured = part.map == Map::Height;
-        is_measured.then(|| format!("{} {black:.3} is black, {white:.3} white", part.name))
+        match part.map {
+            Map::Height => Some(format!("height {black:.3} is black, {white:.3} white")),
+            Map::Residual => {
+                let runs = |y: usize| mask.runs(y).flat_map(move |run| &self.plane.row(y)[run]);
+                let squares = (0..mask.height()).flat_map(runs).map(|&v| f64::from(v * v));
+                let mean = squares.sum::<f64>() / mask.count().max(1) as f64;
+                let missed = mean.sqrt();
+                Some(format!(
+                    "the height misses {missed:.4} per pixel, root mean square"
+                ))
+            }
+            _ => None,
+        }
     }
 
-    /// In grey, 0..1.
-    pub(crate) fn grey(mut self) -> Plane {
+    /// In grey, 0..1; what is no surface is flat or black.
+    pub(crate) fn grey(mut self, mask: &Mask) -> Plane {
         let [black, white] = self.range;
         let scale = 1.0 / (white - black);
-        self.plane.each_row(|_, row| {
-            row.iter_mut()
-                .for_each(|v| *v = ((*v - black) * scale).clamp(0.0, 1.0));
+        let outside = if black < 0.0 && white == -black {
+            0.5
+        } else {
+            0.0
+        };
+        self.plane.each_row(|y, row| {
+            for (v, &covered) in row.iter_mut().zip(mask.row(y)) {
+                let grey = ((*v - black) * scale).clamp(0.0, 1.0);
+                *v = if covered { grey } else { outside };
+            }
         });
         self.plane
     }
@@ -136,6 +158,7 @@ impl Map {
             Self::Edges => "edges",
             Self::Height => "height",
             Self::Residual => "residual",
+            Self::Occlusion => "occlusion",
         }
     }
 
@@ -170,16 +193,22 @@ impl MapArgs {
 
     /// The maps, each at each scale unless scales are added up.
     pub(crate) fn parts(&self) -> Vec<Part> {
-        let sigmas = self.sigmas();
-        let by_scale = sigmas.len() > 1 && self.sum.is_empty();
+        let (sigmas, radii) = (self.sigmas(), self.work.flags.radii());
         let mut parts: Vec<Part> = Vec::new();
         for &map in &self.maps {
+            let sizes = match map {
+                Map::Occlusion => radii,
+                _ if map.has_scales() && self.sum.is_empty() => &sigmas,
+                _ => &[],
+            };
             let one = |scale: Option<usize>, name: String| Part { name, map, scale };
-            match by_scale && map.has_scales() {
-                true => parts.extend((0..sigmas.len()).map(|scale| {
-                    let name = format!("{}_{}", map.name(), sigmas[scale]);
-                    one(Some(scale), name)
-                })),
+            match sizes.len() > 1 {
+                true => parts.extend(
+                    sizes
+                        .iter()
+                        .enumerate()
+                        .map(|(scale, size)| one(Some(scale), format!("{}_{size}", map.name()))),
+                ),
                 false => parts.push(one(None, map.name().into())),
             }
         }
@@ -261,21 +290,28 @@ impl MapArgs {
         let relief = [
             (Map::Height, Product::Height),
             (Map::Residual, Product::HeightResidual),
+            (Map::Occlusion, Product::Sky),
         ];
         let relief = relief.iter().filter(|(map, _)| self.maps.contains(map));
         let products: Vec<_> = relief.map(|(_, product)| *product).collect();
-        if !products.is_empty() {
+        let radii = match self.maps.contains(&Map::Occlusion) {
+            true => self.work.flags.radii(),
+            false => &[shape.occlusion_radius],
+        };
+        for &occlusion_radius in radii.iter().filter(|_| !products.is_empty()) {
             let shape = ShapeParams {
                 crease: NO_CREASES,
+                occlusion_radius,
                 ..shape
             };
+            shape.validate()?;
             passes.push(pass(PassKind::Relief, &products, shape)?);
         }
         Ok(passes)
     }
 
     /// One of the maps.
-    pub(crate) fn made(&self, part: &Part, samples: &Samples) -> Made {
+    pub(crate) fn made(&self, part: &Part, samples: &Samples, mask: &Mask) -> Made {
         let (plane, range) = match part.map {
             Map::Curvature => (self.kappa(part, samples), [-1.0, 1.0]),
             Map::Convex => {
@@ -292,9 +328,10 @@ impl MapArgs {
             }
             Map::Height => {
                 let height = samples.height.clone().expect("a pass makes the height");
-                let range = range_of(&height);
+                let range = range_of(&height, mask);
                 (height, range)
             }
+            Map::Occlusion => (samples.sky[part.scale.unwrap_or(0)].clone(), [0.0, 1.0]),
             Map::Residual => {
                 let residual = samples.residual.clone();
                 (residual.expect("a pass makes the residual"), [0.0, 1.0])
@@ -334,21 +371,24 @@ impl Samples {
             PassKind::Relief => {
                 self.height = shape.height.take();
                 self.residual = shape.height_residual.take();
+                self.sky.extend(shape.sky.take());
             }
             PassKind::Edges => self.edges = larger(shape.crease.take(), shape.silhouette.take()),
         }
     }
 }
 
-/// The lowest and the highest value; 1 apart for a plane of one value.
-fn range_of(plane: &Plane) -> [f32; 2] {
-    let samples = plane.samples().iter();
+/// The lowest and the highest value of a surface; 1 apart where they are equal or none.
+fn range_of(plane: &Plane, mask: &Mask) -> [f32; 2] {
+    let runs = |y: usize| mask.runs(y).flat_map(move |run| &plane.row(y)[run]);
+    let samples = (0..mask.height()).flat_map(runs);
     let (low, high) = samples.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| {
         (low.min(v), high.max(v))
     });
-    match high > low {
-        true => [low, high],
-        false => [low, low + 1.0],
+    match (low < high, low.is_finite()) {
+        (true, _) => [low, high],
+        (false, true) => [low, low + 1.0],
+        (false, false) => [0.0, 1.0],
     }
 }
 

@@ -1,7 +1,9 @@
 //! Outcomes: planes of the descriptor, a picture, a drawing, by name and by product.
 
 use crate::engine::slot::Slot;
-use crate::frame::{ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Window};
+use crate::frame::{
+    ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes, Window,
+};
 use crate::line::contours::Contour;
 use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
@@ -95,6 +97,10 @@ shape_products! {
     /// How far the change of that height from pixel to pixel is from what the normals say; in perspective relative to
     /// the distance.
     HeightResidual: height_residual of Plane;
+    /// The share of the sky's cosine-weighted light that arrives, 0..1, if asked for by name.
+    Sky: sky of Plane;
+    /// The unit direction in view space from which that light arrives on average.
+    BentNormal: bent of Vector3Planes;
 }
 
 /// Curvature at one of several scales.
@@ -209,6 +215,7 @@ macro_rules! planes {
 
 planes! {
     Vector2Planes { x, y }
+    Vector3Planes { x, y, z }
     SymmetricPlanes { xx, xy, yy }
     CurvaturePlanes { u, v, mean }
     ColorPlanes { r, g, b }

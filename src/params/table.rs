@@ -120,7 +120,7 @@ pub struct Useful {
 pub enum Group {
     /// Shape analysis.
     Shape,
-    /// Height.
+    /// Height and occlusion.
     Relief,
     /// Layers of light that are scaled separately.
     LightLayers,
@@ -155,7 +155,7 @@ impl Group {
     pub fn name(self) -> &'static str {
         match self {
             Self::Shape => "Shape",
-            Self::Relief => "Height",
+            Self::Relief => "Height and occlusion",
             Self::LightLayers => "Light layers",
             Self::Light => "Light",
             Self::Warping => "Light warping",

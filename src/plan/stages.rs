@@ -23,11 +23,13 @@ use crate::shape::curvature_display::stage::CURVATURE_DISPLAY;
 use crate::shape::diffusion::stage::DIFFUSION;
 use crate::shape::edges::stage::EDGES;
 use crate::shape::height::stage::HEIGHT;
+use crate::shape::occlusion::stage::OCCLUSION;
 
 /// Stages that find the shape.
-pub(crate) static SHAPE: [&Stage; 10] = [
+pub(crate) static SHAPE: [&Stage; 11] = [
     &EDGES,
     &HEIGHT,
+    &OCCLUSION,
     &DIFFUSION,
     &TRACE,
     &HESSIAN,

@@ -7,6 +7,7 @@ pub(crate) mod auto_levels;
 pub(crate) mod curvature_display;
 pub(crate) mod edges;
 pub(crate) mod height;
+pub(crate) mod occlusion;
 
 use std::ops::Range;
 

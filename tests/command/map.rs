@@ -2,9 +2,10 @@
 
 use super::inputs::write_planes;
 use crate::common::exr::channel;
-use crate::common::program::{names, relievo};
+use crate::common::program::{fixture, names, relievo};
 use glam::DVec3;
 use relievo::frame::Plane;
+use relievo::io::exr::{ExrFile, Limits, SampleType};
 use relievo::io::photo::Photo;
 use relievo::io::picture::ViewTransform;
 use std::path::Path;
@@ -135,6 +136,105 @@ fn a_ridge_is_an_edge_and_the_most_convex() {
     let at = |name: &str, x: usize| grey_at(&desk.path().join(name), x, 40);
     assert_eq!([at("edges.png", 48), at("edges.png", 30)], [1.0, 0.0]);
     assert!(at("convex.png", 48) > 0.9 && at("convex.png", 30) < 0.01);
+}
+
+/// A ball of radius 200 seen from above is 200 - sqrt(200^2 - 2 47.5^2) = 11.63 pixels lower in the corner than in the middle,
+/// and nothing hides its sky. A tile of waves goes on across its borders, also in its height.
+#[test]
+fn height_and_occlusion_are_those_of_the_surface() {
+    let desk = tempfile::tempdir().unwrap();
+    write_normals(&desk.path().join("ball.png"), cap);
+    let map = "map ball.png --wrap none --map height,occlusion,residual";
+    let said = relievo(desk.path(), &format!("{map} -o all.exr"))
+        .done()
+        .stderr;
+    let plane = |name: &str| channel(&desk.path().join("all.exr"), name);
+    let (height, sky) = (plane("map.height"), plane("map.occlusion"));
+    let drop = height.at(47, 47) - height.at(0, 95);
+    assert!((drop - 11.63).abs() < 0.02, "{drop}");
+    assert!((sky.at(40, 60) - 1.0).abs() < 1e-3);
+    assert!(said.is_empty() || !said.contains("NaN"), "{said}");
+    let said = relievo(desk.path(), &format!("{map} -o {{map}}.png"))
+        .done()
+        .stderr;
+    assert!(
+        said.contains("is black") && said.contains("root mean square"),
+        "{said}"
+    );
+    let grey = |x: usize, y: usize| grey_at(&desk.path().join("height.png"), x, y);
+    assert!(grey(47, 47) > 0.99 && grey(0, 0) < 0.01);
+
+    let wave = |x: f64, y: f64| {
+        let [u, v] = [x, y].map(|at| std::f64::consts::TAU * at / SIZE as f64);
+        DVec3::new(-0.8 * u.cos(), 0.6 * (2.0 * v).sin(), 1.0)
+    };
+    write_normals(&desk.path().join("tile.png"), wave);
+    relievo(
+        desk.path(),
+        "map tile.png -o tile.exr --map height,occlusion -q",
+    )
+    .done();
+    for name in ["map.height", "map.occlusion"] {
+        let plane = channel(&desk.path().join("tile.exr"), name);
+        let jump = |a: usize, b: usize| {
+            (0..SIZE)
+                .map(|y| (plane.at(a, y) - plane.at(b, y)).abs())
+                .fold(0.0, f32::max)
+        };
+        let (across, beside) = (jump(0, SIZE - 1), jump(0, 1).max(jump(SIZE - 2, SIZE - 1)));
+        assert!(across < 1.1 * beside, "{name} {across} {beside}");
+    }
+}
+
+/// Height is written by `shape` where it is named, in floats; with depth and a camera it is minus the distance.
+#[test]
+fn a_render_has_its_height_as_a_layer_on_request() {
+    let desk = tempfile::tempdir().unwrap();
+    std::fs::copy(fixture("bust.exr"), desk.path().join("in.exr")).unwrap();
+    let run = |words: &str| relievo(desk.path(), &format!("shape in.exr -q {words}")).done();
+    run("-o all.exr");
+    run("-o relief.exr --write relief,bent --layers results --height-detail 4");
+    let channels = |name: &str| {
+        let file = ExrFile::open(&desk.path().join(name), &Limits::default()).unwrap();
+        let parts = file.parts.iter().flat_map(|part| &part.channels);
+        parts
+            .map(|channel| (channel.name.clone(), channel.sample_type))
+            .collect::<Vec<_>>()
+    };
+    assert!(
+        !channels("all.exr")
+            .iter()
+            .any(|(name, _)| name.contains("Relief"))
+    );
+    let own = channels("relief.exr");
+    assert_eq!(own.len(), 6, "{own:?}");
+    let is_float = |name: &str| {
+        own.iter()
+            .any(|(own, kind)| own.contains(name) && *kind == SampleType::Float)
+    };
+    assert!(is_float("ReliefHeight") && !is_float("ReliefSky"));
+    let depth = relievo::io::load(
+        &relievo::io::inputs::Inputs {
+            picture: desk.path().join("in.exr"),
+            ..Default::default()
+        },
+        relievo::io::Needs {
+            projection: true,
+            ..Default::default()
+        },
+    );
+    let frame = depth.unwrap().frame;
+    let (depth, height) = (
+        frame.depth.unwrap(),
+        channel(&desk.path().join("relief.exr"), "relief.height"),
+    );
+    let mut apart: Vec<f32> = (0..frame.mask.height())
+        .flat_map(|y| frame.mask.runs(y).flatten().map(move |x| (x, y)))
+        .map(|(x, y)| (height.at(x, y) + depth.at(x, y)).abs() / depth.at(x, y))
+        .collect();
+    apart.sort_by(f32::total_cmp);
+    // Normals shape it over four pixels alone.
+    assert!(apart[apart.len() / 2] < 3e-4, "{}", apart[apart.len() / 2]);
 }
 
 #[test]

@@ -112,6 +112,7 @@ mod tests {
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
     use crate::shape::diffusion::{Faces, LEVELS, Stencil, Update};
+    use crate::shape::occlusion::Step;
 
     const WIDTH: usize = 83;
 
@@ -201,8 +202,26 @@ mod tests {
             simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
             results.extend([out_x, out_y]);
         }
+        results.extend(made_of_sky(simd, &gx, &gy));
         results.extend(made_of_light(simd, &gx, &gy));
         results
+    }
+
+    /// Results of the occlusion kernels on sample rows.
+    fn made_of_sky(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
+        let [a, b] = [a, b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
+        let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
+        let blank = || vec![0.0; WIDTH];
+        let [mut p, mut q, mut horizon] = [blank(), blank(), blank()];
+        let [mut seen, mut x, mut y, mut z] = [blank(), blank(), blank(), blank()];
+        simd.tangent_row(&mut p, &mut q, a);
+        let step = Step::along([0.8, 0.6], 5.0);
+        simd.raise_row(&mut horizon, b, [&p, &q], &step);
+        let out = [&mut seen[..], &mut x[..], &mut y[..], &mut z[..]];
+        simd.add_slice_row(out, a, [&horizon, b[0], &p, &q], [0.8, 0.6]);
+        let out = [&mut seen[..], &mut x[..], &mut y[..], &mut z[..]];
+        simd.finish_row(out, a, &covered, 0.125);
+        vec![p, q, horizon, seen, x, y, z]
     }
 
     /// Results of the light-layer kernels on sample rows.

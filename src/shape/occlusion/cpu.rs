@@ -1,0 +1,43 @@
+//! From a frame with its height to the sky it sees.
+
+use super::{NOTHING, Sky, sky};
+use crate::engine::cpu::run::Run;
+use crate::frame::{Frame, Plane, Projection, SightLines};
+
+/// The sky seen from each pixel.
+pub(super) fn find_sky(run: &mut Run) {
+    let (plan, frame) = (run.plan, run.frame);
+    let height = run.outcome.shape.height.take();
+    let known = height.as_ref().expect("occlusion takes the height");
+    let Sky { seen, bent } = run.timed("occlusion", || {
+        let pixels = in_pixels(known, frame);
+        let shape = &plan.shape;
+        let (radius, slices) = (shape.occlusion_radius, shape.occlusion_slices);
+        sky(&pixels, &frame.normal, &frame.mask, radius, slices)
+    });
+    let shape = &mut run.outcome.shape;
+    (shape.height, shape.sky, shape.bent) = (height, Some(seen), Some(bent));
+}
+
+/// The height in pixels, whatever its unit; in perspective at the distance of each pixel.
+fn in_pixels(height: &Plane, frame: &Frame) -> Plane {
+    let has_depth = frame.depth.is_some() && frame.camera.is_some();
+    let projection = SightLines::of(frame).projection();
+    let mut pixels = height.clone();
+    pixels.each_row(|y, row| {
+        for (height, &covered) in row.iter_mut().zip(frame.mask.row(y)) {
+            *height = match projection {
+                _ if !covered => NOTHING,
+                Projection::Orthographic { sx, sy, .. } => *height * (sx * sy).sqrt() as f32,
+                Projection::Perspective { fx, fy, .. } => {
+                    let focal_px = (fx * fy).sqrt() as f32;
+                    match has_depth && *height < 0.0 {
+                        true => -focal_px * (-*height).ln(),
+                        false => -focal_px * (-*height / focal_px).ln_1p(),
+                    }
+                }
+            };
+        }
+    });
+    pixels
+}

@@ -1,0 +1,38 @@
+//! Occlusion: only where it is asked for.
+
+use super::cpu::find_sky;
+use crate::plan::Plan;
+use crate::plan::stage::{Stage, Step, Verdict};
+use crate::product::Product;
+
+/// The sky seen from each pixel, and from where on average.
+pub(crate) static OCCLUSION: Stage = Stage {
+    name: "occlusion",
+    steps: &[Step {
+        name: "occlusion",
+        gives: &[Product::Sky, Product::BentNormal],
+        decide: |plan| match is_wanted(plan) {
+            true => Verdict::runs(format!(
+                "asked for, within {} px",
+                plan.shape.occlusion_radius
+            )),
+            false => Verdict::left_out("not asked for"),
+        },
+    }],
+    takes: |_| vec![Product::Height],
+    reach_px: |plan| plan.shape.occlusion_radius.ceil() as usize,
+    depends_on: |plan| {
+        format!(
+            "{} {}",
+            plan.shape.occlusion_radius, plan.shape.occlusion_slices
+        )
+    },
+    cpu: find_sky,
+    #[cfg(feature = "gpu")]
+    gpu_lacks: |_| Some("occlusion"),
+    ..Stage::DEFAULT
+};
+
+fn is_wanted(plan: &Plan) -> bool {
+    plan.wants(Product::Sky) || plan.wants(Product::BentNormal)
+}
