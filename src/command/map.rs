@@ -1,7 +1,7 @@
 //! `relievo map`: its arguments, its plan, and the maps it makes.
 
 use super::args::WorkArgs;
-use super::flags::Section;
+use super::flags::{Section, one_of};
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use crate::io::inputs::Inputs;
 use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 /// Placeholder in the output's name for the map.
 pub(crate) const MAP: &str = "{map}";
@@ -30,6 +30,7 @@ pub(crate) struct MapArgs {
         value_name = "MAP,..",
         value_delimiter = ',',
         default_value = "curvature",
+        value_parser = one_of(Map::ALL.map(|map| (map, map.name()))),
         help_heading = "Maps"
     )]
     maps: Vec<Map>,
@@ -48,21 +49,21 @@ pub(crate) struct MapArgs {
 }
 
 /// A grey map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Map {
-    /// Mapped curvature: 0.5 is flat, brighter convex, darker concave
+    /// Mapped curvature: 0.5 is flat, brighter convex, darker concave.
     Curvature,
-    /// Its convex part: 0 is flat, 1 sharply convex
+    /// Its convex part: 0 is flat, 1 sharply convex.
     Convex,
-    /// Its concave part: 0 is flat, 1 sharply concave
+    /// Its concave part: 0 is flat, 1 sharply concave.
     Concave,
-    /// Edges: 1 where the surface bends, either way, by the larger angle of --crease or more, or depth jumps
+    /// Edges: 1 where the surface bends, either way, by the larger angle of --crease or more, or depth jumps.
     Edges,
-    /// Height: 0 is the lowest, 1 the highest, which are said; in an EXR in pixels, or as depth
+    /// Height: 0 is the lowest, 1 the highest, which are said; in an EXR in pixels, or as depth.
     Height,
-    /// The share of the sky that is seen over the height: 1 is open, 0 hidden; see --occlusion-radius
+    /// The share of the sky that is seen over the height: 1 is open, 0 hidden; see --occlusion-radius.
     Occlusion,
-    /// Where the height cannot follow the normals, since no surface has them: the change per pixel that is missed
+    /// Where the height cannot follow the normals, since no surface has them: the change per pixel that is missed.
     Residual,
 }
 
@@ -150,6 +151,16 @@ impl Made {
 }
 
 impl Map {
+    const ALL: [Self; 7] = [
+        Self::Curvature,
+        Self::Convex,
+        Self::Concave,
+        Self::Edges,
+        Self::Height,
+        Self::Occlusion,
+        Self::Residual,
+    ];
+
     fn name(self) -> &'static str {
         match self {
             Self::Curvature => "curvature",

@@ -4,6 +4,7 @@ mod drawing;
 mod gpu;
 mod light;
 mod mirrors;
+mod relief;
 mod sequence;
 mod stability;
 
@@ -34,6 +35,7 @@ pub(crate) fn page(report: &Report) -> String {
         light::section(&report.light),
         drawing::section(&report.drawing),
         mirrors::section(&report.mirrors),
+        relief::section(&report.relief),
         sequence::section(report.coherence.as_ref()),
         stability::section(&report.stability),
     ];

@@ -22,6 +22,7 @@ pub(crate) mod pareto;
 mod pictures;
 pub(crate) mod plots;
 mod reference;
+mod relief;
 pub mod scenes;
 pub(crate) mod stability;
 pub(crate) mod sweeps;
@@ -79,6 +80,8 @@ pub(crate) struct Report {
     pub light: light::LightReport,
     pub drawing: drawing::DrawingReport,
     pub mirrors: mirrors::MirrorReport,
+    /// Height and occlusion.
+    pub relief: relief::ReliefReport,
     /// A device compared with the CPU; `None` in a build without device support.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu: Option<GpuReport>,
@@ -127,6 +130,8 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
     let light = light::run(&asked)?;
     let drawing = drawing::run(&asked)?;
     let mirrors = mirrors::run(extent, progress)?;
+    progress("height and occlusion");
+    let relief = relief::run(extent);
     progress("stiff and extreme cases");
     Ok(Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -145,6 +150,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         light,
         drawing,
         mirrors,
+        relief,
         gpu,
         coherence: None,
         stability: stability::all().iter().map(stability::Case::run).collect(),

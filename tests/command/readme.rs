@@ -81,8 +81,15 @@ fn every_command_works() {
         println!("relievo {command}");
         let arguments: Vec<_> = command.split_whitespace().collect();
         run(place.path(), &arguments).done();
-        if let Some(at) = arguments.iter().position(|&a| a == "-o") {
-            let output = place.path().join(arguments[at + 1]);
+        let after = |flag: &str| {
+            let at = arguments.iter().position(|&a| a == flag)?;
+            arguments.get(at + 1)
+        };
+        if let Some(name) = after("-o") {
+            let map = after("--map").and_then(|maps| maps.split(',').next());
+            let output = place
+                .path()
+                .join(name.replace("{map}", map.unwrap_or_default()));
             assert!(
                 output.metadata().unwrap().len() > 1000,
                 "{} is empty",
@@ -204,11 +211,15 @@ fn option_rows() -> Vec<(String, String)> {
 fn the_defaults_are_those_of_the_program() {
     // An option shared by several commands has the same meaning in all: params hold its default once.
     let helps = ["enhance", "relight", "hatch"].map(help_of);
+    let of_map = help_of("map");
     let rows = option_rows();
     for (option, default) in &rows {
         let expected = format!("[default: {default}]");
         let entries = helps.iter().filter_map(|help| entry_of(help, option));
-        let entries: Vec<_> = entries.collect();
+        let mut entries: Vec<_> = entries.collect();
+        if entries.is_empty() {
+            entries.extend(entry_of(&of_map, option));
+        }
         assert!(!entries.is_empty(), "no command has {option}");
         for entry in entries {
             assert!(
