@@ -119,7 +119,10 @@ impl MapArgs {
                 false => job.write_picture(
                     done,
                     &Picture {
-                        color: &ColorPlanes::grey(made.grey(mask)),
+                        color: &ColorPlanes {
+                            r: made.grey(mask),
+                            ..ColorPlanes::default()
+                        },
                         alpha: None,
                         grey: true,
                         bits: self.bits(),

@@ -331,7 +331,7 @@ impl CurvaturePlanes {
 pub const REC709_LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Scene-linear colour, one plane per primary, not clamped.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColorPlanes {
     /// Red.
     pub r: Plane,

@@ -109,8 +109,7 @@ fn luminance(color: &ColorPlanes, frame: &Frame) -> Plane {
 fn grey(plane: &Plane, is_linear: bool) -> Pixels {
     let color = ColorPlanes {
         r: plane.clone(),
-        g: plane.clone(),
-        b: plane.clone(),
+        ..ColorPlanes::default()
     };
     Pixels::of(&Picture {
         color: &color,

@@ -57,7 +57,7 @@ pub struct Picture<'a> {
     pub color: &'a ColorPlanes,
     /// Coverage, 0..1.
     pub alpha: Option<&'a Plane>,
-    /// Whether it is grey, with equal planes: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
+    /// Whether it is grey, of which red alone is read: without alpha PNG, JPEG and TIFF then hold one sample per pixel.
     pub grey: bool,
     /// Bits per sample: 8 or 16, or 1 for grey without alpha; JPEG always has 8, HDR its own.
     pub bits: u8,
@@ -70,10 +70,17 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// Its planes: three of colour, and alpha if it has one.
+    /// Its planes: three of colour or one of grey, and alpha if it has one.
     pub fn planes(&self) -> Vec<&'a Plane> {
+        let count = if self.grey { 1 } else { 3 };
+        let color = self.primaries().into_iter().take(count);
+        color.chain(self.alpha).collect()
+    }
+
+    /// Red, green and blue.
+    pub(super) fn primaries(&self) -> [&'a Plane; 3] {
         let ColorPlanes { r, g, b } = self.color;
-        [r, g, b].into_iter().chain(self.alpha).collect()
+        if self.grey { [r; 3] } else { [r, g, b] }
     }
 
     /// The mapping of light, if this picture is for a display and the mapping changes it.

@@ -6,7 +6,7 @@ use super::format::{Picture, PictureFormat, ViewTransform};
 use super::scale_bar::Bar;
 use super::stored::{self, Stored};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane};
+use crate::frame::Plane;
 use crate::io::photo::{max_code, one_line, unsupported};
 use crate::params::ScaleBar;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
@@ -107,7 +107,7 @@ impl Gathered {
     /// # Panics
     /// If planes differ in size, or `part` is not as wide as the picture.
     pub(crate) fn push(&mut self, part: &Picture, rows: Range<usize>) {
-        let planes = [&part.color.r, &part.color.g, &part.color.b];
+        let planes = part.primaries();
         let size = (self.size[0], part.color.r.height());
         for plane in planes.into_iter().chain(part.alpha) {
             let own = (plane.width(), plane.height());
@@ -334,7 +334,7 @@ impl Part<'_> {
         y: usize,
         stored: impl Fn(u16) -> T,
     ) {
-        let (ColorPlanes { r, g, b }, max) = (self.picture.color, self.max);
+        let ([r, g, b], max) = (self.picture.primaries(), self.max);
         let (transform, shown) = (self.picture.transform, self.picture.shown());
         let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
         let (pixels, _) = row.as_chunks_mut::<N>();

@@ -20,7 +20,7 @@ pub(crate) use whites::Whites;
 
 use super::photo::max_code;
 use crate::error::Result;
-use crate::frame::ColorPlanes;
+use crate::frame::Plane;
 use codes::SRGB_8;
 use gathered::Part;
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ pub fn write_picture_as(
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
     let is_srgb = picture.transform == ViewTransform::Srgb;
     if picture.alpha.is_none() && is_srgb && picture.shown().is_none() {
-        return opaque_pixels(picture.color);
+        return opaque_pixels(picture.primaries());
     }
     let part = Part {
         picture,
@@ -87,13 +87,13 @@ pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
 }
 
 /// The most frequent case, many times a second for a window.
-fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
-    let width = color.r.width();
-    let mut pixels = vec![[0; 4]; color.r.samples().len()];
+fn opaque_pixels(color: [&Plane; 3]) -> Vec<[u8; 4]> {
+    let width = color[0].width();
+    let mut pixels = vec![[0; 4]; color[0].samples().len()];
     let rows = pixels.par_chunks_mut(width.max(1)).with_min_len(8);
     let codes = &*SRGB_8;
     rows.enumerate().for_each(|(y, row)| {
-        let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| &plane.row(y)[..row.len()]);
+        let [r, g, b] = color.map(|plane| &plane.row(y)[..row.len()]);
         for (x, pixel) in row.iter_mut().enumerate() {
             let [r, g, b] = [r[x], g[x], b[x]].map(|v| codes.code_of_single(v));
             *pixel = [r, g, b, 255];
@@ -106,7 +106,7 @@ fn opaque_pixels(color: &ColorPlanes) -> Vec<[u8; 4]> {
 mod tests {
     use super::codes::computed_code;
     use super::*;
-    use crate::frame::Plane;
+    use crate::frame::ColorPlanes;
     use crate::io::photo::Photo;
     use std::io::Cursor;
 
