@@ -6,7 +6,8 @@
 //! vectors are averaged. Equation 7 multiplies the sum of t t^T by the direction of the pixel itself; here its main
 //! axis is taken, so that a patch perpendicular to all around it, as occurs where the two curvatures swap, does not
 //! stay so. Where curvature is uncertain the surrounding directions lead, and far from all of them the fallback does,
-//! continuously. Practice: [`crate::line::patches`] determines which pixels may be averaged.
+//! continuously. Practice: [`crate::line::patches`] determines which pixels may be averaged. The diffusion of the
+//! gradient keeps one value per pixel; a cell here has a patch, and a value, for each surface in it.
 
 pub(crate) mod between_patches;
 pub(crate) mod chains;
