@@ -107,7 +107,8 @@ pub(super) fn json(value: &impl Serialize) -> Result<()> {
     result(text.lines().map(String::from))
 }
 
-fn print(text: &str) -> Result<()> {
+/// Writes a text to stdout; a closed pipe is no error.
+pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

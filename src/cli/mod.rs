@@ -8,6 +8,7 @@ mod hatch;
 mod inspect;
 mod inspect_motion;
 mod job;
+mod manual;
 mod map;
 mod message;
 mod motion;
@@ -69,6 +70,8 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Inspect(args) => inspect::run(args).map(|()| 0),
         Command::Report(args) => report::run(args).map(|()| 0),
         Command::Schema => message::json(&recipe::schema()).map(|()| 0),
+        Command::Completions(args) => manual::completions(args).map(|()| 0),
+        Command::Man(args) => manual::man(args).map(|()| 0),
         Command::Shape(_) => batch::run::<ShapeArgs>(typed),
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),

@@ -13,6 +13,7 @@ use super::sequence::FramesArg;
 use crate::params::Group;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -54,6 +55,12 @@ pub(crate) enum Command {
     Run(RecipeArgs),
     /// Print the JSON schema of recipes.
     Schema,
+    /// Print completions for a shell: load them from its start-up file.
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions(CompletionsArgs),
+    /// Print a manual page: of the program, or of a command.
+    #[command(after_help = MAN_EXAMPLES)]
+    Man(ManArgs),
     /// Open a window in which a look is tuned and saved as a recipe.
     #[command(after_help = VIEW_EXAMPLES)]
     View(ViewArgs),
@@ -138,12 +145,37 @@ Examples:
   relievo report render.exr -o report --quick       a few seconds, fewer settings
   relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
 
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  relievo completions bash > ~/.local/share/bash-completion/completions/relievo
+  relievo completions zsh > ~/.zfunc/_relievo                 with fpath+=~/.zfunc before compinit
+  relievo completions fish > ~/.config/fish/completions/relievo.fish";
+
+const MAN_EXAMPLES: &str = "\
+Examples:
+  relievo man > relievo.1
+  relievo man enhance | man -l -";
+
 const VIEW_EXAMPLES: &str = "\
 Examples:
   relievo view render.exr                        turn the light; save a recipe
   relievo view render.exr --recipe look.toml     go on from one
   relievo view photo.jpg --normal normals.png --normal-flip y
   relievo view shot.####.exr                     all frames that are there";
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// A command; all in short if left out.
+    #[arg(value_name = "COMMAND")]
+    pub(crate) command: Option<String>,
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {

@@ -64,7 +64,14 @@ impl FrameSources {
             color => find(Role::Color, color)?,
         };
         if needs.color && color.is_none() {
-            return Err(missing(main, Role::Color, "--color LAYER or --color FILE"));
+            return Err(match is_map {
+                true => Error::MissingAov {
+                    path: main.path().to_path_buf(),
+                    found: "is a normal map, and there is no picture".into(),
+                    remedy: "name it with --color FILE".into(),
+                },
+                false => missing(main, Role::Color, "--color LAYER or --color FILE"),
+            });
         }
         // If depth does not show coverage, alpha does, so the picture is read for it. Light is compared with the
         // picture too.

@@ -14,6 +14,7 @@ mod dependencies;
 mod hatch;
 mod inputs;
 mod kept;
+mod manual;
 mod map;
 mod moving_strokes;
 mod names;
