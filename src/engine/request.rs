@@ -8,6 +8,7 @@ use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{LineParams, RelightParams, ScalingParams, ShapeParams, SpecularParams};
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use crate::product::Product;
 
 /// The result wanted, its parameters, and the inputs beside the frame: see [`Engine::run`](crate::engine::Engine::run).
 #[derive(Debug, Clone)]
@@ -16,6 +17,7 @@ pub struct Request<'a> {
     shape: ShapeParams,
     scaling: ScalingParams,
     more_px: Vec<f32>,
+    named: Vec<Product>,
     specular: Option<SpecularParams>,
     inputs: Inputs<'a>,
 }
@@ -49,6 +51,7 @@ impl<'a> Request<'a> {
             shape,
             scaling,
             more_px: Vec::new(),
+            named: Vec::new(),
             specular: None,
             inputs: Inputs::default(),
         }
@@ -114,6 +117,14 @@ impl<'a> Request<'a> {
         self
     }
 
+    /// Adds products to [layers](Request::layers) that are made only when they are named: the height and what it misses
+    /// of the normals, the sky seen over it, and bent normals.
+    #[must_use]
+    pub fn named(mut self, products: &[Product]) -> Self {
+        self.named = products.to_vec();
+        self
+    }
+
     /// Adds the scene seen in mirrors and lenses, for relighting and drawings.
     #[must_use]
     pub fn specular(mut self, scene: &'a SpecularScene, params: SpecularParams) -> Self {
@@ -161,6 +172,10 @@ impl<'a> Request<'a> {
             });
         }
         match &self.kind {
+            Kind::OfFrame(Goal::Layers) if !self.named.is_empty() => {
+                let products: Vec<_> = Goal::Layers.products().chain(self.named.clone()).collect();
+                Plan::of_products(&products, available, shape, scaling, &self.more_px)
+            }
             Kind::OfFrame(goal) => Plan::at_scales(*goal, available, shape, scaling, &self.more_px),
             Kind::Relight(params, kinds) => {
                 Plan::relight(available, shape, scaling, *params, *kinds)

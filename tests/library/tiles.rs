@@ -6,6 +6,7 @@ use relievo::io::inputs::{Inputs as Files, Wrap};
 use relievo::io::{self, Needs};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Available;
+use relievo::product::Product;
 use std::f64::consts::TAU;
 
 const SIZE: [usize; 2] = [40, 28];
@@ -211,4 +212,57 @@ fn rounding_is_undone_across_borders() {
         assert_eq!(tile.at(0, i), whole.at(320, 320 + i), "{i}");
     }
     assert!((0..64).any(|x| alone.at(x, 30) != tile.at(x, 30)));
+}
+
+/// Height and sky of a tile in memory, by name: as the waves that it was made of, and repeated by its borders.
+#[test]
+fn height_is_made_where_it_is_named() {
+    let (width, height) = (60, 48);
+    let wave = |x: usize, y: usize| {
+        let [u, v] = [x as f64 / 60.0, y as f64 / 48.0].map(|at| TAU * at);
+        let (k, l) = (TAU / 60.0, TAU / 48.0);
+        let z = 3.0 * u.sin() * v.cos();
+        (
+            z,
+            [3.0 * k * u.cos() * v.cos(), -3.0 * l * u.sin() * v.sin()],
+        )
+    };
+    let mut normals = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let [p, down] = wave(x, y).1;
+            let n = glam::DVec3::new(-p, down, 1.0).normalize();
+            normals.extend(n.as_vec3().to_array());
+        }
+    }
+    let frame = Frame::builder(width, height)
+        .normals(Normals::view(&normals))
+        .build();
+    let frame = Frame {
+        wraps: [true; 2],
+        ..frame.unwrap()
+    };
+    let engine = Engine::cpu();
+    let layers = || Request::layers(ShapeParams::default(), ScalingParams::default());
+    let outcome = engine.run(&layers(), &frame, &Run::new()).unwrap();
+    assert!(outcome.shape.height.is_none() && outcome.shape.sky.is_none());
+    let request = layers().named(&[Product::Height, Product::Sky, Product::BentNormal]);
+    let shape = engine.run(&request, &frame, &Run::new()).unwrap().shape;
+    let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
+    for (x, y) in [(0, 0), (59, 47), (15, 0), (40, 30)] {
+        let expected = wave(x, y).0 as f32;
+        assert!(
+            (found.at(x, y) - expected).abs() < 1e-4,
+            "{x}, {y}: {} {expected}",
+            found.at(x, y)
+        );
+    }
+    // A crest sees all of its sky, a trough less.
+    assert!(
+        sky.at(15, 0) > 0.999 && sky.at(45, 0) < 0.99,
+        "{} {}",
+        sky.at(15, 0),
+        sky.at(45, 0)
+    );
+    assert!((shape.bent.unwrap().at(15, 0).length() - 1.0).abs() < 1e-5);
 }
