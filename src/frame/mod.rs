@@ -48,7 +48,9 @@ pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub use surroundings::{Surroundings, map_direction};
-pub(crate) use unrounded::{UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, unround};
+pub(crate) use unrounded::{
+    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped,
+};
 pub use window::Window;
 
 use std::collections::BTreeMap;

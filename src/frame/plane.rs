@@ -156,10 +156,22 @@ impl<T: Copy> Plane<T> {
 
     /// The part inside `part` of this plane repeated in all directions, where the plane itself covers `whole`.
     pub(crate) fn repeated(&self, whole: Window, part: Window) -> Plane<T> {
+        let mut repeated = Plane {
+            width: part.width(),
+            height: part.height(),
+            samples: Vec::with_capacity(part.width() * part.height()),
+        };
+        self.repeat_in(whole, part, &mut repeated);
+        repeated
+    }
+
+    /// [`Plane::repeated`] in the memory of another plane of that size.
+    pub(crate) fn repeat_in(&self, whole: Window, part: Window, repeated: &mut Plane<T>) {
         let source = |at: i32, start: i32, length: usize| {
             (i64::from(at) - i64::from(start)).rem_euclid(length.max(1) as i64) as usize
         };
-        let mut samples = Vec::with_capacity(part.width() * part.height());
+        let samples = &mut repeated.samples;
+        samples.clear();
         for y in part.y0..part.y1 {
             let row = self.row(source(y, whole.y0, self.height));
             let mut x = source(part.x0, whole.x0, self.width);
@@ -169,11 +181,6 @@ impl<T: Copy> Plane<T> {
                 samples.extend_from_slice(&row[x..x + run]);
                 (x, left) = (0, left - run);
             }
-        }
-        Plane {
-            width: part.width(),
-            height: part.height(),
-            samples,
         }
     }
 

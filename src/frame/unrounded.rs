@@ -6,7 +6,7 @@
 //! unchanged where its codes rise and fall by more than [`MOST_STEPS`]: there rounding is noise, which diffusion
 //! averages out, and texture is no staircase.
 
-use super::{Plane, Vector3Planes};
+use super::{Plane, Vector3Planes, Window};
 
 /// Number of halvings for the widest neighbourhoods, whose standard deviation is 13 pixels.
 const LEVELS: usize = 4;
@@ -32,17 +32,45 @@ pub(crate) const UNROUNDING_BYTES: usize = 7 * size_of::<f32>();
 /// Moves the components of quantised vectors to the smoothest field within `half_step` of them. Vectors with all
 /// components 0 were never written, and stay.
 pub(crate) fn unround(stored: &mut Vector3Planes, half_step: f32) {
+    unround_wrapped(stored, half_step, [false; 2]);
+}
+
+/// [`unround`] of vectors of which left and right borders continue each other, or top and bottom.
+pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps: [bool; 2]) {
     let unwritten: Vec<usize> = stored
         .vectors()
         .enumerate()
         .filter(|(_, v)| *v == glam::Vec3::ZERO)
         .map(|(i, _)| i)
         .collect();
+    let whole = Window::from_size(stored.x.width(), stored.x.height());
+    let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE) as i32;
+    let [mx, my] = wraps.map(|wraps| if wraps { margin } else { 0 });
+    let around = Window {
+        x0: -mx,
+        y0: -my,
+        x1: whole.x1 + mx,
+        y1: whole.y1 + my,
+    };
     // Components take turns in the same memory.
-    let (mut codes, mut steps) = (stored.x.clone(), stored.x.clone());
+    let [mut codes, mut steps] = [(); 2].map(|()| stored.x.repeated(whole, around));
+    let mut tiled = (around != whole).then(|| codes.clone());
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
-        codes.samples_mut().copy_from_slice(plane.samples());
-        unround_plane(plane, &codes, &mut steps, half_step);
+        match &mut tiled {
+            None => {
+                codes.samples_mut().copy_from_slice(plane.samples());
+                unround_plane(plane, &codes, &mut steps, half_step);
+            }
+            Some(tiled) => {
+                plane.repeat_in(whole, around, &mut codes);
+                tiled.samples_mut().copy_from_slice(codes.samples());
+                unround_plane(tiled, &codes, &mut steps, half_step);
+                plane.each_row(|y, row| {
+                    let own = &tiled.row(y + my as usize)[mx as usize..];
+                    row.copy_from_slice(&own[..row.len()]);
+                });
+            }
+        }
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }

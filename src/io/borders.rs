@@ -2,7 +2,7 @@
 
 use super::finding::Finding;
 use super::inputs::Wrap;
-use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround};
+use crate::frame::Vector3Planes;
 use glam::Vec3;
 
 /// Across the border of a tile vectors change at most this many times as much as beside it. Scanned tiles in JPEG reach
@@ -89,31 +89,4 @@ fn change(length: usize, lines: impl Iterator<Item = impl Fn(usize) -> Vec3>) ->
         _ if across == 0.0 => Some(0.0),
         _ => Some(across / beside),
     }
-}
-
-/// [`unround`] for vectors of which some borders continue each other.
-pub(super) fn unround_wrapped(vectors: &mut Vector3Planes, half_step: f32, wraps: [bool; 2]) {
-    if wraps == [false; 2] {
-        return unround(vectors, half_step);
-    }
-    let whole = Window::from_size(vectors.x.width(), vectors.x.height());
-    let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE) as i32;
-    let [mx, my] = wraps.map(|wraps| if wraps { margin } else { 0 });
-    let around = Window {
-        x0: -mx,
-        y0: -my,
-        x1: whole.x1 + mx,
-        y1: whole.y1 + my,
-    };
-    let mut repeated = Vector3Planes {
-        x: vectors.x.repeated(whole, around),
-        y: vectors.y.repeated(whole, around),
-        z: vectors.z.repeated(whole, around),
-    };
-    unround(&mut repeated, half_step);
-    let Vector3Planes { x, y, z } = &mut repeated;
-    for plane in [x, y, z] {
-        plane.crop_in_place(around, whole);
-    }
-    *vectors = repeated;
 }

@@ -1,6 +1,6 @@
 //! The file and layer of each role, and reading them.
 
-use super::borders::{Borders, unround_wrapped};
+use super::borders::Borders;
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType};
 use super::inputs::{NONE, Wrap};
@@ -12,7 +12,9 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::{UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window};
+use crate::frame::{
+    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped,
+};
 use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;

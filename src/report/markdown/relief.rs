@@ -10,19 +10,19 @@ pub(super) fn section(report: &ReliefReport) -> String {
         "surface": row.surface,
         "tolerance": or_blank((row.tolerance > 0.0).then(|| scientific(row.tolerance.into()))),
         "rounds": row.rounds,
-        "milliseconds": milliseconds(row.seconds),
+        "time": milliseconds(row.seconds),
         "largest error": scientific(row.largest),
         "root mean square": scientific(row.mean),
     });
     let skies = table!(&report.skies, row => {
         "slices": row.slices,
         "radius px": row.radius_px,
-        "milliseconds": milliseconds(row.seconds),
+        "time": milliseconds(row.seconds),
         "error": scientific(row.error),
     });
     format!(
         "## Height and occlusion\n\nThe height of waves, from exact slopes, {size}x{size}: errors are in \
-         relation to its range. A tile takes Fourier transforms, all else rounds of conjugate gradients.\n\n{heights}\n\n\
+         relation to its range. A tile takes Fourier transforms, all else rounds of conjugate gradients.\n\n{heights}\n\
          The sky at the bottom of a groove with sides of 45 degrees, against its closed form.\n\n{skies}"
     )
 }
