@@ -4,8 +4,8 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::map::{MAP, MapArgs, Samples};
-use crate::command::output::Kind;
+use crate::command::map::{Made, MapArgs, Part, Samples};
+use crate::command::output::{Kind, MAP};
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::{self, Engine};
 use crate::error::Result;
@@ -60,7 +60,7 @@ impl FrameCommand for MapArgs {
             match (scales, outcome.gain) {
                 (..2, _) => all.gain = all.gain.or(outcome.gain),
                 (_, Some(gain)) => {
-                    let sigma = pass.plan.scale_px();
+                    let sigma = pass.plan.shape.scale_px();
                     job.note(&format!("scale {sigma:.2}: curvature gain {gain:.3}"));
                 }
                 _ => {}
@@ -93,11 +93,7 @@ impl MapArgs {
                 .iter()
                 .map(|part| (part, self.made(part, samples, mask)))
                 .collect();
-            let channels = made.iter().map(|(part, made)| OutputChannel {
-                name: format!("map.{}", part.name),
-                plane: &made.plane,
-                sample_type: self.sample_type(),
-            });
+            let channels = made.iter().map(|(part, made)| self.channel(part, made));
             return job.write_exr(done, channels.collect());
         }
         let mut chosen = Chosen::default();
@@ -108,14 +104,7 @@ impl MapArgs {
             }
             let job = job.writing(&part.name);
             chosen = match is_exr {
-                true => job.write_exr(
-                    done,
-                    vec![OutputChannel {
-                        name: format!("map.{}", part.name),
-                        plane: &made.plane,
-                        sample_type: self.sample_type(),
-                    }],
-                )?,
+                true => job.write_exr(done, vec![self.channel(part, &made)])?,
                 false => job.write_picture(
                     done,
                     &Picture {
@@ -136,8 +125,13 @@ impl MapArgs {
         Ok(chosen)
     }
 
-    fn sample_type(&self) -> OutputType {
+    /// The channel of an EXR that holds a map.
+    fn channel<'a>(&self, part: &Part, made: &'a Made) -> OutputChannel<'a> {
         let given = self.work.output.depth_of_output;
-        given.unwrap_or(OutputType::Float)
+        OutputChannel {
+            name: format!("map.{}", part.name),
+            plane: &made.plane,
+            sample_type: given.unwrap_or(OutputType::Float),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::args::WorkArgs;
 use super::flags::{Section, one_of};
-use super::output::Kind;
+use super::output::{Kind, MAP};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Mask, Plane};
@@ -12,9 +12,6 @@ use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 use clap::Args;
-
-/// Placeholder in the output's name for the map.
-pub(crate) const MAP: &str = "{map}";
 
 /// The arguments of `map`.
 #[derive(Debug, Args)]
@@ -250,7 +247,7 @@ impl MapArgs {
             return bad("-o", found, "put {map} into its name, or write an .exr");
         }
         if !self.sum.is_empty() {
-            if !matches!(self.sum.len(), 1 if sigmas.len() > 1) && self.sum.len() != sigmas.len() {
+            if ![1, sigmas.len()].contains(&self.sum.len()) {
                 let (weights, scales) = (self.sum.len(), sigmas.len());
                 let found = format!("has {weights} weights for {scales} scales");
                 return bad("--sum", found, "give one for each scale, or one for all");

@@ -1,7 +1,6 @@
 //! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
-use super::map::MAP;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
@@ -11,6 +10,9 @@ use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+
+/// Placeholder in the output's name for the map.
+pub(crate) const MAP: &str = "{map}";
 
 /// The kind of file that an output path names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

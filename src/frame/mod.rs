@@ -161,8 +161,14 @@ impl Frame {
     pub fn crop(&self, part: Window) -> Frame {
         let whole = self.data_window;
         let mask = self.mask.crop(whole, part);
+        // A part of a tile has borders of its own where it does not reach from one to the other.
+        let spans = [
+            part.width() == whole.width(),
+            part.height() == whole.height(),
+        ];
         Frame {
             data_window: part,
+            wraps: [0, 1].map(|axis| self.wraps[axis] && spans[axis]),
             ..self.with_planes(mask, |plane| plane.crop(whole, part))
         }
     }

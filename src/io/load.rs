@@ -206,7 +206,9 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         .vector(Role::Normal)
         .expect("normals are always resolved");
     let borders = stored_borders.unwrap_or_else(|| Borders::of(&normal));
-    if inputs.wrap != Wrap::None || main.is_normal_map() {
+    // Some rows of a picture do not tell its borders.
+    let is_whole = inputs.rows.is_none();
+    if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
         notes.findings.extend(borders.finding());
     }
     let encoding = notes.encoding(inputs, &sources, &normal)?;

@@ -74,8 +74,8 @@ const _: () = {
     );
     params!(
         @row Shape scale [
-            "The same in pixels, as the sigma of a Gaussian, in place of --iterations; `shape` makes layers of"
-            "several from one run of sweeps."
+            "The same in pixels, as the sigma of a Gaussian, in place of --iterations; of several `shape` makes layers,"
+            "and `map` maps."
         ]
         Option<f32> = None, flag: "--scale", alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")

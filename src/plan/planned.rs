@@ -144,12 +144,6 @@ impl Plan {
         Some(contours.scaled(self.line_scale))
     }
 
-    /// The scale of the shape, in pixels of the reference: see [`ShapeParams::scale_px`].
-    #[cfg(feature = "cli")]
-    pub(crate) fn scale_px(&self) -> f64 {
-        self.shape.scale_px()
-    }
-
     /// Whether curvature is computed.
     pub(crate) fn wants_curvature(&self) -> bool {
         self.wants(Product::Trace) || self.wants(Product::Hessian)

@@ -106,6 +106,9 @@ fn a_tile_is_the_middle_of_its_repetition() {
             assert!(count > 0);
         }
     }
+    // A part of it is no tile across a border that it does not reach.
+    let rows = tile([true; 2]).crop(Window::at(0, 5, SIZE[0], 10));
+    assert_eq!(rows.wraps, [true, false]);
     // It matters: at the border a tile is another than the same pixels alone.
     let [alone, wrapped] = [[false; 2], [true; 2]].map(|wraps| {
         let [shape, _] = made(&tile(wraps), given());
