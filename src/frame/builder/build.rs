@@ -8,7 +8,7 @@ use crate::frame::coverage::{self, Covered, cover};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
-    Window, lift_out_of_fog, normals, unround,
+    Window, confidence, lift_out_of_fog, normals, unround,
 };
 use glam::DMat3;
 use std::ops::RangeInclusive;
@@ -46,9 +46,7 @@ impl FrameBuilder<'_> {
         let own_mask = self.scalar("mask", &self.mask)?;
         let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
         let Covered {
-            mut mask,
-            mut lengths,
-            ..
+            mut mask, lengths, ..
         } = cover(
             &mut normal,
             depth.as_mut().map(|depth| (depth, stored_depth)),
@@ -65,9 +63,8 @@ impl FrameBuilder<'_> {
         // Silhouettes follow depth where there is any.
         let shown = alpha.as_ref().filter(|_| depth.is_none());
         let occlusion = self.scalar("occlusion", &self.occlusion)?;
-        lift_out_of_fog(&mut lengths, &mask);
         let occlusion = occlusion.or_else(|| coverage::varying(shown));
-        Ok(Frame {
+        let mut frame = Frame {
             display_window,
             data_window,
             pixel_aspect: self.pixel_aspect,
@@ -87,7 +84,12 @@ impl FrameBuilder<'_> {
                 ..Source::default()
             },
             ..Frame::of_normals(normal, mask)
-        })
+        };
+        frame.confidence = self.finds_confidence.then(|| confidence(&frame)).flatten();
+        if let Some(lengths) = &mut frame.normal_length {
+            lift_out_of_fog(lengths, &frame.mask);
+        }
+        Ok(frame)
     }
 
     /// Data window and display window.

@@ -79,6 +79,7 @@ pub struct FrameBuilder<'a> {
     occlusion: Option<Samples<'a>>,
     importance: Option<Samples<'a>>,
     luminance_weights: Option<[f32; 3]>,
+    finds_confidence: bool,
     light: Light<'a>,
 }
 
@@ -120,6 +121,7 @@ impl Frame {
             occlusion: None,
             importance: None,
             luminance_weights: None,
+            finds_confidence: false,
             light: Light::default(),
         }
     }
@@ -274,6 +276,14 @@ impl<'a> FrameBuilder<'a> {
     pub fn luminance_weights(self, weights: [f32; 3]) -> Self {
         Self {
             luminance_weights: Some(weights),
+            ..self
+        }
+    }
+
+    /// Finds where pixels blend several surfaces: see [`Frame::confidence`].
+    pub fn with_confidence(self) -> Self {
+        Self {
+            finds_confidence: true,
             ..self
         }
     }

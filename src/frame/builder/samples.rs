@@ -16,7 +16,7 @@ mod stored {
 
     /// Seals [`super::Sample`], and converts values.
     #[allow(unnameable_types, reason = "it seals `Sample`")]
-    pub trait Stored: Copy {
+    pub trait Stored: Copy + Send + Sync {
         /// Largest rounding error of a value in -1..1 stored in this type.
         const ROUNDING: f32;
         /// Whether it stores 0..1 only.
@@ -124,7 +124,7 @@ impl<'a> Samples<'a> {
     }
 
     /// The only plane of a layer.
-    pub(super) fn plane(&self, name: Name, size: Size) -> Result<Plane> {
+    pub(crate) fn plane(&self, name: Name, size: Size) -> Result<Plane> {
         Ok(self.planes(name, size, &[1])?.remove(0))
     }
 
@@ -152,10 +152,10 @@ impl<'a> Samples<'a> {
 }
 
 /// The argument named in messages.
-pub(super) type Name = &'static str;
+pub(crate) type Name = &'static str;
 
 /// Columns and rows.
-pub(super) type Size = [usize; 2];
+pub(crate) type Size = [usize; 2];
 
 pub(super) fn bad(name: Name, found: String, remedy: &str) -> Error {
     Error::BadParameter {
@@ -250,40 +250,34 @@ impl<T: Sample> Channels for Layout<'_, T> {
     }
 
     fn plane(&self, [width, height]: Size, channels: usize, channel: usize) -> Plane {
-        let strided = |slice: &[T], strides: Strides| {
-            let first = strides.first as isize + channel as isize * strides.channel;
-            Plane::from_fn(width, height, |x, y| {
-                let at = first + y as isize * strides.row + x as isize * strides.column;
-                slice[at as usize].value()
-            })
-        };
-        match self {
-            Self::Packed(slice) => strided(slice, Strides::packed(width, channels)),
-            Self::Planes(slices) => {
-                let samples = slices[channel].iter().map(|sample| sample.value());
-                Plane::from_samples(width, height, samples.collect())
+        let mut plane = Plane::filled(width, height, 0.0);
+        plane.each_row(|y, row| match self {
+            Self::Packed(slice) => {
+                let stored = &slice[y * width * channels..][channel..];
+                fill(row, stored.iter().step_by(channels));
             }
-            Self::Strided(slice, strides) => strided(slice, *strides),
-            Self::Views(views) => {
-                let samples = views[channel].iter().map(|sample| sample.value());
-                Plane::from_samples(width, height, samples.collect())
+            Self::Planes(slices) => fill(row, &slices[channel][y * width..]),
+            Self::Strided(slice, strides) => {
+                let first = strides.first as isize + channel as isize * strides.channel;
+                let first = first + y as isize * strides.row;
+                let stored =
+                    (0..width).map(|x| &slice[(first + x as isize * strides.column) as usize]);
+                fill(row, stored);
             }
-        }
+            Self::Views(views) => fill(row, views[channel].row(y)),
+        });
+        plane
+    }
+}
+
+/// Decodes samples into a row.
+fn fill<'a, T: Sample + 'a>(row: &mut [f32], stored: impl IntoIterator<Item = &'a T>) {
+    for (value, stored) in row.iter_mut().zip(stored) {
+        *value = stored.value();
     }
 }
 
 impl Strides {
-    /// The contiguous layout.
-    fn packed(width: usize, channels: usize) -> Self {
-        Self {
-            first: 0,
-            row: (width * channels) as isize,
-            column: channels as isize,
-            channel: 1,
-            channels,
-        }
-    }
-
     /// Whether all samples of a frame lie within a slice of `length`.
     fn fit(&self, [width, height]: Size, length: usize) -> bool {
         // The farthest samples are at corners.
