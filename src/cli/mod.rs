@@ -62,6 +62,9 @@ pub fn command() -> clap::Command {
 }
 
 fn run_typed(typed: &Invocation) -> Result<i32> {
+    if let Some(help) = typed.help_on_all() {
+        return message::result(help.trim_end().lines().map(String::from)).map(|()| 0);
+    }
     let command = match typed.parse() {
         Ok(parsed) => parsed.cli.command,
         Err(error) => return Ok(message::misuse(&error)),

@@ -138,29 +138,34 @@ pub(crate) struct OutputArgs {
     pub(crate) layers: LayersArg,
     /// EXR: names of our layers: full, shown by Blender and others, as in relievo.CurvatureKappa.V, or short, as in
     /// curvature.kappa.
-    #[arg(long, value_name = "WHICH", default_value = "full")]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "WHICH",
+        default_value = "full"
+    )]
     pub(crate) layer_names: LayerNames,
     /// EXR: write only these of our layers or channels, as in kappa,curvature.mean; * and ? match any letters. All by
     /// default.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) write: Vec<String>,
     /// EXR: compression of the written part; --layers channels keeps that of the input.
-    #[arg(long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
+    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
     pub(crate) compression: OutputCompression,
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
-    #[arg(long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
+    #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
     /// Pictures: mapping from scene-linear to display.
-    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
+    #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
     pub(super) view_transform: ViewTransform,
     /// JPEG: quality, 1 to 100; 95 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: Option<u8>,
     /// Refuse to replace a file.
-    #[arg(long, conflicts_with = "force")]
+    #[arg(hide_short_help = true, long, conflicts_with = "force")]
     pub(crate) no_clobber: bool,
     /// Replace write-protected files too.
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     pub(crate) force: bool,
 }
 
@@ -222,7 +227,7 @@ pub(crate) enum ProgressArg {
 pub(crate) struct ComputeArgs {
     /// Backend: auto uses a GPU where the build supports it and one is available, and the CPU for stages without
     /// kernels.
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
+    #[arg(hide_short_help = true, long, value_name = "WHAT", value_enum, default_value_t = BackendArg::Auto)]
     pub(crate) backend: BackendArg,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()))]
@@ -236,20 +241,20 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) compute: ComputeArgs,
     /// Memory limit: 2G, 500M, or auto for six tenths of what is free; photos are then processed in strips from 1.5G on.
-    #[arg(long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
+    #[arg(hide_short_help = true, long, value_name = "SIZE|auto", default_value_t = MaxMemory::Auto)]
     pub(crate) max_memory: MaxMemory,
     /// Write the settings of this command line, and the automatic choices, as a recipe.
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) save_recipe: Option<PathBuf>,
     /// How to show how far a sequence has come: a bar, a line or a JSON object per frame; auto is a bar on a
     /// terminal, else plain.
-    #[arg(long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
+    #[arg(hide_short_help = true, long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
     pub(crate) progress: ProgressArg,
     /// Print each stage kept or dropped, and why.
-    #[arg(long)]
+    #[arg(hide_short_help = true, long)]
     pub(crate) explain: bool,
     /// Write how long each stage took, as JSON.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(hide_short_help = true, long, value_name = "FILE.json")]
     pub(crate) timings: Option<PathBuf>,
     /// Report how the inputs were read.
     #[arg(short, long, conflicts_with = "quiet")]

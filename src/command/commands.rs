@@ -12,10 +12,11 @@ use super::role_args::RoleArgs;
 use super::sequence::FramesArg;
 use crate::params::Group;
 use clap::parser::ValueSource;
-use clap::{ArgMatches, Args, CommandFactory, Parser, Subcommand};
+use clap::{ArgAction, ArgMatches, Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// Brings out the shape of surfaces in pictures, from their normals and depth.
 #[derive(Debug, Parser)]
@@ -23,9 +24,16 @@ use std::path::PathBuf;
     name = "relievo",
     version,
     arg_required_else_help = true,
-    args_override_self = true
+    args_override_self = true,
+    disable_help_flag = true
 )]
 pub(crate) struct Cli {
+    /// Print help: what most users need.
+    #[arg(short, long, global = true, action = ArgAction::HelpShort)]
+    help: Option<bool>,
+    /// Print help on all options.
+    #[arg(long = ALL_OPTIONS, global = true)]
+    help_all: bool,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -281,10 +289,34 @@ pub(crate) struct ReportArgs {
     pub(crate) quiet: bool,
 }
 
+/// The program in clap's form.
+pub(crate) fn program() -> &'static clap::Command {
+    static PROGRAM: LazyLock<clap::Command> = LazyLock::new(Cli::command);
+    &PROGRAM
+}
+
+/// The flag for help on all options.
+const ALL_OPTIONS: &str = "help-all";
+
+/// Help on all options of the command that `words` name, if they ask for it.
+pub(crate) fn help_on_all(words: &[OsString]) -> Option<String> {
+    let asks =
+        |word: &OsString| word.to_str().and_then(|w| w.strip_prefix("--")) == Some(ALL_OPTIONS);
+    let typed = words.iter().take_while(|word| *word != "--");
+    typed.clone().find(|word| asks(word))?;
+    let mut program = program().clone();
+    program.build();
+    let names = typed.filter_map(|word| word.to_str());
+    let mut named = names.filter_map(|name| program.find_subcommand(name));
+    let command = named.next().unwrap_or(&program).clone();
+    let mut command = command.mut_args(|arg| arg.hide_short_help(false));
+    Some(command.render_help().to_string())
+}
+
 /// The clap subcommand of that name; the whole program if there is none.
-pub(super) fn command_named(name: &str) -> clap::Command {
-    let cli = Cli::command();
-    cli.find_subcommand(name).cloned().unwrap_or(cli)
+pub(crate) fn command_named(name: &str) -> clap::Command {
+    let program = program();
+    program.find_subcommand(name).unwrap_or(program).clone()
 }
 
 /// The long names of an argument, without dashes.
@@ -294,7 +326,7 @@ pub(super) fn names_of(arg: &clap::Arg) -> impl Iterator<Item = &str> {
 }
 
 /// The argument spelled `--name`.
-pub(super) fn long<'a>(command: &'a clap::Command, name: &str) -> Option<&'a clap::Arg> {
+pub(crate) fn long<'a>(command: &'a clap::Command, name: &str) -> Option<&'a clap::Arg> {
     command
         .get_arguments()
         .find(|arg| names_of(arg).any(|known| known == name))

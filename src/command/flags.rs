@@ -30,16 +30,16 @@ impl Flag {
         }
     }
 
-    pub(super) fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    pub(super) fn value(&self) -> Option<&str> {
+    pub(crate) fn value(&self) -> Option<&str> {
         self.value.as_deref()
     }
 
     /// The flag as typed on a command line.
-    pub(super) fn word(&self) -> OsString {
+    pub(crate) fn word(&self) -> OsString {
         match &self.value {
             Some(value) => format!("--{}={value}", self.name).into(),
             None => format!("--{}", self.name).into(),
@@ -189,6 +189,7 @@ fn arg(row: &'static Param) -> Arg {
         .visible_aliases(row.alias)
         .help(row.help())
         .help_heading(row.group.name())
+        .hide_short_help(!row.common)
         .conflicts_with_all(row.rival);
     if row.kind == Kind::Switch {
         return arg.action(ArgAction::SetTrue);

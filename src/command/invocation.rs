@@ -1,11 +1,11 @@
 //! A command line being assembled: the words typed, the flags of a recipe, and the choices for a whole sequence.
 
 use super::batch::NAME;
-use super::commands::{Cli, command_named, long, typed_ids};
+use super::commands::{Cli, command_named, help_on_all, long, program, typed_ids};
 use super::flags::Flag;
 use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
 use crate::error::Result;
-use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
+use clap::{ArgMatches, Command, FromArgMatches};
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -53,8 +53,13 @@ impl Invocation {
         self.note.as_deref()
     }
 
+    /// Help on all options of its command, if it asks for that.
+    pub(crate) fn help_on_all(&self) -> Option<String> {
+        help_on_all(&self.words)
+    }
+
     pub(crate) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
-        let matches = Cli::command().try_get_matches_from(&self.words)?;
+        let matches = program().clone().try_get_matches_from(&self.words)?;
         let cli = Cli::from_arg_matches(&matches)?;
         Ok(Parsed { cli, matches })
     }

@@ -14,13 +14,13 @@ use std::str::FromStr;
 #[command(next_help_heading = "Light layers")]
 pub(crate) struct LightLayerFlags {
     /// Diffuse light, the surface's colour included: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
     diffuse: Option<String>,
     /// Specular light, the surface's colour included: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
     specular: Option<String>,
     /// The surface's diffuse colour, used to judge diffuse light: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(long, hide_short_help = true, value_name = "NAME|FILE")]
     albedo: Option<String>,
     /// Scale a light group, layer Combined_NAME or RGBA_NAME, by the direction of its light: degrees counterclockwise
     /// from the right of the picture, and degrees from the picture plane toward the viewer. Repeatable, for other

@@ -22,6 +22,7 @@ pub(crate) struct HatchArgs {
     /// Where strokes go on one object that curvature does not lead, in place of --fallback: by its name in Cryptomatte,
     /// * and ? for any letters, or its number in an index pass. May be given several times; the last one counts.
     #[arg(
+        hide_short_help = true,
         long = "object-angle",
         value_name = "NAME=DEG|surface",
         help_heading = "Directions"

@@ -36,6 +36,7 @@ pub(crate) struct MapArgs {
     bits: String,
     /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
     #[arg(
+        hide_short_help = true,
         long,
         value_name = "WEIGHT,..",
         value_delimiter = ',',

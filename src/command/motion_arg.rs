@@ -11,12 +11,18 @@ pub(crate) struct MotionArg {
     /// Motion that strokes follow: a layer of IN or a file. By default it is searched for, else computed from depth and
     /// camera; none keeps strokes fixed in the picture. Its sign and unit are those that lead a frame to the previous
     /// one, or else previous minus current in pixels, y up.
-    #[arg(long, value_name = "NAME|FILE|none", requires = "frames")]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "NAME|FILE|none",
+        requires = "frames"
+    )]
     motion: Option<String>,
     /// How to read the layer of --motion, whatever frames show: back to the previous frame or forward from it, y up or
     /// down, and its unit: pixels, half-frame (pixels over half a frame), pictures (widths and heights), half-pictures,
     /// half-pictures-0-1, 2048-0-1 (2048 pixels, both stored as 0..1). Words left out are those of back,up,pixels.
     #[arg(
+        hide_short_help = true,
         long,
         value_name = "WORDS",
         default_value = "auto",

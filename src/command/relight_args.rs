@@ -44,11 +44,21 @@ pub(super) struct LightFlags {
     #[arg(long, value_name = "AZ,EL[,R,G,B]", allow_hyphen_values = true)]
     pub(super) light: Vec<Numbers<2>>,
     /// A round light far away: as --light, with its radius in degrees. Repeatable.
-    #[arg(long, value_name = "AZ,EL,RADIUS[,R,G,B]", allow_hyphen_values = true)]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "AZ,EL,RADIUS[,R,G,B]",
+        allow_hyphen_values = true
+    )]
     pub(super) area_light: Vec<Numbers<3>>,
     /// A light near the surface, in view space and the units of depth: x right, y up, the eye at 0 looking
     /// toward -z; the colour is that at a distance of 1. Repeatable.
-    #[arg(long, value_name = "X,Y,Z[,R,G,B]", allow_hyphen_values = true)]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "X,Y,Z[,R,G,B]",
+        allow_hyphen_values = true
+    )]
     pub(super) point_light: Vec<Numbers<3>>,
     /// Light from all around, attached to the view: latitude-longitude map, mirror ball or cube cross.
     #[arg(long, value_name = "FILE")]
@@ -63,7 +73,7 @@ pub(super) struct LightFlags {
 #[command(next_help_heading = "Material")]
 struct SurfaceFlags {
     /// Colour of the surface itself: a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     albedo: Option<String>,
 }
 

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Inputs")]
 pub(crate) struct RoleArgs {
     /// View to take all layers from (as in left), for files with several; the default view if not given.
-    #[arg(long, value_name = "NAME")]
+    #[arg(hide_short_help = true, long, value_name = "NAME")]
     view: Option<String>,
     /// Normals: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
@@ -23,16 +23,16 @@ pub(crate) struct RoleArgs {
     #[arg(long, value_name = "NAME|FILE|none")]
     depth: Option<String>,
     /// World-space positions: a layer of IN or a file; none leaves it out.
-    #[arg(long, value_name = "NAME|FILE|none")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none")]
     position: Option<String>,
     /// The picture to be enhanced: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     color: Option<String>,
     /// Ambient occlusion, for silhouettes in place of depth: a layer of IN or a file; none leaves it out.
-    #[arg(long, value_name = "NAME|FILE|none")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none")]
     occlusion: Option<String>,
     /// How far each pixel is diffused, from 0 (keep all detail) to 1 (in full): a layer of IN or a file.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     importance: Option<String>,
     /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
     /// picture; drawings and measurements cover the pixels where the mask is above one half.
@@ -43,31 +43,36 @@ pub(crate) struct RoleArgs {
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
     /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     coverage: Option<String>,
     /// Space of the normals.
-    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
+    #[arg(hide_short_help = true, long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
     normal_space: Given<NormalSpace>,
     /// Encoding of the normals.
-    #[arg(long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
+    #[arg(hide_short_help = true, long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
     normal_encoding: Given<NormalEncoding>,
     /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
     /// Quantity stored as depth.
-    #[arg(long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
+    #[arg(hide_short_help = true, long, value_name = "KIND", default_value = "auto", value_parser = auto_or(StoredDepth::ALL))]
     depth_kind: Given<StoredDepth>,
     /// Colour space of the inputs: linear, srgb, acescg, aces2065-1; auto goes by what files say, else photos are srgb
     /// and EXR files linear. Layers are written in the same space, pictures for a display in sRGB.
-    #[arg(long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
+    #[arg(hide_short_help = true, long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(ColorSpace::ALL))]
     colorspace: Given<ColorSpace>,
     /// Opposite borders that continue each other, in a picture that is a tile: none, x (left and right), y, xy, or auto,
     /// those across which normals change no more than beside them. Results then continue across them.
-    #[arg(long, value_name = "BORDERS", default_value = "none", value_parser = one_of(wraps()))]
+    #[arg(hide_short_help = true, long, value_name = "BORDERS", default_value = "none", value_parser = one_of(wraps()))]
     pub(crate) wrap: Wrap,
     /// The camera shared by all frames of a sequence, as --save-recipe writes it where it was recovered and stands
     /// still.
-    #[arg(long, value_name = "JSON", conflicts_with = "camera")]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "JSON",
+        conflicts_with = "camera"
+    )]
     still_camera: Option<StillCamera>,
     /// Camera as JSON: world_to_camera and focal_px, or other keys listed in docs/guide/files.md.
     #[arg(long, value_name = "FILE")]

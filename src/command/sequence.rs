@@ -29,13 +29,19 @@ pub(crate) struct SequenceArgs {
     pub(super) frames: FramesArg,
     /// Frames that all automatic settings are chosen from, once for the sequence; by default five spread over --frames.
     /// none lets each frame choose for itself.
-    #[arg(long, value_name = "LIST|none", allow_hyphen_values = true)]
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "LIST|none",
+        allow_hyphen_values = true
+    )]
     sample_frames: Option<Samples>,
     /// Skip frames whose output exists and is complete.
     #[arg(long, requires = "frames")]
     pub(crate) skip_existing: bool,
     /// How to treat frames without an input.
     #[arg(
+        hide_short_help = true,
         long,
         value_name = "WHAT",
         value_enum,
@@ -44,7 +50,7 @@ pub(crate) struct SequenceArgs {
     )]
     pub(crate) missing_frame: MissingArg,
     /// Go on after a frame that failed; the exit code is then 3.
-    #[arg(long, requires = "frames")]
+    #[arg(hide_short_help = true, long, requires = "frames")]
     pub(crate) keep_going: bool,
 }
 

@@ -11,24 +11,24 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Mirrors and lenses")]
 pub(crate) struct SpecularFlags {
     /// Pixels of mirrors or lenses, above one half: a layer of IN or a file; all covered pixels if not given.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     specular_mask: Option<String>,
     /// Back faces of a lens, normals and depth from the same camera: sight lines are refracted twice, by --ior.
-    #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true, long, value_name = "FILE")]
     back: Option<PathBuf>,
     /// The scene without its mirrors and lenses, from the same camera: depth, and normals and colour if any.
-    #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true, long, value_name = "FILE")]
     behind: Option<PathBuf>,
     /// The view in all directions around the mirror or lens, equirectangular: positions (or distances), and normals and
     /// colour if any.
-    #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true, long, value_name = "FILE")]
     surroundings: Option<PathBuf>,
     /// Viewpoint of surroundings without positions: a camera file with world_to_camera.
-    #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true, long, value_name = "FILE")]
     surroundings_camera: Option<PathBuf>,
     /// World-space points hit by mirrored or refracted sight lines, if the renderer writes them: a layer of IN or a
     /// file. No search is made then.
-    #[arg(long, value_name = "NAME|FILE")]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     hit_position: Option<String>,
 }
 

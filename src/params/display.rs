@@ -37,7 +37,7 @@ params! {
         /// Exposure compensation in stops; auto darkens new light where it would clip, and leaves the exposure of an
         /// enhanced picture unchanged.
         exposure: Exposure = Exposure::Auto,
-            flag: "--exposure", form: "EV|auto", valid: STOPS, useful: even(-8.0, 8.0);
+            flag: "--exposure", common: true, form: "EV|auto", valid: STOPS, useful: even(-8.0, 8.0);
         /// Treatment of highlights near white that are new or brighter than before: compress keeps their order and hue,
         /// clip cuts them off.
         highlights: Highlights = Highlights::Compress, flag: "--highlights", form: "HOW";

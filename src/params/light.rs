@@ -40,7 +40,7 @@ params! {
         ///
         /// The gamma of the paper. 1 is clearly visible; past [`crate::light::radiance_scaling::monotone_limit`]
         /// concavities may show new dark rims.
-        scaling: f32 = 1.0, flag: "--scaling", alias: Some("strength"), form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
+        scaling: f32 = 1.0, flag: "--scaling", common: true, alias: Some("strength"), form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// Scaling magnitude for ambient light and occlusion; --scaling by default.
         scaling_ambient: Option<f32> = None,
             flag: "--scaling-ambient", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);

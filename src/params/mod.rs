@@ -95,13 +95,13 @@ params! {
         lobes: LobeChoice = LobeChoice::Auto, flag: "--lobes", form: "WHEN", group: Group::LightLayers;
         /// Rotates the environment about the vertical axis.
         environment_rotate_deg: f32 = 0.0,
-            flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
+            flag: "--environment-rotate", common: true, form: "DEG", unit: Unit::Degrees,
             valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
         /// Relighting.
         relight: RelightParams;
         /// Blend between the original picture, 0, and the full change, 1.
         mix: f32 = 1.0,
-            flag: "--mix", form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
+            flag: "--mix", common: true, form: "SHARE", valid: 0.0..=1.0, useful: table::even(0.0, 1.0), group: Group::Display;
         /// How much the change fades where pixels blend several surfaces: defocus, motion blur, fur and fog. 0 treats
         /// them like all others.
         blur_fade: f32 = 1.0,
@@ -112,19 +112,19 @@ params! {
         search: SearchParams;
         /// Source of tone: the picture after radiance scaling, the picture unchanged, or new light; auto shows the
         /// shape, with a key light and the picture, or new light where any is given.
-        tone: ToneSource = ToneSource::Auto, flag: "--tone", form: "SOURCE", group: Group::Tone;
+        tone: ToneSource = ToneSource::Auto, flag: "--tone", common: true, form: "SOURCE", group: Group::Tone;
         /// Enlargement of the picture before drawing; auto makes small pictures large enough for strokes.
-        enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
+        enlarge: Enlargement = Enlargement::Times(1), flag: "--enlarge", common: true, form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
         /// Paper to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: the drawing is enlarged to that size at --dpi.
-        size: Option<PaperSize> = None, flag: "--size", form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
+        size: Option<PaperSize> = None, flag: "--size", common: true, form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
         /// Line art.
         line: LineParams;
         /// Width of an input pixel on the surface, as in 0.05mm, 12um, 0.4cm or 2m: pictures get the resolution of a
         /// life-size print, unless --dpi gives another.
-        pixel_size: Option<PixelSize> = None, flag: "--pixel-size", form: "LENGTH", group: Group::Print;
+        pixel_size: Option<PixelSize> = None, flag: "--pixel-size", common: true, form: "LENGTH", group: Group::Print;
         /// A scale bar of a round length by --pixel-size, about a fifth of the picture's width: on the picture in its
         /// quietest corner, or outside in a white strip below it.
-        scale_bar: ScaleBar = ScaleBar::Off, flag: "--scale-bar", form: "WHERE", group: Group::Print;
+        scale_bar: ScaleBar = ScaleBar::Off, flag: "--scale-bar", common: true, form: "WHERE", group: Group::Print;
     }
     relations Params::relations;
 }

@@ -42,7 +42,7 @@ params! {
         /// Contrast by curvature, -1 to 1: above 0 concavities brighten.
         ///
         /// Convexities then darken; below 0 the effect is reversed. The factor is at most 3 to this power.
-        contrast: f32 = 0.0, flag: "--contrast", form: "G", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
+        contrast: f32 = 0.0, flag: "--contrast", common: true, form: "G", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
     }
 }
 
@@ -144,7 +144,7 @@ params! {
         ambient: f32 = 0.1,
             flag: "--ambient", form: "A", group: Group::Light, valid: FACTORS, useful: even(0.0, 1.0);
         /// Reflectance model.
-        material: Material = Material::Lambert, flag: "--material", form: "KIND";
+        material: Material = Material::Lambert, flag: "--material", common: true, form: "KIND";
         /// Factor of diffuse light.
         diffuse_gain: f32 = 0.9, flag: "--diffuse-gain", form: "D", valid: FACTORS, useful: even(0.0, 2.0);
         /// Factor of specular light: 0.25 for phong and blinn-phong, else 1.
@@ -201,7 +201,7 @@ params! {
         /// Material of the surface.
         material: MaterialParams;
         /// How light is modified to show shape.
-        method: Method = Method::Both, flag: "--method", form: "METHOD", group: Group::Light;
+        method: Method = Method::Both, flag: "--method", common: true, form: "METHOD", group: Group::Light;
         /// Tones above black; 4 for toon, by default unlimited for other materials.
         toon_levels: Option<u32> = None,
             flag: "--toon-levels", form: "N", valid: 1.0..=1024.0, useful: even(1.0, 12.0);

@@ -70,14 +70,14 @@ const DEFAULT_ITERATIONS: u32 = 10;
 const _: () = {
     params!(
         @row Shape iterations ["Size of the features to find, as diffusion steps: more show larger ones only."]
-        u32 = DEFAULT_ITERATIONS, flag: "--iterations", form: "N", useful: even(0.0, 200.0)
+        u32 = DEFAULT_ITERATIONS, flag: "--iterations", common: true, form: "N", useful: even(0.0, 200.0)
     );
     params!(
         @row Shape scale [
             "The same in pixels, as the sigma of a Gaussian, in place of --iterations; of several `shape` makes layers,"
             "and `map` maps."
         ]
-        Option<f32> = None, flag: "--scale", alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
+        Option<f32> = None, flag: "--scale", common: true, alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
     );
 
@@ -187,7 +187,7 @@ params! {
         height_detail: f32 = 32.0, flag: "--height-detail", form: "PX", group: Group::Relief, unit: Unit::Pixels,
             valid: 1.0..=4096.0, useful: by_factors(4.0, 256.0);
         /// Radius in pixels within which higher parts hide the sky; `map` makes a map of several.
-        occlusion_radius: f32 = 32.0, flag: "--occlusion-radius", form: "PX[,PX]", group: Group::Relief,
+        occlusion_radius: f32 = 32.0, flag: "--occlusion-radius", common: true, form: "PX[,PX]", group: Group::Relief,
             many: Many::Listed, unit: Unit::Pixels, valid: 1.0..=1024.0, useful: by_factors(4.0, 256.0);
         /// Slices of the sky in which horizons are looked for, to both sides.
         ///

@@ -11,6 +11,8 @@ pub struct Param {
     pub flag: &'static str,
     /// A more descriptive name, without dashes, where the flag resembles another.
     pub alias: Option<&'static str>,
+    /// Whether most users want to know of it: short lists show it, long ones all.
+    pub common: bool,
     /// The group in help and in the viewer.
     pub group: Group,
     /// The kind of value.
@@ -203,6 +205,7 @@ impl Param {
         Self {
             flag: field,
             alias: None,
+            common: false,
             group,
             kind,
             many: Many::One,

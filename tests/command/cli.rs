@@ -674,10 +674,31 @@ fn quiet_says_nothing_and_verbose_says_what_was_concluded() {
 
 #[test]
 fn help_and_version_are_results() {
-    for args in [&["--help"][..], &["enhance", "--help"], &["--version"]] {
+    for args in [
+        &["--help"][..],
+        &["enhance", "--help"],
+        &["enhance", "--help-all"],
+        &["--help-all"],
+        &["--version"],
+    ] {
         let ran = relievo(args).done();
         assert_eq!(ran.stderr, "", "{args:?}");
         assert!(ran.stdout.contains("relievo"), "{args:?}");
+    }
+    // Help is what fits a screen or two; all of it is longer.
+    for command in ["shape", "enhance", "relight", "hatch", "map"] {
+        let [short, all] = ["-h", "--help-all"].map(|flag| relievo([command, flag]).done().stdout);
+        let has = |help: &str, flag: &str| help.contains(&format!("--{flag} "));
+        assert!(
+            has(&short, "iterations") && !has(&short, "solver"),
+            "{short}"
+        );
+        assert!(has(&all, "iterations") && has(&all, "solver"), "{all}");
+        assert!(
+            short.lines().count() <= 100,
+            "{command}: {}",
+            short.lines().count()
+        );
     }
     let bare = relievo::<&str>([]);
     assert_eq!((bare.code, bare.stdout.as_str()), (Some(2), ""));

@@ -177,7 +177,7 @@ fn anchors(page: &Page) -> BTreeSet<String> {
 
 /// The help of a command.
 fn help_of(command: &str) -> String {
-    run(Path::new("."), [command, "--help"]).done().stdout
+    run(Path::new("."), [command, "--help-all"]).done().stdout
 }
 
 /// The entry of `option` in `help`: its line, and the lines after it up to the next option.

@@ -307,7 +307,7 @@ def flags_of(attack):
     """The flags of every command with their possible values, from its help."""
     table = {}
     for command in ("shape", "enhance", "relight", "hatch", "inspect"):
-        text = subprocess.run([attack.binary, command, "--help"], capture_output=True, text=True, timeout=10).stdout
+        text = subprocess.run([attack.binary, command, "--help-all"], capture_output=True, text=True, timeout=10).stdout
         entries = re.split(r"\n +(?:-\w, )?(?=--)", text)[1:]
         flags = []
         for entry in entries:
@@ -331,7 +331,7 @@ def command_lines(attack, runs):
             words += ["-o", pick.choice(outputs) if pick.random() < 0.3 else "out.exr", "--compression", "none", "--layers", "results",
                       "--max-memory", str(CAP)]
         for name, value, possible in pick.sample(table[command], pick.randint(0, 4)):
-            if name in ("--max-memory", "--help") or value is None:
+            if name in ("--max-memory", "--help", "--help-all") or value is None:
                 words += [name] if value is None else []
                 continue
             if name in WRITTEN:

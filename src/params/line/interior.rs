@@ -15,7 +15,7 @@ params! {
         /// Amount of lines inside surfaces: divides the strength that a line needs, and multiplies their total length.
         ///
         /// Below 1 only the strongest remain; high values draw every ripple.
-        detail: f32 = 1.0, flag: "--line-detail", form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);
+        detail: f32 = 1.0, flag: "--line-detail", common: true, form: "D", valid: 0.05..=20.0, useful: by_factors(0.25, 4.0);
         /// Size of the folds traced by lines inside surfaces, as a factor of a 300th of the picture's size.
         ///
         /// Below 1 they follow finer forms, such as letters in stone; above 1 only broad ones.

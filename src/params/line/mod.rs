@@ -31,7 +31,7 @@ params! {
         tone: ToneParams;
         /// Principal directions that strokes follow: max (larger curvature, around a cylinder), min (smaller, along
         /// it), or both, crossing a second hatching in dark areas.
-        directions: StrokeDirections = StrokeDirections::Both, flag: "--directions", form: "WHICH";
+        directions: StrokeDirections = StrokeDirections::Both, flag: "--directions", common: true, form: "WHICH";
         /// Smoothing of stroke directions.
         field: FieldParams;
         /// Strokes of the hatching.
@@ -41,6 +41,6 @@ params! {
         /// Lines inside surfaces; `None` draws none.
         interior: Option<InteriorParams>;
         /// Draw contours and interior lines only, without strokes.
-        lines_only: bool = false, flag: "--lines-only", group: Group::Contours;
+        lines_only: bool = false, flag: "--lines-only", common: true, group: Group::Contours;
     }
 }

@@ -24,7 +24,7 @@ macro_rules! on_or_off {
             use crate::params::value::Value;
             use crate::params::{Param, Parameters};
 
-            params!(@row $group $name [$($doc)*] OnOff = OnOff::On, flag: $flag, form: "on|off");
+            params!(@row $group $name [$($doc)*] OnOff = OnOff::On, flag: $flag, common: true, form: "on|off");
 
             impl Parameters for Option<$of> {
                 fn usual() -> Self {

@@ -221,20 +221,20 @@ params! {
     pub struct StrokeParams in Strokes {
         /// Drawing tool: lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
         /// uses dots; a folder holds pictures of horizontal strokes, one per tone.
-        style: Style = Style::Pen, flag: "--style", form: "pen|pencil|lines|engraving|stipple|DIR";
+        style: Style = Style::Pen, flag: "--style", common: true, form: "pen|pencil|lines|engraving|stipple|DIR";
         /// Pixels of a PNG or TIFF: grey levels, or bilevel for black and white only, for print.
         ///
         /// Layers of an EXR always hold coverage.
-        ink: Ink = Ink::Antialiased, flag: "--ink", form: "KIND";
+        ink: Ink = Ink::Antialiased, flag: "--ink", common: true, form: "KIND";
         /// Size of strokes: auto fits the picture; a number is a factor of the style's own size in pixels; a length
         /// such as 0.3mm is the stroke width on paper.
         ///
         /// Small strokes blend into grey; large ones no longer follow the form.
-        scale: StrokeScale = StrokeScale::Auto, flag: "--stroke-scale", form: "S|MMmm|auto", valid: 0.05..=1000.0;
+        scale: StrokeScale = StrokeScale::Auto, flag: "--stroke-scale", common: true, form: "S|MMmm|auto", valid: 0.05..=1000.0;
         /// Pixels per inch of the print, also stored in PNG, JPEG and TIFF; by default 300 for drawings, and the value
         /// stored in the photo for other pictures.
         dpi: Option<f32> = None,
-            flag: "--dpi", form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0, group: Group::Print;
+            flag: "--dpi", common: true, form: "PPI", unit: Unit::PerInch, valid: 1.0..=10_000.0, group: Group::Print;
         /// Width of a stroke at full pressure, in pixels at scale 1; by default that of the style.
         width_px: Option<f32> = None,
             flag: "--stroke-width", form: "PX", unit: Unit::Pixels, valid: 0.05..=100.0, useful: even(0.2, 10.0);

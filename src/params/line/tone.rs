@@ -15,7 +15,7 @@ params! {
         /// Drawing of surfaces without form that reach the border of the picture, such as floors and walls.
         ///
         /// Used by --tone auto.
-        background: Background = Background::Plain, flag: "--background", form: "HOW";
+        background: Background = Background::Plain, flag: "--background", common: true, form: "HOW";
         /// Width of the gap of bare paper behind the rim of a nearer object, as a factor of a 350th of the picture's
         /// size.
         ///
