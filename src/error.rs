@@ -40,6 +40,12 @@ pub enum Error {
         /// The values accepted.
         remedy: String,
     },
+    /// Arguments of a command, given from a program, that are not understood.
+    #[error("{found}")]
+    Arguments {
+        /// What is wrong with them, and what to give.
+        found: String,
+    },
     /// The file is of a kind, or uses a feature, that cannot be read or written.
     #[error("{}: {found}; {remedy}", path.display())]
     Unsupported {

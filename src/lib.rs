@@ -43,7 +43,8 @@
 //! # Features
 //!
 //! `default-features = false` leaves the library: no command line (`cli`), no measurements and plots (`report`). `gpu`
-//! adds the wgpu backend, `view` the window, `libdeflate` a quicker ZIP in C.
+//! adds the wgpu backend, `view` the window, `libdeflate` a quicker ZIP in C, `host` the commands of the command line on
+//! frames in memory, for programs that offer them in turn.
 //!
 //! # Conventions
 //!
@@ -97,6 +98,8 @@ pub mod engine;
 pub mod error;
 pub(crate) mod fast_math;
 pub mod frame;
+#[cfg(feature = "host")]
+pub mod host;
 pub mod io;
 pub mod light;
 pub mod line;

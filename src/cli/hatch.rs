@@ -7,20 +7,16 @@ use super::output::color_channels;
 use super::strips::refuse_large_surroundings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::hatch::{Drawn, Looks, inked, is_svg};
+use crate::command::hatch::{Drawn, Looks, inked, is_svg, page};
 use crate::command::line_args::HatchArgs;
 use crate::command::output::Kind;
 use crate::command::relight::illumination;
-use crate::engine::outcome::Drawing;
 use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::svg;
 use crate::io::{Loaded, load_specular};
 use crate::light::lights::Illumination;
-use crate::line::contours::Contour;
-use crate::line::streamlines::Streamline;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
@@ -300,47 +296,5 @@ impl HatchArgs {
             }));
         }
         job.write_exr(done, channels)
-    }
-}
-
-/// The lines of a drawing on a page.
-fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg::Drawing<'a> {
-    let is_plotted = strokes.plotter.is_on(strokes.style);
-    // Lines that cross others are a layer of their own for a plotter.
-    let laid = |wanted: &dyn Fn(&Streamline) -> bool| {
-        let lines = drawing.lines.iter().filter(|line| wanted(line));
-        lines
-            .map(|line| (&line.points[..], &line.widths[..]))
-            .collect::<Vec<svg::Line>>()
-    };
-    let along = |lines: &'a [Contour]| {
-        let lines = lines.iter();
-        lines
-            .map(|line| (&line.points[..], &line.widths[..]))
-            .collect()
-    };
-    let mut layers = match is_plotted {
-        true => vec![
-            ("strokes", laid(&|line| !line.crosses)),
-            ("crossing", laid(&|line| line.crosses)),
-        ],
-        false => vec![("strokes", laid(&|_| true))],
-    };
-    layers.push(("contours", along(&drawing.contour_lines)));
-    if drawing.interior.is_some() {
-        layers.push(("interior", along(&drawing.interior_lines)));
-    }
-    svg::Drawing {
-        display_window: frame.display_window,
-        data_window: frame.data_window,
-        pixel_aspect: frame.pixel_aspect,
-        dpi: strokes.print_dpi(),
-        dots: drawing
-            .dots
-            .iter()
-            .map(|dot| (dot.at, dot.radius))
-            .collect(),
-        layers,
-        is_plotted,
     }
 }

@@ -8,7 +8,7 @@ use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::enhance::dark_rims;
 use crate::command::output::MadePicture;
-use crate::command::relight::{illumination, lit, needs, specular_scene};
+use crate::command::relight::{illumination, light_or_lamp, lit, needs, specular_scene};
 use crate::command::relight_args::RelightArgs;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::frame::{Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::light::lights::Illumination;
 use crate::params::Params;
 use crate::plan::{LightKinds, Plan};
 use std::path::PathBuf;
@@ -51,14 +51,10 @@ impl FrameCommand for RelightArgs {
     }
 
     fn prepare(&self) -> Result<RelightInputs> {
-        let mut illumination = illumination(self, self.work.run.max_memory.for_light())?;
-        if self.is_dark(&illumination) {
-            let [azimuth, elevation] = LAMP_DEG;
-            let lamp = format!("--light {azimuth},{elevation}");
-            let text = format!("no light is given: {lamp}, from the upper left, takes its place");
+        let most = self.work.run.max_memory.for_light();
+        let (illumination, lamp) = light_or_lamp(self, illumination(self, most)?);
+        if let Some(text) = lamp {
             message::warning(self.work.run.quiet, &text);
-            let lamp = DirectionalLight::white(LAMP_DEG);
-            illumination.directional.push(lamp);
         }
         let passed = self.past_the_zenith();
         passed.for_each(|text| message::warning(self.work.run.quiet, &text));

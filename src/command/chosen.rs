@@ -31,6 +31,20 @@ pub(crate) struct Chosen {
 impl Chosen {
     /// Choices made while loading `loaded` and running to `outcome`.
     pub(crate) fn made(loaded: &Loaded, outcome: &Outcome) -> Self {
+        Self::in_loading(loaded).running(outcome)
+    }
+
+    /// Choices made while loading `loaded`.
+    pub(crate) fn in_loading(loaded: &Loaded) -> Self {
+        Self {
+            conventions: conventions_of(loaded),
+            recovered: recovered(loaded),
+            ..Self::default()
+        }
+    }
+
+    /// Adds the choices made while running to `outcome`.
+    pub(crate) fn running(self, outcome: &Outcome) -> Self {
         let single = [
             ("curvature-gain", outcome.gain),
             ("white-level", outcome.white_level),
@@ -44,9 +58,7 @@ impl Chosen {
             numbers: numbers(&single, &outcome.term_white_levels),
             tone_levels: outcome.tone_levels,
             line_levels: outcome.line_levels,
-            conventions: conventions_of(loaded),
-            recovered: recovered(loaded),
-            still_camera: None,
+            ..self
         }
     }
 

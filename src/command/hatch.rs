@@ -9,11 +9,14 @@ use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame};
 use crate::io::inputs::Inputs;
 use crate::io::picture::{Display, Picture, PictureFormat};
+use crate::io::svg;
 use crate::io::{self, Needs};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
 use crate::line::bilevel::bilevel;
+use crate::line::contours::Contour;
 use crate::line::fading::{faded, largest_around};
 use crate::line::paper::on_paper;
+use crate::line::streamlines::Streamline;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
     Ink, LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold,
@@ -244,6 +247,52 @@ fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
             hi: hi / times as f32,
         },
         ..shape
+    }
+}
+
+/// The lines of a drawing on a page.
+pub(crate) fn page<'a>(
+    frame: &Frame,
+    drawing: &'a Drawing,
+    strokes: &StrokeParams,
+) -> svg::Drawing<'a> {
+    let is_plotted = strokes.plotter.is_on(strokes.style);
+    // Lines that cross others are a layer of their own for a plotter.
+    let laid = |wanted: &dyn Fn(&Streamline) -> bool| {
+        let lines = drawing.lines.iter().filter(|line| wanted(line));
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect::<Vec<svg::Line>>()
+    };
+    let along = |lines: &'a [Contour]| {
+        let lines = lines.iter();
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect()
+    };
+    let mut layers = match is_plotted {
+        true => vec![
+            ("strokes", laid(&|line| !line.crosses)),
+            ("crossing", laid(&|line| line.crosses)),
+        ],
+        false => vec![("strokes", laid(&|_| true))],
+    };
+    layers.push(("contours", along(&drawing.contour_lines)));
+    if drawing.interior.is_some() {
+        layers.push(("interior", along(&drawing.interior_lines)));
+    }
+    svg::Drawing {
+        display_window: frame.display_window,
+        data_window: frame.data_window,
+        pixel_aspect: frame.pixel_aspect,
+        dpi: strokes.print_dpi(),
+        dots: drawing
+            .dots
+            .iter()
+            .map(|dot| (dot.at, dot.radius))
+            .collect(),
+        layers,
+        is_plotted,
     }
 }
 

@@ -7,6 +7,8 @@ pub(crate) mod commands;
 pub(crate) mod enhance;
 pub(crate) mod error_line;
 pub(crate) mod flags;
+#[cfg(any(feature = "view", feature = "host"))]
+pub(crate) mod frames_there;
 pub(crate) mod hatch;
 pub(crate) mod invocation;
 pub(crate) mod layer_names;
@@ -18,11 +20,15 @@ pub(crate) mod map;
 pub(crate) mod memory;
 mod motion_arg;
 pub(crate) mod output;
+#[cfg(any(feature = "view", feature = "host"))]
+pub(crate) mod reading;
 pub mod recipe;
 pub(crate) mod relight;
 pub(crate) mod relight_args;
 mod role_args;
 pub(crate) mod sequence;
+#[cfg(any(feature = "view", feature = "host"))]
+pub(crate) mod setting;
 pub(crate) mod shape;
 mod specular_args;
 mod still_camera;

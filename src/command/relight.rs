@@ -11,7 +11,7 @@ use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
 use crate::io::{Loaded, Needs, SpecularInputs, load_specular};
 use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
-use crate::light::lights::{DirectionalLight, Illumination, PointLight, direction_of};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
@@ -133,6 +133,22 @@ pub(crate) fn illumination(args: &RelightArgs, most_bytes: u64) -> Result<Illumi
         lit_spheres: lit_spheres(&args.light, most_bytes)?,
         ..lights(args)?
     })
+}
+
+/// The light, with a lamp in place of none, and what is to be said of that.
+pub(crate) fn light_or_lamp(
+    args: &RelightArgs,
+    mut light: Illumination,
+) -> (Illumination, Option<String>) {
+    if !args.is_dark(&light) {
+        return (light, None);
+    }
+    light.directional.push(DirectionalLight::white(LAMP_DEG));
+    let [azimuth, elevation] = LAMP_DEG;
+    let said = format!(
+        "no light is given: --light {azimuth},{elevation}, from the upper left, takes its place"
+    );
+    (light, Some(said))
 }
 
 /// The environment, if any.

@@ -373,7 +373,8 @@ impl Outcome {
 }
 
 impl ScaleShape {
-    fn planes(&self, product: Product) -> Vec<&Plane> {
+    /// The planes of a product at this scale; none of one that is made at the first alone.
+    pub(crate) fn planes(&self, product: Product) -> Vec<&Plane> {
         match product {
             Product::Curvature => self.curvatures.planes(),
             Product::MappedCurvature => self.kappa.planes(),

@@ -67,6 +67,15 @@ impl Borders {
     }
 }
 
+/// The borders of a surface that engines look across.
+#[cfg(feature = "host")]
+pub(crate) fn wrapped(normal: &Vector3Planes, wrap: Wrap) -> [bool; 2] {
+    match wrap {
+        Wrap::None => [false, false],
+        _ => Borders::of(normal).wrapped(wrap),
+    }
+}
+
 /// The mean change from the last to the first vector of each line of `length`, divided by that next to them.
 fn change(length: usize, lines: impl Iterator<Item = impl Fn(usize) -> Vec3>) -> Option<f64> {
     if length < FEWEST {

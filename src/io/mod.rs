@@ -52,6 +52,8 @@ mod views;
 mod words;
 
 pub use art_map::read_art_map;
+#[cfg(feature = "host")]
+pub(crate) use borders::wrapped;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
 pub(crate) use footprint::frame_bytes;

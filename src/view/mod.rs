@@ -16,7 +16,6 @@ mod layer;
 mod lights;
 mod overlay;
 mod probe;
-mod sequence;
 mod shortcuts;
 mod texture;
 mod toolbar;

@@ -1,10 +1,9 @@
 //! A look: a command and its settings, as stored in recipes and edited in the viewer. Names, defaults and help come
 //! from the flags.
 
-mod setting;
 mod view_session;
 
-pub(crate) use setting::{Kind, Setting, settings_of};
+pub(crate) use super::setting::{Kind, Setting, settings_of};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 
 use super::chosen::Chosen;

@@ -26,7 +26,7 @@ pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe can run.
-pub(super) const COMMANDS: [&str; 5] = ["shape", "enhance", "relight", "hatch", "map"];
+pub const COMMANDS: [&str; 5] = ["shape", "enhance", "relight", "hatch", "map"];
 
 /// Names of the presets.
 pub(super) fn presets() -> String {
@@ -34,16 +34,16 @@ pub(super) fn presets() -> String {
 }
 
 /// Whether an argument is a setting worth keeping: not a file of this run, nor a run option.
-pub(super) fn is_setting(arg: &Arg) -> bool {
+pub(crate) fn is_setting(arg: &Arg) -> bool {
     let id = arg.get_id().as_str();
     let of_a_run = matches!(arg.get_help_heading(), Some("Run" | "Sequence"));
-    let files = ["input", "output", "no_clobber", "force", "help"];
+    let files = ["input", "output", "no_clobber", "force", "help", "help_all"];
     let is_kept = arg.get_long() == Some(SAMPLE_FRAMES) || !of_a_run;
     arg.get_long().is_some() && is_kept && !files.contains(&id)
 }
 
 /// Whether the flag takes no value.
-pub(super) fn is_switch(arg: &Arg) -> bool {
+pub(crate) fn is_switch(arg: &Arg) -> bool {
     matches!(arg.get_action(), ArgAction::SetTrue)
 }
 

@@ -18,7 +18,7 @@ const MOST_BYTES: u64 = 1 << 20;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     pub(in crate::command) path: PathBuf,
-    pub(in crate::command) command: String,
+    pub(crate) command: String,
     settings: Table,
     /// Automatic choices, and the frames they were chosen for.
     chosen: Table,
@@ -114,8 +114,32 @@ impl Recipe {
         Ok(recipe)
     }
 
+    /// The command that it runs.
+    pub fn command(&self) -> &str {
+        &self.command
+    }
+
+    /// It as a text that [`Recipe::parse`] reads.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "version = {VERSION}\ncommand = \"{}\"\n{}",
+            self.command, self.settings
+        );
+        if !self.chosen.is_empty() {
+            let frames = self.frames.iter();
+            let frames =
+                frames.map(|frames| format!("{FRAMES} = {}\n", Value::String(frames.clone())));
+            text.push_str(&format!(
+                "\n[{CHOSEN}]\n{}{}",
+                frames.collect::<String>(),
+                self.chosen
+            ));
+        }
+        text
+    }
+
     /// The settings as flags of `command`.
-    pub(in crate::command) fn flags(&self, command: &Command) -> Result<Vec<Flag>> {
+    pub(crate) fn flags(&self, command: &Command) -> Result<Vec<Flag>> {
         self.flags_in(&self.settings, command)
     }
 

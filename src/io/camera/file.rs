@@ -51,6 +51,25 @@ pub fn read_camera(path: &Path, display_window: Window, pixel_aspect: f32) -> Re
         .map_err(|rejected| rejected.in_file(path))
 }
 
+/// As [`read_camera`], from the text of such a file.
+///
+/// # Errors
+/// [`Error::BadParameter`] where [`read_camera`] refuses the file.
+#[cfg(feature = "host")]
+pub(crate) fn camera_of_text(
+    text: &str,
+    display_window: Window,
+    pixel_aspect: f32,
+) -> Result<Camera> {
+    camera_of_json(text, display_window, f64::from(pixel_aspect)).map_err(|rejected| {
+        Error::BadParameter {
+            name: "camera",
+            found: rejected.found,
+            remedy: rejected.remedy,
+        }
+    })
+}
+
 /// Reads where a panorama was seen from, in world space, and the turn from world space to its own (x right, y
 /// up, -z in the middle of the picture): `world_to_camera` of a file as [`read_camera`] reads it.
 ///

@@ -14,6 +14,8 @@ mod panorama;
 mod recover;
 mod samples;
 
+#[cfg(feature = "host")]
+pub(crate) use file::camera_of_text;
 pub use file::read_camera;
 pub(crate) use file::read_pose;
 pub(super) use find::{CAMERA, CameraSearch, FoundCamera};

@@ -9,9 +9,8 @@ use crate::command::commands::Command;
 use crate::command::enhance;
 use crate::command::error_line::line_of;
 use crate::command::hatch::Drawn;
-use crate::command::line_args::HatchArgs;
 use crate::command::output::MadePicture;
-use crate::command::relight_args::RelightArgs;
+use crate::command::reading::{Source, light_of, plan_of, work_of};
 use crate::command::{relight, shape};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
@@ -20,10 +19,10 @@ use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::picture::{Display, Picture, ViewTransform, pixels};
+use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
-use crate::plan::LightKinds;
 use crate::plan::{Goal, Plan};
-use reading::{Source, SurroundingFiles};
+use reading::SurroundingFiles;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -151,7 +150,6 @@ pub(crate) struct ViewSession {
     made: Option<Made>,
 }
 
-const A_COMMAND: &str = "a look is one of the commands of recipes";
 const IN_HAND: &str = "a frame has been read";
 
 impl ViewSession {
@@ -332,45 +330,20 @@ impl ViewSession {
 
     /// Runs the stages for `what`; the frame's engine session then holds the result.
     fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
-        let work = work_of(command);
-        match (command, what) {
-            (_, What::Layers) => self.describe(work, Goal::Layers, step),
-            (_, What::Curvature) | (Command::Shape(_), _) => {
-                self.describe(work, Goal::Display, step)
-            }
-            (Command::Enhance(args), _) => {
-                let sitter = self.sitter.as_mut().expect(IN_HAND);
-                let frame = sitter.session(&self.engine, step).held().as_ref();
-                let plan = args.plan(frame, &StripChoice::default())?;
-                sitter.execute(step, &plan, Inputs::default(), &self.said)
-            }
-            (Command::Relight(args), _) => self.light(args, step),
-            (Command::Hatch(args), _) => self.draw(args, step),
-            _ => unreachable!("{A_COMMAND}"),
+        let goal = match (command, what) {
+            (_, What::Layers) => Some(Goal::Layers),
+            (_, What::Curvature) | (Command::Shape(_), _) => Some(Goal::Display),
+            _ => None,
+        };
+        let light = match light_of(command).filter(|_| goal.is_none()) {
+            Some(args) => self.illumination(args)?,
+            None => Illumination::default(),
+        };
+        if let Command::Hatch(args) = command
+            && goal.is_none()
+        {
+            self.read_art_map(args, &args.looks()?)?;
         }
-    }
-
-    fn describe(&mut self, work: &WorkArgs, goal: Goal, step: usize) -> Result<()> {
-        let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let frame = sitter.session(&self.engine, step).held().as_ref();
-        let plan = work.plan(goal, frame, &StripChoice::default())?;
-        sitter.execute(step, &plan, Inputs::default(), &self.said)
-    }
-
-    fn light(&mut self, args: &RelightArgs, step: usize) -> Result<()> {
-        let light = self.illumination(args)?;
-        let kinds = LightKinds::in_light(&light);
-        let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let is_specular = sitter.scene.is_some();
-        let frame = sitter.session(&self.engine, step).held().as_ref();
-        let plan = args.plan(frame, kinds, is_specular, &StripChoice::default())?;
-        sitter.execute(step, &plan, Inputs::lit_by(&light), &self.said)
-    }
-
-    fn draw(&mut self, args: &HatchArgs, step: usize) -> Result<()> {
-        let looks = args.looks()?;
-        self.read_art_map(args, &looks)?;
-        let light = self.illumination(&args.relight)?;
         let sitter = self.sitter.as_mut().expect(IN_HAND);
         let drawn = Drawn {
             times: 1.0,
@@ -379,24 +352,22 @@ impl ViewSession {
             is_specular: sitter.scene.is_some(),
         };
         let frame = sitter.session(&self.engine, step).held().as_ref();
-        let (plan, light) = args.plan(&looks, light, frame, drawn)?;
-        let map = args.pictures().and(self.art_map.as_ref());
+        let (plan, light) = match goal {
+            Some(goal) => {
+                let work = work_of(command);
+                (work.plan(goal, frame, &StripChoice::default())?, light)
+            }
+            None => plan_of(command, frame, light, drawn)?,
+        };
+        let map = match command {
+            Command::Hatch(args) => args.pictures().and(self.art_map.as_ref()),
+            _ => None,
+        };
         let inputs = Inputs {
             art_map: map.map(|(_, _, map)| map),
             ..Inputs::lit_by(&light)
         };
         sitter.execute(step, &plan, inputs, &self.said)
-    }
-}
-
-/// The arguments that all commands share.
-fn work_of(command: &Command) -> &WorkArgs {
-    match command {
-        Command::Shape(args) => &args.work,
-        Command::Enhance(args) => &args.work,
-        Command::Relight(args) => &args.work,
-        Command::Hatch(args) => &args.relight.work,
-        _ => unreachable!("{A_COMMAND}"),
     }
 }
 

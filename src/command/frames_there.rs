@@ -4,7 +4,7 @@ use crate::io::sequence::{is_pattern, path_of_frame};
 use std::path::Path;
 
 /// Numbers of the frames on disk that match `pattern`, ascending; `None` for a single picture.
-pub(super) fn frames_on_disk(pattern: &Path) -> Option<Vec<i32>> {
+pub fn frames_on_disk(pattern: &Path) -> Option<Vec<i32>> {
     let name = pattern
         .file_name()?
         .to_str()

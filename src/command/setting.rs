@@ -1,36 +1,43 @@
 //! The settings of a command: its parameters from their table, its inputs and outputs from their flags.
 
-use super::super::commands::command_named;
-use super::super::recipe::{is_repeatable, is_setting, is_switch};
+use super::commands::command_named;
+use super::recipe::{is_repeatable, is_setting, is_switch};
 use crate::params::{self, Param, Useful, param};
 use clap::Arg;
 
 /// A setting as a control shows it.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Setting {
+pub struct Setting {
     /// Flag name without dashes.
-    pub(crate) name: String,
+    pub name: String,
     /// Parameter family.
-    pub(crate) family: String,
-    pub(crate) help: String,
+    pub family: String,
+    /// What it does, in a sentence or two.
+    pub help: String,
+    /// Whether short lists show it.
+    pub is_common: bool,
     /// Unit; empty for a plain number.
-    pub(crate) unit: &'static str,
+    pub unit: &'static str,
     /// Default value, if there is one.
-    pub(crate) default: Option<String>,
-    pub(crate) kind: Kind,
+    pub default: Option<String>,
+    /// How it is chosen.
+    pub kind: Kind,
 }
 
 /// How a setting is chosen.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// On or off.
     Switch,
     /// One of these words.
     Choice(Vec<String>),
     /// A number, or a word accepted in its place.
     Number {
+        /// Range of a slider.
         range: Useful,
+        /// Whether it must be a whole number.
         is_whole: bool,
+        /// The word.
         word: Option<String>,
     },
     /// Anything else.
@@ -43,7 +50,7 @@ pub(crate) enum Kind {
 }
 
 /// The settings of a command in the order of its help.
-pub(crate) fn settings_of(command: &str) -> Vec<Setting> {
+pub fn settings_of(command: &str) -> Vec<Setting> {
     let command = command_named(command);
     let args = command.get_arguments().filter(|arg| is_setting(arg));
     args.filter_map(setting).collect()
@@ -60,6 +67,7 @@ fn setting(arg: &Arg) -> Option<Setting> {
         name: name.into(),
         family: arg.get_help_heading().unwrap_or_default().into(),
         help: arg.get_help().map(ToString::to_string).unwrap_or_default(),
+        is_common: !arg.is_hide_short_help_set(),
         unit: row.map_or("", |row| row.unit.suffix()),
         default: has_default.then(|| defaults.join(",")),
         kind,
@@ -96,11 +104,11 @@ fn kind(arg: &Arg) -> Kind {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Look;
+    use super::super::recipe::COMMANDS;
     use super::*;
 
     fn all() -> Vec<Setting> {
-        let commands = Look::commands().iter();
+        let commands = COMMANDS.iter();
         commands.flat_map(|command| settings_of(command)).collect()
     }
 

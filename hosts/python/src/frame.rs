@@ -1,0 +1,250 @@
+//! Frames: of arrays, or of files that are read as far as a command needs them.
+
+use crate::arrays::{Borrowed, View, array_of};
+use crate::engine::work_of;
+use crate::errors::raised;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use relievo::frame::Plane;
+use relievo::host::{File, Given, Scene, Work};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A setting by its name in recipes, and its value as typed.
+pub(crate) type Settings = Vec<(String, String)>;
+
+/// A surface seen from one viewpoint, and the picture of it.
+#[pyclass(frozen, module = "pyrelievo")]
+pub(crate) struct Frame {
+    kind: Kind,
+    /// How its layers are read.
+    roles: Settings,
+}
+
+enum Kind {
+    Arrays(Arc<Scene>),
+    File {
+        file: File,
+        /// What was read of it last.
+        held: Mutex<Option<Arc<Scene>>>,
+    },
+}
+
+#[pymethods]
+impl Frame {
+    /// A frame of arrays: layers by the names of their arguments.
+    #[staticmethod]
+    #[pyo3(signature = (arrays, roles, camera = None, pixel_aspect = 1.0))]
+    fn of_arrays(
+        py: Python<'_>,
+        arrays: &Bound<'_, PyDict>,
+        roles: Settings,
+        camera: Option<String>,
+        pixel_aspect: f32,
+    ) -> PyResult<Self> {
+        let get = |name: &str| -> PyResult<Option<Borrowed<'_>>> {
+            let array = arrays.get_item(name)?;
+            array.map(|array| Borrowed::of(name, &array)).transpose()
+        };
+        let normal = get("normal")?.ok_or_else(|| PyTypeError::new_err("normal is missing"))?;
+        let color = get("color")?;
+        let [depth, position, mask, coverage] = [
+            get("depth")?,
+            get("position")?,
+            get("mask")?,
+            get("coverage")?,
+        ];
+        let [occlusion, importance, albedo] =
+            [get("occlusion")?, get("importance")?, get("albedo")?];
+        let size = normal.size();
+        fn view<'a>(array: &'a Option<Borrowed<'_>>) -> Option<View<'a>> {
+            array.as_ref().map(Borrowed::view)
+        }
+        let normal = normal.view();
+        let views = [
+            view(&color),
+            view(&depth),
+            view(&position),
+            view(&mask),
+            view(&coverage),
+            view(&occlusion),
+            view(&importance),
+            view(&albedo),
+        ];
+        let scene = py.detach(|| {
+            let [
+                color,
+                depth,
+                position,
+                mask,
+                coverage,
+                occlusion,
+                importance,
+                albedo,
+            ] = &views;
+            fn samples<'a>(view: &'a Option<View<'a>>) -> Option<relievo::frame::Samples<'a>> {
+                view.as_ref().map(View::samples)
+            }
+            let linear = |view: &Option<View<'_>>| view.as_ref().and_then(View::linear);
+            let (linear_color, linear_albedo) = (linear(color), linear(albedo));
+            let given = Given {
+                normal_is_unsigned: normal.is_integer(),
+                color: linear_color.as_ref().map(Into::into).or(samples(color)),
+                depth: samples(depth),
+                position: samples(position),
+                mask: samples(mask),
+                coverage: samples(coverage),
+                occlusion: samples(occlusion),
+                importance: samples(importance),
+                albedo: linear_albedo.as_ref().map(Into::into).or(samples(albedo)),
+                camera: camera.as_deref(),
+                pixel_aspect,
+                ..Given::of_normals(size, normal.samples())
+            };
+            given.scene(&Work::new("shape", &roles, None)?)
+        });
+        Ok(Self {
+            kind: Kind::Arrays(Arc::new(scene.map_err(raised)?)),
+            roles,
+        })
+    }
+
+    /// A file, one frame of a sequence if it has a number, and how its layers are read.
+    #[staticmethod]
+    #[pyo3(signature = (path, roles, number = None))]
+    fn of_file(path: PathBuf, roles: Settings, number: Option<i32>) -> Self {
+        Self {
+            kind: Kind::File {
+                file: File { path, number },
+                held: Mutex::default(),
+            },
+            roles,
+        }
+    }
+
+    /// A layer as an array: color, normal, depth, mask, alpha, albedo; None where there is none.
+    fn layer<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let scene = self.read(py)?;
+        let frame = &scene.frame;
+        let colors = |color: &Option<relievo::frame::ColorPlanes>| {
+            let color = color.as_ref();
+            color.map(|c| vec![c.r.clone(), c.g.clone(), c.b.clone()])
+        };
+        let planes = match name {
+            "normal" => Some(normals(frame).into()),
+            "color" => colors(&frame.color),
+            "albedo" => colors(&frame.albedo),
+            "depth" => frame.depth.clone().map(|plane| vec![plane]),
+            "alpha" => frame.alpha.clone().map(|plane| vec![plane]),
+            "mask" => {
+                let covered = frame
+                    .mask
+                    .plane()
+                    .map(|covered| f32::from(u8::from(covered)));
+                Some(vec![covered])
+            }
+            _ => None,
+        };
+        let array = |planes: Vec<_>| array_of(py, &planes.iter().collect::<Vec<_>>(), None);
+        planes.map(array).transpose()
+    }
+
+    /// Rows and columns.
+    #[getter]
+    fn shape(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
+        let scene = self.read(py)?;
+        let mask = &scene.frame.mask;
+        Ok((mask.height(), mask.width()))
+    }
+
+    /// What was concluded about the inputs: subject, conclusion, evidence, and the flag that would force it.
+    #[getter]
+    fn findings(&self, py: Python<'_>) -> PyResult<Vec<(String, String, String, String)>> {
+        let scene = self.read(py)?;
+        let findings = scene.findings.iter().cloned();
+        let all = findings.map(|f| (f.subject, f.conclusion, f.evidence, f.flag));
+        Ok(all.collect())
+    }
+
+    /// Warnings about the inputs.
+    #[getter]
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.read(py)?.warnings.clone())
+    }
+
+    /// The camera in words; None if none is known.
+    #[getter]
+    fn camera(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let scene = self.read(py)?;
+        Ok(scene.frame.camera.map(|camera| format!("{camera:?}")))
+    }
+
+    /// The file that it is read from; None for arrays.
+    #[getter]
+    fn path(&self) -> Option<PathBuf> {
+        match &self.kind {
+            Kind::Arrays(_) => None,
+            Kind::File { file, .. } => Some(file.path.clone()),
+        }
+    }
+}
+
+impl Frame {
+    /// The command with these settings, for this frame.
+    pub(crate) fn work(&self, command: &str, settings: &Settings) -> relievo::Result<Work> {
+        let roles = self.roles.iter().chain(settings).cloned();
+        let settings: Vec<_> = roles.collect();
+        Work::new(command, &settings, self.file())
+    }
+
+    /// The file that it is read from.
+    pub(crate) fn file(&self) -> Option<&File> {
+        match &self.kind {
+            Kind::Arrays(_) => None,
+            Kind::File { file, .. } => Some(file),
+        }
+    }
+
+    /// How its layers are read.
+    pub(crate) fn roles(&self) -> &Settings {
+        &self.roles
+    }
+
+    /// The scene, read as far as `work` needs it.
+    pub(crate) fn scene(&self, work: &Work) -> relievo::Result<Arc<Scene>> {
+        match &self.kind {
+            Kind::Arrays(scene) => Ok(scene.clone()),
+            Kind::File { file, held } => {
+                let lock = || held.lock().unwrap_or_else(PoisonError::into_inner);
+                let last = lock().clone();
+                let scene = work.load(file, last)?;
+                *lock() = Some(scene.clone());
+                Ok(scene)
+            }
+        }
+    }
+
+    /// The scene as the command line would describe it: with everything that there is.
+    fn read(&self, py: Python<'_>) -> PyResult<Arc<Scene>> {
+        let read = || -> relievo::Result<_> { self.scene(&work_of(self, "relight")?) };
+        py.detach(read).map_err(raised)
+    }
+}
+
+/// The normals as they came: of the length that a filter has left them, and 0 where no surface is.
+fn normals(frame: &relievo::frame::Frame) -> [Plane; 3] {
+    let normal = &frame.normal;
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let length = |x: usize, y: usize| match (&frame.normal_length, frame.mask.at(x, y)) {
+        (_, false) => 0.0,
+        (Some(lengths), true) => lengths.row(y)[x],
+        (None, true) => 1.0,
+    };
+    [&normal.x, &normal.y, &normal.z].map(|plane| {
+        Plane::from_fn(width, height, |x, y| match length(x, y) {
+            0.0 => 0.0,
+            length => plane.row(y)[x] * length,
+        })
+    })
+}

@@ -1,0 +1,127 @@
+"""Arrays of any kind give the right result, or one exception that tells what to give."""
+
+import numpy as np
+import pytest
+
+import pyrelievo
+
+
+def test_what_is_taken_for_the_same(ball):
+    """Layouts and types that hold the same numbers give the same picture."""
+    expected = pyrelievo.enhance(**ball)
+    normal = ball["normal"]
+    flipped = normal[::-1, ::-1].copy()[::-1, ::-1]
+    wide = np.zeros((64, 128, 4), np.float32)
+    wide[:, ::2, :3] = normal
+    planar = np.ascontiguousarray(normal.transpose(2, 0, 1)).transpose(1, 2, 0)
+    swapped = normal.astype(normal.dtype.newbyteorder(">"))
+    read_only = normal.copy()
+    read_only.flags.writeable = False
+    same = [flipped, wide[:, ::2, :3], np.asfortranarray(normal), planar, swapped, normal.astype(np.float64), read_only]
+    for other in same:
+        kept = np.array(other, copy=True)
+        np.testing.assert_array_equal(pyrelievo.enhance(**{**ball, "normal": other}), expected)
+        np.testing.assert_array_equal(other, kept)
+
+
+def test_types_that_round(ball):
+    """Half floats are off by their rounding; integers of normals count as 0..1, those of colours as sRGB."""
+    half = pyrelievo.Frame(**{name: layer.astype(np.float16) for name, layer in ball.items()})
+    # A component below 1 rounds by at most 2^-12.
+    inside = half.mask & pyrelievo.Frame(**ball).mask
+    assert np.abs(half.normal - ball["normal"])[inside].max() < 2**-11
+    stored = np.round((0.5 * ball["normal"] + 0.5) * 65535).astype(np.uint16)
+    sixteen = pyrelievo.Frame(normal=stored, coverage=inside)
+    assert np.abs(sixteen.normal - ball["normal"])[inside].max() < 2 / 65535
+    grey = pyrelievo.Frame(color=np.full((64, 64, 3), 188, np.uint8), normal=ball["normal"])
+    # sRGB 188 is ((188/255 + .055)/1.055)^2.4.
+    assert abs(grey.color[5, 5, 0] - ((188 / 255 + 0.055) / 1.055) ** 2.4) < 1e-6
+
+
+def test_out_is_written_in_place(ball):
+    frame = pyrelievo.Frame(**ball)
+    expected = pyrelievo.enhance(frame)
+    for out in [np.empty((64, 64, 3), np.float32), np.empty((3, 64, 64), np.float32).transpose(1, 2, 0)]:
+        assert pyrelievo.enhance(frame, out=out) is out
+        np.testing.assert_array_equal(out, expected)
+    fixed = np.empty((64, 64, 3), np.float32)
+    fixed.flags.writeable = False
+    for out in [np.empty((64, 64)), np.empty((64, 63, 3), np.float32), fixed, np.empty((64, 64, 3)), "out"]:
+        with pytest.raises(ValueError, match=r"^out .*give a writable float32 array of the shape \(64, 64, 3\)"):
+            pyrelievo.enhance(frame, out=out)
+
+
+@pytest.mark.parametrize(
+    ("layer", "array", "error", "said"),
+    [
+        ("normal", np.zeros((64, 64), np.float32), ValueError, "normals has 1 channels; give 3 or 4"),
+        ("normal", np.zeros(5, np.float32), ValueError, r"normal has the shape \(5,\)"),
+        ("normal", np.zeros((0, 4, 3), np.float32), ValueError, "at least one pixel"),
+        ("normal", np.zeros((4, 4, 3), complex), TypeError, "normal holds complex128"),
+        ("normal", np.zeros((4, 4, 3), np.int64), TypeError, "normal holds int64"),
+        ("normal", object(), TypeError, "normal is no array of numbers"),
+        ("normal", "Normal", ValueError, "normal is 'Normal'|no such file|cannot open|No such file"),
+        ("depth", np.zeros((64, 63), np.float32), ValueError, "depth"),
+        ("color", np.zeros((64, 64, 2), np.float32), ValueError, "color has 2 channels; give 1, 3 or 4"),
+        ("mask", np.zeros((3, 3), np.float32), ValueError, "mask"),
+    ],
+)
+def test_what_cannot_be_used_is_said(ball, layer, array, error, said):
+    with pytest.raises(error, match=said):
+        pyrelievo.enhance(**{**ball, layer: array})
+
+
+def test_numbers_that_are_none(ball):
+    """NaN and infinity are pixels without surface, and leave others as they are."""
+    normal = ball["normal"].copy()
+    normal[10:12, 30:33] = np.nan
+    normal[40, 40] = np.inf
+    color = ball["color"].copy()
+    color[20, 20] = np.nan
+    made = pyrelievo.enhance(color, normal, depth=ball["depth"])
+    assert np.isfinite(made).all()
+    for command in (pyrelievo.shape, pyrelievo.hatch, pyrelievo.map):
+        command(np.full((9, 7, 3), np.nan, np.float32))
+    assert pyrelievo.enhance(np.ones((1, 1, 3), np.float32), [[[0.0, 0.0, 1.0]]]).shape == (1, 1, 3)
+
+
+def test_a_mask_tells_how_far_a_picture_is_changed(ball):
+    """Half of a mask of 0.5 is the mean of both pictures, and where it is 0 nothing is changed."""
+    mask = np.full((64, 64), 0.5, np.float32)
+    mask[:, :32] = 0
+    whole = pyrelievo.enhance(**ball, scaling=1)
+    half = pyrelievo.enhance(**ball, mask=mask, scaling=1)
+    np.testing.assert_array_equal(half[:, :32], ball["color"][:, :32])
+    np.testing.assert_allclose(half[:, 32:], 0.5 * (whole + ball["color"])[:, 32:], atol=1e-6)
+    # Of a shape it tells where the surface is.
+    kappa = pyrelievo.shape(ball["normal"], mask=mask + 0.25).kappa
+    assert (kappa[:, :31] == 0).all() and (kappa[20:40, 40] > 0).all()
+
+
+def test_tensors_go_through_dlpack(ball):
+    class Tensor:
+        """What offers its memory by DLPack alone."""
+
+        def __init__(self, array):
+            self.array = array
+
+        def __dlpack__(self, **options):
+            return self.array.__dlpack__(**options)
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    tensors = {name: Tensor(layer) for name, layer in ball.items()}
+    np.testing.assert_array_equal(pyrelievo.enhance(**tensors), pyrelievo.enhance(**ball))
+
+
+def test_world_normals_take_a_camera(ball):
+    """A camera that is turned by a quarter about its axis turns normals with it."""
+    turn = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]], np.float32)
+    camera = {"world_to_camera": np.block([[turn, np.zeros((3, 1))], [np.zeros((1, 3)), 1]]), "focal_px": 100}
+    frame = pyrelievo.Frame(normal=ball["normal"] @ turn, camera=camera, normal_space="world")
+    np.testing.assert_allclose(frame.normal, pyrelievo.Frame(normal=ball["normal"]).normal, atol=1e-6)
+    with pytest.raises(ValueError, match="camera is missing"):
+        pyrelievo.Frame(normal=ball["normal"], normal_space="world")
+    with pytest.raises(ValueError, match="^camera has neither|^camera "):
+        pyrelievo.Frame(normal=ball["normal"], camera={"focal": 3})

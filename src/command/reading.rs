@@ -1,0 +1,129 @@
+//! What a command reads, and its plan for a frame: for programs that keep frames in memory.
+
+use super::args::WorkArgs;
+use super::commands::Command;
+use super::hatch::Drawn;
+use super::relight::{needs, specular_scene};
+use super::relight_args::RelightArgs;
+use crate::engine::cpu::strips::StripChoice;
+use crate::error::Result;
+use crate::frame::{Frame, SpecularScene};
+use crate::io::inputs::Inputs;
+use crate::io::{self, Loaded, Needs, SpecularInputs, load_specular};
+use crate::light::lights::Illumination;
+use crate::params::Material;
+use crate::plan::{LightKinds, Plan};
+
+/// A command that makes something of a frame.
+pub(crate) const A_COMMAND: &str = "it is one of the commands of recipes";
+
+/// Everything that is read for a frame of a command.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) inputs: Inputs,
+    pub(crate) needs: Needs,
+    /// Whether it belongs to a sequence.
+    pub(crate) is_in_sequence: bool,
+    pub(crate) specular: Option<(SpecularInputs, Material)>,
+}
+
+impl Source {
+    /// What `command` reads of a single picture, or of a frame of a sequence, in this light.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for settings that contradict each other.
+    pub(crate) fn of(command: &Command, light: &Illumination, frame: Option<i32>) -> Result<Self> {
+        let specular = |args: &RelightArgs| {
+            let inputs = args.specular.of_frame(frame).inputs();
+            let material = args.params().material.material;
+            (!inputs.is_empty()).then_some((inputs, material))
+        };
+        let ((inputs, needs), specular) = match command {
+            Command::Shape(args) => (args.work.reading(args.work.goal()?, frame), None),
+            Command::Map(args) => (args.reading(frame), None),
+            Command::Enhance(args) => (args.reading(frame), None),
+            Command::Relight(args) => {
+                let foreshortening = args.work.flags.params.shape.foreshortening;
+                let needs = needs(&args.params(), foreshortening, light);
+                ((args.inputs(frame), needs), specular(args))
+            }
+            Command::Hatch(args) => {
+                let reading = args.reading(&args.looks()?, light, frame);
+                (reading, specular(&args.relight))
+            }
+            _ => unreachable!("{A_COMMAND}"),
+        };
+        Ok(Self {
+            inputs,
+            needs,
+            is_in_sequence: frame.is_some(),
+            specular,
+        })
+    }
+
+    /// Reads it, and what mirrors and lenses show.
+    ///
+    /// # Errors
+    /// As [`io::load`] and [`load_specular`]; [`crate::Error::Unsupported`] beyond the memory limit.
+    pub(crate) fn load(&self, command: &Command) -> Result<(Loaded, Option<SpecularScene>)> {
+        work_of(command).refuse_too_large(&self.inputs.picture)?;
+        let mut loaded = io::load(&self.inputs, self.needs)?;
+        let scene = match (&self.specular, command) {
+            (Some((inputs, _)), Command::Relight(args)) => {
+                Some(specular_scene(inputs, &args.params(), &mut loaded)?)
+            }
+            (Some((inputs, _)), _) => {
+                let mut scene = load_specular(inputs, &loaded, None)?;
+                scene.fill_from_behind(&mut loaded.frame);
+                Some(scene)
+            }
+            (None, _) => None,
+        };
+        Ok((loaded, scene))
+    }
+}
+
+/// The plan of a command other than `map`, which has several, and the light of the run. `drawn` tells how a drawing is
+/// made, and whether mirrors or lenses are traced.
+///
+/// # Errors
+/// As [`Plan::at_scales`], [`Plan::relight`] and [`Plan::hatch`].
+pub(crate) fn plan_of(
+    command: &Command,
+    frame: &Frame,
+    light: Illumination,
+    drawn: Drawn,
+) -> Result<(Plan, Illumination)> {
+    let anew = StripChoice::default();
+    Ok(match command {
+        Command::Shape(args) => (args.work.plan(args.work.goal()?, frame, &anew)?, light),
+        Command::Enhance(args) => (args.plan(frame, &anew)?, light),
+        Command::Relight(args) => {
+            let kinds = LightKinds::in_light(&light);
+            (args.plan(frame, kinds, drawn.is_specular, &anew)?, light)
+        }
+        Command::Hatch(args) => args.plan(&args.looks()?, light, frame, drawn)?,
+        _ => unreachable!("{A_COMMAND}"),
+    })
+}
+
+/// The arguments that all commands share.
+pub(crate) fn work_of(command: &Command) -> &WorkArgs {
+    match command {
+        Command::Shape(args) => &args.work,
+        Command::Enhance(args) => &args.work,
+        Command::Relight(args) => &args.work,
+        Command::Hatch(args) => &args.relight.work,
+        Command::Map(args) => &args.work,
+        _ => unreachable!("{A_COMMAND}"),
+    }
+}
+
+/// The arguments of light, of commands that have them.
+pub(crate) fn light_of(command: &Command) -> Option<&RelightArgs> {
+    match command {
+        Command::Relight(args) => Some(args),
+        Command::Hatch(args) => Some(&args.relight),
+        _ => None,
+    }
+}

@@ -1,0 +1,159 @@
+//! Scenes from arrays.
+
+use super::work::{Scene, Work};
+use crate::error::{Error, Result};
+use crate::frame::{Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window};
+use crate::io::camera::camera_of_text;
+use crate::io::inputs::{Inputs, NormalEncoding};
+
+/// Layers of a frame in memory: see [`FrameBuilder`](crate::frame::FrameBuilder) for what each holds.
+pub struct Given<'a> {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Normals, 3 or 4 channels.
+    pub normal: Samples<'a>,
+    /// Whether normals are stored as 0..1, unless a setting tells.
+    pub normal_is_unsigned: bool,
+    /// The picture, scene-linear, 1, 3 or 4 channels.
+    pub color: Option<Samples<'a>>,
+    /// Depth.
+    pub depth: Option<Samples<'a>>,
+    /// World-space positions.
+    pub position: Option<Samples<'a>>,
+    /// Where and how far a picture is changed, 0..1; for commands that change none, where a surface is.
+    pub mask: Option<Samples<'a>>,
+    /// Where a surface is, above one half.
+    pub coverage: Option<Samples<'a>>,
+    /// Ambient occlusion.
+    pub occlusion: Option<Samples<'a>>,
+    /// The share of the diffusion that each pixel gets.
+    pub importance: Option<Samples<'a>>,
+    /// The surface's own colour, scene-linear.
+    pub albedo: Option<Samples<'a>>,
+    /// The camera as the text of a camera file: see [`read_camera`](crate::io::camera::read_camera).
+    pub camera: Option<&'a str>,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
+}
+
+impl<'a> Given<'a> {
+    /// Nothing but normals.
+    pub fn of_normals(size: [usize; 2], normal: Samples<'a>) -> Self {
+        Self {
+            size,
+            normal,
+            normal_is_unsigned: false,
+            color: None,
+            depth: None,
+            position: None,
+            mask: None,
+            coverage: None,
+            occlusion: None,
+            importance: None,
+            albedo: None,
+            camera: None,
+            pixel_aspect: 1.0,
+        }
+    }
+
+    /// The scene, read by the settings of `work` for normals and depth. Nothing is concluded from the samples: without
+    /// settings normals are of view space, and depth lies along the view axis.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
+    /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
+    pub fn scene(self, work: &Work) -> Result<Scene> {
+        let inputs = work.inputs();
+        if let Some(role) = named(&inputs) {
+            let found = format!(
+                "{role} names a layer or a file, and the frame is made of arrays: give one"
+            );
+            return Err(Error::Arguments { found });
+        }
+        let [width, height] = self.size;
+        let camera = match self.camera {
+            Some(text) => {
+                let window = Window::from_size(width, height);
+                Some(camera_of_text(text, window, self.pixel_aspect)?)
+            }
+            None => None,
+        };
+        let normals = match (inputs.normal_space, &camera) {
+            (Some(NormalSpace::World), None) => {
+                return Err(Error::BadParameter {
+                    name: "camera",
+                    found: "is missing, and normals are of world space".into(),
+                    remedy: "give one".into(),
+                });
+            }
+            (Some(NormalSpace::World), Some(camera)) => Normals::world(self.normal, camera),
+            _ => Normals::view(self.normal),
+        };
+        let is_unsigned = inputs
+            .normal_encoding
+            .map_or(self.normal_is_unsigned, |encoding| {
+                encoding == NormalEncoding::Unsigned
+            });
+        let normals = match is_unsigned {
+            true => normals.unsigned(),
+            false => normals,
+        };
+        let normals = normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE));
+        let stored = inputs.depth_kind.unwrap_or(StoredDepth::Planar);
+        let builder = Frame::builder(width, height)
+            .normals(normals)
+            .pixel_aspect(self.pixel_aspect)
+            .with_confidence();
+        let builder = with(builder, camera.as_ref(), FrameBuilder::camera);
+        let builder = with(builder, self.color, FrameBuilder::color);
+        let builder = with(builder, self.depth, |b, samples| b.depth(samples, stored));
+        let builder = with(builder, self.position, FrameBuilder::position);
+        let builder = with(builder, self.coverage, FrameBuilder::mask);
+        let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
+        let builder = with(builder, self.importance, FrameBuilder::importance);
+        let builder = with(builder, self.albedo, FrameBuilder::albedo);
+        let mask = self.mask.map(|samples| samples.plane("mask", self.size));
+        Ok(Scene {
+            mask: mask.transpose()?.map(|mask| mask.map(share)),
+            ..Scene::of_frame(builder.build()?)
+        })
+    }
+}
+
+/// Adds what there is to a builder.
+fn with<'a, T>(
+    builder: FrameBuilder<'a>,
+    given: Option<T>,
+    add: impl FnOnce(FrameBuilder<'a>, T) -> FrameBuilder<'a>,
+) -> FrameBuilder<'a> {
+    match given {
+        Some(given) => add(builder, given),
+        None => builder,
+    }
+}
+
+/// A number as a share, 0 where it is none.
+fn share(value: f32) -> f32 {
+    match value > 0.0 {
+        true => value.min(1.0),
+        false => 0.0,
+    }
+}
+
+/// The first role that names a layer or a file.
+fn named(inputs: &Inputs) -> Option<&'static str> {
+    let names = [
+        ("view", &inputs.view),
+        ("normal", &inputs.normal),
+        ("color", &inputs.color),
+        ("depth", &inputs.depth),
+        ("position", &inputs.position),
+        ("occlusion", &inputs.occlusion),
+        ("importance", &inputs.importance),
+        ("mask", &inputs.mask),
+        ("coverage", &inputs.coverage),
+    ];
+    let named = names.iter().find(|(_, name)| name.is_some());
+    let objects = (!inputs.objects.is_empty()).then_some("object");
+    named.map(|(role, _)| *role).or(objects)
+}

@@ -1,0 +1,102 @@
+//! What a command has made.
+
+use crate::command::chosen::Chosen;
+use crate::engine::outcome::Outcome;
+use crate::frame::{ColorPlanes, Plane};
+use crate::product::Product;
+
+/// What a command has made of a scene.
+#[derive(Debug, Default)]
+pub struct Made {
+    pub(super) outcome: Outcome,
+    /// A drawing on its paper.
+    pub(super) printed: Option<ColorPlanes>,
+    /// Maps by name.
+    pub(super) maps: Vec<(String, Plane)>,
+    /// A drawing as the text of an SVG, if lines were asked for.
+    pub svg: Option<String>,
+    /// Warnings about settings.
+    pub warnings: Vec<String>,
+    /// Choices made on the way.
+    pub(super) chosen: Chosen,
+}
+
+/// A named plane, or several of one vector.
+#[derive(Debug)]
+pub struct Layer<'a> {
+    /// Its name: of a product, a map, or a kind of stroke.
+    pub name: String,
+    /// Its components.
+    pub planes: Vec<&'a Plane>,
+    /// The scale in pixels, for curvature beyond the first one.
+    pub sigma_px: Option<f32>,
+}
+
+impl Made {
+    /// The picture, scene-linear: enhanced, in new light, or a drawing on its paper.
+    pub fn picture(&self) -> Option<&ColorPlanes> {
+        self.printed.as_ref().or(self.outcome.color.as_ref())
+    }
+
+    /// Layers: of the descriptor, maps, or coverage by the strokes of a drawing.
+    pub fn layers(&self) -> Vec<Layer<'_>> {
+        let maps = self
+            .maps
+            .iter()
+            .map(|(name, plane)| layer(name, vec![plane]));
+        let products = Product::all().filter(|product| {
+            let row = product.row();
+            row.layer.is_some() || (self.printed.is_some() && *product != Product::Picture)
+        });
+        let products =
+            products.map(|product| layer(&name_of(product), self.outcome.planes(product)));
+        let asked = self.outcome.drawing.iter().flat_map(|d| &d.asked);
+        let asked = asked.map(|plane| layer("tone", vec![plane]));
+        let scales = self.outcome.shape.more_scales.iter();
+        let further = scales.flat_map(|scale| {
+            Product::all().map(|product| Layer {
+                sigma_px: Some(scale.sigma_px),
+                ..layer(&name_of(product), scale.planes(product))
+            })
+        });
+        let all = maps.chain(products).chain(asked).chain(further);
+        all.filter(|layer| !layer.planes.is_empty()).collect()
+    }
+
+    /// The names of the maps among the layers.
+    pub fn map_names(&self) -> impl Iterator<Item = &str> {
+        self.maps.iter().map(|(name, _)| &name[..])
+    }
+
+    /// What was chosen by itself, by the names of settings.
+    pub fn choices(&self) -> Vec<(String, String)> {
+        let flags = self.chosen.flags();
+        let flags = flags.iter();
+        flags
+            .map(|flag| (flag.name().into(), flag.value().unwrap_or("true").into()))
+            .collect()
+    }
+
+    /// Its memory, to be used again by the engine.
+    pub fn into_outcome(self) -> Outcome {
+        self.outcome
+    }
+}
+
+/// The name of a product's layer: that of its only component, or its own.
+fn name_of(product: Product) -> String {
+    let row = product.row();
+    match row.components {
+        [one] => one.to_string(),
+        _ => row.name.replace(' ', "_"),
+    }
+}
+
+/// A layer at the first scale.
+fn layer<'a>(name: &str, planes: Vec<&'a Plane>) -> Layer<'a> {
+    Layer {
+        name: name.into(),
+        planes,
+        sigma_px: None,
+    }
+}

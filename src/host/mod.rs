@@ -1,0 +1,35 @@
+//! The commands on frames in memory, for programs that offer them in turn, as the Python module does: settings under the
+//! names of recipes, frames from arrays or files, results as planes.
+//!
+//! ```
+//! use relievo::engine::{Engine, Run};
+//! use relievo::host::{Given, Scene, Work};
+//!
+//! # fn main() -> relievo::Result<()> {
+//! let normals = [[0.6_f32, 0.0, 0.8]; 64].concat();
+//! let color = [0.5_f32; 3 * 64];
+//! let given = Given {
+//!     color: Some((&color[..]).into()),
+//!     ..Given::of_normals([8, 8], (&normals[..]).into())
+//! };
+//! let work = Work::new("enhance", &[("scaling".into(), "0".into())], None)?;
+//! let made = work.run(&Engine::cpu(), &given.scene()?, &Run::new())?;
+//! let picture = made.picture().expect("enhancing gives a picture");
+//! assert_eq!(picture.r.view()[[4, 4]], 0.5);
+//! # Ok(())
+//! # }
+//! ```
+
+mod given;
+mod made;
+mod sequence;
+mod thumbnail;
+mod work;
+
+pub use crate::command::recipe::COMMANDS;
+pub use crate::command::setting::{Kind, Setting, settings_of};
+pub use given::Given;
+pub use made::{Layer, Made};
+pub use sequence::{chosen_for_all, frames_of};
+pub use thumbnail::thumbnail;
+pub use work::{File, Scene, Work};
