@@ -26,6 +26,8 @@ pub(super) struct Controls {
     /// Text fields being edited.
     typed: BTreeMap<String, String>,
     sought: String,
+    /// Whether settings are shown that few need.
+    shows_all: bool,
 }
 
 /// Changes made in one frame of the window.
@@ -42,6 +44,7 @@ impl Controls {
             families: Vec::new(),
             typed: BTreeMap::new(),
             sought: String::new(),
+            shows_all: false,
         }
     }
 
@@ -73,7 +76,11 @@ impl Controls {
                 .on_hover_text(hint);
         });
         for (family, settings) in &families {
-            let matches = |s: &&Setting| is_sought(s, &self.sought);
+            let is_usual = |s: &Setting| s.is_common || !look.values(&s.name).is_empty();
+            let matches = |s: &&Setting| match self.sought.is_empty() {
+                true => self.shows_all || is_usual(s),
+                false => is_sought(s, &self.sought),
+            };
             let shown = settings.iter().filter(|s| s.name != LIGHT).filter(matches);
             let shown: Vec<&Setting> = shown.collect();
             if shown.is_empty() {
@@ -94,6 +101,13 @@ impl Controls {
                 });
         }
         self.families = families;
+        let label = match self.shows_all {
+            true => "Fewer settings",
+            false => "More settings",
+        };
+        if self.sought.is_empty() && ui.button(label).clicked() {
+            self.shows_all = !self.shows_all;
+        }
         changes
     }
 

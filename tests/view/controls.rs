@@ -5,6 +5,11 @@ use eframe::egui::{accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
 
 impl Window {
+    /// Whether anything is called `label`.
+    fn shows(&self, label: &str) -> bool {
+        self.harness.query_all_by_label(label).next().is_some()
+    }
+
     /// The slider called `label`, dragged by a share of its length.
     fn slide(&mut self, label: &str, by: f32) {
         let slider = self.harness.get_by_role_and_label(Role::Slider, label);
@@ -33,11 +38,16 @@ fn a_slider_changes_its_setting_and_its_reset_takes_that_back() {
 fn a_number_that_is_chosen_can_be_told() {
     let mut window = Window::on(Some(&fixture("bust.exr")));
     let before = window.pixels();
+    // Few need it, so it is behind a button.
+    assert!(!window.shows("curvature gain auto"));
+    window.click("More settings");
     window.click("curvature gain auto");
     let told: f32 = window.value("curvature-gain").unwrap().parse().unwrap();
     assert!(told > 0.0);
     // It begins at the chosen value: nothing changes.
     assert_eq!(window.pixels(), before);
+    // What is set is shown, even so.
+    window.click("Fewer settings");
     window.click("curvature gain auto");
     assert_eq!(window.value("curvature-gain"), None);
 }
@@ -79,6 +89,7 @@ fn lights_are_added_and_removed() {
     assert_eq!(window.view().said(), None);
     assert_ne!(window.pixels(), before);
     // Without that too there is no light, which is reported.
+    window.click("More settings");
     window.slide("ambient", -1.0);
     let said = window.view().said().unwrap().to_string();
     assert!(said.contains("--light"), "{said}");
