@@ -9,13 +9,14 @@ use crate::command::commands::ReportArgs;
 use crate::command::sequence::inputs_of_frame;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
-use crate::io::output::{Files, Replace, remove_leftovers, write_text};
+use crate::io::output::{Files, Replace, remove_leftovers, write_atomically};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
-use crate::report::{Asked, Extent, Report, advice, markdown, plots, run as measure};
+use crate::report::{Asked, Extent, Report, advice, html, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
@@ -45,13 +46,14 @@ fn report(args: &ReportArgs) -> Result<()> {
             remedy: "leave it out".into(),
         });
     }
-    // Made only for what can be read, and before any long work.
-    std::fs::create_dir_all(&args.output).map_err(Error::io(&args.output, "make"))?;
-    remove_leftovers(&args.output);
-    let extent = if args.quick {
-        Extent::Quick
-    } else {
-        Extent::Full
+    if let Some(output) = &args.output {
+        // Made only for what can be read, and before any long work.
+        std::fs::create_dir_all(output).map_err(Error::io(output, "make"))?;
+        remove_leftovers(output);
+    }
+    let extent = match args.full {
+        true => Extent::Full,
+        false => Extent::Quick,
     };
     let name = first.picture.file_name().map_or_else(
         || first.picture.display().to_string(),
@@ -70,6 +72,7 @@ fn report(args: &ReportArgs) -> Result<()> {
         frame: &loaded.frame,
         shape,
         extent,
+        beyond: args.full || args.quick,
         progress: &progress,
     };
     let mut report = device.measured(|device| measure(asked, device))?;
@@ -77,16 +80,22 @@ fn report(args: &ReportArgs) -> Result<()> {
         progress("drawings of the sequence");
         report.coherence = coherence(args, frames, shape)?;
     }
-    for (file, text) in files(&report) {
-        write_text(&args.output.join(file), Replace::IfWritable, &text)?;
+    let Some(output) = &args.output else {
+        return message::result(markdown::first_page(&report).lines().map(String::from));
+    };
+    for (file, data) in files(&report) {
+        let path = output.join(file);
+        write_atomically(&path, Replace::IfWritable, |w| {
+            w.write_all(&data).map_err(Error::io(&path, "write"))
+        })?;
     }
-    message::result(summary(&report, &args.output))
+    message::result(summary(&report, output))
 }
 
 fn load(args: &ReportArgs, inputs: &Inputs) -> Result<Loaded> {
     // Foreshortened gradients are part of the report whatever was asked for.
     let needs = Needs {
-        color: false,
+        color_if_any: true,
         projection: true,
         ..Needs::default()
     };
@@ -134,7 +143,9 @@ fn coherence(
 /// No file may stand where the directory goes, no input where a file of the report does. Plots are never
 /// inputs: none of them ends like one.
 fn refuse_collisions(args: &ReportArgs) -> Result<()> {
-    let directory = &args.output;
+    let Some(directory) = &args.output else {
+        return Ok(());
+    };
     if directory.exists() && !directory.is_dir() {
         return Err(Error::BadParameter {
             name: "-o",
@@ -146,19 +157,26 @@ fn refuse_collisions(args: &ReportArgs) -> Result<()> {
     for input in args.roles.files(&args.input) {
         files.reads(&input);
     }
-    [PAGE, NUMBERS]
+    [PAGE, TEXT, NUMBERS]
         .iter()
         .try_for_each(|file| files.writes("-o", &directory.join(file)))
 }
 
-const PAGE: &str = "report.md";
+const PAGE: &str = "report.html";
+const TEXT: &str = "report.md";
 const NUMBERS: &str = "report.json";
 
-/// Every file of the report; the page last, so that its pictures are there when it is.
-fn files(report: &Report) -> Vec<(String, String)> {
-    let mut files = plots::all(report);
-    files.push((NUMBERS.into(), json(report)));
-    files.push((PAGE.into(), markdown::page(report)));
+/// Every file of the report; the pages last, so that the pictures of the text are there when it is.
+fn files(report: &Report) -> Vec<(String, Vec<u8>)> {
+    let plots = plots::all(report).into_iter();
+    let mut files: Vec<_> = plots.map(|(name, svg)| (name, svg.into_bytes())).collect();
+    let sheet = report.answers.sheet.iter().cloned();
+    files.extend(sheet.map(|png| (markdown::SHEET.into(), png)));
+    let text = markdown::page(report);
+    let title = format!("relievo report: {}", report.frame.on.name);
+    let page = html::page(&title, &text, &files);
+    let last = [(NUMBERS, json(report)), (TEXT, text), (PAGE, page)];
+    files.extend(last.map(|(name, text)| (name.into(), text.into_bytes())));
     files
 }
 
@@ -167,23 +185,24 @@ fn json(report: &Report) -> String {
     text + "\n"
 }
 
-fn summary(report: &Report, directory: &Path) -> [String; 5] {
+fn summary(report: &Report, directory: &Path) -> Vec<String> {
     let wrong = report
         .stability
         .iter()
         .filter(|case| !case.as_expected)
         .count();
-    let cases = report.stability.len();
-    let stability = match wrong {
-        0 => format!("{cases} stiff and extreme cases: all as declared."),
-        _ => format!("{wrong} of {cases} stiff and extreme cases did not end as declared."),
+    let stability = match (report.stability.len(), wrong) {
+        (0, _) => None,
+        (cases, 0) => Some(format!("{cases} stiff and extreme cases: all as declared.")),
+        (cases, _) => Some(format!(
+            "{wrong} of {cases} stiff and extreme cases did not end as declared."
+        )),
     };
-    let path = directory.join(PAGE);
-    [
-        advice::sentence(report),
-        advice::of_light(&report.light),
-        advice::of_mirrors(&report.mirrors),
-        stability,
-        path.display().to_string(),
-    ]
+    let mut lines = vec![advice::sentence(report)];
+    lines.extend(report.answers.warnings.iter().cloned());
+    lines.extend(report.light.as_ref().map(advice::of_light));
+    lines.extend(report.mirrors.as_ref().map(advice::of_mirrors));
+    lines.extend(stability);
+    lines.push(directory.join(PAGE).display().to_string());
+    lines
 }

@@ -72,7 +72,7 @@ pub(crate) enum Command {
     /// Open a window in which a look is tuned and saved as a recipe.
     #[command(after_help = VIEW_EXAMPLES)]
     View(ViewArgs),
-    /// Measure error against run time, on this frame and on exact scenes: table, JSON, plots.
+    /// Measure error against run time on this frame: what is enough, what it does not need, what to beware of.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
 }
@@ -148,9 +148,10 @@ fn run_examples() -> String {
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
-  relievo report render.exr -o report               report/report.md, report.json and plots
+  relievo report render.exr                         what is enough for this frame, what it does not need, warnings
+  relievo report render.exr -o report               report/report.html, with every number and plot
   relievo report render.exr -o report --scale 8     about this scale before others
-  relievo report render.exr -o report --quick       a few seconds, fewer settings
+  relievo report render.exr -o report --full        all sweeps and exact scenes, in minutes
   relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
 
 const COMPLETIONS_EXAMPLES: &str = "\
@@ -276,10 +277,14 @@ pub(crate) struct ReportArgs {
     pub(crate) frames: FramesArg,
     #[command(flatten)]
     pub(crate) motion: MotionArg,
-    /// Directory for report.md, report.json and plots; created if missing, older files replaced.
+    /// Directory for report.html, with everything in one file, report.json, and the same as report.md with its plots; created
+    /// if missing, older files replaced. Without it the first page is printed.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
-    pub(crate) output: PathBuf,
-    /// Fewer scales, smaller scenes, fewer runs.
+    pub(crate) output: Option<PathBuf>,
+    /// Measure more than this frame: exact scenes, light, drawings, mirrors, height, stiff cases. Takes minutes.
+    #[arg(long, help_heading = "Run", conflicts_with = "quick")]
+    pub(crate) full: bool,
+    /// The same at fewer scales, on smaller scenes, with fewer runs.
     #[arg(long, help_heading = "Run")]
     pub(crate) quick: bool,
     #[command(flatten)]

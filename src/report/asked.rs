@@ -50,6 +50,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) shape: ShapeParams,
     pub(crate) extent: Extent,
+    /// Whether what is not of the frame is measured too: exact scenes, light, drawings, mirrors, stiff cases.
+    pub(crate) beyond: bool,
     /// Called with the name of the next measurement.
     pub(crate) progress: &'a dyn Fn(&str),
 }

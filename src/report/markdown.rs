@@ -13,35 +13,107 @@ use super::advice::{BUDGETS, cheapest, sentence};
 use super::compare::Errors;
 use super::numbers::{milliseconds, rounded, scientific};
 use super::plots::{self, DIRECTIONS, RIM};
+use super::sweeps::directions::Sweep;
 use super::sweeps::rim::{BANDS, FORESHORTENINGS};
 use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use super::timing::Utilisation;
 use std::fmt::{self, Display};
 
+/// Stages named on the first page.
+const LONGEST: usize = 6;
+
+/// The pictures of the first page, side by side.
+pub(crate) const SHEET: &str = "sheet.png";
+
 /// The whole page. Its pictures are expected next to it.
 pub(crate) fn page(report: &Report) -> String {
+    let of = |section: Option<String>| section.unwrap_or_default();
     let sections = [
+        first_page(report),
+        "# Appendix: every number".into(),
         head(report),
-        enough(report),
-        not_needed(report),
         solvers(&report.frame, "The frame", plots::FRAME),
         exact_scenes(report),
         stages(report),
         gpu::section(report),
-        runs(report),
+        if_any(&report.runs, || runs(report)),
         precision(report),
-        directions(report),
-        rim(report),
-        light::section(&report.light),
-        drawing::section(&report.drawing),
-        mirrors::section(&report.mirrors),
-        relief::section(&report.relief),
+        of(report.directions.as_ref().map(directions)),
+        if_any(&report.rim_of_ball, || rim(report)),
+        of(report.light.as_ref().map(light::section)),
+        of(report.drawing.as_ref().map(drawing::section)),
+        of(report.mirrors.as_ref().map(mirrors::section)),
+        of(report.relief.as_ref().map(relief::section)),
         sequence::section(report.coherence.as_ref()),
-        stability::section(&report.stability),
+        if_any(&report.stability, || stability::section(&report.stability)),
     ];
     let sections = sections.iter().map(|section| section.trim_end());
     let sections: Vec<_> = sections.filter(|section| !section.is_empty()).collect();
     sections.join("\n\n") + "\n"
+}
+
+/// A section of rows, if there are any.
+fn if_any<T>(rows: &[T], section: impl FnOnce() -> String) -> String {
+    match rows {
+        [] => String::new(),
+        _ => section(),
+    }
+}
+
+/// What most readers want to know: two screens.
+pub(crate) fn first_page(report: &Report) -> String {
+    let Report { machine, frame, .. } = report;
+    let unoptimised = match report.optimised {
+        true => "",
+        false => " **Built without optimisation: the times mean little.**",
+    };
+    let sheet = match &report.answers.sheet {
+        Some(_) => format!("\n![Before, enhanced, and the curvature]({SHEET})\n"),
+        None => String::new(),
+    };
+    let warnings = match &report.answers.warnings[..] {
+        [] => "- nothing: no clipping, no coarse or blended samples, nothing unstable\n".into(),
+        some => some
+            .iter()
+            .map(|text| format!("- {text}\n"))
+            .collect::<String>(),
+    };
+    format!(
+        "# relievo report: {}\n\n{}x{}, {} pixels of surface; relievo {} on {} threads.{unoptimised}\n{sheet}\n{}\n\n\
+         ![Error against time]({})\n\n{}\n\n## Warnings\n\n{warnings}\n{}",
+        frame.on.name,
+        frame.on.width,
+        frame.on.height,
+        frame.on.covered,
+        report.version,
+        machine.threads,
+        enough(report).trim_end(),
+        plots::FRAME,
+        not_needed(report).trim_end(),
+        longest(report),
+    )
+}
+
+/// The stages that take most of the time.
+fn longest(report: &Report) -> String {
+    let all = report.stages.iter().find(|row| row.stage == "all");
+    let whole = all.map_or(0.0, |row| row.times.min);
+    let mut stages: Vec<_> = report
+        .stages
+        .iter()
+        .filter(|row| row.stage != "all")
+        .collect();
+    stages.sort_by(|a, b| b.times.min.total_cmp(&a.times.min));
+    stages.truncate(LONGEST);
+    let table = table!(stages, row => {
+        "stage": row.stage,
+        "least of several": milliseconds(row.times.min),
+        "of all": percent(row.times.min / whole.max(f64::MIN_POSITIVE)),
+    });
+    format!(
+        "## Where the time of all layers goes\n\nAll stages take {}, without reading and writing.\n\n{table}",
+        milliseconds(whole)
+    )
 }
 
 /// A table: the names of its columns, and one cell per column in every row.
@@ -135,36 +207,23 @@ fn percent_to_a_tenth(part: f64) -> String {
 
 fn head(report: &Report) -> String {
     let Report { machine, frame, .. } = report;
-    let unoptimised = match report.optimised {
-        true => "",
-        false => "\n**Built without optimisation: the times mean little.**\n",
-    };
     format!(
-        "# relievo report: {}\n\n\
-         relievo {} on {} threads; memory {} GB/s (triad over 3 x 64 MiB), arithmetic {} Gop/s ({}, single \
-         precision, as this build is vectorised).\n{unoptimised}\n\
-         Frame: {}x{}, {} pixels covered, steepest slope {}.\n\n\
+        "The machine: memory {} GB/s (triad over 3 x 64 MiB), arithmetic {} Gop/s ({}, single precision, as this build is \
+         vectorised). Steepest slope of the frame: {}.\n\n\
          Errors of slopes, and of the curvature (the trace of the Hessian, per pixel), are relative to the \
          steepest slope, max |g| before diffusion. The reference is double precision from the same input; where rounding \
          before a threshold can move a conductance, it takes the one found within that range. \
          Times are without reading and writing, in the memory of earlier runs, as for the second \
          and later frames of a sequence; `min` is the least of several runs.",
-        frame.on.name,
-        report.version,
-        machine.threads,
         rounded(machine.bytes_per_second / 1e9),
         rounded(machine.operations_per_second / 1e9),
         machine.multiply_add,
-        frame.on.width,
-        frame.on.height,
-        frame.on.covered,
         rounded(frame.steepest),
     )
 }
 
 fn enough(report: &Report) -> String {
     let sweep = &report.frame.scales[0];
-    let rows = BUDGETS.map(|budget| (budget, cheapest(sweep, budget)));
     let flags = |row: &SolverRow| {
         format!(
             "`{} {}`",
@@ -172,21 +231,40 @@ fn enough(report: &Report) -> String {
             row.flags.as_deref().unwrap_or_default()
         )
     };
+    // A setting that serves several budgets stands once, with the tightest.
+    let mut rows: Vec<(f64, Option<&SolverRow>)> = Vec::new();
+    for budget in BUDGETS {
+        let row = cheapest(sweep, budget);
+        match rows.last_mut() {
+            Some((tightest, last)) if last.map(flags) == row.map(flags) => *tightest = budget,
+            _ => rows.push((budget, row)),
+        }
+    }
     let table = table!(rows, (budget, row) => {
         "largest error within": scientific(budget),
         "cheapest": row.map_or("nothing tried".into(), flags),
         "sweeps": or_blank(row.map(|row| row.applications)),
-        "diffusion min": or_blank(row.map(|row| milliseconds(row.diffusion.min))),
-        "all stages min": or_blank(row.map(|row| milliseconds(row.whole.min))),
+        "diffusion": or_blank(row.map(|row| milliseconds(row.diffusion.min))),
+        "all stages": or_blank(row.map(|row| milliseconds(row.whole.min))),
         "largest error": or_blank(row.map(|row| scientific(row.gradient.max))),
         "grey levels of 255": or_blank(row.map(|row| rounded(row.grey_levels))),
     });
-    format!("## What is enough here\n\n{}\n\n{table}", sentence(report))
+    format!("## What is enough\n\n{}\n\n{table}", sentence(report))
 }
 
+/// Stages that are left out, by reason.
 fn not_needed(report: &Report) -> String {
-    let skipped = report.decisions.iter().filter(|d| !d.kept);
-    let lines = skipped.map(|d| format!("- {}: {}\n", d.step, d.reason));
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for skipped in report.decisions.iter().filter(|d| !d.kept) {
+        let (reason, step) = (skipped.reason.as_str(), skipped.step);
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, steps)) => steps.push(step),
+            None => reasons.push((reason, vec![step])),
+        }
+    }
+    let lines = reasons
+        .iter()
+        .map(|(reason, steps)| format!("- {reason}: {}\n", steps.join(", ")));
     format!(
         "## What a picture of this frame's curvature does not need\n\n{}",
         lines.collect::<String>()
@@ -309,8 +387,7 @@ fn precision(report: &Report) -> String {
     )
 }
 
-fn directions(report: &Report) -> String {
-    let sweep = &report.directions;
+fn directions(sweep: &Sweep) -> String {
     let table = table!(&sweep.rows, row => {
         "normals": format!("{:?}", row.stored).to_lowercase(),
         "step px": match (row.step_px, row.steps_px) {

@@ -5,6 +5,7 @@
 //! reading and writing files.
 
 pub(crate) mod advice;
+pub(crate) mod answers;
 mod asked;
 mod beside;
 pub mod coherence;
@@ -12,6 +13,7 @@ pub(crate) mod compare;
 mod drawing;
 mod engine;
 pub(crate) mod gpu;
+pub(crate) mod html;
 pub(crate) mod light;
 pub mod light_reference;
 mod machine;
@@ -53,7 +55,7 @@ pub(crate) struct StageRow {
     pub utilisation: Option<Utilisation>,
 }
 
-/// All measurements.
+/// All measurements; what goes beyond the frame is there if it was asked for.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Report {
     pub version: &'static str,
@@ -62,31 +64,43 @@ pub(crate) struct Report {
     pub machine: Machine,
     /// The given shape parameters.
     pub shape: ShapeParams,
+    /// What the first page says about the frame.
+    pub answers: answers::Answers,
     /// Stages of a curvature picture, kept or dropped, and why.
     pub decisions: Vec<Decision>,
     /// Stages of the full descriptor on the frame.
     pub stages: Vec<StageRow>,
     /// Solvers and tolerances on the frame.
     pub frame: SceneSweep,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub scenes: Vec<SceneSweep>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<run::RunRow>,
     pub precision: Vec<precision::PrecisionRow>,
     /// Step and rounding for the surface's own directions, on an ellipsoid.
-    pub directions: directions::Sweep,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directions: Option<directions::Sweep>,
     /// Foreshortening and the floor of n_z on a ball.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rim_of_ball: Vec<rim::BallRow>,
     /// The same on the frame.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rim_of_frame: Vec<rim::FrameRow>,
-    pub light: light::LightReport,
-    pub drawing: drawing::DrawingReport,
-    pub mirrors: mirrors::MirrorReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<light::LightReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawing: Option<drawing::DrawingReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mirrors: Option<mirrors::MirrorReport>,
     /// Height and occlusion.
-    pub relief: relief::ReliefReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relief: Option<relief::ReliefReport>,
     /// A device compared with the CPU; `None` in a build without device support.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gpu: Option<GpuReport>,
     /// Drawings of a sequence, if the report covers one; not set by [`run`].
     pub coherence: Option<coherence::Coherence>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stability: Vec<CaseResult>,
 }
 
@@ -99,6 +113,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         frame,
         shape,
         extent,
+        beyond,
         progress,
         ..
     } = asked;
@@ -120,31 +135,52 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         .to_vec();
     let stages = stages(&lean, &machine)?;
     let (swept, scenes, gpu) = sweeps(&lean, &device, &machine)?;
-    let runs = runs(&lean)?;
     let precision = precision(&lean)?;
-    progress("ellipsoid: directions");
-    let (width, height) = scene_size(extent);
-    let directions = directions::sweep(&Scene::ellipsoid(width, height), asked.effort())?;
-    asked.progress("foreshortening and min_nz");
-    let (rim_of_ball, rim_of_frame) = (rim::on_ball()?, rim::on_frame(frame, &shape)?);
-    let light = light::run(&asked)?;
-    let drawing = drawing::run(&asked)?;
-    let mirrors = mirrors::run(extent, progress)?;
-    progress("height and occlusion");
-    let relief = relief::run(extent);
-    progress("stiff and extreme cases");
+    asked.progress("what there is to warn of");
+    let answers = answers::of(&asked, &swept)?;
+    let runs = match beyond {
+        true => runs(&lean)?,
+        false => Vec::new(),
+    };
+    let directions = beyond.then(|| {
+        progress("ellipsoid: directions");
+        let (width, height) = scene_size(extent);
+        directions::sweep(&Scene::ellipsoid(width, height), asked.effort())
+    });
+    let (rim_of_ball, rim_of_frame) = match beyond {
+        true => {
+            asked.progress("foreshortening and min_nz");
+            (rim::on_ball()?, rim::on_frame(frame, &shape)?)
+        }
+        false => Default::default(),
+    };
+    let light = beyond.then(|| light::run(&asked)).transpose()?;
+    let drawing = beyond.then(|| drawing::run(&asked)).transpose()?;
+    let mirrors = beyond.then(|| mirrors::run(extent, progress)).transpose()?;
+    let relief = beyond.then(|| {
+        progress("height and occlusion");
+        relief::run(extent)
+    });
+    let stability = match beyond {
+        true => {
+            progress("stiff and extreme cases");
+            stability::all().iter().map(stability::Case::run).collect()
+        }
+        false => Vec::new(),
+    };
     Ok(Report {
         version: env!("CARGO_PKG_VERSION"),
         optimised: !cfg!(debug_assertions),
         machine,
         shape,
+        answers,
         decisions,
         stages,
         frame: swept,
         scenes,
         runs,
         precision,
-        directions,
+        directions: directions.transpose()?,
         rim_of_ball,
         rim_of_frame,
         light,
@@ -153,7 +189,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         relief,
         gpu,
         coherence: None,
-        stability: stability::all().iter().map(stability::Case::run).collect(),
+        stability,
     })
 }
 
@@ -181,7 +217,10 @@ fn sweeps(
     };
     let frame = sweep(&subject, &frame_scales(asked.shape.scale, asked.extent))?;
     let (width, height) = scene_size(asked.extent);
-    let all = Scene::all(width, height);
+    let all = match asked.beyond {
+        true => Scene::all(width, height),
+        false => Vec::new(),
+    };
     let mut scenes = Vec::new();
     for scene in &all {
         let closed_form = |x: usize, y: usize, time: f64| scene.exact_trace(x, y, time);
@@ -211,6 +250,9 @@ fn runs(asked: &Asked) -> Result<Vec<run::RunRow>> {
 fn precision(asked: &Asked) -> Result<Vec<precision::PrecisionRow>> {
     asked.progress("half and byte input");
     let mut rows = precision::sweep(asked.name, asked.frame, asked.shape)?;
+    if !asked.beyond {
+        return Ok(rows);
+    }
     let (width, height) = scene_size(asked.extent);
     let shape = ShapeParams {
         foreshortening: 0.0,

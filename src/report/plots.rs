@@ -50,17 +50,25 @@ pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
     let mut plots: Vec<_> = scenes
         .map(|scene| (of_scene(scene), error_against_time(scene)))
         .collect();
-    for subject in &report.light.subjects {
+    for subject in report.light.iter().flat_map(|light| &light.subjects) {
         let plots_of_light = [error_against_lights(subject), both_equations(subject)];
         plots.extend(of_light(subject).into_iter().zip(plots_of_light));
     }
     let mut add = |name: &str, plot| plots.push((name.into(), plot));
     add(FRAME, error_against_time(&report.frame));
-    add(DIRECTIONS, error_against_step(&report.directions));
-    add(RIM, error_near_the_rim(&report.rim_of_ball));
-    add(FIELDS, error_of_directions(&report.drawing.fields));
-    add(STROKES, strokes_by_levels(&report.drawing.strokes));
-    add(MIRRORS, error_of_mirrors(&report.mirrors));
+    if let Some(directions) = &report.directions {
+        add(DIRECTIONS, error_against_step(directions));
+    }
+    if !report.rim_of_ball.is_empty() {
+        add(RIM, error_near_the_rim(&report.rim_of_ball));
+    }
+    if let Some(drawing) = &report.drawing {
+        add(FIELDS, error_of_directions(&drawing.fields));
+        add(STROKES, strokes_by_levels(&drawing.strokes));
+    }
+    if let Some(mirrors) = &report.mirrors {
+        add(MIRRORS, error_of_mirrors(mirrors));
+    }
     if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
         add(PICTURES, error_of_pictures(&report.frame.on.name, pictures));
     }

@@ -7,6 +7,8 @@ mod exposure;
 mod format;
 mod gathered;
 mod scale_bar;
+#[cfg(feature = "report")]
+mod small;
 mod stored;
 mod whites;
 
@@ -16,6 +18,8 @@ pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
+#[cfg(feature = "report")]
+pub(crate) use small::small;
 pub(crate) use whites::Whites;
 
 use super::photo::max_code;

@@ -36,6 +36,7 @@ pub(super) fn run(asked: &Asked) -> Result<DrawingReport> {
         shape,
         extent,
         progress,
+        ..
     } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([960, 720], Effort::new(5, 200)),

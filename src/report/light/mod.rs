@@ -56,6 +56,7 @@ pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
         shape,
         extent,
         progress,
+        ..
     } = *asked;
     let (most, effort) = match extent {
         Extent::Full => ([128, 96], Effort::new(5, 150)),

@@ -1,0 +1,27 @@
+//! Small versions of pictures.
+
+use crate::frame::{ColorPlanes, Plane};
+
+/// A picture of `size`, columns by rows, made so small that no side is longer than `longest`: each pixel is the mean of a
+/// square. `at` gives the sample at a column and a row, of red, green or blue.
+pub(crate) fn small(
+    [width, height]: [usize; 2],
+    longest: usize,
+    at: impl Fn(usize, usize, usize) -> f32,
+) -> ColorPlanes {
+    let step = width.max(height).div_ceil(longest).max(1);
+    let mean = |x: usize, y: usize, c: usize| {
+        let [columns, rows] =
+            [(x, width), (y, height)].map(|(at, end)| at * step..((at + 1) * step).min(end));
+        let count = rows.len() * columns.len();
+        let samples = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+        samples.map(|(x, y)| at(x, y, c)).sum::<f32>() / count as f32
+    };
+    let [width, height] = [width, height].map(|side| side.div_ceil(step));
+    let channel = |c| Plane::from_fn(width, height, |x, y| mean(x, y, c));
+    ColorPlanes {
+        r: channel(0),
+        g: channel(1),
+        b: channel(2),
+    }
+}

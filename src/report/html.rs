@@ -1,0 +1,52 @@
+//! The report as one page of HTML, with its pictures inside.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use pulldown_cmark::{Event, Options, Parser, Tag, html};
+
+/// The page of `markdown`, whose pictures are the files in `pictures`: SVG as it is, PNG encoded.
+pub(crate) fn page(title: &str, markdown: &str, pictures: &[(String, Vec<u8>)]) -> String {
+    let inside = |name: &str| {
+        let (_, data) = pictures.iter().find(|(known, _)| known == name)?;
+        Some(match name.ends_with(".svg") {
+            true => format!("<figure>{}</figure>", String::from_utf8_lossy(data)),
+            false => format!(
+                "<figure><img alt=\"\" src=\"data:image/png;base64,{}\"></figure>",
+                STANDARD.encode(data)
+            ),
+        })
+    };
+    let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).map(|event| match event {
+        Event::Start(Tag::Image {
+            dest_url,
+            title,
+            link_type,
+            id,
+        }) => match inside(&dest_url) {
+            Some(picture) => Event::Html(picture.into()),
+            None => Event::Start(Tag::Image {
+                dest_url,
+                title,
+                link_type,
+                id,
+            }),
+        },
+        other => other,
+    });
+    let mut body = String::new();
+    html::push_html(&mut body, events);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n<style>{STYLE}</style>\n\
+         </head>\n<body>\n{body}</body>\n</html>\n",
+        title.replace('&', "&amp;").replace('<', "&lt;")
+    )
+}
+
+const STYLE: &str = "
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 75rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.25rem; margin-top: 2rem; }
+figure { margin: 1rem 0; } figure svg, figure img { max-width: 100%; height: auto; }
+table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; display: block; overflow-x: auto; }
+th, td { border-bottom: 1px solid #ddd; padding: .2rem .6rem; text-align: left; white-space: nowrap; }
+code { background: #f3f3f3; padding: 0 .2rem; }
+";
