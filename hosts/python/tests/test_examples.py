@@ -1,0 +1,73 @@
+"""The examples run as they are, and give what they say."""
+
+import subprocess
+import sys
+
+import numpy as np
+import OpenEXR
+import pytest
+
+import pyrelievo
+from conftest import FIXTURES
+
+EXAMPLES = FIXTURES.parent / "hosts/python/examples"
+
+
+def shot(*words):
+    """Runs the example; returns what it says."""
+    command = [sys.executable, "-W", "error", EXAMPLES / "shot.py", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise ChildProcessError(done.stderr)
+    return done.stdout
+
+
+def test_a_shot_keeps_its_layers_and_gets_one_more(tmp_path):
+    pattern, camera = FIXTURES / "wheel.####.exr", FIXTURES / "wheel.####.camera.json"
+    words = [pattern, tmp_path / "out.####.exr", "--camera", camera, "scaling=0.8", "iterations=4"]
+    assert shot(*words).startswith("2 frames: ")
+    made = dict(pyrelievo.process(pattern, "enhance", roles={"camera": camera}, scaling=0.8, iterations=4))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.0001.exr", "out.0002.exr"]
+    for number, picture in made.items():
+        before = channels_of(FIXTURES / f"wheel.{number:04}.exr")
+        after = channels_of(tmp_path / f"out.{number:04}.exr")
+        for name, pixels in before.items():
+            assert after.pop(name).tobytes() == pixels.tobytes()
+        assert list(after) == [f"relievo.Picture.{end}" for end in "BGR"]
+        enhanced = np.dstack([after[f"relievo.Picture.{end}"] for end in "RGB"])
+        assert enhanced.dtype == np.float16
+        np.testing.assert_array_equal(enhanced, picture.astype(np.float16))
+
+
+def test_a_shot_in_parts(tmp_path):
+    """A picture of bare channels in one part, view-space normals in another."""
+    frame = pyrelievo.load(FIXTURES / "bust.exr")
+    color, normal = frame.color.astype(np.float16), frame.normal.astype(np.float32)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    files = {
+        "whole": OpenEXR.File(dict(header), {"RGB": color, **xyz(normal)}),
+        "parts": OpenEXR.File(
+            [OpenEXR.Part(dict(header), {"RGB": color}, "rgba"), OpenEXR.Part(dict(header), xyz(normal), "normal")]
+        ),
+    }
+    for name, file in files.items():
+        path = tmp_path / f"{name}.0007.exr"
+        file.write(str(path))
+        shot(tmp_path / f"{name}.####.exr", tmp_path / f"out.{name}.####.exr")
+        after = channels_of(tmp_path / f"out.{name}.0007.exr")
+        expected = pyrelievo.enhance(pyrelievo.load(path)).astype(np.float16)
+        np.testing.assert_array_equal(after["relievo.Picture.G"], expected[..., 1])
+
+
+def xyz(normal):
+    return {f"normal.{end}": np.ascontiguousarray(normal[..., at]) for at, end in enumerate("XYZ")}
+
+
+def test_a_shot_that_is_not_there(tmp_path):
+    with pytest.raises(ChildProcessError, match=r"^error: .*no\.####\.exr: no frame of this name is there$"):
+        shot(tmp_path / "no.####.exr", tmp_path / "out.####.exr")
+
+
+def channels_of(path):
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        return {name: channel.pixels for name, channel in file.parts[0].channels.items()}
