@@ -1,5 +1,8 @@
 """The examples run as they are, and give what they say."""
 
+import base64
+import io
+import json
 import subprocess
 import sys
 
@@ -71,3 +74,25 @@ def test_a_shot_that_is_not_there(tmp_path):
 def channels_of(path):
     with OpenEXR.File(str(path), separate_channels=True) as file:
         return {name: channel.pixels for name, channel in file.parts[0].channels.items()}
+
+
+def test_the_notebook_runs():
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    for module in ("ipykernel", "matplotlib", "PIL"):
+        pytest.importorskip(module)
+    path = EXAMPLES / "first_look.ipynb"
+    assert all(not cell.get("outputs") for cell in json.loads(path.read_text())["cells"])
+    notebook = nbformat.read(path, as_version=4)
+    client = nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(EXAMPLES)}})
+    client.execute()
+    data = [output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", ())]
+    shown = [kinds["image/png"] for kinds in data if "image/png" in kinds]
+    # The render, two pictures, two curvatures, one relit, one drawing.
+    assert len(shown) == 5
+    assert all(picture_of(png).std() > 10 for png in shown)
+
+
+def picture_of(png):
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(png))).convert("L"))
