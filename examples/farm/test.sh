@@ -65,6 +65,12 @@ passed "48 frames on one machine"
 
 echo "Open Job Description: openjd-cli"
 "$here/test/openjd.sh"
+if python3 -c 'import pyrelievo, OpenEXR' 2>/dev/null; then
+  echo "Python: pyrelievo"
+  "$here/test/python.sh"
+else
+  echo "skipped: the task in Python, whose python3 lacks pyrelievo or OpenEXR"
+fi
 echo "Slurm: $(slurmctld -V)"
 "$here/test/slurm.sh"
 echo "all passed"
