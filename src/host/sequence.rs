@@ -2,6 +2,8 @@
 
 use super::work::{File, Work};
 use crate::command::chosen::Chosen;
+use crate::command::commands::{command_named, long};
+use crate::command::flags::Flag;
 use crate::command::recipe::SAMPLE_FRAMES;
 use crate::engine::{Engine, Run};
 use crate::error::{Error, Result};
@@ -47,7 +49,10 @@ pub fn chosen_for_all(
         return Err(error);
     }
     let flags = Chosen::for_all(&each).flags();
-    let chosen = flags.iter().map(|flag| {
+    // Some of what is found on the way is no setting of the command.
+    let parser = command_named(command);
+    let known = |flag: &&Flag| long(&parser, flag.name()).is_some();
+    let chosen = flags.iter().filter(known).map(|flag| {
         (
             flag.name().to_string(),
             flag.value().unwrap_or("true").into(),

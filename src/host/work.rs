@@ -275,9 +275,10 @@ impl Work {
     }
 
     /// A picture or a drawing as a PNG of 8 bits would hold it: columns and rows, and red, green, blue and alpha, not
-    /// premultiplied; `None` for other commands.
-    pub fn shown(&self, scene: &Scene, made: &Made) -> Option<([usize; 2], Vec<[u8; 4]>)> {
+    /// premultiplied; `None` for other commands. An exposure that is chosen for it is one of the choices from then on.
+    pub fn shown(&self, scene: &Scene, made: &mut Made) -> Option<([usize; 2], Vec<[u8; 4]>)> {
         let (work, frame) = (work_of(&self.command), &scene.frame);
+        let chosen = made.chosen.clone();
         let color = made.picture()?;
         let before = match &self.command {
             Command::Enhance(_) => frame.color.as_ref(),
@@ -288,11 +289,13 @@ impl Work {
             }
             _ => return None,
         };
-        let made = MadePicture { color, before };
-        let exposure = made.exposure(&work.flags.params.display, &frame.mask);
-        let displayed = work.displayed(frame, scene.primaries, made, exposure);
+        let picture = MadePicture { color, before };
+        let exposure = picture.exposure(&work.flags.params.display, &frame.mask);
+        let displayed = work.displayed(frame, scene.primaries, picture, exposure);
         let size = [color.r.width(), color.r.height()];
-        Some((size, pixels(&displayed.picture())))
+        let shown = pixels(&displayed.picture());
+        made.chosen = chosen.exposed(exposure);
+        Some((size, shown))
     }
 
     /// The frame of a scene of arrays, with its mask and its borders as the command has them; `None` where it is as it

@@ -38,6 +38,9 @@ const BRIGHTER: f64 = 1e-3;
 const AT_EDGES: f64 = 0.25;
 const BLENDED: f64 = 0.01;
 
+/// A picture with more of its surface brighter than white has no shading left there to scale.
+const BURNT: f64 = 0.1;
+
 /// Gradients that exceed their range before diffusion by more than this, relative to the steepest, are unstable.
 const OVERSHOOT: f64 = 1e-3;
 
@@ -110,7 +113,7 @@ fn warnings(answers: &Answers, frame: &Frame, swept: &SceneSweep) -> Vec<String>
         found.push("no surface is seen: nothing below says anything".into());
     }
     if let Some([before, after]) = answers.brighter_than_white
-        && after > before + BRIGHTER
+        && (after > before + BRIGHTER || before > BURNT)
     {
         found.push(format!(
             "clipping: {} of the surface are brighter than white after `enhance`, {} before; pictures roll it off, and \

@@ -82,7 +82,8 @@ fn the_files_are_there_and_others_stay() {
     let plots = page
         .split("](")
         .skip(1)
-        .filter_map(|rest| rest.split(')').next());
+        .filter_map(|rest| rest.split(')').next())
+        .filter(|plot| plot.ends_with(".svg"));
     let mut count = 0;
     for plot in plots {
         let svg = RUN.read(plot);
@@ -93,8 +94,9 @@ fn the_files_are_there_and_others_stay() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{plot}");
         count += 1;
     }
-    // The frame, three scenes, directions, the rim, lights and equations, directions of strokes, strokes, mirrors.
-    assert_eq!(count, 11);
+    // The frame on two pages, three scenes, directions, the rim, lights and equations, directions of strokes, strokes,
+    // mirrors.
+    assert_eq!(count, 12);
     // A star that does not mark bold differs from one that does.
     assert!(page.contains(" \\* |") && !page.contains("***"));
     // Every table has rows of as many cells as its head.
@@ -108,11 +110,81 @@ fn the_files_are_there_and_others_stay() {
     }
 }
 
+/// The page of HTML is one file: it loads nothing, and holds all plots and the sheet.
+#[test]
+fn the_page_is_one_file() {
+    let page = RUN.read("report.html");
+    assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
+    assert_eq!(page.matches("<svg").count(), 12);
+    assert_eq!(page.matches("<img").count(), 1);
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 1);
+    assert!(
+        !page.contains("href=\"http"),
+        "something is loaded from elsewhere"
+    );
+    let png = fs::read(RUN.place.path().join("sheet.png")).unwrap();
+    // Three pictures of 480x360 side by side: width and height stand in bytes 16 to 24.
+    let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    assert_eq!([side(16), side(20)], [3 * 480, 360]);
+}
+
+/// Without a directory the first page is printed, of this frame alone.
+#[test]
+fn the_first_page_is_two_screens() {
+    let ran = relievo(&["report", fixture("bust.exr").to_str().unwrap()]).done();
+    let lines: Vec<_> = ran.stdout.lines().collect();
+    assert!(lines.len() < 80, "{}", lines.len());
+    for heading in [
+        "# relievo report: bust.exr",
+        "## What is enough",
+        "## What a picture of this frame's curvature does not need",
+        "## Warnings",
+        "## Where the time of all layers goes",
+    ] {
+        assert!(lines.contains(&heading), "{heading}");
+    }
+    // No row of the table of settings repeats one above it.
+    let flags = lines.iter().filter_map(|line| line.split("| `--").nth(1));
+    let flags: Vec<_> = flags.filter_map(|rest| rest.split('`').next()).collect();
+    let mut distinct = flags.clone();
+    distinct.dedup();
+    assert!(!flags.is_empty() && flags == distinct, "{flags:?}");
+    assert!(!ran.stderr.contains("mirror ball") && !ran.stderr.contains("extreme"));
+}
+
+/// What there is to warn of is said, with what helps: coarse normals, and light that is brighter than white.
+#[test]
+fn warnings_are_of_the_frame() {
+    let warned = |words: &[&str]| {
+        let ran = relievo(&[&["report", "-q"], words].concat()).done();
+        let rest = ran.stdout.split("## Warnings").nth(1).unwrap().to_string();
+        rest.split("## Where").next().unwrap().to_string()
+    };
+    let [photo, normals, haze] =
+        ["tablet.color.jpg", "tablet.normal.png", "haze.exr"].map(|name| fixture(name));
+    let photo = warned(&[
+        photo.to_str().unwrap(),
+        "--normal",
+        normals.to_str().unwrap(),
+    ]);
+    // Half a step of 8 bits over -1..1 is 1/255.
+    assert!(
+        photo.contains("8 bits: normals are rounded by 3.9e-3"),
+        "{photo}"
+    );
+    let haze = warned(&[haze.to_str().unwrap()]);
+    assert!(
+        haze.contains("clipping: ") && haze.contains("brighter than white"),
+        "{haze}"
+    );
+}
+
 #[test]
 fn the_summary_goes_to_stdout_and_progress_to_stderr() {
     let [stdout, stderr] = [&RUN.ran.stdout, &RUN.ran.stderr];
     assert!(
-        stdout.starts_with("At sigma 20 px the settings asked for") && stdout.contains("report.md"),
+        stdout.starts_with("At sigma 20 px the settings asked for")
+            && stdout.contains("report.html"),
         "{stdout}"
     );
     assert!(stdout.contains("all as declared"), "{stdout}");
@@ -653,7 +725,6 @@ fn what_cannot_be_done_is_said_in_one_line() {
             2,
             "--tolerance",
         ),
-        (vec!["report", bust], 2, "--output"),
         (
             vec!["report", bust, "-o", new, "--scale", "2,5"],
             2,

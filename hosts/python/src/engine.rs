@@ -121,12 +121,14 @@ impl Engine {
                     _ => work,
                 };
                 let scene = frame.scene(&work)?;
-                let made = work.run(&self.engine, &scene, run)?;
+                let mut made = work.run(&self.engine, &scene, run)?;
+                let shown = match form {
+                    "shown" => work.shown(&scene, &mut made),
+                    _ => None,
+                };
                 Ok(Made {
                     recipe: work.recipe(Some(&made)),
-                    shown: (form == "shown")
-                        .then(|| work.shown(&scene, &made))
-                        .flatten(),
+                    shown,
                     made,
                 })
             })

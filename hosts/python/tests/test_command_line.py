@@ -123,6 +123,12 @@ def test_a_sequence_has_one_gain(tmp_path):
     assert len(gains) == 1
 
 
+def test_a_sequence_of_drawings_has_one_tone():
+    made = pyrelievo.process(str(FIXTURES / "wheel.####.exr"), "hatch")
+    levels = {drawing.choices.get("tone-levels") for _, drawing in made}
+    assert len(levels) == 1
+
+
 def test_a_recipe_is_the_command_lines(tmp_path, bust):
     recipe = pyrelievo.Recipe("enhance", scaling=0.7, iterations=5)
     path = tmp_path / "look.toml"
