@@ -12,7 +12,7 @@ import pyrelievo
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 from pyrelievo import _relievo
-from pyrelievo._settings import FLAG, typed
+from pyrelievo._settings import FLAG
 
 from . import passes, results, settings
 from .job import Job
@@ -166,25 +166,24 @@ class RELIEVO_OT_bring_out_animation(Stepped, bpy.types.Operator):
             there = stack.enter_context(passes.temporary_folder())
 
             def rendered(number: int) -> Steps:
-                for _ in render(context, scene, number):
-                    yield 0.0
+                yield from render(context, scene, number)
                 if cancelled:
                     raise ValueError(f"the render of frame {number} was cancelled")
                 passes.save_passes(scene, passes_path(there, number))
 
             for number in samples:
-                yield from rendered(number)
-            recipe = yield from chosen(recipe, there / PASSES, samples)
+                yield from within(rendered(number), 0, 0)
+            recipe = yield from within(chosen(recipe, there / PASSES, samples), 0, 0)
             for at, number in enumerate(frames):
+                start, share = at / len(frames), 1 / len(frames)
                 if number not in samples:
-                    yield from rendered(number)
+                    yield from within(rendered(number), start, 0)
                 path = passes_path(there, number)
-                made, warnings = yield from made_of(scene, recipe, path)
+                made, warnings = yield from within(made_of(scene, recipe, path), start, share)
                 said.update(dict.fromkeys(warnings))
                 for result in made:
                     results.save(result, results.image_of(result), scene, f"{folder / result.name}_{number:04d}")
                 path.unlink()
-                yield (at + 1) / len(frames)
         self.warn(said)
         self.report({"INFO"}, f"{len(frames)} frames are in {folder}")
 
@@ -212,7 +211,7 @@ def passes_path(folder: Path, number: int) -> Path:
     return folder / PASSES.replace("####", f"{number:04d}")
 
 
-def render(context: bpy.types.Context, scene: bpy.types.Scene, number: int) -> Iterator[None]:
+def render(context: bpy.types.Context, scene: bpy.types.Scene, number: int) -> Steps:
     """Renders a frame, in a job of Blender's where there is a window."""
     scene.frame_set(number)
     if bpy.app.background:
@@ -223,9 +222,9 @@ def render(context: bpy.types.Context, scene: bpy.types.Scene, number: int) -> I
         # No window pops up at every frame.
         view.render_display_type = "NONE"
         bpy.ops.render.render("INVOKE_DEFAULT", scene=scene.name)
-        yield
-        while bpy.app.is_job_running("RENDER"):
-            yield
+    yield 0.0
+    while bpy.app.is_job_running("RENDER"):
+        yield 0.0
 
 
 def chosen(recipe: pyrelievo.Recipe, pattern: Path, frames: list[int]) -> Any:
@@ -236,7 +235,21 @@ def chosen(recipe: pyrelievo.Recipe, pattern: Path, frames: list[int]) -> Any:
         values, _ = yield from job.steps()
     except MENDABLE as error:
         raise ValueError(sentence(error, passes_path(pattern.parent, frames[0]))) from error
-    return pyrelievo.Recipe.parse(_relievo.recipe(recipe.command, values))
+    # What is chosen along the way, as white levels of a drawing, may be no setting of the command.
+    known = {row["name"] for row in _relievo.settings(recipe.command)}
+    taken = [(name, value) for name, value in values if name in known]
+    return pyrelievo.Recipe.parse(_relievo.recipe(recipe.command, taken))
+
+
+def within(steps: Steps, start: float, share: float) -> Any:
+    """Steps of a part of the work, which give the share of the whole; they return what the part returns."""
+    try:
+        while True:
+            yield start + share * next(steps)
+    except StopIteration as end:
+        return end.value
+    finally:
+        steps.close()
 
 
 class RELIEVO_OT_curvature(Stepped, bpy.types.Operator):
@@ -248,7 +261,7 @@ class RELIEVO_OT_curvature(Stepped, bpy.types.Operator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         scene = context.scene
-        own = settings.given(scene)
+        own = settings.given(scene, scene.relievo.command)
         shape = {name: value for name, value in own.items() if name in settings.shown_rows("shape")}
         recipe = pyrelievo.Recipe("shape", **shape)
         with passes.temporary_folder() as folder:
@@ -261,7 +274,7 @@ class RELIEVO_OT_curvature(Stepped, bpy.types.Operator):
 
 def drawn_lines(scene: bpy.types.Scene) -> str:
     """The last render, drawn in lines: the text of an SVG."""
-    recipe = pyrelievo.Recipe("hatch", **settings.given(scene))
+    recipe = pyrelievo.Recipe("hatch", **settings.given(scene, "hatch"))
     with passes.temporary_folder() as folder:
         path = folder / "passes.exr"
         passes.save_passes(scene, path)

@@ -20,11 +20,11 @@ from .operators import (
 
 
 @cache
-def groups_of(command: str, is_first: bool) -> dict[str, list[Row]]:
-    """The settings that are shown first, or the others, by the headings of the table."""
+def groups_of(command: str, is_common: bool) -> dict[str, list[Row]]:
+    """The settings that most users need, or the others, by the headings of the table."""
     groups: dict[str, list[Row]] = {}
-    for keyword, row in settings.shown_rows(command).items():
-        if (keyword in settings.FIRST) == is_first:
+    for row in settings.shown_rows(command).values():
+        if row.common == is_common:
             groups.setdefault(row.group, []).append(row)
     return groups
 

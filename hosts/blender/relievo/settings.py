@@ -10,14 +10,11 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from pyrelievo import Recipe, _relievo
 from pyrelievo._settings import Row, rows, text
 
-#: Settings that decide a look, shown first. Their order and grouping are those of the table.
-FIRST = (
-    "iterations scaling invariant_point light environment lit_sphere ambient method warp material mix style "
-    "stroke_scale tone key_share background contours line_detail line_width lines_only map occlusion_radius"
-).split()
-
 #: Heading of settings for sequences on disk; an animation has its own frames.
 SEQUENCE = "Sequence"
+
+#: Paths may be beside the .blend, which Blender asks to be told from 4.5 on.
+PATH = {"options": {"PATH_SUPPORTS_BLEND_RELATIVE"}} if bpy.app.version >= (4, 5) else {}
 
 #: Between the values of a setting that may be given several times.
 BETWEEN = ";"
@@ -95,10 +92,8 @@ def text_property(row: Row) -> Any:
     several = f". Several with {BETWEEN} between them" if row.repeatable else ""
     form = f" [{row.form}]" if row.form else ""
     default = "" if row.default is None else text(row.default)
-    subtype = "FILE_PATH" if row.form == "FILE" else "NONE"
-    return StringProperty(
-        name=label_of(row), description=f"{row.help}{form}{several}", default=default, subtype=subtype
-    )
+    said = {"name": label_of(row), "description": f"{row.help}{form}{several}", "default": default}
+    return StringProperty(subtype="FILE_PATH", **PATH, **said) if row.form == "FILE" else StringProperty(**said)
 
 
 def properties(command: str) -> dict[str, Any]:
@@ -152,6 +147,7 @@ class RelievoSettings(bpy.types.PropertyGroup):
         description="Where the frames of an animation are written",
         default="//relievo/",
         subtype="DIR_PATH",
+        **PATH,
     )
 
 
@@ -181,9 +177,8 @@ def resolved(value: str) -> str:
     return bpy.path.abspath(value) if value.startswith("//") else value
 
 
-def given(scene: bpy.types.Scene) -> dict[str, Any]:
-    """The settings of a scene's command that differ from their defaults."""
-    command = scene.relievo.command
+def given(scene: bpy.types.Scene, command: str) -> dict[str, Any]:
+    """The settings of a command that differ from their defaults."""
     group, numbers = getattr(scene.relievo, command), sliders(command)
     values = {name: value_of(row, numbers.get(name), group) for name, row in shown_rows(command).items()}
     return {name: value for name, value in values.items() if value is not None}
@@ -191,7 +186,8 @@ def given(scene: bpy.types.Scene) -> dict[str, Any]:
 
 def recipe_of(scene: bpy.types.Scene) -> Recipe:
     """The command and settings of a scene as a recipe."""
-    return Recipe(scene.relievo.command, **given(scene))
+    command = scene.relievo.command
+    return Recipe(command, **given(scene, command))
 
 
 def apply_recipe(scene: bpy.types.Scene, recipe: Recipe) -> None:

@@ -1,0 +1,92 @@
+"""Makes the extension: a zip with the wheels of pyrelievo that it's given, checked by Blender's own validator.
+
+    python build.py -o relievo.zip target/python/wheels/*.whl
+
+Runs in a Python that has `bpy`; else `--blender-ext` names Blender's scripts/addons_core/bl_pkg/cli/blender_ext.py.
+"""
+
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE = Path(__file__).parent / "relievo"
+LICENCE = Path(__file__).parents[2] / "LICENSE-MIT"
+
+#: Platforms of Blender, by what the names of wheels have for them.
+PLATFORMS = {
+    r"linux_x86_64": "linux-x64",
+    r"linux_\d+_\d+_x86_64": "linux-x64",
+    r"linux\d+_x86_64": "linux-x64",
+    r"linux(_\d+_\d+|\d+)?_aarch64": "linux-arm64",
+    r"macosx_\d+_\d+_x86_64": "macos-x64",
+    r"macosx_\d+_\d+_arm64": "macos-arm64",
+    r"win_amd64": "windows-x64",
+    r"win_arm64": "windows-arm64",
+}
+
+
+def platform_of(wheel: Path) -> str:
+    """The platform of a wheel, as Blender calls it."""
+    tag = wheel.stem.split("-")[-1]
+    for pattern, platform in PLATFORMS.items():
+        if re.search(f"{pattern}$", tag):
+            return platform
+    raise SystemExit(f"{wheel.name}: Blender has no platform {tag}")
+
+
+def versions_of(wheels: list[Path]) -> str:
+    """The version of all wheels, which is the extension's."""
+    versions = {wheel.name.split("-")[1] for wheel in wheels}
+    if len(versions) != 1:
+        raise SystemExit(f"wheels of one version are needed; these have {', '.join(sorted(versions)) or 'none'}")
+    return versions.pop()
+
+
+def write_source(folder: Path, wheels: list[Path]) -> None:
+    """The extension's files with their wheels, and a manifest that lists them."""
+    shutil.copytree(SOURCE, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(LICENCE, folder)
+    (folder / "wheels").mkdir()
+    for wheel in wheels:
+        shutil.copy(wheel, folder / "wheels")
+    quoted = [f'  "./wheels/{wheel.name}",' for wheel in wheels]
+    platforms = ", ".join(f'"{platform}"' for platform in sorted(map(platform_of, wheels)))
+    lines = [f'version = "{versions_of(wheels)}"', f"platforms = [{platforms}]", "wheels = [", *quoted, "]"]
+    manifest = folder / "blender_manifest.toml"
+    own = [line for line in manifest.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    manifest.write_text("\n".join([*lines, *own, ""]), encoding="utf-8")
+
+
+def blender_ext() -> Path:
+    """Blender's tool for extensions, in the scripts of the `bpy` of this Python."""
+    import bpy
+
+    scripts = Path(bpy.utils.system_resource("SCRIPTS"))
+    found = list(scripts.glob("addons*/bl_pkg/cli/blender_ext.py"))
+    if not found:
+        raise SystemExit(f"{scripts} has no blender_ext.py; name it with --blender-ext")
+    return found[0]
+
+
+def main() -> None:
+    """Builds and validates."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("wheels", nargs="+", type=Path)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument("--blender-ext", type=Path)
+    typed = parser.parse_args()
+    tool = [sys.executable, typed.blender_ext or blender_ext()]
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "relievo"
+        write_source(source, typed.wheels)
+        built = ["build", "--source-dir", source, "--output-filepath", typed.output]
+        subprocess.run([*tool, *built], check=True)
+    subprocess.run([*tool, "validate", typed.output], check=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,78 @@
+"""Animations: all frames with one set of automatic choices, as the command line makes them."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from test_results import channels_of, channel_of
+
+
+@pytest.fixture
+def animation(rendered, tmp_path):
+    rendered.relievo.folder = str(tmp_path / "out")
+    rendered.frame_set(2)
+    settings = rendered.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "IMAGE"
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    yield rendered
+    assert rendered.frame_current == 2
+    assert settings.file_format == "OPEN_EXR"
+    assert not list(Path(bpy.app.tempdir).glob("relievo_*"))
+
+
+def test_frames_are_those_of_the_command_line(animation, relievo, command_line, tmp_path):
+    bpy.ops.relievo.bring_out_animation()
+    for number in (1, 2, 3):
+        animation.frame_set(number)
+        bpy.ops.render.render(scene=animation.name)
+        relievo.passes.save_passes(animation, tmp_path / f"passes.{number:04d}.exr")
+    animation.frame_set(2)
+    whole = ["--layers", "results", "--layer-names", "short", "--depth-of-output", "float"]
+    frames = ["--frames", "1-3"]
+    command_line("enhance", tmp_path / "passes.####.exr", "-o", tmp_path / "line.####.exr", *whole, *frames)
+    for number in (1, 2, 3):
+        own = channels_of(tmp_path / "out" / f"enhance_{number:04d}.exr")
+        line = channels_of(tmp_path / f"line.{number:04d}.exr")
+        for name in "RGB":
+            np.testing.assert_array_equal(own[name], channel_of(line, name))
+    alone = tmp_path / "alone.exr"
+    command_line("enhance", tmp_path / "passes.0003.exr", "-o", alone, *whole)
+    # By itself the last frame would choose otherwise: the test can tell.
+    assert (channel_of(channels_of(alone), "R") != own["R"]).any()
+
+
+def test_drawings_are_written_as_they_are(animation, tmp_path):
+    animation.relievo.command = "hatch"
+    animation.frame_end = 1
+    animation.render.image_settings.file_format = "PNG"
+    try:
+        bpy.ops.relievo.bring_out_animation()
+    finally:
+        animation.frame_end = 3
+        animation.render.image_settings.file_format = "OPEN_EXR"
+    written = bpy.data.images.load(str(tmp_path / "out" / "hatch_0001.png"))
+    pixels = np.array(written.pixels[:])
+    bpy.data.images.remove(written)
+    # Bare paper is white: no view transform for renders has darkened it.
+    assert np.isclose(pixels.max(), 1, atol=1e-3) and animation.view_settings.view_transform != "Standard"
+
+
+def test_frames_can_be_cancelled(animation, relievo, tmp_path):
+    steps = relievo.operators.RELIEVO_OT_bring_out_animation.steps
+    run = steps(None, bpy.context)
+    for share in run:
+        # The second of three frames is at work.
+        if share > 0.4:
+            break
+    run.close()
+    written = list((tmp_path / "out").iterdir())
+    assert [path.name for path in written] == ["enhance_0001.exr"]
+
+
+def test_a_folder_beside_no_file_is_an_error(animation):
+    animation.relievo.folder = "//relievo/"
+    with pytest.raises(RuntimeError, match="beside the .blend, which has no place yet"):
+        bpy.ops.relievo.bring_out_animation()
