@@ -4,7 +4,7 @@ from functools import cache
 from typing import Any
 
 import bpy
-from pyrelievo._settings import Row
+from pyrelievo._settings import INPUTS, OF_FILES, Row
 
 from . import passes, settings
 from .operators import (
@@ -21,10 +21,13 @@ from .operators import (
 
 @cache
 def groups_of(command: str, is_common: bool) -> dict[str, list[Row]]:
-    """The settings that most users need, or the others, by the headings of the table."""
+    """The settings that most users need, or the others, by the headings of the table.
+
+    Passes are found by themselves, so their settings are among the others.
+    """
     groups: dict[str, list[Row]] = {}
     for row in settings.shown_rows(command).values():
-        if row.common == is_common:
+        if (row.common and row.group not in (INPUTS, *OF_FILES)) == is_common:
             groups.setdefault(row.group, []).append(row)
     return groups
 

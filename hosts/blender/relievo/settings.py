@@ -10,8 +10,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from pyrelievo import Recipe, _relievo
 from pyrelievo._settings import Row, rows, text
 
-#: Heading of settings for sequences on disk; an animation has its own frames.
-SEQUENCE = "Sequence"
+#: Settings of files and of sequences on disk, which images and animations here don't have.
+OF_DISK = ("write", "sample_frames")
 
 #: Paths may be beside the .blend, which Blender asks to be told from 4.5 on.
 PATH = {"options": {"PATH_SUPPORTS_BLEND_RELATIVE"}} if bpy.app.version >= (4, 5) else {}
@@ -36,7 +36,7 @@ class Slider(NamedTuple):
 @cache
 def shown_rows(command: str) -> dict[str, Row]:
     """The settings of a command that have a control."""
-    return {name: row for name, row in rows(command).items() if row.group != SEQUENCE}
+    return {name: row for name, row in rows(command).items() if name not in OF_DISK}
 
 
 @cache
