@@ -46,14 +46,19 @@ def versions_of(wheels: list[Path]) -> str:
     return versions.pop()
 
 
+def bundled_name(wheel: Path) -> str:
+    """The name of a wheel in the zip. Blender 4.3 takes one for 3.10 and later for one of 3.10: its own 3.11 is named."""
+    return wheel.name.replace("-cp310-abi3-", "-cp310.cp311-abi3-")
+
+
 def write_source(folder: Path, wheels: list[Path]) -> None:
     """The extension's files with their wheels, and a manifest that lists them."""
     shutil.copytree(SOURCE, folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(LICENCE, folder)
     (folder / "wheels").mkdir()
     for wheel in wheels:
-        shutil.copy(wheel, folder / "wheels")
-    quoted = [f'  "./wheels/{wheel.name}",' for wheel in wheels]
+        shutil.copy(wheel, folder / "wheels" / bundled_name(wheel))
+    quoted = [f'  "./wheels/{bundled_name(wheel)}",' for wheel in wheels]
     platforms = ", ".join(f'"{platform}"' for platform in sorted(map(platform_of, wheels)))
     lines = [f'version = "{versions_of(wheels)}"', f"platforms = [{platforms}]", "wheels = [", *quoted, "]"]
     manifest = folder / "blender_manifest.toml"

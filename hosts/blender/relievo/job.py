@@ -26,6 +26,8 @@ class Job:
         thread = threading.Thread(target=self._run, name="relievo")
         thread.start()
         try:
+            # At least one step, so that work of many short jobs can be cancelled too.
+            yield self.share
             while thread.is_alive():
                 yield self.share
         finally:

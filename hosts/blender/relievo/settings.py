@@ -53,7 +53,8 @@ def slider(raw: dict[str, Any], row: Row) -> Slider:
     is_given = isinstance(row.default, (int, float))
     middle = math.sqrt(first * last) if raw["logarithmic"] else (first + last) / 2
     start = row.default if is_given else middle
-    unset = None if is_given and not row.words else (*row.words, "default")[0]
+    # Without a word of its own, a number that isn't given is chosen by the command all the same.
+    unset = None if is_given and not row.words else (*row.words, "auto")[0]
     return Slider(first, last, raw["whole"], round(start) if raw["whole"] else start, unset, not is_given)
 
 

@@ -34,7 +34,7 @@ def test_properties_are_the_table(scene, relievo, command):
                     assert np.float32(of.default) == np.float32(row.default), name
                 else:
                     assert getattr(group, f"{name}_unset"), name
-                    assert known[f"{name}_unset"].name == (row.words or ["default"])[0], name
+                    assert known[f"{name}_unset"].name == (row.words or ["auto"])[0], name
             case "choice":
                 assert [item.identifier for item in of.enum_items] == row.words
                 assert of.default == row.default
