@@ -4,7 +4,7 @@ use crate::common::cpu;
 use crate::common::{mirrored, mirrored_plane, quarter_turned, quarter_turned_plane};
 use glam::{DVec3, Vec2};
 use relievo::engine::{Drawing, Inputs};
-use relievo::frame::{Frame, Plane};
+use relievo::frame::{Frame, Plane, Vector3Planes};
 use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{
     ContourParams, LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
@@ -267,6 +267,68 @@ fn three_straight_creases_meet_in_a_corner() {
                 assert_eq!(runs, 1, "{block} {roll}: {along} px along {edge}");
             }
         }
+    }
+}
+
+/// This frame with the other one's surface where that is nearer.
+fn before(far: Frame, near: &Frame) -> Frame {
+    let [depths, nearer] = [&far, near].map(|frame| frame.depth.clone().unwrap());
+    let hides = |x, y| near.mask.at(x, y) && nearer.at(x, y) < depths.at(x, y);
+    let of = |a: &Plane, b: &Plane| {
+        let at = |x, y| if hides(x, y) { b.at(x, y) } else { a.at(x, y) };
+        Plane::from_fn(a.width(), a.height(), at)
+    };
+    let (a, b) = (&far.normal, &near.normal);
+    let normal = Vector3Planes {
+        x: of(&a.x, &b.x),
+        y: of(&a.y, &b.y),
+        z: of(&a.z, &b.z),
+    };
+    Frame {
+        normal,
+        depth: Some(of(&depths, &nearer)),
+        ..far
+    }
+}
+
+#[test]
+fn an_edge_goes_on_behind_a_ball() {
+    // A ball of 14 pixels hides the edge of a block from 40 to 68 pixels away from its corner. The edge leaves the picture 81.3 pixels away: the part beyond the ball has a length of 13, too
+    // short for a crease of its own.
+    let (corner, radius) = (Vec2::new(80.3, 78.7), 14.0);
+    let edge = Vec2::Y;
+    let block = ExactScene::box_corner(true, 0.0, f64::from(corner.x), f64::from(corner.y));
+    let at = corner + 54.0 * edge;
+    let ball = ExactScene::orthographic(
+        Surface::ball(f64::from(radius)),
+        f64::from(at.x),
+        f64::from(at.y),
+    );
+    let ball = ball.at_distance(0.9 * DISTANCE - 120.0).frame(160, 160);
+    let drawing = drawn(&before(block.frame(160, 160), &ball));
+    let is_on_edge = |line: &&Contour| {
+        let along = |p: &Vec2| (*p - corner).dot(edge) > -1.0 && (p.x - corner.x).abs() < 0.6;
+        line.kind == ContourKind::Crease && line.points.iter().all(along)
+    };
+    let parts: Vec<&Contour> = drawing.contour_lines.iter().filter(is_on_edge).collect();
+    assert_eq!(parts.len(), 2);
+    for part in parts {
+        // No point is behind the ball, and the nearest is on its outline.
+        let distances: Vec<f32> = part.points.iter().map(|p| p.distance(at)).collect();
+        let nearest = distances.iter().copied().fold(f32::INFINITY, f32::min);
+        assert!((nearest - radius).abs() < 0.6, "{nearest}");
+        // The end there is as heavy as the rest: an open one has a quarter of the width.
+        let end = distances
+            .iter()
+            .position(|&distance| distance == nearest)
+            .unwrap();
+        assert!(end == 0 || end + 1 == distances.len());
+        let middle = part.widths[part.widths.len() / 2];
+        assert!(
+            part.widths[end] > 0.9 * middle,
+            "{} of {middle}",
+            part.widths[end]
+        );
     }
 }
 

@@ -1,15 +1,18 @@
 //! Lines along silhouettes and creases: found, joined, and drawn.
 
+use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
+use crate::line::contours::behind::Occluders;
 use crate::line::contours::cracks::{self, Crack};
 #[cfg(feature = "gpu")]
 use crate::line::contours::found::FoundEdges;
 use crate::line::contours::gaps::close_gaps;
-use crate::line::contours::ground::Ground;
+use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
 use crate::line::contours::{creases, silhouettes};
 use crate::params::{ContourParams, ShapeParams};
+use glam::Vec2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -21,6 +24,12 @@ pub(crate) struct Weights<'a> {
 
 /// Widest gap in a line that is closed, in pixels.
 const GAP_PX: f32 = 8.0;
+
+/// Distance at which a silhouette ends at one that is not straight ahead, in pixels.
+const ASIDE_PX: f32 = 3.0;
+
+/// Smallest cosine of the angle between a line's direction and a silhouette that it is led to.
+const AHEAD: f32 = 0.4;
 
 /// Creases are drawn from this many times the length of silhouettes on: a hollow darker than its surroundings is
 /// visible without a line, and a rough surface is full of short ones.
@@ -64,7 +73,7 @@ fn contours_along(
     params: &ContourParams,
 ) -> Vec<Contour> {
     let mut silhouettes = silhouettes::lines(edges.cracks, frame, shape, params);
-    close_gaps(&mut silhouettes, GAP_PX);
+    close_gaps(&mut silhouettes, GAP_PX, None);
     let least = Least {
         length_px: params.shortest_px,
         twig_px: 0.5 * params.shortest_px,
@@ -73,11 +82,24 @@ fn contours_along(
     };
     drop_short(&mut silhouettes, least);
     let ground = Ground::new(&silhouettes, frame, params);
-    ground.join_ends(&mut silhouettes, true);
+    let onward = Onward {
+        ahead: GAP_PX,
+        aside: ASIDE_PX,
+        straight: AHEAD,
+        are_own: true,
+    };
+    ground.join_ends(&mut silhouettes, onward);
     let mut creases = Vec::new();
     if params.has_creases() {
         creases = creases::lines(edges.crease_pixels, edges.crease, &ground, frame, params);
-        close_gaps(&mut creases, GAP_PX);
+        close_gaps(&mut creases, GAP_PX, Some(&ground));
+        let occluders = Occluders {
+            outlines: &ground,
+            frame,
+            factor: 1.0,
+            unit_px: 1.0,
+        };
+        occluders.unite(&mut creases);
         let least = Least {
             length_px: CREASE_LENGTHS * params.shortest_px,
             twig_px: params.shortest_px,
@@ -91,9 +113,19 @@ fn contours_along(
         for (i, line) in silhouettes.iter_mut().enumerate() {
             line.part = i;
         }
-        close_gaps(&mut silhouettes, GAP_PX);
+        close_gaps(&mut silhouettes, GAP_PX, Some(&ground));
         creases = silhouettes.split_off(count);
-        ground.join_ends(&mut creases, false);
+        let onto_silhouettes = Onward {
+            aside: ground.beside_px(),
+            are_own: false,
+            ..onward
+        };
+        ground.join_ends(&mut creases, onto_silhouettes);
+        let onto_creases = Onward {
+            aside: 0.0,
+            ..onward
+        };
+        Ground::new(&creases, frame, params).join_ends(&mut creases, onto_creases);
     }
     for line in silhouettes.iter_mut().chain(&mut creases) {
         run_off(line, params.width_px);
@@ -130,6 +162,14 @@ impl FoundEdges {
         };
         contours_along(edges, frame, shape, params)
     }
+}
+
+/// Logarithm of the depth of a covered point of the picture, if it is known.
+pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
+    let [x, y] = [(at.x, frame.mask.width()), (at.y, frame.mask.height())]
+        .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
+    let depth = frame.depth.as_ref().filter(|_| frame.mask.at(x, y))?;
+    Some(ln(depth.at(x, y))).filter(|log| log.is_finite())
 }
 
 /// Distance from the picture's border within which the end of a line counts as continuing beyond it.

@@ -1,8 +1,7 @@
 //! Positions of drawn silhouettes: other lines end at them, and keep away.
 
 use crate::frame::Frame;
-use crate::line::contours::network;
-use crate::line::contours::network::Line;
+use crate::line::contours::network::{End, Line};
 use crate::params::ContourParams;
 use glam::Vec2;
 use std::ops::Range;
@@ -13,24 +12,57 @@ pub(crate) struct Ground {
     height: usize,
     /// Smallest distance of creases, in pixels.
     room: usize,
-    spots: Vec<Place>,
-    /// The number of a spot in each pixel, from 1 on.
-    first: Vec<u32>,
+    places: Vec<Place>,
+    /// The number of the last place in each pixel.
+    last: Vec<u32>,
     /// Whether a pixel is too close to a silhouette for a crease.
     taken: Vec<bool>,
 }
 
+/// A place on a line.
 struct Place {
     at: Vec2,
     line: usize,
+    /// The number of the line's point that is there or before it.
     index: usize,
+    /// The place of its pixel that came before.
+    before: u32,
+}
+
+/// No place.
+const NONE: u32 = u32::MAX;
+
+/// Places of a line are no farther apart, in pixels, so that those of a piece are in its pixels or beside them.
+const APART: f32 = 1.5;
+
+/// Sine of the smallest angle at which a line ends at one straight ahead: at less it runs beside it.
+const ACROSS: f32 = 0.4;
+
+/// The reach of ends that are led on to other lines.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Onward {
+    /// Farthest distance of a line straight ahead, in pixels.
+    pub(crate) ahead: f32,
+    /// Farthest distance of one to the side, in pixels.
+    pub(crate) aside: f32,
+    /// Smallest cosine of the angle between an end's direction and a line to the side.
+    pub(crate) straight: f32,
+    /// Whether the lines may be led on to themselves: they are those of the ground, in the same order.
+    pub(crate) are_own: bool,
 }
 
 impl Ground {
     pub(crate) fn new(lines: &[Line], frame: &Frame, params: &ContourParams) -> Self {
         let size = [frame.mask.width(), frame.mask.height()];
         let room = (0.5 * params.width_px + 1.5).clamp(2.0, 6.0) as usize;
-        let points = |line: &Line| line.spots.iter().map(|spot| spot.at).collect();
+        let points = |line: &Line| -> Vec<Vec2> {
+            let closing = line.closed.then(|| &line.spots[0]);
+            line.spots
+                .iter()
+                .chain(closing)
+                .map(|spot| spot.at)
+                .collect()
+        };
         let lines: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
         Self::of_points(lines.iter().map(Vec::as_slice), size, room)
     }
@@ -46,22 +78,36 @@ impl Ground {
             width,
             height,
             room,
-            spots: Vec::new(),
-            first: vec![0; width * height],
+            places: Vec::new(),
+            last: vec![NONE; width * height],
             taken: vec![false; width * height],
         };
         for (line, points) in lines.enumerate() {
             for (index, &at) in points.iter().enumerate() {
-                ground.spots.push(Place { at, line, index });
-                let pixel = ground.pixel(at);
-                let [columns, rows] = ground.around(at, room - 1);
-                ground.first[pixel] = ground.spots.len() as u32;
-                for y in rows {
-                    ground.taken[y * width..][columns.clone()].fill(true);
+                let next = points.get(index + 1).copied().unwrap_or(at);
+                let steps = (at.distance(next) / APART).ceil().max(1.0) as usize;
+                for step in 0..steps {
+                    let at = at.lerp(next, step as f32 / steps as f32);
+                    ground.add(at, line, index);
                 }
             }
         }
         ground
+    }
+
+    fn add(&mut self, at: Vec2, line: usize, index: usize) {
+        let (pixel, number) = (self.pixel(at), self.places.len() as u32);
+        let before = std::mem::replace(&mut self.last[pixel], number);
+        self.places.push(Place {
+            at,
+            line,
+            index,
+            before,
+        });
+        let [columns, rows] = self.around(at, self.room - 1);
+        for y in rows {
+            self.taken[y * self.width..][columns.clone()].fill(true);
+        }
     }
 
     fn pixel(&self, at: Vec2) -> usize {
@@ -84,57 +130,135 @@ impl Ground {
         !self.taken[i]
     }
 
-    /// Leads the open ends of lines on to a silhouette close ahead; of themselves too if they `are_own`.
-    pub(crate) fn join_ends(&self, lines: &mut [Line], are_own: bool) {
-        let reach = if are_own { 3 } else { 2 * self.room + 1 };
-        self.join_ends_within(lines, are_own, reach, AHEAD);
+    /// Distance from a silhouette at which a crease may have stopped to keep away, and is led on to it, in pixels.
+    pub(crate) fn beside_px(&self) -> f32 {
+        (2 * self.room + 1) as f32
     }
 
-    /// The same within `reach` pixels, and straight ahead up to an angle of this cosine.
-    pub(crate) fn join_ends_within(
-        &self,
-        lines: &mut [Line],
-        are_own: bool,
-        reach: usize,
-        straight: f32,
-    ) {
-        let width = self.width;
+    /// The numbers of all places up to `reach` pixels away from one of these two points, or between them.
+    fn near(&self, [a, b]: [Vec2; 2], reach: usize) -> impl Iterator<Item = usize> {
+        let ([columns, rows], [more_columns, more_rows]) =
+            (self.around(a, reach), self.around(b, reach));
+        let both = |a: &Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
+        let (columns, rows) = (both(&columns, &more_columns), both(&rows, &more_rows));
+        let pixels = rows.flat_map(move |y| columns.clone().map(move |x| y * self.width + x));
+        pixels.flat_map(|pixel| {
+            let last = Some(self.last[pixel]).filter(|&number| number != NONE);
+            std::iter::successors(last, |&number| {
+                Some(self.places[number as usize].before).filter(|&number| number != NONE)
+            })
+            .map(|number| number as usize)
+        })
+    }
+
+    /// Where the way between two points first crosses a line.
+    pub(crate) fn met(&self, from: Vec2, to: Vec2) -> Option<Vec2> {
+        self.met_by(from, to, |_| true).map(|[place, _]| place)
+    }
+
+    /// The same for places that count, and the unit direction of the line there.
+    fn met_by(&self, from: Vec2, to: Vec2, counts: impl Fn(&Place) -> bool) -> Option<[Vec2; 2]> {
+        let pieces = self.near([from, to], 2).filter_map(|number| {
+            let piece = [&self.places[number], self.places.get(number + 1)?];
+            (piece[0].line == piece[1].line && counts(piece[0])).then(|| piece.map(|end| end.at))
+        });
+        let crossed = pieces.filter_map(|piece| {
+            let share = share_to_crossing([from, to], piece)?;
+            Some((share, (piece[1] - piece[0]).normalize_or_zero()))
+        });
+        let (share, along) = crossed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some([from.lerp(to, share), along])
+    }
+
+    /// Leads the open ends of lines on to a line close ahead.
+    pub(crate) fn join_ends(&self, lines: &mut [Line], onward: Onward) {
         for (i, line) in lines
             .iter_mut()
             .enumerate()
             .filter(|(_, line)| !line.closed)
         {
-            for end in 0..2 {
-                if line.ends[end] != network::End::Free {
-                    continue;
-                }
+            let ends = line.ends;
+            for end in (0..2).filter(|&end| ends[end] == End::Free) {
                 let index = end * (line.spots.len() - 1);
-                let (tip, ahead) = (line.spots[index].at, line.direction_out(end));
+                let tip = line.spots[index].at;
+                let own_reach = 4 * onward.ahead.max(onward.aside) as usize;
                 let is_itself = |place: &Place| {
-                    are_own && place.line == i && place.index.abs_diff(index) < 4 * reach
+                    onward.are_own && place.line == i && place.index.abs_diff(index) < own_reach
                 };
-                let [columns, rows] = self.around(tip, reach);
-                let pixels = rows.flat_map(|y| columns.clone().map(move |x| y * width + x));
-                let nearest = pixels
-                    .filter_map(|pixel| {
-                        self.spots.get((self.first[pixel] as usize).wrapping_sub(1))
-                    })
-                    .filter(|place| !is_itself(place))
-                    .filter(|place| {
-                        let way = place.at - tip;
-                        way.dot(ahead) >= straight * way.length() && way.length() <= reach as f32
-                    })
-                    .min_by(|a, b| {
-                        a.at.distance_squared(tip)
-                            .total_cmp(&b.at.distance_squared(tip))
-                    });
-                if let Some(place) = nearest {
-                    line.lead_to(place.at, end);
+                let ahead = line.direction_out(end);
+                let met = self.met_by(tip, tip + onward.ahead * ahead, |place| !is_itself(place));
+                let met = met.filter(|[_, along]| ahead.perp_dot(*along).abs() >= ACROSS);
+                let met = met.map(|[place, _]| place);
+                let joined = met.or_else(|| self.nearest_ahead(tip, ahead, onward, is_itself));
+                if let Some(place) = joined {
+                    line.lead_to(place, end);
                 }
             }
         }
     }
+
+    /// The nearest place on a line that is ahead of a tip, or to the side.
+    fn nearest_ahead(
+        &self,
+        tip: Vec2,
+        ahead: Vec2,
+        onward: Onward,
+        is_itself: impl Fn(&Place) -> bool,
+    ) -> Option<Vec2> {
+        let near = self.near([tip; 2], onward.aside as usize);
+        let ways = near.filter_map(|number| {
+            let place = &self.places[number];
+            let way = place.at - tip;
+            let distance = way.length();
+            let is_ahead = way.dot(ahead) >= onward.straight * distance;
+            (is_ahead && distance <= onward.aside && !is_itself(place)).then_some(place.at)
+        });
+        ways.min_by(|a, b| a.distance_squared(tip).total_cmp(&b.distance_squared(tip)))
+    }
 }
 
-/// Smallest cosine of the angle between a line's direction and a silhouette that it is led to.
-const AHEAD: f32 = 0.4;
+/// The share of a way, without its start, from which on it is beyond a piece of a line; `None` if it does not cross it.
+fn share_to_crossing([from, to]: [Vec2; 2], piece: [Vec2; 2]) -> Option<f32> {
+    let (way, along) = (to - from, piece[1] - piece[0]);
+    let turn = way.perp_dot(along);
+    let share = (piece[0] - from).perp_dot(along) / turn;
+    let place = (piece[0] - from).perp_dot(way) / turn;
+    // Parallel ones give infinities, or no number.
+    (share > 0.0 && share <= 1.0 && (0.0..=1.0).contains(&place)).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::contours::network::straight;
+
+    #[test]
+    fn a_line_runs_straight_on_to_the_side_of_another() {
+        // Upright at x = 46.3 in one long piece; the others rise by 1 in 4 and end 4.3 pixels before it, or 14.3; the third
+        // ends beside it, turned 10 degrees from it.
+        let post = [Vec2::new(46.3, 2.0), Vec2::new(46.3, 90.0)];
+        let ground = Ground::of_points([&post[..]].into_iter(), [100, 100], 2);
+        let along = Vec2::from_angle(80.0_f32.to_radians());
+        let beside = Vec2::new(45.5, 80.0);
+        let mut lines = [
+            straight(Vec2::new(2.0, 30.0), Vec2::new(42.0, 40.0), 0),
+            straight(Vec2::new(2.0, 50.0), Vec2::new(32.0, 57.5), 1),
+            straight(beside - 30.0 * along, beside, 2),
+        ];
+        let onward = Onward {
+            ahead: 8.0,
+            aside: 0.0,
+            straight: 0.5,
+            are_own: false,
+        };
+        ground.join_ends(&mut lines, onward);
+        // 40 + 4.3/4.
+        let touching = lines[0].spots[lines[0].spots.len() - 1].at;
+        assert!(
+            touching.distance(Vec2::new(46.3, 41.075)) < 1e-3,
+            "{touching}"
+        );
+        let ends = lines.map(|line| line.ends[1]);
+        assert_eq!(ends, [End::Joined, End::Free, End::Free]);
+    }
+}

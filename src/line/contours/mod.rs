@@ -2,9 +2,12 @@
 //!
 //! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per pixel.
 //! Changes: they are lines with a position, a length and a width, as a draughtsman's are: one to an edge, heavier
-//! around near objects and before a distant background. Practice: `crack` and `ridge` locate edges, `network` makes
-//! lines of them, and `round_stroke` computes a line's coverage.
+//! around near objects and before a distant background. Where one line meets the side of another it ends there; one that
+//! passes behind something ends at its outline on both sides, and counts as one line. Practice: `crack` and `ridge`
+//! locate edges, `network` makes lines of them, `gaps`, `ground` and `behind` join these, and `round_stroke` computes a
+//! line's coverage.
 
+pub(crate) mod behind;
 pub(crate) mod coverage;
 pub(crate) mod cpu;
 pub(crate) mod cracks;

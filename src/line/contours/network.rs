@@ -478,3 +478,21 @@ impl Line {
         direction_at(&self.spots, end * (self.spots.len() - 1))
     }
 }
+
+/// A straight line of one spot per pixel, open at both ends.
+#[cfg(test)]
+pub(super) fn straight(from: Vec2, to: Vec2, part: usize) -> Line {
+    let count = from.distance(to) as usize;
+    let spot = |i: usize| Spot {
+        at: from.lerp(to, i as f32 / count as f32),
+        strength: 1.0,
+        log_depth: 0.0,
+        is_beside: false,
+    };
+    Line {
+        spots: (0..=count).map(spot).collect(),
+        closed: false,
+        ends: [End::Free; 2],
+        part,
+    }
+}

@@ -15,6 +15,8 @@ pub(super) struct Interior {
     pub(super) line: Line,
     /// Share of the full width to draw it with, 0..1.
     pub(super) fade: f32,
+    /// Length of its other parts, beyond something that hides the line between them.
+    pub(super) beyond: f32,
 }
 
 /// Smallest ratio of a line's curvature at a coarser scale to its own: it is 1 over the ratio of scales for a fold as
@@ -160,10 +162,16 @@ pub(super) fn chosen(
     let is_ridge = |line: &(f32, Interior)| line.1.kind == ContourKind::Ridge;
     lines.sort_by(|a, b| is_ridge(a).cmp(&is_ridge(b)).then(b.0.total_cmp(&a.0)));
     let (mut kept, mut length) = (Vec::new(), 0.0);
-    for Interior { kind, line, fade } in lines.into_iter().map(|(_, line)| line) {
+    for (_, line) in lines {
+        let Interior {
+            kind,
+            line,
+            fade,
+            beyond,
+        } = line;
         for part in free_parts(line, &taken[number(kind)]) {
             let own = part.length();
-            let (shortest, worth) = (shortest(kind, sizes), strength(&part) * own);
+            let (shortest, worth) = (shortest(kind, sizes), strength(&part) * (own + beyond));
             if own < shortest || worth < sizes.worth || length + own > longest {
                 continue;
             }
@@ -179,7 +187,12 @@ pub(super) fn chosen(
                 take(&mut taken, spot.at, sizes.apart);
             }
             let line = part;
-            kept.extend((fade > 0.0).then_some(Interior { kind, line, fade }));
+            kept.extend((fade > 0.0).then_some(Interior {
+                kind,
+                line,
+                fade,
+                beyond,
+            }));
         }
     }
     kept
@@ -199,14 +212,14 @@ pub(super) fn shortest(kind: ContourKind, sizes: &Sizes) -> f32 {
     sizes.shortest[usize::from(kind != ContourKind::Valley)]
 }
 
-/// The integral of strength along a line, ridges' in part.
-fn worth(Interior { kind, line, .. }: &Interior) -> f32 {
-    let share = if *kind == ContourKind::Ridge {
+/// The integral of strength along a line and its parts beyond, ridges' in part.
+fn worth(line: &Interior) -> f32 {
+    let share = if line.kind == ContourKind::Ridge {
         RIDGE_WORTH
     } else {
         1.0
     };
-    share * strength(line) * line.length()
+    share * strength(&line.line) * (line.line.length() + line.beyond)
 }
 
 /// The mean strength along a line.

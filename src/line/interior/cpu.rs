@@ -1,10 +1,11 @@
 //! Interior lines of a frame: measured, followed, chosen, joined.
 
 use crate::engine::cpu::memory::Memory;
-use crate::fast_math::ln;
 use crate::frame::{Frame, Mask, Plane};
+use crate::line::contours::behind::Occluders;
+use crate::line::contours::cpu::log_depth;
 use crate::line::contours::gaps::close_gaps;
-use crate::line::contours::ground::Ground;
+use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
 use crate::line::interior::chains::chains;
@@ -56,10 +57,11 @@ pub(crate) fn interior(
     }
     let scales = [sizes.sigma, SUGGESTIVE_SCALE * sizes.sigma];
     let normals = level.diffused(&scales, options, memory);
-    let lines = found(frame, &level, &normals, params, &sizes, (options, memory));
+    let mut lines = found(frame, &level, &normals, params, &sizes, (options, memory));
     if memory.is_cancelled() {
         return (Vec::new(), None);
     }
+    count_beyond(&mut lines, contours, frame, &level.frame.mask, &sizes);
     let lines = selected(lines, contours, &level.frame.mask, &sizes);
     joined_and_drawn(lines, contours, frame, &normals[0], params, &sizes)
 }
@@ -119,7 +121,12 @@ fn found(
             } else {
                 fade
             };
-            (times >= 1.0).then_some(Interior { kind, line, fade })
+            (times >= 1.0).then_some(Interior {
+                kind,
+                line,
+                fade,
+                beyond: 0.0,
+            })
         });
         formed.collect()
     };
@@ -132,6 +139,35 @@ fn found(
     all.par_iter()
         .flat_map_iter(|(kind, crests)| of(*kind, crests))
         .collect()
+}
+
+/// Counts the parts of lines of a kind that pass behind something as one line each.
+fn count_beyond(
+    lines: &mut [Interior],
+    contours: &[Contour],
+    frame: &Frame,
+    mask: &Mask,
+    sizes: &Sizes,
+) {
+    if frame.depth.is_none() {
+        return;
+    }
+    let factor = sizes.factor as f32;
+    let points = |contour: &Contour| contour.points.iter().map(|&at| at / factor).collect();
+    let outlines: Vec<Vec<Vec2>> = contours.iter().map(points).collect();
+    let outlines = outlines.iter().map(Vec::as_slice);
+    let occluders = Occluders {
+        outlines: &Ground::of_points(outlines, [mask.width(), mask.height()], 1),
+        frame,
+        factor,
+        unit_px: 1.0,
+    };
+    for same in lines.chunk_by_mut(|a, b| a.kind == b.kind) {
+        let own: Vec<Line> = same.iter().map(|line| line.line.clone()).collect();
+        for (line, beyond) in same.iter_mut().zip(occluders.lengths_beyond(&own)) {
+            line.beyond = beyond;
+        }
+    }
 }
 
 fn selected(
@@ -162,14 +198,37 @@ fn joined_and_drawn(
         line.part = i;
         for spot in &mut line.spots {
             spot.at *= factor;
-            spot.log_depth = log_depth(frame, spot.at);
+            spot.log_depth = log_depth(frame, spot.at).unwrap_or(0.0);
         }
     }
-    close_gaps(&mut lines, factor * sizes.gap);
     let size = [frame.mask.width(), frame.mask.height()];
     let contours = contours.iter().map(|contour| contour.points.as_slice());
-    let reach = (factor * JOIN_REACH * sizes.margin) as usize + 1;
-    Ground::of_points(contours, size, 1).join_ends_within(&mut lines, false, reach, JOIN_AHEAD);
+    let ground = Ground::of_points(contours, size, 1);
+    close_gaps(&mut lines, factor * sizes.gap, Some(&ground));
+    let occluders = Occluders {
+        outlines: &ground,
+        frame,
+        factor: 1.0,
+        unit_px: factor,
+    };
+    occluders.unite(&mut lines);
+    let aside = (factor * JOIN_REACH * sizes.margin).floor() + 1.0;
+    let onward = Onward {
+        ahead: aside,
+        aside,
+        straight: JOIN_AHEAD,
+        are_own: false,
+    };
+    ground.join_ends(&mut lines, onward);
+    let points = |line: &Line| line.spots.iter().map(|spot| spot.at).collect();
+    let own: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
+    let own = Ground::of_points(own.iter().map(Vec::as_slice), size, 1);
+    let onto_own = Onward {
+        aside: 0.0,
+        are_own: true,
+        ..onward
+    };
+    own.join_ends(&mut lines, onto_own);
     let levels = match params.levels {
         LineLevels::Auto => levels_of(&lines),
         LineLevels::Given(levels) => levels,
@@ -193,21 +252,6 @@ fn joined_and_drawn(
 fn levels_of(lines: &[Line]) -> [f32; LineLevels::COUNT] {
     let DepthRange { near, far } = DepthRange::of(lines);
     [strongest(lines), near, far]
-}
-
-/// Logarithm of the depth at a point of the picture; 0 if unknown.
-fn log_depth(frame: &Frame, at: Vec2) -> f32 {
-    let Some(depth) = &frame.depth else {
-        return 0.0;
-    };
-    let x = (at.x.max(0.0) as usize).min(depth.width() - 1);
-    let y = (at.y.max(0.0) as usize).min(depth.height() - 1);
-    let log_depth = ln(depth.at(x, y));
-    if log_depth.is_finite() {
-        log_depth
-    } else {
-        0.0
-    }
 }
 
 /// The strength that one spot in seven exceeds.
