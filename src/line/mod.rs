@@ -2,6 +2,7 @@
 
 pub mod bilevel;
 pub(crate) mod canvas;
+mod carried;
 pub mod contours;
 pub(crate) mod density;
 pub(crate) mod direction;
@@ -18,6 +19,7 @@ pub mod linear_camera;
 pub(crate) mod normal_rays;
 pub mod paper;
 pub(crate) mod patches;
+mod placed;
 pub mod propagation;
 mod random;
 mod response;

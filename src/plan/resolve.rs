@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
 use crate::light::relight::setting::{LightKinds, Relighting};
 use crate::params::{
-    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, Style, check_scales,
+    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales,
 };
 use crate::plan::available::Available;
 use crate::plan::planned::{Decision, DrawnAs, Plan, Points};
@@ -106,13 +106,6 @@ impl Plan {
         drawing.validate()?;
         let factor = shape.resolution_factor(available.image_height) as f32;
         let line_scale = drawing.strokes.fit(available.image_size_px(), factor);
-        if available.moving && drawing.strokes.style == Style::Stipple {
-            return Err(Error::BadParameter {
-                name: "--style",
-                found: "lays dots, which do not move with the surface".into(),
-                remedy: "take another style, or give --motion none".into(),
-            });
-        }
         let (goal, relighting) = match tone {
             _ if drawing.lines_only => (Goal::Picture, None),
             ToneFrom::Picture => (Goal::Picture, None),

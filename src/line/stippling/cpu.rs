@@ -1,30 +1,47 @@
 //! Dots over the frame.
 
-use super::Dot;
 use super::dark_dots::{covered, mended};
-use super::spread::places;
+use super::room::fitted;
+use super::settled::settled;
+use super::spread::{Field, places};
+use super::{Dot, LaidDot};
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane};
+use crate::line::carried::Carrier;
 use crate::line::density::coverage_at;
+use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
 use crate::params::StrokeParams;
+use glam::Vec2;
+use rayon::prelude::*;
 
-/// The dots of a tone, and their coverage.
+/// Dots as drawn, as they are carried on, and their coverage.
+pub(crate) struct Stippled {
+    pub(crate) dots: Vec<Dot>,
+    pub(crate) laid: Vec<LaidDot>,
+    pub(crate) covered: Plane,
+}
+
+/// The dots of a tone. In a sequence those of the previous frame stay on the surface.
 pub(crate) fn stippled(
     densities: &Densities,
     params: &StrokeParams,
     resolution_factor: f32,
+    sequence: Option<SequenceInputs>,
     frame: &Frame,
     memory: &Memory,
-) -> (Vec<Dot>, Plane) {
+) -> Stippled {
     let radius = (0.5 * params.stroke(resolution_factor).width_px).max(LEAST_RADIUS);
     let ink = densities.mapped(frame, memory, |_| |_, density| coverage_at(density));
-    let dots = dots(&ink, radius, params.seed, memory);
-    let mut drawn = covered(&dots, [ink.width(), ink.height()]);
+    let field = Field::new(&ink, radius);
+    let (laid, dots) = carried_on(&field, params.seed, sequence, frame, memory)
+        .unwrap_or_else(|| laid_anew(&field, params.seed, memory));
+    let dots = mended(dots, radius, &ink, memory);
+    let mut covered = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
     // Ink beyond a silhouette is under its line.
     let is_covered = frame.mask.plane().samples();
-    for (ink, _) in drawn
+    for (ink, _) in covered
         .samples_mut()
         .iter_mut()
         .zip(is_covered)
@@ -32,21 +49,63 @@ pub(crate) fn stippled(
     {
         *ink = 0.0;
     }
-    (dots, drawn)
+    Stippled {
+        dots,
+        laid,
+        covered,
+    }
 }
 
 /// Radius of the smallest dots, in pixels: smaller ones turn everything grey.
 const LEAST_RADIUS: f32 = 0.3;
 
-/// Dots of a radius that cover `ink`, 0..1, of the paper.
-fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
-    mended(&places(ink, radius, seed, memory), radius, ink, memory)
+/// Dots that begin with this frame, and their sizes.
+fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Dot>) {
+    let laid = |at: Vec2| LaidDot {
+        at,
+        share: 1.0,
+        is_going: false,
+    };
+    let dot = |at: Vec2| Dot {
+        at,
+        radius: field.radius(),
+    };
+    let places = places(field, seed, memory);
+    places.into_iter().map(|at| (laid(at), dot(at))).unzip()
+}
+
+/// The dots that continue those of the previous frame, and their sizes, if any of these is still visible.
+fn carried_on(
+    field: &Field,
+    seed: u64,
+    sequence: Option<SequenceInputs>,
+    frame: &Frame,
+    memory: &Memory,
+) -> Option<(Vec<LaidDot>, Vec<Dot>)> {
+    let (before, carrier) = Carrier::of(sequence, frame)?;
+    let here = |dot: &LaidDot| {
+        let at = carrier.carried(dot.at)?;
+        Some(LaidDot { at, ..*dot })
+    };
+    let carried: Vec<LaidDot> = before.dots.par_iter().filter_map(here).collect();
+    if carried.is_empty() {
+        return None;
+    }
+    let was_seen = before.seen_before(frame, carrier.motion());
+    let mut laid = settled(&carried, field, &was_seen, seed, memory);
+    let dots = fitted(&mut laid, field);
+    Some((laid, dots))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::engine::watch::CancelToken;
+
+    fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
+        let (_, dots) = laid_anew(&Field::new(ink, radius), seed, memory);
+        mended(dots, radius, ink, memory)
+    }
 
     #[test]
     fn dots_cover_the_ink_that_is_wanted() {

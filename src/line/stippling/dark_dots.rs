@@ -18,10 +18,8 @@ const CELL: f32 = 12.0;
 const MENDS: usize = 8;
 const MEND: [f32; 2] = [0.7, 1.5];
 
-/// Dots of a radius at these positions, with radii corrected so that they cover `ink` on local average.
-pub(super) fn mended(places: &[Vec2], radius: f32, ink: &Plane, memory: &Memory) -> Vec<Dot> {
-    let dots = places.iter().map(|&at| Dot { at, radius });
-    let mut dots: Vec<Dot> = dots.collect();
+/// Dots of a radius with their radii corrected so that they cover `ink` on local average.
+pub(super) fn mended(mut dots: Vec<Dot>, radius: f32, ink: &Plane, memory: &Memory) -> Vec<Dot> {
     let side = (CELL * radius).max(4.0);
     let wanted = InkCells::of_plane(ink, side);
     for _ in (0..MENDS).take_while(|_| !memory.is_cancelled()) {

@@ -33,27 +33,63 @@ fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
 }
 
-/// Positions of dots of a radius, so that they cover `ink`, 0..1, of the paper.
-pub(super) fn places(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Vec2> {
-    let field = Field {
-        ink,
-        area: PI * radius * radius,
-    };
-    let mut places = diffused(&field, seed, memory);
-    for _ in (0..ROUNDS).take_while(|_| !memory.is_cancelled()) {
-        places = pushed(&places, &field, radius);
+/// Positions of dots so that they cover the ink of a field.
+pub(super) fn places(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
+    spaced(diffused(field, seed, memory), 0, field, memory)
+}
+
+/// The positions once dots have repelled each other, all but the first few, which stay.
+pub(super) fn spaced(
+    mut places: Vec<Vec2>,
+    fixed: usize,
+    field: &Field,
+    memory: &Memory,
+) -> Vec<Vec2> {
+    let rounds = if fixed < places.len() { ROUNDS } else { 0 };
+    for _ in (0..rounds).take_while(|_| !memory.is_cancelled()) {
+        places = pushed(&places, fixed, field);
     }
     places
 }
 
 /// Number of dots wanted by position.
-struct Field<'a> {
+pub(super) struct Field<'a> {
     ink: &'a Plane,
-    /// Area of a dot.
+    /// Radius and area of a dot.
+    radius: f32,
     area: f32,
 }
 
-impl Field<'_> {
+impl<'a> Field<'a> {
+    /// The dots of a radius that cover `ink`, 0..1, of the paper.
+    pub(super) fn new(ink: &'a Plane, radius: f32) -> Self {
+        Self {
+            ink,
+            radius,
+            area: PI * radius * radius,
+        }
+    }
+
+    /// Radius of a dot.
+    pub(super) fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    pub(super) fn size(&self) -> [usize; 2] {
+        [self.ink.width(), self.ink.height()]
+    }
+
+    /// Side of cells to look for other dots in.
+    pub(super) fn cell_side(&self) -> f32 {
+        (2.0 * self.radius).max(1.0)
+    }
+
+    /// The distance wanted between dots at a place; `None` where no ink is wanted.
+    pub(super) fn apart(&self, at: Vec2) -> Option<f32> {
+        let density = self.at(at);
+        (density > 0.0).then(|| (APART / density.sqrt()).min(FARTHEST * self.radius))
+    }
+
     /// Dots in a pixel.
     fn density(&self, x: usize, y: usize) -> f32 {
         let ink = self.ink.at(x, y);
@@ -66,7 +102,7 @@ impl Field<'_> {
     }
 
     /// Dots in the pixel of a place, 0 beyond the paper.
-    fn at(&self, at: Vec2) -> f32 {
+    pub(super) fn at(&self, at: Vec2) -> f32 {
         let inside = at.x >= 0.0 && at.y >= 0.0;
         let (x, y) = (at.x as usize, at.y as usize);
         match inside && x < self.ink.width() && y < self.ink.height() {
@@ -77,7 +113,7 @@ impl Field<'_> {
 }
 
 /// Dots by error diffusion [FS], in serpentine rows, on a finer grid if a pixel takes several.
-fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
+pub(super) fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     let mut random = Random::new(seed);
     let most = laid(1.0) / field.area;
     let parts = (most / MOST_IN_CELL).sqrt().ceil().max(1.0) as usize;
@@ -117,13 +153,15 @@ fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
     dots
 }
 
-/// Every dot pushed away from dots that are too close, unless no ink is wanted there.
-fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
-    let size = Vec2::new(field.ink.width() as f32, field.ink.height() as f32);
-    let cells = Cells::new(places, size, (2.0 * radius).max(1.0));
-    let farthest = FARTHEST * radius;
+/// Every dot but the first few pushed away from dots that are too close, unless no ink is wanted there.
+fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
+    let cells = Cells::new(places, field);
+    let farthest = FARTHEST * field.radius;
     let moved = |(number, &at): (usize, &Vec2)| {
-        let apart = (APART / field.at(at).sqrt()).min(farthest);
+        if number < fixed {
+            return at;
+        }
+        let apart = field.apart(at).unwrap_or(farthest);
         let mut push = Vec2::ZERO;
         cells.each_within(at, apart, |other| {
             if other != number {
@@ -139,7 +177,7 @@ fn pushed(places: &[Vec2], field: &Field, radius: f32) -> Vec<Vec2> {
 }
 
 /// Positions by cell, in their order.
-struct Cells<'a> {
+pub(super) struct Cells<'a> {
     places: &'a [Vec2],
     /// Numbers of places, cell by cell.
     numbers: Vec<u32>,
@@ -150,8 +188,11 @@ struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    fn new(places: &'a [Vec2], size: Vec2, side: f32) -> Self {
-        let size = [size.x, size.y].map(|length| (length / side) as usize + 1);
+    pub(super) fn new(places: &'a [Vec2], field: &Field) -> Self {
+        let side = field.cell_side();
+        let size = field
+            .size()
+            .map(|length| (length as f32 / side) as usize + 1);
         let mut cells = Self {
             places,
             numbers: vec![0; places.len()],
@@ -186,7 +227,7 @@ impl<'a> Cells<'a> {
     }
 
     /// The numbers of the places within a distance.
-    fn each_within(&self, at: Vec2, distance: f32, mut see: impl FnMut(usize)) {
+    pub(super) fn each_within(&self, at: Vec2, distance: f32, mut see: impl FnMut(usize)) {
         let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
         for y in first[1]..=last[1] {
             let row = y * self.size[0];

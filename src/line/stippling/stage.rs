@@ -1,6 +1,6 @@
 //! Strokes that are dots.
 
-use super::cpu::stippled;
+use super::cpu::{Stippled, stippled};
 use crate::engine::cpu::run::Run;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::params::Style;
@@ -32,11 +32,19 @@ fn lay(run: &mut Run) {
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);
     let factor = plan.resolution_factor as f32;
-    let (dots, ink) = run.timed(STIPPLING.name, || {
-        stippled(&densities, &params.strokes, factor, frame, memory)
+    let sequence = run.inputs.sequence;
+    let Stippled {
+        dots,
+        laid,
+        covered,
+    } = run.timed(STIPPLING.name, || {
+        stippled(&densities, &params.strokes, factor, sequence, frame, memory)
     });
     drop(densities);
-    finish(run, tone, ink, Vec::new());
+    if let Some(coordinates) = &mut run.canvas.coordinates {
+        coordinates.dots = laid;
+    }
+    finish(run, tone, covered, Vec::new());
     if let Some(drawing) = &mut run.outcome.drawing {
         drawing.dots = dots;
     }

@@ -3,16 +3,15 @@
 use crate::engine::cpu::memory::Memory;
 use crate::frame::Plane;
 use crate::frame::{Frame, Vector2Planes};
+use crate::line::carried::Carrier;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
 use crate::line::density::coverage_at;
 use crate::line::direction_field::setting::OPEN;
 use crate::line::hatching::{CROSSED_FROM, share_from};
-use crate::line::streamlines::carried::carried;
 use crate::line::streamlines::{Seed, Streamline, Streamlines, Tool, Wanted, streamlines};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
 use crate::params::{AtEdges, StrokeParams, Style};
-use glam::Vec2;
 use rayon::prelude::*;
 
 /// Density from which engraved lines are crossed by others: below it the first swell to half of the paper.
@@ -77,14 +76,12 @@ pub(crate) fn lines(
 
 /// Seeds of the previous frame's lines, by family, where they are visible in this one.
 pub(crate) fn carried_seeds(sequence: Option<SequenceInputs>, frame: &Frame) -> Vec<Vec<Seed>> {
-    let Some((before, motion)) = sequence.and_then(|inputs| inputs.before.zip(inputs.motion))
-    else {
+    let Some((before, carrier)) = Carrier::of(sequence, frame) else {
         return Vec::new();
     };
-    let [was, is] = [before.window, frame.data_window].map(|w| Vec2::new(w.x0 as f32, w.y0 as f32));
     let of_family = |seeds: &Vec<Seed>| {
         let here = |seed: &Seed| {
-            let at = carried(seed.at + was - is, motion, &frame.mask)?;
+            let at = carrier.carried(seed.at)?;
             Some(Seed { at, ..*seed })
         };
         seeds.iter().filter_map(here).collect()

@@ -6,19 +6,17 @@
 //! matches the tone although lines could not be at the exact distance. Practice: lines go where ink is wanted and stop
 //! where none is; they do not cross edges on which the caller wants no ink.
 
-mod carried;
 pub(crate) mod cpu;
-mod placed;
 pub(crate) mod stage;
 mod swelling;
 mod tool;
 
 use super::contours::polyline::evened;
 use super::direction_field::setting::OPEN;
+use super::placed::{Placed, Point, PointsByCell};
 use crate::engine::watch::CancelToken;
 use crate::frame::{Plane, Vector2Planes};
 use glam::Vec2;
-use placed::{Placed, Point, PointsByCell};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;

@@ -8,6 +8,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
+use crate::line::stippling::LaidDot;
 use crate::line::streamlines::Seed;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::origin;
@@ -55,6 +56,8 @@ pub struct TextureCoordinates {
     pub(crate) born: u32,
     /// Seeds of strokes that are placed one by one, by family, in pixels of the window.
     pub(crate) seeds: Vec<Vec<Seed>>,
+    /// Dots, in pixels of the window.
+    pub(crate) dots: Vec<LaidDot>,
 }
 
 impl TextureCoordinates {
@@ -69,6 +72,7 @@ impl TextureCoordinates {
             next: None,
             born: 1,
             seeds: Vec::new(),
+            dots: Vec::new(),
         }
     }
 
@@ -106,6 +110,7 @@ impl TextureCoordinates {
             next: None,
             born: self.born,
             seeds: Vec::new(),
+            dots: Vec::new(),
         };
         next.share_out(frame, motion, memory);
         next

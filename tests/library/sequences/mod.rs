@@ -3,6 +3,7 @@
 mod cards;
 mod conventions;
 mod distortion;
+mod dots;
 mod measured;
 mod rendered;
 mod wheel;
