@@ -226,6 +226,7 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
     for (lights, material, method) in [
         (&one[..], Material::Phong, Plain),
         (&one, Material::Phong, Scale),
+        (&many, Material::Lambert, Warp),
         (&many, Material::BlinnPhong, Plain),
         (&many, Material::BlinnPhong, Warp),
         (&many, Material::BlinnPhong, Both),
@@ -235,18 +236,21 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
             directional: lights.to_vec(),
             ..Illumination::default()
         };
-        let lighting = Lighting {
-            frame,
-            light,
-            params: white(material, method, Samples::Auto),
-        };
         let name = match lights.len() {
             1 => format!("1 light, {material:?}"),
             count => format!("{count} lights, {material:?}"),
         };
-        lighting.print(&name, repeats, |pixel, settings| {
-            lit(pixel, lights, settings)
-        })?;
+        let mut lighting = Lighting {
+            frame,
+            light,
+            params: white(material, method, Samples::Auto),
+        };
+        let exact = |pixel: &Pixel, settings: &Settings| lit(pixel, lights, settings);
+        lighting.print(&name, repeats, exact)?;
+        if material == Material::AshikhminShirley {
+            lighting.params.material.coat = [10.0, 300.0];
+            lighting.print(&format!("{name}, brushed"), repeats, exact)?;
+        }
     }
     let prefiltered = Lighting {
         frame,

@@ -16,14 +16,7 @@ pub(crate) fn exp(x: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn ln(x: f32) -> f32 {
     let tiny = x < f32::MIN_POSITIVE;
-    let bits = select(tiny, x * TWO_TO_23, x).to_bits();
-    // x = 2^e m with m between sqrt(1/2) and sqrt(2).
-    let e = (bits.wrapping_sub(std::f32::consts::FRAC_1_SQRT_2.to_bits()) as i32) >> 23;
-    let f = f32::from_bits(bits.wrapping_sub((e << 23) as u32)) - 1.0;
-    let e = e as f32 - select(tiny, 23.0, 0.0);
-    let square = f * f;
-    let small = square * f * polynomial(f, LN) + e * LN2_LOW - 0.5 * square;
-    let finite = (f + small) + e * LN2_HIGH;
+    let finite = ln_over_power_of_two(select(tiny, x * TWO_TO_23, x), select(tiny, 23.0, 0.0));
     let of_no_number = select(x == 0.0, f32::NEG_INFINITY, select(x > 0.0, x, f32::NAN));
     // Tests the bits for positive and finite: float comparisons are a fifth slower here.
     let bits = x.to_bits() as i32;
@@ -32,6 +25,32 @@ pub(crate) fn ln(x: f32) -> f32 {
         finite,
         of_no_number,
     )
+}
+
+/// The natural logarithm of a positive, finite, normal `x`, as [`ln`] gives it, in two thirds of its time.
+#[inline(always)]
+pub(crate) fn ln_of_normal(x: f32) -> f32 {
+    ln_over_power_of_two(x, 0.0)
+}
+
+/// The natural logarithm of a positive, finite, normal `x` over 2^`power`.
+#[inline(always)]
+fn ln_over_power_of_two(x: f32, power: f32) -> f32 {
+    let bits = x.to_bits();
+    // x = 2^e m with m between sqrt(1/2) and sqrt(2).
+    let e = (bits.wrapping_sub(std::f32::consts::FRAC_1_SQRT_2.to_bits()) as i32) >> 23;
+    let f = f32::from_bits(bits.wrapping_sub((e << 23) as u32)) - 1.0;
+    let e = e as f32 - power;
+    let square = f * f;
+    let small = square * f * polynomial(f, LN) + e * LN2_LOW - 0.5 * square;
+    (f + small) + e * LN2_HIGH
+}
+
+/// `e^x` for `x` from -87 to 88, where it is normal, as [`exp`] gives it; undefined outside.
+#[inline(always)]
+pub(crate) fn exp_to_normal(x: f32) -> f32 {
+    let (n, p) = split_exp(x);
+    (1.0 + p) * power_of_two(n)
 }
 
 /// The hyperbolic tangent of `x`; 2.5 ulp, also for small x. Exactly 1 and -1 from 8.5 on; keeps the sign of 0; NaN
@@ -184,6 +203,16 @@ mod tests {
         // Near 1 the result is near 0, where cancellation would lose digits.
         let around = (0..100_000).map(|i| f32::from_bits(1.0_f32.to_bits() - 50_000 + i));
         assert_within(1.0, around, ln, f64::ln);
+    }
+
+    #[test]
+    fn shorter_forms_give_the_same_bits_where_all_is_normal() {
+        for x in sweep(f32::MIN_POSITIVE, f32::MAX) {
+            assert_eq!(ln_of_normal(x), ln(x), "{x:e}");
+        }
+        for x in sweep(0.0, 88.0).chain(sweep(-0.0, -87.0)) {
+            assert_eq!(exp_to_normal(x), exp(x), "{x}");
+        }
     }
 
     #[test]

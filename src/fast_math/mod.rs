@@ -15,7 +15,7 @@ mod rows;
 
 pub(crate) use circular::tan_to_eighth_turn;
 pub(crate) use circular::{atan, atan2};
-pub(crate) use exponential::{exp, ln, pow, tanh};
+pub(crate) use exponential::{exp, exp_to_normal, ln, ln_of_normal, pow, tanh};
 pub(crate) use rows::Function;
 
 /// The polynomial with these coefficients, the constant first.

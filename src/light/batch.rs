@@ -40,6 +40,8 @@ pub(crate) struct Pixels {
     pub along: Axis,
     /// Unit tangents across it.
     pub across: Axis,
+    /// What a coat shows toward the eye; set for coated surfaces only.
+    pub coat: CoatLanes,
     /// Inverse of Lambda: xx, xy, yy.
     pub unwarp: Vectors,
     /// Its square: xx, twice xy, yy.
@@ -85,6 +87,25 @@ impl CurveLanes {
         self.dark[i] = curve.dark;
         self.bright[i] = curve.bright;
     }
+}
+
+/// The eye of every pixel as the lobes of a coated surface see it.
+#[derive(Debug, Clone)]
+pub(crate) struct CoatLanes {
+    /// The components of the direction to the eye along the grain and across it.
+    pub eye: [Lanes; 2],
+    /// One over the cosine of the normal and the direction to the eye.
+    pub per_cosine: Lanes,
+    /// Share of the light in the base that leaves toward the eye.
+    pub base: Lanes,
+}
+
+impl CoatLanes {
+    const NONE: Self = Self {
+        eye: [ZERO; 2],
+        per_cosine: ZERO,
+        base: ZERO,
+    };
 }
 
 /// A cone containing all normals of a batch.
@@ -247,6 +268,7 @@ impl Pixels {
             mirrored: Axis::NONE,
             along: Axis::NONE,
             across: Axis::NONE,
+            coat: CoatLanes::NONE,
             unwarp: [ZERO; 3],
             unwarp_squared: [ZERO; 3],
             spread: ZERO,

@@ -3,9 +3,10 @@
 //! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
-use super::batch::Pixels;
+use super::batch::{BATCH, Pixels};
 use super::sum::exponent::Exponent;
-use crate::fast_math::{exp, ln};
+use super::sum::terms::{at_most_1, positive, scalar_product};
+use crate::fast_math::{exp_to_normal, ln_of_normal};
 use crate::params::{Material, MaterialParams};
 
 /// The lobes of a material under lights.
@@ -69,6 +70,22 @@ impl Lobes {
                 pixels.along.unwarp(unwarp);
                 pixels.across.unwarp(unwarp);
             }
+        }
+    }
+
+    /// Computes what these lobes show toward the eye of every pixel, if that takes more than directions.
+    #[inline(always)]
+    pub(crate) fn see(&self, pixels: &mut Pixels) {
+        let Self::AshikhminShirley(brdf) = self else {
+            return;
+        };
+        for i in 0..BATCH {
+            let eye = pixels.to_eye.at(i);
+            pixels.coat.eye[0][i] = scalar_product(pixels.along.at(i), eye);
+            pixels.coat.eye[1][i] = scalar_product(pixels.across.at(i), eye);
+            let cosine = at_most_1(positive(scalar_product(pixels.normal.at(i), eye)));
+            pixels.coat.per_cosine[i] = 1.0 / cosine.max(GRAZING);
+            pixels.coat.base[i] = brdf.leaving(cosine);
         }
     }
 
@@ -175,22 +192,62 @@ impl AshikhminShirley {
     /// Its albedo toward the eye over all lights is `(1 - R_s)(1 - (1 - n.e/2)^5)`.
     #[inline(always)]
     pub fn diffuse(&self, nl: f32, ne: f32) -> f32 {
-        BASE_SCALE * (1.0 - self.reflectance) * passed(nl) * passed(ne) * nl
+        self.leaving(ne) * entering(nl)
     }
 
     /// The coat.
     #[inline(always)]
     pub fn specular(&self, c: Cosines) -> f32 {
-        let [nu, nv] = self.coat;
         let (uu, vv) = (c.hu * c.hu, c.hv * c.hv);
-        // The exponent of n.h is (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
-        let aside = (uu + vv).clamp(f32::MIN_POSITIVE, 1.0);
-        let exponent = 0.5 * (nu * uu + nv * vv) / aside;
-        let lobe = exp(exponent * ln(1.0 - aside).max(-f32::MAX));
-        let fresnel = self.reflectance + (1.0 - self.reflectance) * fifth_power(1.0 - c.he);
-        let seen = c.nl / (c.he.max(GRAZING) * c.nl.max(c.ne).max(GRAZING));
-        self.normalisation * lobe * fresnel * seen
+        let lobe = exp_to_normal(Self::log_lobe(1.0 - (uu + vv), self.exponent(uu, vv)));
+        let [per_ne, per_he] = [c.ne, c.he].map(|cosine| 1.0 / cosine.max(GRAZING));
+        self.normalisation * lobe * (self.reflected(c.he) * share_seen(c.nl, per_ne, per_he))
     }
+
+    /// Share of the light in the base that leaves at an angle of this cosine.
+    #[inline(always)]
+    pub(crate) fn leaving(&self, cosine: f32) -> f32 {
+        BASE_SCALE * (1.0 - self.reflectance) * passed(cosine)
+    }
+
+    /// The exponent of the square of n.h, for the squares of the components of h along the grain and across it, or any
+    /// multiple of both: `(nu uu + nv vv) / (2 (1 - n.h^2))`, where `1 - n.h^2 = uu + vv`.
+    #[inline(always)]
+    pub(crate) fn exponent(&self, uu: f32, vv: f32) -> f32 {
+        let [nu, nv] = self.coat;
+        if nu == nv {
+            return 0.5 * nu;
+        }
+        0.5 * (nu * uu + nv * vv) / (uu + vv).max(f32::MIN_POSITIVE)
+    }
+
+    /// The logarithm of the lobe, its peak 1, from the square of n.h and its exponent; at least [`FAINTEST`].
+    #[inline(always)]
+    pub(crate) fn log_lobe(nh_squared: f32, exponent: f32) -> f32 {
+        (exponent * ln_of_normal(nh_squared.max(f32::MIN_POSITIVE))).max(FAINTEST)
+    }
+
+    /// Share of the light that the coat reflects, for the cosine of incidence.
+    #[inline(always)]
+    pub(crate) fn reflected(&self, he: f32) -> f32 {
+        self.reflectance + (1.0 - self.reflectance) * fifth_power(1.0 - he)
+    }
+}
+
+/// Logarithm of the faintest lobe, e^-64 or 2e-28 of its peak: its products with other small numbers are normal, since
+/// others take many times as long.
+pub(crate) const FAINTEST: f32 = -64.0;
+
+/// The coat's `n.l / (h.e max(n.l, n.e))`, from the reciprocals of n.e and h.e.
+#[inline(always)]
+pub(crate) fn share_seen(nl: f32, per_ne: f32, per_he: f32) -> f32 {
+    (nl * per_ne).min(1.0) * per_he
+}
+
+/// The light that enters the base from a light of this cosine.
+#[inline(always)]
+pub(crate) fn entering(nl: f32) -> f32 {
+    passed(nl) * nl
 }
 
 /// Share of the light at an angle of this cosine that passes the coat, its reflectance aside.

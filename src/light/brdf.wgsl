@@ -34,21 +34,50 @@ fn passed(cosine: f32) -> f32 {
 
 // The base under the coat, of albedo 1.
 fn ashikhmin_shirley_diffuse(nl: f32, ne: f32) -> f32 {
-    return BASE_SCALE * (1.0 - params.lobe_3) * passed(nl) * passed(ne) * nl;
+    return ashikhmin_shirley_leaving(ne) * entering(nl);
 }
 
 // The coat.
 fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     let uu = c.hu * c.hu;
     let vv = c.hv * c.hv;
-    // The exponent of n.h is (nu uu + nv vv) / (1 - n.h^2), where 1 - n.h^2 = uu + vv.
-    let aside = clamp(uu + vv, MIN_POSITIVE, 1.0);
-    let exponent = 0.5 * (params.lobe_0 * uu + params.lobe_1 * vv) / aside;
-    let logarithm = select(-F32_MAX, ln(1.0 - aside), aside < 1.0);
-    let lobe = exp_of(exponent * logarithm);
-    let reflected = params.lobe_3 + (1.0 - params.lobe_3) * fifth_power(1.0 - c.he);
-    let seen = c.nl / (max(c.he, GRAZING) * max(max(c.nl, c.ne), GRAZING));
-    return params.lobe_2 * lobe * reflected * seen;
+    let lobe = exp_of(ashikhmin_shirley_log_lobe(1.0 - (uu + vv), ashikhmin_shirley_exponent(uu, vv)));
+    let per_ne = 1.0 / max(c.ne, GRAZING);
+    let per_he = 1.0 / max(c.he, GRAZING);
+    return params.lobe_2 * lobe * (ashikhmin_shirley_reflected(c.he) * share_seen(c.nl, per_ne, per_he));
+}
+
+// Share of the light in the base that leaves at an angle of this cosine.
+fn ashikhmin_shirley_leaving(cosine: f32) -> f32 {
+    return BASE_SCALE * (1.0 - params.lobe_3) * passed(cosine);
+}
+
+// The exponent of the square of n.h, for the squares of the components of h along the grain and across it.
+fn ashikhmin_shirley_exponent(uu: f32, vv: f32) -> f32 {
+    if params.lobe_0 == params.lobe_1 {
+        return 0.5 * params.lobe_0;
+    }
+    return 0.5 * (params.lobe_0 * uu + params.lobe_1 * vv) / max(uu + vv, MIN_POSITIVE);
+}
+
+// The logarithm of the lobe from the square of n.h and its exponent.
+fn ashikhmin_shirley_log_lobe(nh_squared: f32, exponent: f32) -> f32 {
+    return max(exponent * ln(max(nh_squared, MIN_POSITIVE)), FAINTEST);
+}
+
+// Share of the light that the coat reflects, for the cosine of incidence.
+fn ashikhmin_shirley_reflected(he: f32) -> f32 {
+    return params.lobe_3 + (1.0 - params.lobe_3) * fifth_power(1.0 - he);
+}
+
+// The coat's n.l / (h.e max(n.l, n.e)), from the reciprocals of n.e and h.e.
+fn share_seen(nl: f32, per_ne: f32, per_he: f32) -> f32 {
+    return min(nl * per_ne, 1.0) * per_he;
+}
+
+// The light that enters the base from a light of this cosine.
+fn entering(nl: f32) -> f32 {
+    return passed(nl) * nl;
 }
 
 // Reflects a light by the lobes.

@@ -10,7 +10,7 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::wgsl;
 use crate::frame::{ColorPlanes, DepthKind, Frame};
-use crate::light::brdf::{BASE_SCALE, GRAZING, Lobes};
+use crate::light::brdf::{BASE_SCALE, FAINTEST, GRAZING, Lobes};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
@@ -123,7 +123,11 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
         wgsl!("../sum/pixel.wgsl"),
         wgsl!(
             "../brdf.wgsl",
-            [("GRAZING", F32(GRAZING)), ("BASE_SCALE", F32(BASE_SCALE))]
+            [
+                ("GRAZING", F32(GRAZING)),
+                ("BASE_SCALE", F32(BASE_SCALE)),
+                ("FAINTEST", F32(FAINTEST))
+            ]
         ),
         wgsl!(
             "../sum/terms.wgsl",

@@ -94,8 +94,8 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
         }
     }
     let sums = match term {
-        Term::Specular => &mut batch.sum.specular,
-        _ => &mut batch.sum.diffuse,
+        Term::Specular => &mut batch.sum.sums.specular,
+        _ => &mut batch.sum.sums.diffuse,
     };
     for (sum, found) in sums.iter_mut().zip([r, g, b]) {
         for i in 0..BATCH {
@@ -155,7 +155,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest:
             }
             false => 1.0,
         };
-        for (sum, color) in batch.sum.diffuse.iter_mut().zip(color) {
+        for (sum, color) in batch.sum.sums.diffuse.iter_mut().zip(color) {
             sum[i] += color * sigma * own;
         }
     }

@@ -27,7 +27,7 @@ use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::scene::Scene;
-use crate::light::sum::{Scaled, Shading, TowardLight};
+use crate::light::sum::{Directed, Scaled, Shading, TowardLight};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::product::Product;
 use rayon::prelude::*;
@@ -94,7 +94,8 @@ pub(crate) fn relight(run: &mut Run) {
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
-        lights: &illumination.directional,
+        lights: illumination.directional.iter().map(Directed::of).collect(),
+        around_lights: around.lights().iter().map(Directed::of).collect(),
         points: &illumination.points,
         sight: SightLines::of(frame),
         around,

@@ -1,11 +1,11 @@
 //! State shared by all batches of a relit frame.
 
 use crate::frame::{ColorPlanes, Frame, Mask, SightLines, Vector2Planes};
-use crate::light::lights::{DirectionalLight, PointLight};
+use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::mirrors::Mirrors;
-use crate::light::sum::Shading;
+use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
 
@@ -35,7 +35,9 @@ pub(crate) struct Scene<'a> {
     pub(super) shading: Option<Shading>,
     /// Whether anything adds to specular light.
     pub(super) is_glossy: bool,
-    pub(super) lights: &'a [DirectionalLight],
+    pub(super) lights: Vec<Directed>,
+    /// The lights that stand for the environment.
+    pub(super) around_lights: Vec<Directed>,
     pub(super) points: &'a [PointLight],
     pub(super) sight: SightLines,
     pub(super) around: Illuminants<'a>,

@@ -7,13 +7,11 @@ use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
-use crate::light::lights::DirectionalLight;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::curvature::{Curvature, Kind};
 use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
 use crate::light::relight::scene::{Scene, Term};
-use crate::light::sum::{Incoming, Intensity, Shading};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
@@ -59,6 +57,9 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
         set_grain(batch, scene);
     }
+    if let Some(lobes) = lobes {
+        lobes.see(&mut batch.pixels);
+    }
     if relighting.warps {
         let pixels = &mut batch.pixels;
         pixels.warp_by(relighting.params.warping.warp * scene.gain);
@@ -72,7 +73,8 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         find_kappa(batch, scene);
     }
     let around = &scene.around;
-    let directions = scene.lights.len() + around.lights().len() + around.even_directions().len();
+    let lights = scene.lights.len() + scene.around_lights.len();
+    let directions = lights + around.even_directions().len();
     if directions >= WORTH_A_CONE {
         let pixels = &mut batch.pixels;
         pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
@@ -202,8 +204,9 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
+    let Batch { pixels, sum, .. } = batch;
     // Light from all around comes first: occlusion dims only that.
-    add_even(batch, shading, scene.around.lights());
+    sum.add_directed(pixels, shading, &scene.around_lights);
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
@@ -211,42 +214,29 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
                 continue;
             }
             look_even_up(batch, scene, environment, direction, share);
-            batch.sum.add(
-                &batch.pixels,
-                shading,
-                Incoming::From(direction),
-                Intensity::LookedUp(&batch.looked_up),
-            );
+            let Batch {
+                pixels,
+                sum,
+                looked_up,
+                ..
+            } = batch;
+            sum.add_looked_up(pixels, shading, direction, looked_up);
         }
     }
     if scene.frame.light.occlusion.is_some() {
-        batch.sum.dim(&batch.occlusion, shading);
+        batch.sum.dim(&batch.occlusion);
     }
-    add_even(batch, shading, scene.lights);
+    batch
+        .sum
+        .add_directed(&batch.pixels, shading, &scene.lights);
     for point in scene.points {
         approach(batch, point.position.to_array());
-        let (directions, share) = &batch.near;
-        batch.sum.add(
-            &batch.pixels,
-            shading,
-            Incoming::Near(directions, share),
-            Intensity::Even(point.intensity),
-        );
+        let Batch {
+            pixels, sum, near, ..
+        } = batch;
+        sum.add_near(pixels, shading, (&near.0, &near.1), point.intensity);
     }
     batch.sum.finish(&batch.pixels, shading);
-}
-
-/// Adds lights of uniform intensity.
-#[inline(always)]
-fn add_even(batch: &mut Batch, shading: &Shading, lights: &[DirectionalLight]) {
-    for light in lights {
-        batch.sum.add(
-            &batch.pixels,
-            shading,
-            Incoming::From(light.to_light.to_array()),
-            Intensity::Even(light.intensity),
-        );
-    }
 }
 
 /// Directions to a light at `position`, and its attenuation.
@@ -325,7 +315,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         };
         batch.share[i] = material.ambient * open * sigma;
     }
-    for (shown, diffuse) in batch.shown.iter_mut().zip(&batch.sum.diffuse) {
+    for (shown, diffuse) in batch.shown.iter_mut().zip(&batch.sum.sums.diffuse) {
         for i in 0..BATCH {
             shown[i] = batch.share[i] + kd * diffuse[i];
         }
@@ -340,7 +330,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     }
     for k in 0..3 {
         for i in 0..BATCH {
-            let specular = ks * batch.sum.specular[k][i];
+            let specular = ks * batch.sum.sums.specular[k][i];
             batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
@@ -366,7 +356,7 @@ fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
         };
         batch.share[i] = contrast(inverse, -gamma);
     }
-    for lanes in batch.shown.iter_mut().chain(&mut batch.sum.specular) {
+    for lanes in batch.shown.iter_mut().chain(&mut batch.sum.sums.specular) {
         for (light, factor) in lanes.iter_mut().zip(&batch.share) {
             *light *= factor;
         }

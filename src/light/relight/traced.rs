@@ -64,7 +64,7 @@ pub(crate) fn add_traced(
             Some((sum, shares)) => sum.map(|channel| channel / shares),
             None => own_color(scene.frame, at),
         };
-        for (to, color) in batch.sum.specular.iter_mut().zip(shown) {
+        for (to, color) in batch.sum.sums.specular.iter_mut().zip(shown) {
             to[lane] += color;
         }
     }

@@ -8,53 +8,71 @@
 //! costs some twenty operations and a division. A light counts only where it is above the surface both as given and
 //! unwarped ([LW] section 6.1), and fades toward that edge (`MOST_BRIGHTENED`).
 //!
-//! Use: `LightSum::add` light by light, then read the sums.
+//! Use: prepare lights of one direction once per run ([`Directed`]), add all lights to a [`LightSum`], read its sums.
 
+mod directed;
 pub(crate) mod exponent;
 mod shading;
 pub(crate) mod terms;
 
+pub(crate) use directed::Directed;
 pub(crate) use shading::{Scaled, Shading, TowardLight};
 
 use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
 use terms::{Arriving, Scratch, Terms};
 
-/// A directional light, or a point light with a different direction at every pixel.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Incoming<'a> {
-    /// Unit direction to the light.
-    From([f32; 3]),
-    /// Unit directions by pixel, with the attenuation.
-    Near(&'a [Lanes; 3], &'a Lanes),
-}
-
-/// The intensity of a light.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Intensity<'a> {
-    /// Red, green and blue, the same for all pixels.
-    Even([f32; 3]),
-    /// Red, green and blue by pixel, looked up in an environment.
-    LookedUp(&'a [Lanes; 3]),
-}
-
 /// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
 const GROUP: usize = 4;
+
+/// Light reflected from a batch.
+#[derive(Debug, Clone)]
+pub(crate) struct Sums {
+    /// Red, green and blue of diffusely reflected light, of albedo 1.
+    pub diffuse: [Lanes; 3],
+    /// Red, green and blue of specularly reflected light.
+    pub specular: [Lanes; 3],
+}
 
 /// The sums of a batch, and the terms of the lights being added.
 #[derive(Debug, Clone)]
 pub(crate) struct LightSum {
-    /// Red, green and blue of diffusely reflected light, of albedo 1; complete after [`LightSum::finish`].
-    pub diffuse: [Lanes; 3],
-    /// Red, green and blue of specularly reflected light; complete after [`LightSum::finish`].
-    pub specular: [Lanes; 3],
-    waiting: usize,
-    colors: [[f32; 3]; GROUP],
+    /// The light added so far; complete after [`LightSum::finish`].
+    pub sums: Sums,
+    group: [Directed; GROUP],
     terms: [Terms; GROUP],
     scratch: Scratch,
 }
 
 const ZERO: Lanes = [0.0; BATCH];
+
+impl Sums {
+    const NONE: Self = Self {
+        diffuse: [ZERO; 3],
+        specular: [ZERO; 3],
+    };
+
+    /// Adds the terms of one light of colour `rgb`.
+    #[inline(always)]
+    fn add(&mut self, terms: &Terms, rgb: impl Fn(usize) -> [f32; 3], glossy: bool) {
+        add_term(&mut self.diffuse, &terms.diffuse, &rgb);
+        if glossy {
+            add_term(&mut self.specular, &terms.specular, &rgb);
+        }
+    }
+
+    /// Adds the terms of a full group in order: the same bits as one by one.
+    #[inline(always)]
+    fn add_group(&mut self, terms: &[Terms; GROUP], colors: [[f32; 3]; GROUP], glossy: bool) {
+        let [a, b, c, d] = terms;
+        let diffuse = [&a.diffuse, &b.diffuse, &c.diffuse, &d.diffuse];
+        add_group(&mut self.diffuse, diffuse, colors);
+        if glossy {
+            let specular = [&a.specular, &b.specular, &c.specular, &d.specular];
+            add_group(&mut self.specular, specular, colors);
+        }
+    }
+}
 
 impl Default for LightSum {
     fn default() -> Self {
@@ -66,10 +84,8 @@ impl LightSum {
     /// Sums of no light.
     pub(crate) fn new() -> Self {
         Self {
-            diffuse: [ZERO; 3],
-            specular: [ZERO; 3],
-            waiting: 0,
-            colors: [[0.0; 3]; GROUP],
+            sums: Sums::NONE,
+            group: [Directed::none(); GROUP],
             terms: [Terms::NONE; GROUP],
             scratch: Scratch::NONE,
         }
@@ -77,83 +93,122 @@ impl LightSum {
 
     /// Resets the sums.
     pub(crate) fn clear(&mut self) {
-        self.diffuse = [ZERO; 3];
-        self.specular = [ZERO; 3];
-        self.waiting = 0;
+        self.sums = Sums::NONE;
     }
 
-    /// Adds one light.
+    /// Adds lights of one direction each.
     #[inline(always)]
-    pub(crate) fn add(
+    pub(crate) fn add_directed(&mut self, pixels: &Pixels, shading: &Shading, lights: &[Directed]) {
+        let mut lights = lights.iter();
+        loop {
+            // The next few that reach any of the pixels.
+            let (mut count, mut above) = (0, [Above::Everywhere; GROUP]);
+            while count < GROUP
+                && let Some(light) = lights.next()
+            {
+                above[count] = pixels.facing.above(light.direction);
+                if above[count] != Above::Nowhere {
+                    self.group[count] = *light;
+                    count += 1;
+                }
+            }
+            if count == 0 {
+                return;
+            }
+            self.add_group(pixels, shading, &above[..count]);
+        }
+    }
+
+    /// Adds the first lights of the group, as many as `above` has entries.
+    #[inline(always)]
+    fn add_group(&mut self, pixels: &Pixels, shading: &Shading, above: &[Above]) {
+        let Self {
+            sums,
+            group,
+            terms,
+            scratch,
+        } = self;
+        if let Some(lobes) = shading.group_lobes() {
+            group[above.len()..].fill(Directed::none());
+            let everywhere = above.iter().all(|&above| above == Above::Everywhere);
+            lobes.add(sums, terms, pixels, (group, everywhere));
+            return;
+        }
+        for ((light, above), terms) in group.iter().zip(above).zip(&mut *terms) {
+            // By value: loops over lanes do not read them again after each store.
+            let (direction, half) = (light.direction, light.half);
+            let arriving = Arriving {
+                direction: |_| direction,
+                half: |_| half,
+                share: |_| 1.0,
+                everywhere: *above == Above::Everywhere,
+            };
+            scratch.reflect(terms, pixels, shading, arriving);
+        }
+        let glossy = shading.lobes.are_glossy();
+        let colors = group.map(|light| light.intensity);
+        if above.len() == GROUP {
+            sums.add_group(terms, colors, glossy);
+        } else {
+            for (terms, rgb) in terms.iter().zip(colors).take(above.len()) {
+                sums.add(terms, |_| rgb, glossy);
+            }
+        }
+    }
+
+    /// Adds light from one direction, of colour `rgb` by pixel.
+    #[inline(always)]
+    pub(crate) fn add_looked_up(
         &mut self,
         pixels: &Pixels,
         shading: &Shading,
-        incoming: Incoming,
-        intensity: Intensity,
+        direction: [f32; 3],
+        rgb: &[Lanes; 3],
     ) {
-        let terms = &mut self.terms[self.waiting];
-        match incoming {
-            Incoming::From(direction) => {
-                let above = pixels.facing.above(direction);
-                if above == Above::Nowhere {
-                    return;
-                }
-                let half = half_vector(direction);
-                let everywhere = above == Above::Everywhere;
-                self.scratch.reflect(
-                    terms,
-                    pixels,
-                    shading,
-                    Arriving {
-                        direction: |_| direction,
-                        half: |_| half,
-                        share: |_| 1.0,
-                        everywhere,
-                    },
-                );
-            }
-            Incoming::Near(directions, share) => {
-                let direction = |i: usize| [directions[0][i], directions[1][i], directions[2][i]];
-                self.scratch.reflect(
-                    terms,
-                    pixels,
-                    shading,
-                    Arriving {
-                        direction,
-                        half: |i| half_vector(direction(i)),
-                        share: |i| share[i],
-                        everywhere: false,
-                    },
-                );
-            }
+        let above = pixels.facing.above(direction);
+        if above == Above::Nowhere {
+            return;
         }
+        let half = half_vector(direction);
+        let arriving = Arriving {
+            direction: |_| direction,
+            half: |_| half,
+            share: |_| 1.0,
+            everywhere: above == Above::Everywhere,
+        };
+        self.scratch
+            .reflect(&mut self.terms[0], pixels, shading, arriving);
+        let rgb = |i: usize| [rgb[0][i], rgb[1][i], rgb[2][i]];
         let glossy = shading.lobes.are_glossy();
-        match intensity {
-            Intensity::Even(rgb) => {
-                self.colors[self.waiting] = rgb;
-                self.waiting += 1;
-                if self.waiting == GROUP {
-                    self.gather_group(glossy);
-                }
-            }
-            Intensity::LookedUp(rgb) => {
-                add_term(&mut self.diffuse, &terms.diffuse, |i| {
-                    [rgb[0][i], rgb[1][i], rgb[2][i]]
-                });
-                if glossy {
-                    add_term(&mut self.specular, &terms.specular, |i| {
-                        [rgb[0][i], rgb[1][i], rgb[2][i]]
-                    });
-                }
-            }
-        }
+        self.sums.add(&self.terms[0], rgb, glossy);
+    }
+
+    /// Adds a light near the surface, with its unit directions and its attenuation by pixel.
+    #[inline(always)]
+    pub(crate) fn add_near(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        (directions, share): (&[Lanes; 3], &Lanes),
+        rgb: [f32; 3],
+    ) {
+        let direction = |i: usize| [directions[0][i], directions[1][i], directions[2][i]];
+        let arriving = Arriving {
+            direction,
+            half: |i| half_vector(direction(i)),
+            share: |i| share[i],
+            everywhere: false,
+        };
+        self.scratch
+            .reflect(&mut self.terms[0], pixels, shading, arriving);
+        let glossy = shading.lobes.are_glossy();
+        self.sums.add(&self.terms[0], |_| rgb, glossy);
     }
 
     /// Multiplies the diffuse light added so far by `share`.
     #[inline(always)]
-    pub(crate) fn dim(&mut self, share: &Lanes, shading: &Shading) {
-        self.gather_waiting(shading.lobes.are_glossy());
-        for sum in &mut self.diffuse {
+    pub(crate) fn dim(&mut self, share: &Lanes) {
+        for sum in &mut self.sums.diffuse {
             for (sum, share) in sum.iter_mut().zip(share) {
                 *sum *= share;
             }
@@ -163,47 +218,14 @@ impl LightSum {
     /// Completes the sums.
     #[inline(always)]
     pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
-        self.gather_waiting(shading.lobes.are_glossy());
         if shading.warped {
-            for sum in self.diffuse.iter_mut().chain(&mut self.specular) {
+            let Sums { diffuse, specular } = &mut self.sums;
+            for sum in diffuse.iter_mut().chain(specular) {
                 for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
                     *sum *= spread;
                 }
             }
         }
-    }
-
-    /// Adds the buffered lights.
-    #[inline(always)]
-    fn gather_waiting(&mut self, glossy: bool) {
-        for k in 0..self.waiting {
-            let (terms, rgb) = (&self.terms[k], self.colors[k]);
-            add_term(&mut self.diffuse, &terms.diffuse, |_| rgb);
-            if glossy {
-                add_term(&mut self.specular, &terms.specular, |_| rgb);
-            }
-        }
-        self.waiting = 0;
-    }
-
-    /// Adds a full group in order: the same bits as one by one.
-    #[inline(always)]
-    fn gather_group(&mut self, glossy: bool) {
-        let [a, b, c, d] = &self.terms;
-        let colors = self.colors;
-        add_group(
-            &mut self.diffuse,
-            [&a.diffuse, &b.diffuse, &c.diffuse, &d.diffuse],
-            colors,
-        );
-        if glossy {
-            add_group(
-                &mut self.specular,
-                [&a.specular, &b.specular, &c.specular, &d.specular],
-                colors,
-            );
-        }
-        self.waiting = 0;
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::exponent::Exponent;
 use super::shading::{Scaled, Shading, TowardLight};
+use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
-use crate::light::brdf::{AshikhminShirley, Cosines, Lobes};
+use crate::light::brdf::{AshikhminShirley, Lobes, entering, share_seen};
 use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;
@@ -69,6 +70,24 @@ impl Terms {
     };
 }
 
+/// A half vector of any length, with the products that its length under a warp consists of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HalfVector {
+    pub(super) vector: [f32; 3],
+    /// z z, x x, x y, y y.
+    pub(super) products: [f32; 4],
+}
+
+impl HalfVector {
+    #[inline(always)]
+    pub(crate) fn of([x, y, z]: [f32; 3]) -> Self {
+        Self {
+            vector: [x, y, z],
+            products: [z * z, x * x, x * y, y * y],
+        }
+    }
+}
+
 /// An unwarped light at one pixel.
 pub(crate) struct Unwarped {
     /// Jacobian, without the pixel's factor, and attenuation.
@@ -81,27 +100,29 @@ pub(crate) struct Unwarped {
     pub(crate) lobe: f32,
 }
 
-/// Unwarps the light with half vector [x, y, z] and attenuation `share` at a pixel with normal `n`, whose x and y under
-/// the inverse of Lambda are `g`; `squared` is the square of that inverse and `most` the largest cosine.
+/// Unwarps the light with this half vector and attenuation `share` at a pixel with normal `n`, whose x and y under the
+/// inverse of Lambda are `g`; `squared` is the square of that inverse and `most` the largest cosine.
+///
+/// For a half vector that is not of length 1, the weight lacks the fourth power of its length.
 #[inline(always)]
 pub(crate) fn arrive_unwarped(
-    [x, y, z]: [f32; 3],
+    half: &HalfVector,
     share: f32,
     (n, g): ([f32; 3], [f32; 2]),
     squared: [f32; 3],
     most: f32,
 ) -> Unwarped {
-    let length = z * z + squared[0] * (x * x) + squared[1] * (x * y) + squared[2] * (y * y);
+    let ([x, y, z], [zz, xx, xy, yy]) = (half.vector, half.products);
+    let length = zz + squared[0] * xx + squared[1] * xy + squared[2] * yy;
     let inverse = 1.0 / length;
-    let twice = 2.0 * z;
-    let along = g[0] * (twice * x) + g[1] * (twice * y) + n[2] * (twice * z);
-    let cosine = inverse * along - n[2];
-    let half = positive(along) * (0.5 / z.max(SHORTEST));
+    let along = g[0] * x + g[1] * y + n[2] * z;
+    let part = along * inverse;
+    let cosine = 2.0 * z * part - n[2];
     Unwarped {
         weight: share * (inverse * inverse),
         cosine: if cosine < most { cosine } else { most },
         inverse,
-        lobe: at_most_1(half * half * inverse),
+        lobe: at_most_1(positive(along) * part),
     }
 }
 
@@ -184,10 +205,8 @@ fn each_below<D, H, S>(
         let most = most(n, (light.direction)(i));
         let (g, squared) = ([gx[i], gy[i]], [xx[i], xy[i], yy[i]]);
         let share = (light.share)(i);
-        each(
-            i,
-            arrive_unwarped((light.half)(i), share, (n, g), squared, most),
-        );
+        let half = HalfVector::of((light.half)(i));
+        each(i, arrive_unwarped(&half, share, (n, g), squared, most));
     }
 }
 
@@ -218,12 +237,6 @@ impl Scratch {
             direction, half, ..
         } = light;
         let unwarped = shading.warped.then_some(half);
-        if shading.warped
-            && shading.scaled.is_none()
-            && self.reflect_batched(terms, pixels, shading, light)
-        {
-            return;
-        }
         let far = matches!(shading.lobes, Lobes::BlinnPhong { far: true, .. });
         match (shading.warped, far) {
             (false, _) => self.arrive(pixels, light),
@@ -312,44 +325,6 @@ impl Scratch {
             self.inverse[i] = inverse;
             self.lobe[i] = lobe;
         });
-    }
-
-    /// [`Scratch::reflect`] in fewer steps, for lobes without further vectors, under light that is warped and not
-    /// scaled. Returns whether that applies.
-    #[inline(always)]
-    fn reflect_batched<D, H, S>(
-        &mut self,
-        terms: &mut Terms,
-        pixels: &Pixels,
-        shading: &Shading,
-        light: Arriving<D, H, S>,
-    ) -> bool
-    where
-        D: Fn(usize) -> [f32; 3],
-        H: Fn(usize) -> [f32; 3],
-        S: Fn(usize) -> f32,
-    {
-        match shading.lobes {
-            Lobes::Diffuse {
-                power: Exponent::Integer(1),
-            } => {
-                each_unwarped(pixels, light, |i, unwarped| {
-                    terms.diffuse[i] = unwarped.weight * positive(unwarped.cosine);
-                });
-            }
-            Lobes::BlinnPhong { power, far: true } => {
-                each_unwarped(pixels, light, |i, unwarped| {
-                    terms.diffuse[i] = unwarped.weight * positive(unwarped.cosine);
-                    self.lobe[i] = unwarped.lobe;
-                });
-                power.raise(&mut self.lobe);
-                for i in 0..BATCH {
-                    terms.specular[i] = terms.diffuse[i] * self.lobe[i];
-                }
-            }
-            _ => return false,
-        }
-        true
     }
 
     /// Dot products with the vectors of `axis`, as product `k`.
@@ -480,6 +455,8 @@ impl Scratch {
     }
 
     /// Both terms of the coated model, from l . e, l . u and l . v.
+    ///
+    /// In steps, of which each is short enough that several vectors of lanes are under way at a time.
     #[inline(always)]
     fn coat(
         &mut self,
@@ -488,29 +465,24 @@ impl Scratch {
         shading: &Shading,
         brdf: &AshikhminShirley,
     ) {
+        let [nu, nv] = brdf.coat;
+        if nu == nv {
+            let exponent = brdf.exponent(1.0, 1.0);
+            self.see_coat(terms, pixels, brdf, |_, _| exponent);
+        } else {
+            self.see_coat(terms, pixels, brdf, |uu, vv| brdf.exponent(uu, vv));
+        }
+        let [logarithms, exponents, _] = &mut self.products;
         for i in 0..BATCH {
-            let eye = pixels.to_eye.at(i);
-            let [le, lu, lv] = [0, 1, 2].map(|k| self.products[k][i]);
-            // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e.
-            let inverse = 1.0 / (2.0 + 2.0 * le).max(SHORTEST).sqrt();
-            let ne = positive(scalar_product(pixels.normal.at(i), eye)).min(1.0);
-            let cosines = Cosines {
-                nl: positive(self.cosine[i]),
-                ne,
-                he: ((1.0 + le) * inverse).clamp(0.0, 1.0),
-                hu: (lu + scalar_product(pixels.along.at(i), eye)) * inverse,
-                hv: (lv + scalar_product(pixels.across.at(i), eye)) * inverse,
-            };
-            // n . h, from the parts of h along and across the grain.
-            let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
-            self.lobe[i] = positive(1.0 - aside).sqrt();
-            terms.diffuse[i] = self.weight[i] * brdf.diffuse(cosines.nl, ne);
-            let specular = brdf.specular(cosines);
-            // Weights are 0 below the horizon, where the lobe is undefined.
-            let lit = self.weight[i] > 0.0;
-            terms.specular[i] = if lit { self.weight[i] * specular } else { 0.0 };
+            logarithms[i] = AshikhminShirley::log_lobe(self.lobe[i], exponents[i]);
+        }
+        for i in 0..BATCH {
+            terms.specular[i] *= exp_to_normal(logarithms[i]);
         }
         if let Some(scaled) = shading.scaled {
+            for square in &mut self.lobe {
+                *square = positive(*square).sqrt();
+            }
             let intensities = [&self.cosine, &self.lobe];
             let terms = [&mut terms.diffuse, &mut terms.specular];
             for (k, (term, intensity)) in terms.into_iter().zip(intensities).enumerate() {
@@ -519,6 +491,35 @@ impl Scratch {
                     term[i] *= curves.at(i).at(intensity[i], scaled.invariant_point);
                 }
             }
+        }
+    }
+
+    /// The terms of the coated model without its lobe; the square of n . h as the lobe, and its exponent as the second
+    /// product.
+    #[inline(always)]
+    fn see_coat(
+        &mut self,
+        terms: &mut Terms,
+        pixels: &Pixels,
+        brdf: &AshikhminShirley,
+        exponent: impl Fn(f32, f32) -> f32,
+    ) {
+        let [le, lu, lv] = &mut self.products;
+        let [eye_along, eye_across] = &pixels.coat.eye;
+        for i in 0..BATCH {
+            // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e, and h.e is half of |l + e|.
+            let squared = (2.0 + 2.0 * le[i]).max(SHORTEST);
+            let inverse = 1.0 / squared.sqrt();
+            let [along, across] = [lu[i] + eye_along[i], lv[i] + eye_across[i]];
+            let (uu, vv) = (along * along, across * across);
+            // n . h, from the parts of h along and across the grain.
+            self.lobe[i] = 1.0 - (uu + vv) * (inverse * inverse);
+            lu[i] = exponent(uu, vv);
+            let (weight, nl) = (self.weight[i], positive(self.cosine[i]));
+            terms.diffuse[i] = weight * (pixels.coat.base[i] * entering(nl));
+            let seen = share_seen(nl, pixels.coat.per_cosine[i], 2.0 * inverse);
+            let reflected = brdf.reflected(0.5 * squared * inverse);
+            terms.specular[i] = weight * brdf.normalisation * (reflected * seen);
         }
     }
 }

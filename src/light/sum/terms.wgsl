@@ -52,16 +52,15 @@ fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Inciden
     let z = light.half.z;
     let length = z * z + squared.x * (x * x) + squared.y * (x * y) + squared.z * (y * y);
     let inverse = 1.0 / length;
-    let twice = 2.0 * z;
-    let along = g.x * (twice * x) + g.y * (twice * y) + n.z * (twice * z);
-    let cosine = inverse * along - n.z;
+    let along = g.x * x + g.y * y + n.z * z;
+    let part = along * inverse;
+    let cosine = 2.0 * z * part - n.z;
     let most = MOST_BRIGHTENED * scalar_product(n, light.direction);
-    let half = positive(along) * (0.5 / max(z, SHORTEST));
     return Incidence(
         light.share * (inverse * inverse),
         select(most, cosine, cosine < most),
         inverse,
-        at_most_1(half * half * inverse),
+        at_most_1(positive(along) * part),
     );
 }
 

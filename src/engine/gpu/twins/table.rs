@@ -10,7 +10,9 @@ use crate::fast_math::{self, polynomial, power_of_two};
 use crate::frame::luminance;
 use crate::frame::{Projection, SightLines};
 use crate::light::batch::BATCH;
-use crate::light::brdf::{self, AshikhminShirley, Cosines, fifth_power, passed};
+use crate::light::brdf::{
+    self, AshikhminShirley, Cosines, entering, fifth_power, passed, share_seen,
+};
 use crate::light::environment::equirectangular_position;
 use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
 use crate::light::layers::{TermScaling, changed, limited};

@@ -108,22 +108,73 @@ fn terms_of_light() -> Vec<Twin> {
     ]
 }
 
+fn coat(coat: [f32; 2], reflectance: f32) -> AshikhminShirley {
+    AshikhminShirley {
+        coat,
+        reflectance,
+        normalisation: 0.0,
+    }
+}
+
 fn reflectance() -> Vec<Twin> {
     vec![
         twin!(fifth_power, fifth_power, RELIGHT, |x: f32| fifth_power(x)),
         twin!(passed, passed, RELIGHT, |cosine: f32| passed(cosine)),
+        twin!(entering, entering, RELIGHT, |nl: f32| entering(nl)),
+        twin!(
+            share_seen,
+            share_seen,
+            RELIGHT,
+            |nl: f32, per_ne: f32, per_he: f32| { share_seen(nl, per_ne, per_he) }
+        )
+        .on(no_nan),
+        twin!(
+            ashikhmin_shirley_leaving,
+            AshikhminShirley::leaving,
+            RELIGHT,
+            |cosine: f32, reflectance: f32| coat([0.0; 2], reflectance).leaving(cosine)
+        )
+        .with(&["lobe_3"]),
+        twin!(
+            ashikhmin_shirley_reflected,
+            AshikhminShirley::reflected,
+            RELIGHT,
+            |he: f32, reflectance: f32| coat([0.0; 2], reflectance).reflected(he)
+        )
+        .with(&["lobe_3"]),
+        // Squares of cosines, and exponents within the ranges of a coat, half of them of a round one.
+        twin!(
+            ashikhmin_shirley_exponent,
+            AshikhminShirley::exponent,
+            RELIGHT,
+            |squares: [f32; 2], exponents: [f32; 2]| {
+                let [uu, vv] = squares;
+                coat(exponents, 0.0).exponent(uu, vv)
+            }
+        )
+        .with(&["lobe_0", "lobe_1"])
+        .on(|words| {
+            within_range(&mut words[..2], 0.0, 4.0);
+            within_range(&mut words[2..], 0.0, 1e6);
+            if words[0] & 1 == 0 {
+                words[3] = words[2];
+            }
+        }),
+        twin!(
+            ashikhmin_shirley_log_lobe,
+            AshikhminShirley::log_lobe,
+            RELIGHT,
+            |nh_squared: f32, exponent: f32| AshikhminShirley::log_lobe(nh_squared, exponent)
+        )
+        .on(|words| {
+            within_range(&mut words[..1], -4.0, 2.0);
+            within_range(&mut words[1..], 0.0, 1e6);
+        }),
         twin!(
             ashikhmin_shirley_diffuse,
             AshikhminShirley::diffuse,
             RELIGHT,
-            |nl: f32, ne: f32, reflectance: f32| {
-                let model = AshikhminShirley {
-                    coat: [0.0; 2],
-                    reflectance,
-                    normalisation: 0.0,
-                };
-                model.diffuse(nl, ne)
-            }
+            |nl: f32, ne: f32, reflectance: f32| coat([0.0; 2], reflectance).diffuse(nl, ne)
         )
         .with(&["lobe_3"]),
         // Cosines slightly beyond 1, by more than rounding; exponents and other values within the ranges of a coat.
@@ -134,9 +185,8 @@ fn reflectance() -> Vec<Twin> {
             |cosines: [f32; 5], coat: [f32; 2], reflectance: f32, normalisation: f32| {
                 let [nl, ne, he, hu, hv] = cosines;
                 let model = AshikhminShirley {
-                    coat,
-                    reflectance,
                     normalisation,
+                    ..self::coat(coat, reflectance)
                 };
                 model.specular(Cosines { nl, ne, he, hu, hv })
             }
@@ -243,7 +293,8 @@ fn lights() -> Vec<Twin> {
              axis: ([f32; 3], [f32; 2]),
              squared: [f32; 3]| {
                 let most = MOST_BRIGHTENED * scalar_product(axis.0, direction);
-                let arrived = terms::arrive_unwarped(half, share, axis, squared, most);
+                let half = terms::HalfVector::of(half);
+                let arrived = terms::arrive_unwarped(&half, share, axis, squared, most);
                 [
                     arrived.weight,
                     arrived.cosine,

@@ -1,0 +1,311 @@
+//! Lights of one direction each, and simple lobes that reflect a few of them at a time.
+//!
+//! The samples of a pixel are loaded once for a group of lights, and one light's division passes while others multiply.
+//! A half vector enters divided by its z, which saves multiplications by z; the light's colour makes up for its length.
+
+use super::exponent::Exponent;
+use super::shading::Shading;
+use super::terms::{
+    HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe, positive, scalar_product,
+};
+use super::{GROUP, Sums};
+use crate::light::batch::{BATCH, Pixels};
+use crate::light::brdf::Lobes;
+use crate::light::light_warping::{MOST_BRIGHTENED, half_vector};
+use crate::light::lights::DirectionalLight;
+
+/// A light of one direction, prepared for all batches of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Directed {
+    pub(super) direction: [f32; 3],
+    pub(super) half: [f32; 3],
+    pub(super) intensity: [f32; 3],
+    /// The half vector divided by its z.
+    over_z: HalfVector,
+    /// The intensity for terms of `over_z`: Jacobians go with the fourth power of its length.
+    intensity_over_z: [f32; 3],
+    /// The direction times [`MOST_BRIGHTENED`].
+    most: [f32; 3],
+}
+
+/// Half vectors closer to the picture plane get this z. Their lights, within 2e-6 of -z, only reach surfaces seen from
+/// behind; and the fourth power of its reciprocal still leaves room for intensities.
+const FLATTEST: f32 = 1e-6;
+
+impl Directed {
+    /// The light, prepared.
+    pub(crate) fn of(light: &DirectionalLight) -> Self {
+        let (direction, intensity) = (light.to_light.to_array(), light.intensity);
+        let half = half_vector(direction);
+        let per_z = 1.0 / half[2].max(FLATTEST);
+        let square = per_z * per_z;
+        Self {
+            direction,
+            half,
+            intensity,
+            over_z: HalfVector::of([half[0] * per_z, half[1] * per_z, 1.0]),
+            intensity_over_z: intensity.map(|c| (c * (square * square)).min(f32::MAX)),
+            most: direction.map(|d| MOST_BRIGHTENED * d),
+        }
+    }
+
+    /// No light.
+    pub(super) fn none() -> Self {
+        Self::of(&DirectionalLight {
+            to_light: glam::Vec3::Z,
+            intensity: [0.0; 3],
+        })
+    }
+}
+
+/// Lobes that reflect a group of lights at once: Lambert, and Blinn-Phong seen from far away, not scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GroupLobes {
+    warped: bool,
+    /// The exponent of the highlight, if there is one.
+    highlight: Option<Exponent>,
+}
+
+impl Shading {
+    /// The lobes, if they reflect groups.
+    pub(super) fn group_lobes(&self) -> Option<GroupLobes> {
+        let highlight = match self.lobes {
+            Lobes::Diffuse {
+                power: Exponent::Integer(1),
+            } => None,
+            Lobes::BlinnPhong { power, far: true } => Some(power),
+            _ => return None,
+        };
+        let warped = self.warped;
+        self.scaled
+            .is_none()
+            .then_some(GroupLobes { warped, highlight })
+    }
+}
+
+impl GroupLobes {
+    /// Adds the light reflected from a group. `everywhere` says that all its lights are known to be above the surface
+    /// everywhere.
+    #[inline(always)]
+    pub(super) fn add(
+        self,
+        sums: &mut Sums,
+        terms: &mut [Terms; GROUP],
+        pixels: &Pixels,
+        (lights, everywhere): (&[Directed; GROUP], bool),
+    ) {
+        match self.highlight {
+            None => {
+                self.arrive::<false>(terms, pixels, (lights, everywhere));
+                self.sum::<false>(sums, terms, lights);
+            }
+            Some(power) => {
+                self.arrive::<true>(terms, pixels, (lights, everywhere));
+                for terms in terms.iter_mut() {
+                    power.raise(&mut terms.specular);
+                }
+                self.sum::<true>(sums, terms, lights);
+            }
+        }
+    }
+
+    /// Computes the diffuse terms, and as specular ones the square of n . h if there is a highlight.
+    #[inline(always)]
+    fn arrive<const GLOSSY: bool>(
+        self,
+        terms: &mut [Terms; GROUP],
+        pixels: &Pixels,
+        (lights, everywhere): (&[Directed; GROUP], bool),
+    ) {
+        match (self.warped, everywhere) {
+            (true, true) => unwarp::<GLOSSY>(terms, pixels, lights, |_, _| f32::MAX),
+            (true, false) => unwarp::<GLOSSY>(terms, pixels, lights, |normal, light| {
+                scalar_product(normal, light.most)
+            }),
+            (false, _) => {
+                for i in 0..BATCH {
+                    let normal = pixels.normal.at(i);
+                    for (terms, light) in terms.iter_mut().zip(lights) {
+                        terms.diffuse[i] = positive(scalar_product(normal, light.direction));
+                        if GLOSSY {
+                            terms.specular[i] = half_vector_lobe(normal, light.half);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the terms in the order of the lights.
+    #[inline(always)]
+    fn sum<const GLOSSY: bool>(
+        self,
+        sums: &mut Sums,
+        terms: &[Terms; GROUP],
+        lights: &[Directed; GROUP],
+    ) {
+        let colors = lights.each_ref().map(|light| match self.warped {
+            true => light.intensity_over_z,
+            false => light.intensity,
+        });
+        for i in 0..BATCH {
+            let mut diffuse = [sums.diffuse[0][i], sums.diffuse[1][i], sums.diffuse[2][i]];
+            let mut specular = [
+                sums.specular[0][i],
+                sums.specular[1][i],
+                sums.specular[2][i],
+            ];
+            for (terms, color) in terms.iter().zip(&colors) {
+                let term = terms.diffuse[i];
+                for k in 0..3 {
+                    diffuse[k] += term * color[k];
+                }
+                if GLOSSY {
+                    let term = term * terms.specular[i];
+                    for k in 0..3 {
+                        specular[k] += term * color[k];
+                    }
+                }
+            }
+            for k in 0..3 {
+                sums.diffuse[k][i] = diffuse[k];
+                if GLOSSY {
+                    sums.specular[k][i] = specular[k];
+                }
+            }
+        }
+    }
+}
+
+/// [`GroupLobes::arrive`] with light directions unwarped, where `most` bounds the cosine.
+#[inline(always)]
+fn unwarp<const GLOSSY: bool>(
+    terms: &mut [Terms; GROUP],
+    pixels: &Pixels,
+    lights: &[Directed; GROUP],
+    most: impl Fn([f32; 3], &Directed) -> f32,
+) {
+    let [xx, xy, yy] = &pixels.unwarp_squared;
+    let [gx, gy] = &pixels.normal.unwarped;
+    for i in 0..BATCH {
+        let normal = pixels.normal.at(i);
+        let (unwarped, squared) = ([gx[i], gy[i]], [xx[i], xy[i], yy[i]]);
+        for (terms, light) in terms.iter_mut().zip(lights) {
+            let most = most(normal, light);
+            // The z of the half vector as a constant, which the compiler leaves out of products.
+            let [x, y, _] = light.over_z.vector;
+            let [_, xx, xy, yy] = light.over_z.products;
+            let half = HalfVector {
+                vector: [x, y, 1.0],
+                products: [1.0, xx, xy, yy],
+            };
+            let Unwarped {
+                weight,
+                cosine,
+                lobe,
+                ..
+            } = arrive_unwarped(&half, 1.0, (normal, unwarped), squared, most);
+            terms.diffuse[i] = weight * positive(cosine);
+            if GLOSSY {
+                terms.specular[i] = lobe;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::batch::Facing;
+    use crate::light::sum::LightSum;
+    use glam::Vec3;
+
+    /// Normals all over the visible half sphere, and curvatures of both signs.
+    fn pixels() -> Pixels {
+        let mut pixels = Pixels::new();
+        pixels.count = BATCH;
+        for i in 0..BATCH {
+            let (angle, tilt) = (2.4 * i as f32, i as f32 / BATCH as f32);
+            let normal = Vec3::new(tilt * angle.cos(), tilt * angle.sin(), 1.01 - tilt);
+            pixels.normal.set(i, normal.normalize().to_array());
+            pixels.mirrored.set(i, normal.normalize().to_array());
+            pixels.hessian[0][i] = 0.1 * angle.sin();
+            pixels.hessian[1][i] = 0.05 * angle.cos();
+            pixels.hessian[2][i] = 0.2 * tilt - 0.1;
+        }
+        pixels.warp_by(20.0);
+        pixels.facing = Facing::of(&pixels.normal.vector, BATCH);
+        pixels
+    }
+
+    fn light(to_light: Vec3) -> Directed {
+        let to_light = to_light.normalize();
+        Directed::of(&DirectionalLight {
+            to_light,
+            intensity: [0.5, 1.0, 2.0],
+        })
+    }
+
+    fn shading(lobes: Lobes, warped: bool) -> Shading {
+        Shading {
+            warped,
+            scaled: None,
+            lobes,
+        }
+    }
+
+    #[test]
+    fn lights_in_groups_give_the_bits_of_lights_one_by_one() {
+        let pixels = pixels();
+        let spiral = (0..9).map(|i| {
+            let (angle, z) = (2.4 * i as f32, 1.0 - 0.15 * i as f32);
+            light(Vec3::new(angle.cos(), angle.sin(), z))
+        });
+        let lights: Vec<Directed> = spiral.collect();
+        let power = Exponent::Integer(16);
+        let lobes = [
+            Lobes::Diffuse {
+                power: Exponent::Integer(1),
+            },
+            Lobes::BlinnPhong { power, far: true },
+            Lobes::Phong { power },
+        ];
+        for shading in lobes
+            .into_iter()
+            .flat_map(|l| [shading(l, false), shading(l, true)])
+        {
+            for count in 1..=lights.len() {
+                let [mut together, mut apart] = [LightSum::new(), LightSum::new()];
+                together.add_directed(&pixels, &shading, &lights[..count]);
+                for light in &lights[..count] {
+                    apart.add_directed(&pixels, &shading, std::slice::from_ref(light));
+                }
+                assert_eq!(together.sums.diffuse, apart.sums.diffuse, "{shading:?}");
+                assert_eq!(together.sums.specular, apart.sums.specular, "{shading:?}");
+                assert!(together.sums.diffuse[1].iter().any(|&v| v > 0.1));
+            }
+        }
+    }
+
+    #[test]
+    fn a_light_behind_lights_what_faces_it() {
+        // Its half vector is in the picture plane, where z is 0. A surface seen from behind, turned by a from it, shows
+        // the cosine of a.
+        let mut pixels = Pixels::new();
+        pixels.count = BATCH;
+        let angle = |i: usize| 1.5 * i as f32 / BATCH as f32;
+        for i in 0..BATCH {
+            pixels.normal.set(i, [angle(i).sin(), 0.0, -angle(i).cos()]);
+        }
+        pixels.warp_by(0.0);
+        let lobes = Lobes::Diffuse {
+            power: Exponent::Integer(1),
+        };
+        let mut sum = LightSum::new();
+        sum.add_directed(&pixels, &shading(lobes, true), &[light(-Vec3::Z)]);
+        for i in 0..BATCH {
+            let error = sum.sums.diffuse[1][i] - angle(i).cos();
+            assert!(error.abs() < 5e-6, "{error} at {}", angle(i));
+        }
+    }
+}
