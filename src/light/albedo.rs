@@ -31,6 +31,18 @@ pub(crate) struct AlbedoEstimate {
     pub factor: f32,
 }
 
+impl AlbedoEstimate {
+    /// The albedo of a pixel with this unit normal and colour, divided by its coverage.
+    #[inline(always)]
+    pub(crate) fn at(&self, normal: [f32; 3], bare: [f32; 3]) -> [f32; 3] {
+        let albedo = match self.shading {
+            Some(shading) => shading.under(normal, bare),
+            None => [1.0; 3],
+        };
+        albedo.map(|channel| (channel * self.factor).clamp(0.0, 1.0))
+    }
+}
+
 /// Share of the mean shading below which a fitted value is not trusted.
 const DARKEST: f64 = 0.2;
 
@@ -76,6 +88,13 @@ impl ShadingFit {
 }
 
 impl FittedShading {
+    /// The colour of a surface with this normal that shows the colour `bare`.
+    #[inline(always)]
+    pub(crate) fn under(&self, normal: [f32; 3], bare: [f32; 3]) -> [f32; 3] {
+        let per_light = 1.0 / self.at(normal);
+        bare.map(|channel| channel * per_light)
+    }
+
     /// The shading at a unit normal, above 0.
     #[inline(always)]
     pub(crate) fn at(&self, n: [f32; 3]) -> f32 {

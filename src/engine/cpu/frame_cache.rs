@@ -2,7 +2,8 @@
 
 use crate::engine::outcome::{Outcome, ShapeSlots};
 use crate::engine::slot::Slot;
-use crate::frame::{ColorPlanes, Plane, Vector2Planes};
+use crate::frame::{Plane, Vector2Planes};
+use crate::light::albedo::AlbedoEstimate;
 use crate::line::contours::Contour;
 use crate::line::interior::InteriorLayer;
 use crate::shape::edges::cpu::Weights;
@@ -23,7 +24,7 @@ pub(crate) struct FrameCache {
     /// White level of the picture.
     pub(crate) white: Slot<f32>,
     /// Albedo estimated from the picture.
-    pub(crate) albedo: Slot<ColorPlanes>,
+    pub(crate) albedo: Slot<AlbedoEstimate>,
 }
 
 impl FrameCache {

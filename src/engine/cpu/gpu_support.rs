@@ -5,12 +5,13 @@ use crate::engine::cpu::memory::Memory;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::layers::cpu as light_layers;
 use crate::light::layers::terms::light_terms;
+use crate::light::relight::albedo;
 use crate::params::ScalingParams;
 
 /// The albedo estimated from a frame's picture.
 pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
-    let weights = frame.luminance_weights();
-    crate::light::relight::albedo::estimated(frame, weights, &Memory::default())
+    let (weights, memory) = (frame.luminance_weights(), Memory::default());
+    albedo::by_estimate(frame, &albedo::estimate(frame, weights, &memory), &memory)
 }
 
 /// The white levels of the terms of a frame's light.

@@ -1,5 +1,5 @@
-//! Runs whose shape nobody looks at. An enhanced picture takes the memory of slopes and edges. Shape and tone of large
-//! drawings are computed in bands, and only what strokes need is kept.
+//! Runs whose shape nobody looks at. A picture takes the memory of slopes and edges. Shape and tone of large drawings
+//! are computed in bands, and only what strokes need is kept.
 
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
@@ -16,17 +16,18 @@ use crate::line::canvas::Canvas;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
+use crate::product::Product;
 use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
 /// Number of pixels above which drawings use this path.
-const LARGE: usize = 1 << 24;
+const LARGE: usize = 1 << 22;
 
 /// Output rows of a band: many compared with the margin above and below.
 const BAND_ROWS: usize = 512;
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. An enhanced picture leaves out edges and slopes. A large frame drawn in
+    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes. A large frame drawn in
     /// its own light takes half the memory: its picture is consumed, and the outcome holds the drawing and the automatic
     /// choices, not the shape.
     ///
@@ -39,8 +40,8 @@ impl Runner {
         inputs: Inputs,
         watch: Watch,
     ) -> Result<Outcome> {
-        if is_enhanced(plan) {
-            return self.enhance(plan, frame, inputs, watch);
+        if makes_picture_alone(plan) {
+            return self.make_picture(plan, frame, inputs, watch);
         }
         let is_large = frame.mask.width() * frame.mask.height() > LARGE;
         if !(is_large && plan.drawing.is_some() && goes_in_bands(plan)) {
@@ -50,8 +51,14 @@ impl Runner {
         self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
     }
 
-    /// The enhanced picture, without edges and slopes.
-    fn enhance(&self, plan: &Plan, frame: &Frame, inputs: Inputs, watch: Watch) -> Result<Outcome> {
+    /// The picture; without edges and slopes, once no curvature is computed from them.
+    fn make_picture(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
         let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
@@ -61,19 +68,17 @@ impl Runner {
         };
         run.go_through(SHAPE)?;
         let shape = &mut run.outcome.shape;
-        let edges = [
-            &mut shape.silhouette,
-            &mut shape.crease,
-            &mut shape.conductance,
-        ];
-        memory.recycle(edges.into_iter().filter_map(Option::take));
-        memory.recycle(
-            shape
-                .gradient
-                .take()
-                .into_iter()
-                .flat_map(|slopes| [slopes.x, slopes.y]),
-        );
+        let is_made = shape.trace.is_some() && !plan.wants(Product::Hessian);
+        if plan.relighting.is_none() || is_made {
+            let edges = [
+                shape.silhouette.take(),
+                shape.crease.take(),
+                shape.conductance.take(),
+            ];
+            let slopes = shape.gradient.take();
+            let slopes = slopes.into_iter().flat_map(|slopes| [slopes.x, slopes.y]);
+            memory.recycle(edges.into_iter().flatten().chain(slopes));
+        }
         run.go_through(PICTURE)?;
         Ok(run.outcome)
     }
@@ -151,10 +156,10 @@ impl Runner {
     }
 }
 
-/// Whether a plan enhances a picture and does nothing else.
-fn is_enhanced(plan: &Plan) -> bool {
-    let does_more = plan.drawing.is_some() || plan.relighting.is_some() || plan.display;
-    plan.enhancement.is_some() && !does_more
+/// Whether a plan enhances a picture or relights the surface, and does nothing else.
+fn makes_picture_alone(plan: &Plan) -> bool {
+    let makes_one = plan.enhancement.is_some() || plan.relighting.is_some();
+    makes_one && plan.drawing.is_none() && !plan.display
 }
 
 /// Whether a drawing needs nothing of the shape but edges, and nothing of the light but the picture's radiance.
@@ -204,8 +209,9 @@ fn luminance_in_bands(
 mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes};
-    use crate::params::{LineParams, ScalingParams, ShapeParams};
-    use crate::plan::{Available, Goal, ToneFrom};
+    use crate::light::lights::{DirectionalLight, Illumination};
+    use crate::params::{LineParams, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal, LightKinds, ToneFrom};
 
     /// Bumps of 20 pixels with a hole, under varying light.
     fn bumps(width: usize, height: usize) -> Frame {
@@ -243,6 +249,32 @@ mod tests {
         assert_ne!(made.color, frame.color);
         let has_slopes = |outcome: &Outcome| outcome.shape.gradient.is_some();
         assert_eq!([&made, &whole].map(has_slopes), [false, true]);
+    }
+
+    #[test]
+    fn a_relit_picture_is_the_same_without_slopes() {
+        let light = Illumination {
+            directional: vec![DirectionalLight::white([135.0, 40.0])],
+            ..Illumination::default()
+        };
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        // Scaling takes the trace that the gain was chosen from, warping the Hessian.
+        for (method, has_slopes) in [(Method::Scale, false), (Method::Warp, true)] {
+            let mut frame = bumps(90, 60);
+            let params = RelightParams {
+                method,
+                ..RelightParams::default()
+            };
+            let (available, kinds) = (Available::in_frame(&frame), LightKinds::in_light(&light));
+            let plan = Plan::relight(available, shape, scaling, params, kinds).unwrap();
+            let (runner, inputs) = (Runner::default(), Inputs::lit_by(&light));
+            let whole = runner.execute(&plan, &frame, inputs).unwrap();
+            let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+            let made = made.unwrap();
+            assert_eq!(made.color, whole.color);
+            assert_eq!(made.shape.gradient.is_some(), has_slopes, "{method:?}");
+            assert!(whole.shape.gradient.is_some());
+        }
     }
 
     #[test]

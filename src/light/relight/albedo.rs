@@ -12,26 +12,30 @@ use std::ops::Range;
 /// Luminance that the albedo's white level is mapped to: that of paper.
 const BRIGHT: f32 = 0.8;
 
-/// The picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than paper. White
-/// where the picture is black.
-pub(crate) fn estimated(frame: &Frame, weights: [f32; 3], memory: &Memory) -> ColorPlanes {
+/// The estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than
+/// paper. White where the picture is black.
+pub(crate) fn estimate(frame: &Frame, weights: [f32; 3], memory: &Memory) -> AlbedoEstimate {
     let rows = 0..frame.mask.height();
     let shading = fitted(ShadingFit::default(), frame, weights, rows).solved();
     let albedo = over_shading(frame, shading, memory);
     let factor = BRIGHT / statistics::white_level(&albedo, weights, &frame.mask);
-    brightened(albedo, factor)
+    memory.recycle([albedo.r, albedo.g, albedo.b]);
+    AlbedoEstimate { shading, factor }
 }
 
-/// The albedo of a strip, from the fit over the whole picture.
+/// The albedo of every pixel, for devices.
+#[cfg(feature = "gpu")]
 pub(crate) fn by_estimate(
     frame: &Frame,
     estimate: &AlbedoEstimate,
     memory: &Memory,
 ) -> ColorPlanes {
-    brightened(
-        over_shading(frame, estimate.shading, memory),
-        estimate.factor,
-    )
+    let bare = bare(frame);
+    let [r, g, b] = map_covered(&frame.mask, memory, |y| {
+        let bare = &bare;
+        move |x| estimate.at(normal(frame, x, y), bare(x, y))
+    });
+    ColorPlanes { r, g, b }
 }
 
 /// A search for the estimate in a picture passed as groups of rows, from top to bottom: three times, with
@@ -127,24 +131,12 @@ fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>)
 /// The picture divided by a shading; white without one.
 fn over_shading(frame: &Frame, shading: Option<FittedShading>, memory: &Memory) -> ColorPlanes {
     let bare = bare(frame);
-    let albedo = |shading: FittedShading, x, y| {
-        let per_light = 1.0 / shading.at(normal(frame, x, y));
-        bare(x, y).map(|channel| channel * per_light)
-    };
     let [r, g, b] = map_covered(&frame.mask, memory, |y| {
-        let albedo = &albedo;
+        let bare = &bare;
         move |x| match shading {
-            Some(shading) => albedo(shading, x, y),
+            Some(shading) => shading.under(normal(frame, x, y), bare(x, y)),
             None => [1.0; 3],
         }
     });
     ColorPlanes { r, g, b }
-}
-
-fn brightened(mut albedo: ColorPlanes, factor: f32) -> ColorPlanes {
-    for plane in [&mut albedo.r, &mut albedo.g, &mut albedo.b] {
-        let samples = plane.samples_mut().par_iter_mut();
-        samples.for_each(|v| *v = (*v * factor).clamp(0.0, 1.0));
-    }
-    albedo
 }

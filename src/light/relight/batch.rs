@@ -2,7 +2,7 @@
 
 use crate::frame::{DepthKind, Plane};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
-use crate::light::relight::curvature::{CurvatureRow, Kind};
+use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
 use crate::light::sum::LightSum;
 use glam::DVec3;
@@ -117,13 +117,15 @@ impl Batch {
         copy(x_lanes, &frame.normal.x);
         copy(y_lanes, &frame.normal.y);
         copy(z_lanes, &frame.normal.z);
-        match scene.curvature.as_ref().map(|curvature| &curvature.kind) {
-            Some(Kind::Hessian) => {
+        match scene.curvature {
+            Some(Curvature::Hessian(_)) => {
                 for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
                     copy_row(lanes, curvature.entry(k));
                 }
             }
-            Some(Kind::Trace | Kind::Made(_)) => copy_row(&mut self.trace, curvature.entry(0)),
+            Some(Curvature::Trace(_) | Curvature::Made(_)) => {
+                copy_row(&mut self.trace, curvature.entry(0))
+            }
             None => {}
         }
         if let Some(color) = scene.albedo {

@@ -4,23 +4,22 @@ use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::shape::Rows;
 
-/// The source of curvature, or precomputed curvature.
-pub(crate) struct Curvature<'a> {
+/// The source of curvature: the required part of the Hessian, or that part precomputed.
+pub(crate) enum Curvature<'a> {
+    /// All entries.
+    Hessian(Slopes<'a>),
+    /// Its trace.
+    Trace(Slopes<'a>),
+    /// Its trace, already computed for choosing the gain.
+    Made(&'a Plane),
+}
+
+/// The diffused gradient, whose change across open pixels is the Hessian.
+pub(crate) struct Slopes<'a> {
     pub(crate) gradient: &'a Vector2Planes,
     pub(crate) conductance: &'a Plane,
     /// Converts from per pixel to per pixel of the reference.
     pub(crate) factor: f32,
-    pub(crate) kind: Kind<'a>,
-}
-
-/// The required part of the Hessian.
-pub(crate) enum Kind<'a> {
-    /// All entries.
-    Hessian,
-    /// Its trace.
-    Trace,
-    /// Its trace, already computed for choosing the gain.
-    Made(&'a Plane),
 }
 
 /// The entries xx, xy and yy of a row, or its trace in the first row.
@@ -36,34 +35,45 @@ impl CurvatureRow {
     }
 
     /// Computes row `y`.
-    pub(crate) fn make(&mut self, curvature: &Curvature, frame: &Frame, y: usize, simd: Simd) {
-        let Curvature {
-            gradient,
-            conductance,
-            ..
-        } = curvature;
-        let around = [&gradient.x, &gradient.y, conductance].map(|plane| Rows::around(plane, y));
-        let [gx, gy, c] = &around;
+    pub(crate) fn make<'a>(
+        &mut self,
+        curvature: &Curvature<'a>,
+        frame: &Frame,
+        y: usize,
+        simd: Simd,
+    ) {
         let columns = frame.mask.span(y);
         if columns.is_empty() {
             return;
         }
         let [first, second, third] = &mut self.rows;
-        match curvature.kind {
-            Kind::Hessian => {
+        let around = |slopes: &Slopes<'a>| {
+            let Slopes {
+                gradient,
+                conductance,
+                ..
+            } = slopes;
+            [&gradient.x, &gradient.y, conductance].map(|plane| Rows::around(plane, y))
+        };
+        let factor = match curvature {
+            Curvature::Hessian(slopes) => {
+                let [gx, gy, c] = &around(slopes);
                 simd.hessian_row([first, second, third], gx, gy, c, columns.clone());
+                slopes.factor
             }
-            Kind::Trace => simd.trace_row(first, gx, gy, c, columns.clone()),
-            Kind::Made(trace) => {
-                first[columns.clone()].copy_from_slice(&trace.row(y)[columns]);
-                return;
+            Curvature::Trace(slopes) => {
+                let [gx, gy, c] = &around(slopes);
+                simd.trace_row(first, gx, gy, c, columns.clone());
+                slopes.factor
             }
-        }
-        if curvature.factor != 1.0 {
+            Curvature::Made(trace) => {
+                first[columns.clone()].copy_from_slice(&trace.row(y)[columns.clone()]);
+                1.0
+            }
+        };
+        if factor != 1.0 {
             for row in &mut self.rows {
-                row[columns.clone()]
-                    .iter_mut()
-                    .for_each(|v| *v *= curvature.factor);
+                row[columns.clone()].iter_mut().for_each(|v| *v *= factor);
             }
         }
     }

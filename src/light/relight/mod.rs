@@ -24,7 +24,7 @@ use crate::frame::{ColorPlanes, Frame, Projection, SightLines};
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::Batch;
-use crate::light::relight::curvature::{Curvature, CurvatureRow, Kind};
+use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::scene::Scene;
 use crate::light::sum::{Directed, Scaled, Shading, TowardLight};
@@ -54,13 +54,13 @@ pub(crate) fn relight(run: &mut Run) {
     }
     run.outcome.environment_gain = around.gain();
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-        run.kept_or(
+        run.copied_or(
             "",
             |kept| &mut kept.albedo,
             "albedo-estimate",
-            || match &relighting.estimate {
-                Some(found) => albedo::by_estimate(frame, found, memory),
-                None => albedo::estimated(frame, weights, memory),
+            || match relighting.estimate {
+                Some(found) => found,
+                None => albedo::estimate(frame, weights, memory),
             },
         )
     });
@@ -82,10 +82,10 @@ pub(crate) fn relight(run: &mut Run) {
         grain: shape.direction.as_ref().filter(|_| relighting.grain),
         albedo: match relighting.albedo {
             Albedo::Layer => frame.albedo.as_ref(),
-            Albedo::Picture => frame.color.as_ref(),
-            Albedo::Estimate => estimate.as_ref(),
+            Albedo::Picture | Albedo::Estimate => frame.color.as_ref(),
             Albedo::White => None,
         },
+        estimate,
         gain,
         magnitudes: plan.scaling.magnitudes(),
         invariant_point: plan.scaling.invariant_point,
@@ -106,30 +106,26 @@ pub(crate) fn relight(run: &mut Run) {
     };
     let color = run.timed("relight", || lit(&scene, memory));
     drop(scene);
-    match (estimate, run.kept_if_whole()) {
-        (Some(estimate), Some(kept)) => kept.albedo.put(estimate),
-        (Some(ColorPlanes { r, g, b }), None) => memory.recycle([r, g, b]),
-        (None, _) => {}
-    }
     run.outcome.shape = shape;
     run.outcome.color = Some(color);
 }
 
 /// The source of curvature, if it is needed.
 fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
-    let kind = match &shape.trace {
-        _ if plan.wants(Product::Hessian) => Kind::Hessian,
-        Some(trace) => Kind::Made(trace),
-        None if plan.wants(Product::Trace) => Kind::Trace,
-        None => return None,
+    let slopes = || {
+        let shape_is_there = "curvature is planned with its gradient";
+        Slopes {
+            gradient: shape.gradient.as_ref().expect(shape_is_there),
+            conductance: shape.conductance.as_ref().expect(shape_is_there),
+            factor: plan.resolution_factor as f32,
+        }
     };
-    let shape_is_there = "curvature is planned with its gradient";
-    Some(Curvature {
-        gradient: shape.gradient.as_ref().expect(shape_is_there),
-        conductance: shape.conductance.as_ref().expect(shape_is_there),
-        factor: plan.resolution_factor as f32,
-        kind,
-    })
+    match &shape.trace {
+        _ if plan.wants(Product::Hessian) => Some(Curvature::Hessian(slopes())),
+        Some(trace) => Some(Curvature::Made(trace)),
+        None if plan.wants(Product::Trace) => Some(Curvature::Trace(slopes())),
+        None => None,
+    }
 }
 
 /// Shading by single lights, if any are summed.

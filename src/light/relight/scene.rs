@@ -1,6 +1,7 @@
 //! State shared by all batches of a relit frame.
 
 use crate::frame::{ColorPlanes, Frame, Mask, SightLines, Vector2Planes};
+use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::curvature::Curvature;
@@ -25,7 +26,9 @@ pub(crate) struct Scene<'a> {
     pub(super) curvature: Option<Curvature<'a>>,
     /// Grain direction in the picture, if it follows the curvature.
     pub(super) grain: Option<&'a Vector2Planes>,
+    /// The planes that the albedo is, or is estimated from; `None` for white.
     pub(super) albedo: Option<&'a ColorPlanes>,
+    pub(super) estimate: Option<AlbedoEstimate>,
     /// Curvature gain.
     pub(super) gain: f32,
     pub(super) magnitudes: Magnitudes,

@@ -2,6 +2,7 @@
 //! machine.
 
 use crate::engine::cpu::simd::widened;
+use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
@@ -9,7 +10,7 @@ use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::Batch;
-use crate::light::relight::curvature::{Curvature, Kind};
+use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
 use crate::light::relight::scene::{Scene, Term};
 use crate::light::tones::tone_factor;
@@ -45,6 +46,9 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     }
     if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
         demodulate(batch);
+    }
+    if let Some(estimate) = &scene.estimate {
+        estimate_albedo(batch, estimate);
     }
     let lobes = scene.shading.map(|shading| shading.lobes);
     let phong = relighting.params.material.material == Material::Phong;
@@ -90,13 +94,7 @@ fn find_kappa(batch: &mut Batch, scene: &Scene) {
         kappa,
         ..
     } = batch;
-    if matches!(
-        scene.curvature,
-        Some(Curvature {
-            kind: Kind::Hessian,
-            ..
-        })
-    ) {
+    if matches!(scene.curvature, Some(Curvature::Hessian(_))) {
         let [xx, _, yy] = &pixels.hessian;
         for i in 0..BATCH {
             trace[i] = xx[i] + yy[i];
@@ -149,6 +147,18 @@ fn demodulate(batch: &mut Batch) {
         for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
             *albedo *= per_cover;
         }
+    }
+}
+
+/// Turns the picture's colours into the albedo estimated from them.
+#[inline(always)]
+fn estimate_albedo(batch: &mut Batch, estimate: &AlbedoEstimate) {
+    let [r, g, b] = &mut batch.albedo;
+    for i in 0..BATCH {
+        let cover = batch.alpha[i];
+        let per_cover = if cover > 0.0 { 1.0 / cover } else { 0.0 };
+        let bare = [r[i] * per_cover, g[i] * per_cover, b[i] * per_cover];
+        [r[i], g[i], b[i]] = estimate.at(batch.pixels.normal.at(i), bare);
     }
 }
 
