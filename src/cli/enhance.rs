@@ -62,6 +62,7 @@ impl FrameCommand for EnhanceArgs {
             .for_each(|text| job.warn(text));
         let mut outcome =
             job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
+        job.keep_picture_alone(engine, &mut outcome);
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,

@@ -154,6 +154,7 @@ impl FrameCommand for HatchArgs {
             }),
             _ => draw(&mut loaded.frame, inputs),
         }?;
+        job.keep_picture_alone(&kit.engine, &mut outcome);
         if let (Some(drawing), false) = (&mut outcome.drawing, is_svg(&job.work)) {
             self.mix(drawing, &loaded.frame, times);
         }

@@ -8,7 +8,7 @@ use crate::command::chosen::Chosen;
 use crate::command::output::{Displayed, Kind, MadePicture};
 use crate::command::recipe::RecipeText;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
-use crate::engine::outcome::Outcome;
+use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window};
@@ -201,6 +201,24 @@ impl<'a> Job<'a> {
         let outcome = engine.execute_sparingly(plan, frame, inputs, &Run::new().warn(&warn))?;
         self.note_gain(plan, outcome.gain);
         Ok(outcome)
+    }
+
+    /// Frees all that a run computed but its picture or drawing, which is about to be written.
+    pub(super) fn keep_picture_alone(&self, engine: &Engine, outcome: &mut Outcome) {
+        if !self.is_in_sequence() {
+            outcome.shape = Shape::default();
+            if outcome.drawing.is_some() {
+                outcome.color = None;
+            }
+        }
+        self.release_spare_memory(engine);
+    }
+
+    /// Frees the memory that a run leaves for further ones, unless there are any.
+    pub(super) fn release_spare_memory(&self, engine: &Engine) {
+        if !self.is_in_sequence() {
+            engine.release_spare_memory();
+        }
     }
 
     /// Says where normals are too coarse for the gain that their shape asks for.

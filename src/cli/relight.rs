@@ -90,6 +90,7 @@ impl FrameCommand for RelightArgs {
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
         let mut outcome = job.execute(&kit.engine, &plan, &mut loaded.frame, work.inputs())?;
+        job.keep_picture_alone(&kit.engine, &mut outcome);
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,

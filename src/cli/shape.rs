@@ -62,6 +62,7 @@ impl FrameCommand for ShapeArgs {
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
         let outcome = job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
+        job.release_spare_memory(engine);
         let done = Done {
             loaded,
             plan,

@@ -170,9 +170,9 @@ impl Engine {
         }
     }
 
-    /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. An enhanced picture leaves out edges
-    /// and slopes. A large frame drawn in its own light takes half the memory: the picture is consumed, and the outcome
-    /// holds the drawing and the automatic choices, not the shape.
+    /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. A picture leaves out edges and slopes
+    /// that it no longer takes. A large frame drawn in its own light takes half the memory: the picture is consumed, and
+    /// the outcome holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Engine::execute`].
@@ -289,6 +289,11 @@ impl Engine {
     /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub fn forget_environment(&self) {
         self.cpu.forget_environment();
+    }
+
+    /// Frees the memory kept for further runs, as before the last result is written.
+    pub(crate) fn release_spare_memory(&self) {
+        self.cpu.memory.release();
     }
 
     /// Reclaims the memory of an outcome.

@@ -80,6 +80,14 @@ impl Memory {
         spare.pop()
     }
 
+    /// Frees the planes kept for reuse.
+    pub(crate) fn release(&self) {
+        self.spare
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clear();
+    }
+
     /// Reclaims planes whose samples are no longer needed.
     pub(crate) fn recycle(&self, planes: impl IntoIterator<Item = Plane>) {
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
