@@ -476,8 +476,8 @@ impl Scratch {
         for i in 0..BATCH {
             logarithms[i] = AshikhminShirley::log_lobe(self.lobe[i], exponents[i]);
         }
-        for i in 0..BATCH {
-            terms.specular[i] *= exp_to_normal(logarithms[i]);
+        for (specular, logarithm) in terms.specular.iter_mut().zip(&*logarithms) {
+            *specular *= exp_to_normal(*logarithm);
         }
         if let Some(scaled) = shading.scaled {
             for square in &mut self.lobe {
