@@ -71,7 +71,8 @@ def save_passes(scene: bpy.types.Scene, path: Path) -> None:
     with restored(image):
         set_file_format(image, "OPEN_EXR_MULTILAYER")
         image.color_depth = "32"
-        image.exr_codec = "ZIP"
+        # Written and read several times faster than ZIP, for twice the size.
+        image.exr_codec = "RLE"
         image.use_preview = False
         try:
             result.save_render(str(path), scene=scene)
