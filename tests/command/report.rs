@@ -160,8 +160,7 @@ fn warnings_are_of_the_frame() {
         let rest = ran.stdout.split("## Warnings").nth(1).unwrap().to_string();
         rest.split("## Where").next().unwrap().to_string()
     };
-    let [photo, normals, haze] =
-        ["tablet.color.jpg", "tablet.normal.png", "haze.exr"].map(|name| fixture(name));
+    let [photo, normals, haze] = ["tablet.color.jpg", "tablet.normal.png", "haze.exr"].map(fixture);
     let photo = warned(&[
         photo.to_str().unwrap(),
         "--normal",
