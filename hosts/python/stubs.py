@@ -153,7 +153,9 @@ def type_of(row):
             boolean = "bool | " if "on" in row.words else ""
             return f"{boolean}Literal[{words}] | Sequence[str] | None"
         case "number":
-            return f"float | Literal[{words}] | None" if words else "float | None"
+            # Some take several, as scales do.
+            several = "float | Sequence[float]"
+            return f"{several} | Literal[{words}] | None" if words else f"{several} | None"
         case _:
             return "_Value | None"
 
