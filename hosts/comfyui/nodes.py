@@ -11,7 +11,7 @@ from pyrelievo._commands import default_engine
 from pyrelievo._settings import rows, typed
 
 from .pixels import arrays, displayed, linear, tensor_of
-from .widgets import given, widgets
+from .widgets import given, settings, widgets
 
 #: Layers by the names of their sockets: the layer of a frame, its type and how many channels it has.
 SOCKETS = {
@@ -71,8 +71,6 @@ class Node:
     COMMAND: str
     REQUIRED: tuple[str, ...]
     OPTIONAL: tuple[str, ...]
-    #: Settings that are shown first; the others are advanced.
-    FIRST: tuple[str, ...]
 
     CATEGORY = "image/relievo"
     FUNCTION = "run"
@@ -89,7 +87,8 @@ class Node:
         kinds = [word for word in roles["depth_kind"].words if word != "auto"]
         kind = kinds, {"default": "white-near", "tooltip": roles["depth_kind"].help + ".", "advanced": True}
         own = widgets(cls.COMMAND)
-        first = {name: own.pop(name) for name in cls.FIRST}
+        known = settings(cls.COMMAND)
+        first = {name: own.pop(name) for name in list(own) if known[name].common}
         rest = {name: (kind, options | {"advanced": True}) for name, (kind, options) in own.items()}
         return {
             "required": {**{name: socket(name) for name in cls.REQUIRED}, "normal_flip": flip, **first},
@@ -112,7 +111,6 @@ class Node:
         roles = {"normal_encoding": "unsigned", "normal_flip": values.get("normal_flip", FLIPS[0])}
         if "depth" in batches:
             roles["depth_kind"] = values.get("depth_kind", "white-near")
-        own = {row.name for row in rows(self.COMMAND).values()}
         texts = typed(self.COMMAND, given(self.COMMAND, values))
 
         def make(at: int, more: list[tuple[str, str]], progress: Any) -> Any:
@@ -127,8 +125,7 @@ class Node:
         for done, at in enumerate(samples):
             made = make(at, [], lambda _, share, done=done: show(done + share))
             each.append(made.choices)
-        # A drawing also tells the white level of the picture below it, which is no setting of its own.
-        chosen = [(name, value) for name, value in choices_for_all(each) if name in own]
+        chosen = choices_for_all(each)
         results = []
         for at in range(count):
             made = make(at, chosen, lambda _, share, at=at: show(len(samples) + at + share))
@@ -162,21 +159,18 @@ def node(command: str) -> Any:
 @node("enhance")
 class Enhance(Node):
     REQUIRED, OPTIONAL = ("image", "normal"), ("depth", "mask")
-    FIRST = ("scaling", "iterations", "mix")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE",), ("image",)
 
 
 @node("relight")
 class Relight(Node):
     REQUIRED, OPTIONAL = ("normal",), ("image", "albedo", "depth", "mask")
-    FIRST = ("light", "environment", "method", "material", "scaling", "ambient", "iterations")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE",), ("image",)
 
 
 @node("shape")
 class Shape(Node):
     REQUIRED, OPTIONAL = ("normal",), ("depth", "mask")
-    FIRST = ("iterations", "curvature_gain")
     RETURN_TYPES = ("IMAGE", "MASK", "MASK", "MASK", "MASK")
     RETURN_NAMES = ("curvature", "convex", "concave", "silhouettes", "creases")
     OUTPUT_TOOLTIPS = (
@@ -196,7 +190,6 @@ class Shape(Node):
 @node("hatch")
 class Hatch(Node):
     REQUIRED, OPTIONAL = ("normal",), ("image", "depth", "mask")
-    FIRST = ("style", "tone", "light", "contours", "interior", "enlarge", "seed")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE", "MASK"), ("drawing", "ink")
     OUTPUT_TOOLTIPS = ("The drawing on white paper.", "1 where ink is, 0 for bare paper.")
 

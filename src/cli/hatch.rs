@@ -12,7 +12,7 @@ use crate::command::line_args::HatchArgs;
 use crate::command::output::Kind;
 use crate::command::relight::illumination;
 use crate::engine::{self, Engine, Run};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::{Loaded, load_specular};
@@ -36,9 +36,6 @@ pub(super) struct HatchInputs {
     surroundings: Mutex<Option<(PathBuf, Arc<Surroundings>)>>,
     course: Mutex<SequenceState>,
 }
-
-/// Most memory per pixel of an enlarged drawing.
-const BYTES_PER_PIXEL: u64 = 160;
 
 /// State carried over from the frame before.
 struct SequenceState {
@@ -177,46 +174,19 @@ impl HatchArgs {
         if times == 1.0 {
             return Ok(times);
         }
-        let (name, less) = match job.work.flags.params.size {
-            Some(_) => ("--size", "give a lower --dpi"),
-            None => ("--enlarge", "give a lower one"),
-        };
-        let refused = |found: &str, remedy: &str| {
-            Err(Error::BadParameter {
-                name,
-                found: found.into(),
-                remedy: remedy.into(),
-            })
-        };
-        if !self
-            .relight
-            .specular
-            .of_frame(job.frame)
-            .inputs()
-            .is_empty()
-        {
-            return refused("does not go with mirrors and lenses", "leave it out");
-        }
+        let specular = self.relight.specular.of_frame(job.frame).inputs();
+        self.refuse_enlarged(&loaded.frame, times, !specular.is_empty())?;
         if job.is_in_sequence() && self.motion.moves() {
-            return refused("does not go with strokes that move", "give --motion none");
+            let found = "does not go with strokes that move".into();
+            return Err(self.cannot_enlarge(found, "give --motion none".into()));
         }
         if job.work.output.color_layer(loaded).is_some()
             && !is_svg(&job.work)
             && job.work.output.kind()? == Kind::Exr
         {
-            return refused(
-                "makes layers larger than those of the input",
-                "give --layers results, or write a picture",
-            );
-        }
-        let window = loaded.frame.data_window;
-        let [width, height] =
-            [window.width(), window.height()].map(|side| (side as f64 * times) as u64);
-        if width * height * BYTES_PER_PIXEL > job.work.run.max_memory.most() {
-            let found = format!(
-                "makes a drawing of {width}x{height} pixels, and memory for it is not allowed"
-            );
-            return refused(&found, &format!("{less}, or raise --max-memory"));
+            let found = "makes layers larger than those of the input".into();
+            let remedy = "give --layers results, or write a picture".into();
+            return Err(self.cannot_enlarge(found, remedy));
         }
         loaded.frame = loaded.frame.enlarged(times);
         loaded.enlarged = times;

@@ -25,6 +25,9 @@ use crate::params::{
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::Path;
 
+/// Most memory per pixel of an enlarged drawing.
+const BYTES_PER_PIXEL: u64 = 160;
+
 /// Settings of a drawing, collected from the flags.
 pub(crate) struct Looks {
     shape: ShapeParams,
@@ -120,6 +123,46 @@ impl HatchArgs {
                 Ok(params.enlarge.times(size_px) as f64)
             }
         }
+    }
+
+    /// Error for an enlargement that is not possible.
+    pub(crate) fn cannot_enlarge(&self, found: String, remedy: String) -> Error {
+        let name = match self.relight.work.flags.params.size {
+            Some(_) => "--size",
+            None => "--enlarge",
+        };
+        Error::BadParameter {
+            name,
+            found,
+            remedy,
+        }
+    }
+
+    /// Refuses to enlarge what mirrors and lenses show, and frames beyond the memory limit.
+    pub(crate) fn refuse_enlarged(
+        &self,
+        frame: &Frame,
+        times: f64,
+        is_specular: bool,
+    ) -> Result<()> {
+        if is_specular {
+            let found = "does not go with mirrors and lenses".into();
+            return Err(self.cannot_enlarge(found, "leave it out".into()));
+        }
+        let work = &self.relight.work;
+        let window = frame.data_window;
+        let [width, height] =
+            [window.width(), window.height()].map(|side| (side as f64 * times) as u64);
+        if width * height * BYTES_PER_PIXEL <= work.run.max_memory.most() {
+            return Ok(());
+        }
+        let found =
+            format!("makes a drawing of {width}x{height} pixels, and memory for it is not allowed");
+        let less = match work.flags.params.size {
+            Some(_) => "give a lower --dpi",
+            None => "give a lower one",
+        };
+        Err(self.cannot_enlarge(found, format!("{less}, or raise --max-memory")))
     }
 
     /// Pixels per inch that give the print's height.

@@ -1,10 +1,11 @@
 //! Scenes from arrays.
 
-use super::work::{Scene, Work};
+use super::scene::Scene;
+use super::work::Work;
 use crate::error::{Error, Result};
 use crate::frame::{Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window};
 use crate::io::camera::camera_of_text;
-use crate::io::inputs::{Inputs, NormalEncoding};
+use crate::io::inputs::NormalEncoding;
 
 /// Layers of a frame in memory: see [`FrameBuilder`](crate::frame::FrameBuilder) for what each holds.
 pub struct Given<'a> {
@@ -63,13 +64,8 @@ impl<'a> Given<'a> {
     /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
     /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
     pub fn scene(self, work: &Work) -> Result<Scene> {
+        work.refuse_names()?;
         let inputs = work.inputs();
-        if let Some(role) = named(&inputs) {
-            let found = format!(
-                "{role} names a layer or a file, and the frame is made of arrays: give one"
-            );
-            return Err(Error::Arguments { found });
-        }
         let [width, height] = self.size;
         let camera = match self.camera {
             Some(text) => {
@@ -138,22 +134,4 @@ fn share(value: f32) -> f32 {
         true => value.min(1.0),
         false => 0.0,
     }
-}
-
-/// The first role that names a layer or a file.
-fn named(inputs: &Inputs) -> Option<&'static str> {
-    let names = [
-        ("view", &inputs.view),
-        ("normal", &inputs.normal),
-        ("color", &inputs.color),
-        ("depth", &inputs.depth),
-        ("position", &inputs.position),
-        ("occlusion", &inputs.occlusion),
-        ("importance", &inputs.importance),
-        ("mask", &inputs.mask),
-        ("coverage", &inputs.coverage),
-    ];
-    let named = names.iter().find(|(_, name)| name.is_some());
-    let objects = (!inputs.objects.is_empty()).then_some("object");
-    named.map(|(role, _)| *role).or(objects)
 }

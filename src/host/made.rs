@@ -1,6 +1,8 @@
 //! What a command has made.
 
+use super::work::named;
 use crate::command::chosen::Chosen;
+use crate::command::commands::{command_named, long};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Plane};
 use crate::product::Product;
@@ -17,6 +19,8 @@ pub struct Made {
     pub svg: Option<String>,
     /// Warnings about settings.
     pub warnings: Vec<String>,
+    /// The command that made it.
+    pub(super) command: String,
     /// Choices made on the way.
     pub(super) chosen: Chosen,
 }
@@ -70,11 +74,7 @@ impl Made {
 
     /// What was chosen by itself, by the names of settings.
     pub fn choices(&self) -> Vec<(String, String)> {
-        let flags = self.chosen.flags();
-        let flags = flags.iter();
-        flags
-            .map(|flag| (flag.name().into(), flag.value().unwrap_or("true").into()))
-            .collect()
+        settings_in(&self.chosen, &self.command)
     }
 
     /// Its memory, to be used again by the engine.
@@ -99,4 +99,13 @@ fn layer<'a>(name: &str, planes: Vec<&'a Plane>) -> Layer<'a> {
         planes,
         sigma_px: None,
     }
+}
+
+/// Choices as settings of a command. Some of what is found on the way is no setting of it, as the white level of a
+/// picture that gives the tone of a drawing.
+pub(super) fn settings_in(chosen: &Chosen, command: &str) -> Vec<(String, String)> {
+    let command = command_named(command);
+    let flags = chosen.flags().into_iter();
+    let known = flags.filter(|flag| long(&command, flag.name()).is_some());
+    known.map(|flag| named(&flag)).collect()
 }

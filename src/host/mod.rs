@@ -22,6 +22,8 @@
 
 mod given;
 mod made;
+mod making;
+mod scene;
 mod sequence;
 mod thumbnail;
 mod work;
@@ -30,6 +32,7 @@ pub use crate::command::recipe::COMMANDS;
 pub use crate::command::setting::{Kind, Setting, settings_of};
 pub use given::Given;
 pub use made::{Layer, Made};
+pub use scene::{File, Scene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;
-pub use work::{File, Scene, Work};
+pub use work::Work;

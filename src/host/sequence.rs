@@ -1,9 +1,9 @@
 //! Frames of a sequence.
 
-use super::work::{File, Work};
+use super::made::settings_in;
+use super::scene::File;
+use super::work::Work;
 use crate::command::chosen::Chosen;
-use crate::command::commands::{command_named, long};
-use crate::command::flags::Flag;
 use crate::command::recipe::SAMPLE_FRAMES;
 use crate::engine::{Engine, Run};
 use crate::error::{Error, Result};
@@ -48,16 +48,7 @@ pub fn chosen_for_all(
     if let (Some(error), true) = (first_error, each.is_empty()) {
         return Err(error);
     }
-    let flags = Chosen::for_all(&each).flags();
-    // Some of what is found on the way is no setting of the command.
-    let parser = command_named(command);
-    let known = |flag: &&Flag| long(&parser, flag.name()).is_some();
-    let chosen = flags.iter().filter(known).map(|flag| {
-        (
-            flag.name().to_string(),
-            flag.value().unwrap_or("true").into(),
-        )
-    });
+    let chosen = settings_in(&Chosen::for_all(&each), command);
     let once = (!samples.is_empty()).then(|| (SAMPLE_FRAMES.into(), "none".into()));
     let given = settings.iter().filter(|(name, _)| name != SAMPLE_FRAMES);
     Ok(given.cloned().chain(chosen).chain(once).collect())

@@ -4,8 +4,8 @@
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
 use super::batch::{BATCH, Pixels};
+use super::cosines::{at_most_1, positive, scalar_product};
 use super::sum::exponent::Exponent;
-use super::sum::terms::{at_most_1, positive, scalar_product};
 use crate::fast_math::{exp_to_normal, ln_of_normal};
 use crate::params::{Material, MaterialParams};
 

@@ -3,6 +3,7 @@
 pub mod albedo;
 pub(crate) mod batch;
 pub mod brdf;
+pub(crate) mod cosines;
 pub(crate) mod enhancement;
 pub mod environment;
 pub mod environment_layout;

@@ -229,16 +229,13 @@ def render(context: bpy.types.Context, scene: bpy.types.Scene, number: int) -> S
 
 def chosen(recipe: pyrelievo.Recipe, pattern: Path, frames: list[int]) -> Any:
     """Steps that choose everything automatic once for all frames; they return a recipe with the choices."""
-    engine = results.engine()
+    engine = pyrelievo.Engine()
     job = Job(lambda progress: engine.choose(recipe.command, recipe.settings, str(pattern), frames, progress))
     try:
         values, _ = yield from job.steps()
     except MENDABLE as error:
         raise ValueError(sentence(error, passes_path(pattern.parent, frames[0]))) from error
-    # What is chosen along the way, as white levels of a drawing, may be no setting of the command.
-    known = {row["name"] for row in _relievo.settings(recipe.command)}
-    taken = [(name, value) for name, value in values if name in known]
-    return pyrelievo.Recipe.parse(_relievo.recipe(recipe.command, taken))
+    return pyrelievo.Recipe.parse(_relievo.recipe(recipe.command, values))
 
 
 def within(steps: Steps, start: float, share: float) -> Any:
@@ -279,7 +276,7 @@ def drawn_lines(scene: bpy.types.Scene) -> str:
         path = folder / "passes.exr"
         passes.save_passes(scene, path)
         try:
-            return recipe(pyrelievo.load(path), engine=results.engine()).svg()
+            return recipe(pyrelievo.load(path)).svg()
         except MENDABLE as error:
             raise ValueError(sentence(error, path)) from error
 

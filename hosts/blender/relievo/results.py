@@ -10,17 +10,6 @@ import pyrelievo
 
 from .passes import restored, set_file_format
 
-_engine: pyrelievo.Engine | None = None
-
-
-def engine() -> pyrelievo.Engine:
-    """The engine of all commands, which keeps its memory from one to the next."""
-    global _engine
-    if _engine is None:
-        _engine = pyrelievo.Engine()
-    return _engine
-
-
 class Result(NamedTuple):
     """An array that a command has made, of rows x columns, or x channels."""
 
@@ -36,7 +25,7 @@ def results_of(
 ) -> list[Result]:
     """What a recipe makes of the passes in a file."""
     frame = pyrelievo.load(path)
-    made = recipe(frame, engine=engine(), progress=progress)
+    made = recipe(frame, progress=progress)
     match recipe.command:
         case "map":
             return [Result(f"map.{name}", "data", pixels) for name, pixels in made.items()]

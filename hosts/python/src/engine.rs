@@ -150,8 +150,3 @@ pub(crate) fn recipe_of(path: &Path, text: Option<&str>) -> relievo::Result<Reci
         None => Recipe::read(path),
     }
 }
-
-/// A command without settings but those of the frame.
-pub(crate) fn work_of(frame: &Frame, command: &str) -> relievo::Result<Work> {
-    frame.work(command, &Settings::new())
-}

@@ -1,7 +1,6 @@
 //! Frames: of arrays, or of files that are read as far as a command needs them.
 
 use crate::arrays::{Borrowed, View, array_of};
-use crate::engine::work_of;
 use crate::errors::raised;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -227,7 +226,8 @@ impl Frame {
 
     /// The scene as the command line would describe it: with everything that there is.
     fn read(&self, py: Python<'_>) -> PyResult<Arc<Scene>> {
-        let read = || -> relievo::Result<_> { self.scene(&work_of(self, "relight")?) };
+        let read =
+            || -> relievo::Result<_> { self.scene(&self.work("relight", &Settings::new())?) };
         py.detach(read).map_err(raised)
     }
 }

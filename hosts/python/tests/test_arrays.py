@@ -71,6 +71,31 @@ def test_what_cannot_be_used_is_said(ball, layer, array, error, said):
         pyrelievo.enhance(**{**ball, layer: array})
 
 
+@pytest.mark.parametrize(
+    ("command", "settings"),
+    [
+        ("enhance", {"object": "Head"}),
+        ("relight", {"albedo": "Albedo", "light": (135, 40)}),
+        ("relight", {"material": "mirror", "surroundings": "around.exr"}),
+        ("hatch", {"object_angle": "Head=30"}),
+        ("enhance", {"light_group": "key=135,40"}),
+    ],
+)
+def test_arrays_have_no_layers_to_name(ball, command, settings):
+    """A setting that would be left unheeded is refused."""
+    color, normal = ball["color"], ball["normal"]
+    leading = (color, normal) if command == "enhance" else (normal,)
+    with pytest.raises(ValueError, match="the frame is made of arrays: leave it out, or load a file"):
+        getattr(pyrelievo, command)(*leading, **settings)
+
+
+def test_enlargements_keep_to_memory():
+    """A billion pixels take 164 GB, more than there is."""
+    normal = np.broadcast_to(np.float32([0, 0, 1]), (2000, 2000, 3))
+    with pytest.raises(ValueError, match="^--enlarge makes a drawing of 32000x32000 pixels, and memory for it is not"):
+        pyrelievo.hatch(normal, enlarge=16)
+
+
 def test_numbers_that_are_none(ball):
     """NaN and infinity are pixels without surface, and leave others as they are."""
     normal = ball["normal"].copy()

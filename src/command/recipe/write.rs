@@ -45,6 +45,12 @@ impl RecipeText {
         }
     }
 
+    /// The name of its command.
+    #[cfg(feature = "host")]
+    pub(crate) fn command(&self) -> &str {
+        &self.command
+    }
+
     /// Adds the choices made for all frames.
     pub(crate) fn choosing(mut self, chosen: Vec<Flag>) -> Self {
         self.chosen.extend(chosen);

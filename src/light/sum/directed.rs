@@ -5,12 +5,11 @@
 
 use super::exponent::Exponent;
 use super::shading::Shading;
-use super::terms::{
-    HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe, positive, scalar_product,
-};
+use super::terms::{HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe};
 use super::{GROUP, Sums};
 use crate::light::batch::{BATCH, Pixels};
 use crate::light::brdf::Lobes;
+use crate::light::cosines::{positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, half_vector};
 use crate::light::lights::DirectionalLight;
 

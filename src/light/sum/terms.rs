@@ -5,6 +5,7 @@ use super::shading::{Scaled, Shading, TowardLight};
 use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, Lobes, entering, share_seen};
+use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::shape::curvature::mapped_curvature_toward;
@@ -34,21 +35,6 @@ pub(super) struct Scratch {
     products: [Lanes; 3],
     /// Scaling curves for this light, if they depend on its direction.
     curves: [CurveLanes; 2],
-}
-
-#[inline(always)]
-pub(crate) fn scalar_product(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-pub(crate) fn positive(x: f32) -> f32 {
-    if x > 0.0 { x } else { 0.0 }
-}
-
-#[inline(always)]
-pub(crate) fn at_most_1(x: f32) -> f32 {
-    if x < 1.0 { x } else { 1.0 }
 }
 
 /// A light by lane: its direction, its half vector with z, its attenuation; and whether it is known to be above the

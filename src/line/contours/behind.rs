@@ -1,9 +1,9 @@
 //! Lines that pass behind something: their visible parts on both sides of it are one line.
 
 use crate::frame::Frame;
-use crate::line::contours::cpu::log_depth;
 use crate::line::contours::gaps::{Tip, facing, tips};
 use crate::line::contours::ground::Ground;
+use crate::line::contours::log_depth;
 use crate::line::contours::network::{Line, Sets};
 use glam::Vec2;
 

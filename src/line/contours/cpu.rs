@@ -1,6 +1,5 @@
 //! Lines along silhouettes and creases: found, joined, and drawn.
 
-use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::cracks::{self, Crack};
@@ -12,7 +11,6 @@ use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
 use crate::line::contours::{creases, silhouettes};
 use crate::params::{ContourParams, ShapeParams};
-use glam::Vec2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -162,14 +160,6 @@ impl FoundEdges {
         };
         contours_along(edges, frame, shape, params)
     }
-}
-
-/// Logarithm of the depth of a covered point of the picture, if it is known.
-pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
-    let [x, y] = [(at.x, frame.mask.width()), (at.y, frame.mask.height())]
-        .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
-    let depth = frame.depth.as_ref().filter(|_| frame.mask.at(x, y))?;
-    Some(ln(depth.at(x, y))).filter(|log| log.is_finite())
 }
 
 /// Distance from the picture's border within which the end of a line counts as continuing beyond it.

@@ -32,6 +32,8 @@ pub(crate) mod polyline;
 pub(crate) mod ridge;
 pub(crate) mod round_stroke;
 
+use crate::fast_math::ln;
+use crate::frame::Frame;
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
 use crate::params::ContourParams;
@@ -108,6 +110,14 @@ impl DepthRange {
     pub(crate) fn farness(&self, log_depth: f32) -> f32 {
         ((log_depth - self.near) / (self.far - self.near).max(DEEP)).clamp(0.0, 1.0)
     }
+}
+
+/// Logarithm of the depth of a covered point of the picture, if it is known.
+pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
+    let [x, y] = [(at.x, frame.mask.width()), (at.y, frame.mask.height())]
+        .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
+    let depth = frame.depth.as_ref().filter(|_| frame.mask.at(x, y))?;
+    Some(ln(depth.at(x, y))).filter(|log| log.is_finite())
 }
 
 /// Spots to either side over which widths change.

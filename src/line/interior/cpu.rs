@@ -3,9 +3,9 @@
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane};
 use crate::line::contours::behind::Occluders;
-use crate::line::contours::cpu::log_depth;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
+use crate::line::contours::log_depth;
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
 use crate::line::interior::chains::chains;

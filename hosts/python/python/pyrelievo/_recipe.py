@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from . import _relievo
-from ._commands import finished, frame_of
+from ._commands import default_engine, finished, frame_of
 from ._settings import typed
 
 
@@ -67,8 +67,7 @@ class Recipe:
         given = typed(self.command, settings)
 
         def make(form: str = "planes") -> _relievo.Made:
-            own = engine or _relievo.Engine()
-            return own.run_recipe(self._path, self._text, given, frame._frame, form, progress)
+            return (engine or default_engine()).run_recipe(self._path, self._text, given, frame._frame, form, progress)
 
         return finished(self.command, make, out, dtype)
 
