@@ -1,8 +1,8 @@
 //! What a command has made.
 
-use super::work::named;
 use crate::command::chosen::Chosen;
 use crate::command::commands::{command_named, long};
+use crate::command::flags::Flag;
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Plane};
 use crate::product::Product;
@@ -108,4 +108,9 @@ pub(super) fn settings_in(chosen: &Chosen, command: &str) -> Vec<(String, String
     let flags = chosen.flags().into_iter();
     let known = flags.filter(|flag| long(&command, flag.name()).is_some());
     known.map(|flag| named(&flag)).collect()
+}
+
+/// A flag as a setting.
+pub(super) fn named(flag: &Flag) -> (String, String) {
+    (flag.name().into(), flag.value().unwrap_or("true").into())
 }

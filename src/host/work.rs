@@ -1,6 +1,6 @@
 //! A command with its settings, parsed as the command line parses them.
 
-use super::made::Made;
+use super::made::{Made, named};
 use super::scene::File;
 use crate::command::chosen::Chosen;
 use crate::command::commands::{Command, command_named, long};
@@ -188,9 +188,4 @@ fn words(command: &str, settings: &[(String, String)]) -> Result<Vec<OsString>> 
 fn end(file: Option<&File>) -> Vec<OsString> {
     let path = file.map_or(Path::new(ARRAYS), |file| &file.path);
     vec!["-o".into(), LAYERS.into(), "--".into(), path.into()]
-}
-
-/// A flag as a setting.
-pub(super) fn named(flag: &Flag) -> (String, String) {
-    (flag.name().into(), flag.value().unwrap_or("true").into())
 }
