@@ -13,6 +13,7 @@ use crate::light::batch::BATCH;
 use crate::light::brdf::{
     self, AshikhminShirley, Cosines, entering, fifth_power, passed, share_seen,
 };
+use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::environment::equirectangular_position;
 use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
 use crate::light::layers::{TermScaling, changed, limited};
@@ -23,7 +24,7 @@ use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
 use crate::light::sum::exponent::Exponent;
-use crate::light::sum::terms::{self, at_most_1, positive, scalar_product};
+use crate::light::sum::terms;
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
 use crate::line::contours::crack;
