@@ -13,7 +13,7 @@
 //!     ..Given::of_normals([8, 8], (&normals[..]).into())
 //! };
 //! let work = Work::new("enhance", &[("scaling".into(), "0".into())], None)?;
-//! let made = work.run(&Engine::cpu(), &given.scene()?, &Run::new())?;
+//! let made = work.run(&Engine::cpu(), &given.scene(&work)?, &Run::new())?;
 //! let picture = made.picture().expect("enhancing gives a picture");
 //! assert_eq!(picture.r.view()[[4, 4]], 0.5);
 //! # Ok(())
