@@ -89,14 +89,15 @@ impl Placed {
         self.points.len()
     }
 
-    /// Whether any point within some distance `counts`.
+    /// Whether any point within some distance `counts`; the nearest rows first, as most questions end there.
     #[inline]
-    fn any(&self, at: Vec2, distance: f32, mut counts: impl FnMut(&Point) -> bool) -> bool {
+    fn any(&self, at: Vec2, distance: f32, counts: impl Fn(&Point) -> bool) -> bool {
         let [first, last] = [-distance, distance].map(|d| self.column(at.x + d));
         let square = distance * distance;
-        for y in self.row(at.y - distance)..=self.row(at.y + distance) {
+        let [top, own, bottom] = [-distance, 0.0, distance].map(|d| self.row(at.y + d));
+        let in_row = |y: usize| {
             let row = y * self.size[0];
-            for &newest in &self.last[row + first..=row + last] {
+            self.last[row + first..=row + last].iter().any(|&newest| {
                 let mut number = newest;
                 while let Some(point) = self.points.get(number as usize) {
                     if point.at.distance_squared(at) < square && counts(point) {
@@ -104,9 +105,10 @@ impl Placed {
                     }
                     number = point.before;
                 }
-            }
-        }
-        false
+                false
+            })
+        };
+        outward(top, own, bottom).any(in_row)
     }
 
     /// Whether no point that `counts` is closer than `distance`.
@@ -152,10 +154,12 @@ impl PointsByCell<'_> {
         let mut squares = [f32::INFINITY; 2];
         // Square of the distance beyond which no point is nearer than those found.
         let mut limit = reach * reach;
-        self.rows_outward(at, reach, |y, away| {
+        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
+        for y in outward(first, own, last) {
+            let away = self.away(y, at.y);
             let across = limit - away * away;
             if across <= 0.0 {
-                return;
+                continue;
             }
             for &(other, of_line) in self.cells(at, across.sqrt(), y) {
                 let offset = other - at;
@@ -171,7 +175,7 @@ impl PointsByCell<'_> {
                     limit = limit.min(squares[0].max(squares[1]));
                 }
             }
-        });
+        }
         squares.map(|square| {
             if square.is_finite() {
                 square.sqrt()
@@ -181,24 +185,13 @@ impl PointsByCell<'_> {
         })
     }
 
-    /// Visits the rows of cells within `reach` of a position, the nearest first, with at most their distance.
+    /// At most the distance of a row of cells from a height: less by as much as rounding may have moved a point to the
+    /// next cell.
     #[inline]
-    fn rows_outward(&self, at: Vec2, reach: f32, mut visit: impl FnMut(usize, f32)) {
+    fn away(&self, row: usize, y: f32) -> f32 {
         let side = self.placed.side;
-        let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
-        visit(own, 0.0);
-        // Less than the distance by as much as rounding may have moved a point to the next cell.
-        let at_most = |away: f32| (away - ROUNDING * side).max(0.0);
-        for step in 1..=(own - first).max(last - own) {
-            if own >= first + step {
-                let row = own - step;
-                visit(row, at_most(at.y - (row + 1) as f32 * side));
-            }
-            if own + step <= last {
-                let row = own + step;
-                visit(row, at_most(row as f32 * side - at.y));
-            }
-        }
+        let [above, below] = [row, row + 1].map(|border| border as f32 * side);
+        ((above - y).max(y - below) - ROUNDING * side).max(0.0)
     }
 
     /// The points of the cells in row `y` that are within `reach` of a position along the row.
@@ -209,6 +202,17 @@ impl PointsByCell<'_> {
         let [first, last] = [-reach, reach].map(|d| row + self.placed.column(at.x + d));
         &self.points[self.starts[first]..self.starts[last + 1]]
     }
+}
+
+/// The rows from `first` to `last`, those nearest to `own` first.
+#[inline]
+fn outward(first: usize, own: usize, last: usize) -> impl Iterator<Item = usize> {
+    let beside = (1..=(own - first).max(last - own)).flat_map(move |step| {
+        let above = own.checked_sub(step).filter(|&row| row >= first);
+        let below = (own + step <= last).then_some(own + step);
+        above.into_iter().chain(below)
+    });
+    std::iter::once(own).chain(beside)
 }
 
 /// Error of the border between cells, in sides.

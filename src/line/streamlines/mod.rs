@@ -117,8 +117,10 @@ const CARRIED_ROOM: f32 = 0.6;
 /// Points of a line from one to the next that others are started beside.
 const SEEDS: usize = 3;
 
-/// Spots to either side over which widths change.
+/// Points to either side over which widths change, and from one to the next for which room is looked for: a quarter of
+/// that range, so that what lies between is a straight line within it.
 const WIDTH_REACH: usize = 6;
+const ROOM_EVERY: usize = 3;
 
 /// Lines along `field` (unit directions, y up, equal to their opposites) that cover the share `ink` of the paper,
 /// avoiding 0. Those from the seeds `first` are placed before all others, at their previous extent, and then extended.
@@ -393,16 +395,29 @@ impl Drawer<'_> {
     /// The widths that cover the ink wanted between a line's neighbours.
     fn widths(&self, line: u32, points: &[Vec2], placed: &PointsByCell) -> Vec<f32> {
         let [thinnest, thickest] = self.tool.widths();
-        let wanted: Vec<f32> = (0..points.len())
-            .map(|i| {
-                let at = points[i];
-                let ink = self.ink_at(at).unwrap_or(0.0);
-                let along = points[(i + 1).min(points.len() - 1)] - points[i.saturating_sub(1)];
-                let spacing = self.tool.spacing(ink.max(self.least_ink));
-                let [left, right] = placed.room(at, along, spacing, line);
-                ink * 0.5 * (left + right)
-            })
+        let last = points.len() - 1;
+        let inks: Vec<f32> = points
+            .iter()
+            .map(|&at| self.ink_at(at).unwrap_or(0.0))
             .collect();
+        // Half of the distance between the neighbours on both sides.
+        let room = |i: usize| {
+            let along = points[(i + 1).min(last)] - points[i.saturating_sub(1)];
+            let spacing = self.tool.spacing(inks[i].max(self.least_ink));
+            let [left, right] = placed.room(points[i], along, spacing, line);
+            0.5 * (left + right)
+        };
+        let mut wanted = Vec::with_capacity(points.len());
+        let mut before = room(0);
+        for from in (0..last).step_by(ROOM_EVERY) {
+            let count = ROOM_EVERY.min(last - from);
+            let after = room(from + count);
+            for (i, ink) in inks[from..from + count].iter().enumerate() {
+                wanted.push(ink * (before + (after - before) * (i as f32 / count as f32)));
+            }
+            before = after;
+        }
+        wanted.push(inks[last] * before);
         let even = evened(&wanted, false, WIDTH_REACH);
         even.iter().map(|w| w.clamp(thinnest, thickest)).collect()
     }
