@@ -71,6 +71,20 @@ def test_a_shot_that_is_not_there(tmp_path):
         shot(tmp_path / "no.####.exr", tmp_path / "out.####.exr")
 
 
+def test_a_frame_goes_through_openimageio(tmp_path, bust):
+    """All channels are kept in their types, and the added ones are the module's, in half floats."""
+    pytest.importorskip("OpenImageIO")
+    out = tmp_path / "out.exr"
+    subprocess.run([sys.executable, "-W", "error", EXAMPLES / "frame_oiio.py", bust, out, "scaling=0.8"], check=True)
+    before, after = channels_of(bust), channels_of(out)
+    for name, pixels in before.items():
+        assert after.pop(name).tobytes() == pixels.tobytes(), name
+    assert sorted(after) == [f"relievo.Picture.{end}" for end in "BGR"]
+    made = pyrelievo.enhance(pyrelievo.load(bust), scaling=0.8).astype(np.float16)
+    for at, end in enumerate("RGB"):
+        np.testing.assert_array_equal(after[f"relievo.Picture.{end}"], made[..., at])
+
+
 def channels_of(path):
     with OpenEXR.File(str(path), separate_channels=True) as file:
         return {name: channel.pixels for name, channel in file.parts[0].channels.items()}
