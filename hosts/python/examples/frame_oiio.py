@@ -27,6 +27,8 @@ def enhance_frame(source: str, output: str, **settings) -> None:
     added.set_pixels(added.roi, picture)
 
     whole = oiio.ImageBufAlgo.channel_append(frame, added)
+    native = frame.nativespec()
+    whole.set_write_format([*native.get_channelformats(), *len(NAMES) * [oiio.HALF]])
     if not whole.write(output):
         raise OSError(whole.geterror())
 
