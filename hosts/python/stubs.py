@@ -73,6 +73,13 @@ class Frame:
     def path(self) -> str | None: ...
 
 def load(path: _Path, *, frame: int | None = None, **roles: Any) -> Frame: ...
+def normals(
+    depth: ArrayLike,
+    camera: Mapping[str, Any] | _Path,
+    *,
+    depth_kind: str | None = None,
+    pixel_aspect: float = 1.0,
+) -> _Floats: ...
 
 class Shape:
     scales: dict[float, Shape]

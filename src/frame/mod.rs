@@ -19,6 +19,7 @@ mod sight;
 mod space;
 mod specular;
 mod steps;
+mod strength;
 mod surroundings;
 mod unrounded;
 mod window;
@@ -47,6 +48,7 @@ pub(crate) use space::check_place;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
 pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
+pub(crate) use strength::strength_of;
 pub use surroundings::{Surroundings, map_direction};
 pub(crate) use unrounded::{
     UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped,

@@ -3,7 +3,9 @@
 use super::scene::Scene;
 use super::work::Work;
 use crate::error::{Error, Result};
-use crate::frame::{Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window};
+use crate::frame::{
+    Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window, strength_of,
+};
 use crate::io::camera::camera_of_text;
 use crate::io::inputs::NormalEncoding;
 
@@ -23,6 +25,8 @@ pub struct Given<'a> {
     pub position: Option<Samples<'a>>,
     /// Where and how far a picture is changed, 0..1; for commands that change none, where a surface is.
     pub mask: Option<Samples<'a>>,
+    /// How much of each pixel the chosen objects cover, 0..1, by which the mask is multiplied.
+    pub object: Option<Samples<'a>>,
     /// Where a surface is, above one half.
     pub coverage: Option<Samples<'a>>,
     /// Ambient occlusion.
@@ -48,6 +52,7 @@ impl<'a> Given<'a> {
             depth: None,
             position: None,
             mask: None,
+            object: None,
             coverage: None,
             occlusion: None,
             importance: None,
@@ -108,9 +113,13 @@ impl<'a> Given<'a> {
         let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
         let builder = with(builder, self.importance, FrameBuilder::importance);
         let builder = with(builder, self.albedo, FrameBuilder::albedo);
-        let mask = self.mask.map(|samples| samples.plane("mask", self.size));
+        let plane = |name, samples: Option<Samples<'_>>| {
+            let plane = samples.map(|samples| samples.plane(name, self.size));
+            plane.transpose()
+        };
+        let (mask, object) = (plane("mask", self.mask)?, plane("object", self.object)?);
         Ok(Scene {
-            mask: mask.transpose()?.map(|mask| mask.map(share)),
+            mask: strength_of(mask, object),
             ..Scene::of_frame(builder.build()?)
         })
     }
@@ -125,13 +134,5 @@ fn with<'a, T>(
     match given {
         Some(given) => add(builder, given),
         None => builder,
-    }
-}
-
-/// A number as a share, 0 where it is none.
-fn share(value: f32) -> f32 {
-    match value > 0.0 {
-        true => value.min(1.0),
-        false => 0.0,
     }
 }

@@ -23,6 +23,7 @@
 mod given;
 mod made;
 mod making;
+mod normals;
 mod scene;
 mod sequence;
 mod thumbnail;
@@ -32,6 +33,7 @@ pub use crate::command::recipe::COMMANDS;
 pub use crate::command::setting::{Kind, Setting, settings_of};
 pub use given::Given;
 pub use made::{Layer, Made};
+pub use normals::normals_of;
 pub use scene::{File, Scene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;

@@ -24,7 +24,7 @@ use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window,
-    lift_out_of_fog,
+    lift_out_of_fog, strength_of,
 };
 use std::ops::Range;
 use std::rc::Rc;
@@ -430,17 +430,7 @@ impl FrameSource<'_> {
             true => None,
             false => Some(objects::covered(chosen, self.main, self.data_window)?),
         };
-        // NaN changes nothing.
-        let mask =
-            mask.map(|mask| mask.map(|share| if share > 0.0 { share.min(1.0) } else { 0.0 }));
-        Ok(match (mask, objects) {
-            (Some(mut mask), Some(objects)) => {
-                let samples = mask.samples_mut().iter_mut().zip(objects.samples());
-                samples.for_each(|(share, object)| *share *= object);
-                Some(mask)
-            }
-            (mask, objects) => mask.or(objects),
-        })
+        Ok(strength_of(mask, objects))
     }
 
     /// Prior knowledge about depth, before it is compared with the frame.

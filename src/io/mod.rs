@@ -23,7 +23,7 @@ mod names;
 mod nearest;
 mod normal_encoding;
 pub mod normal_space;
-mod normals_of_points;
+pub(crate) mod normals_of_points;
 mod notes;
 mod numbers;
 mod objects;

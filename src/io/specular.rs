@@ -3,7 +3,7 @@
 
 use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
-use super::normals_of_points::normals_of_points;
+use super::normals_of_points::normals_of_depth;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
@@ -11,11 +11,11 @@ use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::{depth_of_positions, is_distance, to_distances};
+use crate::frame::depth::{depth_of_positions, to_distances};
 use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
-    Camera, DepthKind, Frame, Mask, Plane, Projection, SightLines, Source, SpecularScene,
-    Surroundings, Vector3Planes, Window,
+    Camera, DepthKind, Frame, Mask, Plane, Source, SpecularScene, Surroundings, Vector3Planes,
+    Window,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -296,18 +296,8 @@ impl Layer<'_> {
 
     /// The same from depth alone.
     fn without_normals(&self, depth: &mut Plane, window: Window) -> (Mask, Vector3Planes) {
-        let sight = SightLines::new(self.camera.projection);
         let kind = self.loaded.frame.source.depth_kind;
-        let point = |x: usize, y: usize| {
-            let depth = depth.at(x, y);
-            let at = window.middle(x, y);
-            is_distance(depth).then(|| sight.point(at.x, at.y, depth.into(), kind))
-        };
-        let size = [depth.width(), depth.height()];
-        let normal = normals_of_points(size, false, point, |point| match self.camera.projection {
-            Projection::Perspective { .. } => -point,
-            Projection::Orthographic { .. } => DVec3::Z,
-        });
+        let normal = normals_of_depth(depth, kind, self.camera.projection, window);
         let mut mask = coverage::of_normals(&normal, None, None, None);
         coverage::narrow_to(&mut mask, depth);
         (mask, normal)

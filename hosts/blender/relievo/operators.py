@@ -4,7 +4,7 @@ import time
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
@@ -41,7 +41,21 @@ def sentence(error: BaseException, path: Path | None = None) -> str:
     return f"{said[0].upper()}{said[1:]}"
 
 
-class Stepped:
+class Alone:
+    """An operator that reads the last render, which only one may do at a time: another would render it anew meanwhile."""
+
+    #: The label of the one at work.
+    at_work: ClassVar[str | None] = None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Whether none is at work."""
+        if Alone.at_work is not None:
+            cls.poll_message_set(f"{Alone.at_work} is still at work: wait for it, or cancel it with Esc")
+        return Alone.at_work is None
+
+
+class Stepped(Alone):
     """An operator that works in steps: in a window the steps are those of a timer, and Esc cancels between them."""
 
     def steps(self, context: bpy.types.Context) -> Steps:
@@ -55,18 +69,22 @@ class Stepped:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Does all of it at once."""
+        Alone.at_work = self.bl_label
         try:
             for _ in self.steps(context):
                 time.sleep(TICK / 10)
         except MENDABLE as error:
             self.report({"ERROR"}, sentence(error))
             return {"CANCELLED"}
+        finally:
+            Alone.at_work = None
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Starts the work, and leaves the window alive."""
         if context.window is None or bpy.app.background:
             return self.execute(context)
+        Alone.at_work = self.bl_label
         self._steps = self.steps(context)
         manager = context.window_manager
         self._timer = manager.event_timer_add(TICK, window=context.window)
@@ -89,9 +107,19 @@ class Stepped:
         except MENDABLE as error:
             self.report({"ERROR"}, sentence(error))
             return self._end(context, {"CANCELLED"})
+        except Exception:
+            # A fault of the extension must not keep it from being used again.
+            self._end(context, {"CANCELLED"})
+            raise
         return {"RUNNING_MODAL"}
 
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Ends the work; Blender asks for it too, where another file is opened meanwhile."""
+        self._steps.close()
+        Alone.at_work = None
+
     def _end(self, context: bpy.types.Context, result: set[str]) -> set[str]:
+        Alone.at_work = None
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
         return result
@@ -298,7 +326,7 @@ class Plain:
         return {"FINISHED"}
 
 
-class RELIEVO_OT_save_svg(Plain, ExportHelper, bpy.types.Operator):
+class RELIEVO_OT_save_svg(Alone, Plain, ExportHelper, bpy.types.Operator):
     """Draw the last render in lines, as an SVG"""
 
     bl_idname = "relievo.save_svg"
@@ -311,7 +339,7 @@ class RELIEVO_OT_save_svg(Plain, ExportHelper, bpy.types.Operator):
         Path(self.filepath).write_text(drawn_lines(context.scene), encoding="utf-8")
 
 
-class RELIEVO_OT_grease_pencil(Plain, bpy.types.Operator):
+class RELIEVO_OT_grease_pencil(Alone, Plain, bpy.types.Operator):
     """Draw the last render in lines, as Grease Pencil"""
 
     bl_idname = "relievo.grease_pencil"

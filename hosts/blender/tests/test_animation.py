@@ -23,25 +23,45 @@ def animation(rendered, tmp_path):
     assert not list(Path(bpy.app.tempdir).glob("relievo_*"))
 
 
-def test_frames_are_those_of_the_command_line(animation, relievo, command_line, tmp_path):
-    bpy.ops.relievo.bring_out_animation()
-    for number in (1, 2, 3):
-        animation.frame_set(number)
-        bpy.ops.render.render(scene=animation.name)
-        relievo.passes.save_passes(animation, tmp_path / f"passes.{number:04d}.exr")
-    animation.frame_set(2)
-    whole = ["--layers", "results", "--layer-names", "short", "--depth-of-output", "float"]
-    frames = ["--frames", "1-3"]
-    command_line("enhance", tmp_path / "passes.####.exr", "-o", tmp_path / "line.####.exr", *whole, *frames)
-    for number in (1, 2, 3):
-        own = channels_of(tmp_path / "out" / f"enhance_{number:04d}.exr")
-        line = channels_of(tmp_path / f"line.{number:04d}.exr")
+@pytest.fixture
+def compared(animation, relievo, command_line, tmp_path):
+    """The channels of all frames, as the operator and as the command line make them of the same passes."""
+
+    def compare(command, *flags):
+        animation.relievo.command = command
+        bpy.ops.relievo.bring_out_animation()
+        for number in (1, 2, 3):
+            animation.frame_set(number)
+            bpy.ops.render.render(scene=animation.name)
+            relievo.passes.save_passes(animation, tmp_path / f"passes.{number:04d}.exr")
+        animation.frame_set(2)
+        whole = ["--layers", "results", "--layer-names", "short", "--depth-of-output", "float", *flags]
+        frames = ["--frames", "1-3"]
+        command_line(command, tmp_path / "passes.####.exr", "-o", tmp_path / "line.####.exr", *whole, *frames)
+        # By itself the last frame would choose otherwise: the test can tell.
+        command_line(command, tmp_path / "passes.0003.exr", "-o", tmp_path / "alone.exr", *whole)
+        own = [channels_of(tmp_path / "out" / f"{command}_{number:04d}.exr") for number in (1, 2, 3)]
+        line = [channels_of(tmp_path / f"line.{number:04d}.exr") for number in (1, 2, 3)]
+        return own, line, channels_of(tmp_path / "alone.exr")
+
+    return compare
+
+
+def test_frames_are_those_of_the_command_line(compared):
+    own, line, alone = compared("enhance")
+    for made, expected in zip(own, line, strict=True):
         for name in "RGB":
-            np.testing.assert_array_equal(own[name], channel_of(line, name))
-    alone = tmp_path / "alone.exr"
-    command_line("enhance", tmp_path / "passes.0003.exr", "-o", alone, *whole)
-    # By itself the last frame would choose otherwise: the test can tell.
-    assert (channel_of(channels_of(alone), "R") != own["R"]).any()
+            np.testing.assert_array_equal(made[name], channel_of(expected, name))
+    assert (channel_of(alone, "R") != own[2]["R"]).any()
+
+
+def test_drawings_are_those_of_the_command_line(compared):
+    """The command line draws each frame anew, too, when it follows no motion."""
+    own, line, alone = compared("hatch", "--motion=none")
+    for made, expected in zip(own, line, strict=True):
+        np.testing.assert_array_equal(made["R"], channel_of(expected, "R"))
+    assert (channel_of(alone, "R") != own[2]["R"]).any()
+    assert own[0]["R"].min() < 0.1 and (own[0]["R"] != own[2]["R"]).any()
 
 
 def test_drawings_are_written_as_they_are(animation, tmp_path):
@@ -70,6 +90,33 @@ def test_frames_can_be_cancelled(animation, relievo, tmp_path):
     run.close()
     written = [path.name for path in (tmp_path / "out").iterdir()]
     assert written == ["enhance_0001.exr"]
+
+
+def test_one_is_at_work_at_a_time(animation):
+    """Others are refused in one line, until it has ended, by an error too."""
+    relievo, said = bpy.ops.relievo, []
+    others = [relievo.bring_out, relievo.bring_out_animation, relievo.curvature, relievo.grease_pencil, relievo.save_svg]
+
+    def start_others(*_):
+        for other in others:
+            with pytest.raises(RuntimeError) as raised:
+                other()
+            said.append(str(raised.value).strip())
+
+    animation.frame_end = 1
+    bpy.app.handlers.render_post.append(start_others)
+    try:
+        relievo.bring_out_animation()
+    finally:
+        bpy.app.handlers.render_post.remove(start_others)
+        animation.frame_end = 3
+    assert len(said) == len(others)
+    advice = "Bring Out Shape of Animation is still at work: wait for it, or cancel it with Esc"
+    assert all(line.endswith(advice) and "\n" not in line for line in said)
+    animation.relievo.enhance.scaling = -1
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="Scaling is -1"):
+            relievo.bring_out()
 
 
 def test_a_folder_beside_no_file_is_an_error(animation):

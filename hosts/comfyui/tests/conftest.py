@@ -38,6 +38,13 @@ except ImportError:
     sys.modules["torch"] = torch
 
 
+def read(name):
+    """An image of the fixtures as the server loads it."""
+    from PIL import Image
+
+    return np.asarray(Image.open(FIXTURES / name).convert("RGB"), np.float32)[None] / 255
+
+
 class Server:
     """Loads a package of nodes, checks inputs and calls nodes, by the rules of ComfyUI."""
 
@@ -82,6 +89,36 @@ class Server:
             assert array.min() >= 0 and array.max() <= 1
             assert array.ndim == 4 and array.shape[3] == 3 if kind == "IMAGE" else array.ndim == 3
         return [tensor.numpy() for tensor in made]
+
+    def run(self, workflow):
+        """Runs a workflow in the form of the API; returns what its previews show."""
+        made = {}
+
+        def kinds(key):
+            name = workflow[key]["class_type"]
+            return ("IMAGE", "MASK") if name == "LoadImage" else self.nodes[name].RETURN_TYPES
+
+        def value(kind, given):
+            if not isinstance(given, list):
+                return given
+            key, at = given
+            assert kinds(key)[at] == kind
+            if key not in made:
+                made[key] = outputs(workflow[key])
+            return made[key][at]
+
+        def outputs(node):
+            name, given = node["class_type"], node["inputs"]
+            if name == "LoadImage":
+                image = read(given["image"])
+                return image, np.zeros(image.shape[:3], np.float32)
+            inputs = self.inputs(name)
+            # The server refuses a workflow that leaves them out, even where they have a default.
+            assert {key for key, (_, _, is_required) in inputs.items() if is_required} <= set(given) <= set(inputs)
+            return self.call(name, **{key: value(inputs[key][0], one) for key, one in given.items()})
+
+        shown = [node["inputs"] for node in workflow.values() if node["class_type"] == "PreviewImage"]
+        return [value("IMAGE", inputs["images"]) for inputs in shown]
 
     @staticmethod
     def checked(kind, options, value):

@@ -3,14 +3,8 @@
 import sys
 
 import numpy as np
-from conftest import FIXTURES, PACKAGE, Server
+from conftest import PACKAGE, Server, read
 from PIL import Image
-
-
-def read(name: str) -> np.ndarray:
-    """An image as the server loads it."""
-    return np.asarray(Image.open(FIXTURES / name).convert("RGB"), np.float32)[None] / 255
-
 
 server = Server(PACKAGE)
 layers = {"image": read("tablet.color.jpg"), "normal": read("tablet.normal.png")}

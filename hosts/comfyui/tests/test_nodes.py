@@ -187,6 +187,16 @@ def test_a_render(server):
     assert np.abs(made - expected)[frame.mask].mean() < 2 / 255
 
 
+def test_the_example_runs(server):
+    """All four nodes are in it, and each preview shows something."""
+    workflow = json.loads((PACKAGE / "example.json").read_text())
+    used = {node["class_type"] for node in workflow.values()}
+    assert used == {*NAMES, "LoadImage", "PreviewImage"}
+    shown = server.run(workflow)
+    assert len(shown) == len(NAMES)
+    assert all(image.std() > 0.05 for image in shown)
+
+
 def test_the_package_names_one_version():
     tomllib = pytest.importorskip("tomllib")
     project = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]

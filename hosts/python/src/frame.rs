@@ -48,10 +48,11 @@ impl Frame {
         };
         let normal = get("normal")?.ok_or_else(|| PyTypeError::new_err("normal is missing"))?;
         let color = get("color")?;
-        let [depth, position, mask, coverage] = [
+        let [depth, position, mask, object, coverage] = [
             get("depth")?,
             get("position")?,
             get("mask")?,
+            get("object")?,
             get("coverage")?,
         ];
         let [occlusion, importance, albedo] =
@@ -66,6 +67,7 @@ impl Frame {
             view(&depth),
             view(&position),
             view(&mask),
+            view(&object),
             view(&coverage),
             view(&occlusion),
             view(&importance),
@@ -77,6 +79,7 @@ impl Frame {
                 depth,
                 position,
                 mask,
+                object,
                 coverage,
                 occlusion,
                 importance,
@@ -93,6 +96,7 @@ impl Frame {
                 depth: samples(depth),
                 position: samples(position),
                 mask: samples(mask),
+                object: samples(object),
                 coverage: samples(coverage),
                 occlusion: samples(occlusion),
                 importance: samples(importance),

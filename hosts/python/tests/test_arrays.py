@@ -123,6 +123,50 @@ def test_a_mask_tells_how_far_a_picture_is_changed(ball):
     assert (kappa[:, :31] == 0).all() and (kappa[20:40, 40] > 0).all()
 
 
+def test_objects_are_a_mask_of_their_own(ball):
+    """Chosen by number, a ball is changed and nothing else; a mask and an object are multiplied."""
+    ids = np.full((64, 64), 3, np.uint16)
+    ids[:, 32:] = 7
+    whole = pyrelievo.enhance(**ball)
+    chosen = pyrelievo.enhance(**ball, object=ids == 7)
+    np.testing.assert_allclose(chosen, np.where(ids[..., None] == 7, whole, ball["color"]), atol=1e-6)
+    assert np.abs(chosen - ball["color"]).max() > 0.01
+    shares = np.where(ids == 7, np.float32(0.5), np.nan)
+    product = pyrelievo.enhance(**ball, object=shares, mask=np.full((64, 64), 0.5, np.float32))
+    quarter = np.where(ids == 7, np.float32(0.25), 0)
+    np.testing.assert_array_equal(product, pyrelievo.enhance(**ball, mask=quarter))
+    for numbers in (ids, ids.astype(np.int64), ids.astype(np.float32)):
+        with pytest.raises(ValueError, match="^object holds numbers of objects; give where the chosen ones are, as ids == 7"):
+            pyrelievo.enhance(**ball, object=numbers)
+    with pytest.raises(ValueError, match="the frame is made of arrays: leave it out, or load a file"):
+        pyrelievo.enhance(**ball, object=["Head", "!Ball"])
+
+
+def test_normals_of_depth():
+    """Two planes in perspective, whose points differ by steps that lie in them: their normals are exact up to rounding."""
+    focal = 200
+    y, x = np.mgrid[0:48, 0:64] + 0.5
+    rays = np.dstack([(x - 32) / focal, (24 - y) / focal, np.full_like(x, -1)])
+    tilted, far = np.array([0.48, -0.36, 0.8]), np.array([0, 0, 1.0])
+    # n . (d ray) = n . p for a point p of the plane.
+    depth = np.where(x < 32, -2 * 0.8 / (rays @ tilted), -6 / (rays @ far))
+    depth[:, :4] = 0
+    expected = np.where((x < 32)[..., None], tilted, far)
+    expected[:, :4] = 0
+    camera = {"focal_px": focal}
+    made = pyrelievo.normals(depth, camera)
+    # Depth rounds by up to 2^-24 of itself, focal * 2^-24 = 1.2e-5 of a step; a step to one side has two such ends.
+    np.testing.assert_allclose(made, expected, atol=4e-5)
+    distance = depth * np.linalg.norm(rays, axis=2)
+    np.testing.assert_allclose(pyrelievo.normals(distance, camera, depth_kind="distance"), expected, atol=4e-5)
+    with pytest.raises(ValueError, match="^depth is .*, which shows no slopes; give distances"):
+        pyrelievo.normals(depth, camera, depth_kind="white-far")
+    with pytest.raises(ValueError, match="^camera is missing"):
+        pyrelievo.normals(depth, None)
+    with pytest.raises(ValueError, match="^depth has 3 channels; give 1"):
+        pyrelievo.normals(expected, camera)
+
+
 def test_tensors_go_through_dlpack(ball):
     class Tensor:
         """What offers its memory by DLPack alone."""

@@ -66,7 +66,7 @@ def test_files_that_are_not_there(bust, tmp_path):
         broken.write_bytes(whole.read(5000))
     with pytest.raises(OSError, match="broken.exr"):
         pyrelievo.load(broken).color
-    with pytest.raises(ValueError, match="made of arrays"):
+    with pytest.raises(ValueError, match="^object is 'Head'; give an array, or load"):
         pyrelievo.Frame(normal=np.ones((4, 4, 3), np.float32), object="Head")
 
 

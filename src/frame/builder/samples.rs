@@ -129,7 +129,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Whether all samples are half floats.
-    pub(super) fn is_half(&self) -> bool {
+    pub(crate) fn is_half(&self) -> bool {
         !self.is_integer && self.rounding > 0.0
     }
 

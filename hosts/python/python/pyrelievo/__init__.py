@@ -16,7 +16,7 @@ Every command of the command line is a function here, with the same settings: ``
 """
 
 from ._commands import enhance, hatch, map, process, relight, shape
-from ._frame import Finding, Frame, load
+from ._frame import Finding, Frame, load, normals
 from ._recipe import Recipe
 from ._relievo import Engine
 from ._results import Drawing, Shape
@@ -32,6 +32,7 @@ __all__ = [
     "hatch",
     "load",
     "map",
+    "normals",
     "process",
     "relight",
     "shape",

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._relievo import Engine
 
-__all__ = ["Drawing", "Engine", "Finding", "Frame", "Recipe", "Shape", "enhance", "hatch", "load", "map", "process", "relight", "shape"]
+__all__ = ["Drawing", "Engine", "Finding", "Frame", "Recipe", "Shape", "enhance", "hatch", "load", "map", "normals", "process", "relight", "shape"]
 
 _Floats: TypeAlias = NDArray[np.float32]
 _Path: TypeAlias = str | PathLike[str]
@@ -55,6 +55,13 @@ class Frame:
     def path(self) -> str | None: ...
 
 def load(path: _Path, *, frame: int | None = None, **roles: Any) -> Frame: ...
+def normals(
+    depth: ArrayLike,
+    camera: Mapping[str, Any] | _Path,
+    *,
+    depth_kind: str | None = None,
+    pixel_aspect: float = 1.0,
+) -> _Floats: ...
 
 class Shape:
     scales: dict[float, Shape]
@@ -111,6 +118,7 @@ def shape(
     depth: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
+    object: ArrayLike | str | None = None,
     coverage: ArrayLike | str | None = None,
     occlusion: ArrayLike | str | None = None,
     importance: ArrayLike | str | None = None,
@@ -125,7 +133,6 @@ def shape(
     dtype: Any = None,
     engine: Engine | None = None,
     progress: Callable[[str, float], Any] | None = None,
-    object: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "none",
     iterations: float | Sequence[float] | None = 10,
     scale: float | Sequence[float] | None = None,
@@ -151,6 +158,7 @@ def enhance(
     depth: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
+    object: ArrayLike | str | None = None,
     coverage: ArrayLike | str | None = None,
     occlusion: ArrayLike | str | None = None,
     importance: ArrayLike | str | None = None,
@@ -165,7 +173,6 @@ def enhance(
     dtype: Any = None,
     engine: Engine | None = None,
     progress: Callable[[str, float], Any] | None = None,
-    object: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "none",
     iterations: float | Sequence[float] | None = 10,
     scale: float | Sequence[float] | None = None,
@@ -203,6 +210,7 @@ def relight(
     depth: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
+    object: ArrayLike | str | None = None,
     coverage: ArrayLike | str | None = None,
     occlusion: ArrayLike | str | None = None,
     importance: ArrayLike | str | None = None,
@@ -217,7 +225,6 @@ def relight(
     dtype: Any = None,
     engine: Engine | None = None,
     progress: Callable[[str, float], Any] | None = None,
-    object: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "none",
     iterations: float | Sequence[float] | None = 10,
     scale: float | Sequence[float] | None = None,
@@ -282,6 +289,7 @@ def hatch(
     depth: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
+    object: ArrayLike | str | None = None,
     coverage: ArrayLike | str | None = None,
     occlusion: ArrayLike | str | None = None,
     importance: ArrayLike | str | None = None,
@@ -296,7 +304,6 @@ def hatch(
     dtype: Any = None,
     engine: Engine | None = None,
     progress: Callable[[str, float], Any] | None = None,
-    object: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "none",
     iterations: float | Sequence[float] | None = 10,
     scale: float | Sequence[float] | None = None,
@@ -408,6 +415,7 @@ def map(
     depth: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
+    object: ArrayLike | str | None = None,
     coverage: ArrayLike | str | None = None,
     occlusion: ArrayLike | str | None = None,
     importance: ArrayLike | str | None = None,
@@ -422,7 +430,6 @@ def map(
     dtype: Any = None,
     engine: Engine | None = None,
     progress: Callable[[str, float], Any] | None = None,
-    object: _Value | None = None,
     iterations: float | Sequence[float] | None = 10,
     scale: float | Sequence[float] | None = None,
     reference_height: float | Sequence[float] | Literal["none"] | None = "none",

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import _relievo
-from ._frame import LAYERS, Frame, load
+from ._frame import LAYERS, Frame, is_named, load
 from ._results import Drawing, Shape, views
 from ._settings import INPUTS, Row, rows, typed
 
@@ -75,7 +75,7 @@ def frame_of(
     layers = {name: layer for name, layer in zip(names, leading, strict=False) if layer is not None}
     settings: dict[str, Any] = {}
     for name, value in given.items():
-        is_layer = name in LAYERS and not isinstance(value, (str, os.PathLike))
+        is_layer = name in LAYERS and not is_named(value)
         if value is not None:
             (layers if is_layer or name in FRAME else settings)[name] = value
     if not layers:

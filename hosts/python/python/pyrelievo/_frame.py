@@ -19,6 +19,7 @@ LAYERS = (
     "depth",
     "position",
     "mask",
+    "object",
     "coverage",
     "occlusion",
     "importance",
@@ -50,6 +51,18 @@ def array_of(name: str, layer: Any) -> np.ndarray:
     return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 
+def is_named(layer: Any) -> bool:
+    """Whether a layer is a name or a path, or several, rather than an array."""
+    parts = layer if isinstance(layer, (list, tuple)) else [layer]
+    return any(isinstance(part, (str, os.PathLike)) for part in parts)
+
+
+def refuse_numbers(objects: np.ndarray) -> None:
+    """Refuses the numbers of objects, which would be taken for shares."""
+    if objects.dtype.kind in "iu" or (objects >= 2).any():
+        raise ValueError("object holds numbers of objects; give where the chosen ones are, as ids == 7, or shares of 0..1")
+
+
 def camera_text(camera: Any) -> str | None:
     """A camera as the text of a camera file."""
     if camera is None:
@@ -67,8 +80,8 @@ class Frame:
     ``color`` is rows x columns x 3, linear red, green and blue; a fourth channel is alpha, by which colours are
     multiplied. Integers count as sRGB. ``normal`` is rows x columns x 3 in view space: x right, y up, z toward the
     viewer; integers count as 0..1. ``depth`` lies along the view axis. ``mask`` tells where and how far a picture is
-    changed, 0..1, and ``coverage`` where a surface is, above one half. ``camera`` is a dict or a file, as for
-    ``relievo --camera``. Other settings tell how layers are read, as on the command line: ``normal_space="world"``,
+    changed, 0..1, ``object`` how much of each pixel the chosen objects cover, as ``ids == 7``, and ``coverage`` where a
+    surface is, above one half. ``camera`` is a dict or a file, as for ``relievo --camera``. Other settings tell how layers are read, as on the command line: ``normal_space="world"``,
     ``normal_flip="y"``, ``depth_kind="white-far"``. Nothing is guessed.
     """
 
@@ -86,9 +99,11 @@ class Frame:
         layers |= {"color": color, "normal": normal}
         given = {name: layers.pop(name, None) for name in LAYERS}
         for name, layer in given.items():
-            if isinstance(layer, (str, os.PathLike)):
-                raise ValueError(f"{name} is {os.fspath(layer)!r}; give an array, or load() a file with its layers")
+            if is_named(layer):
+                raise ValueError(f"{name} is {layer!r}; give an array, or load() a file with its layers")
         arrays = {name: array_of(name, layer) for name, layer in given.items() if layer is not None}
+        if "object" in arrays:
+            refuse_numbers(arrays["object"])
         self._frame = _relievo.Frame.of_arrays(
             arrays, roles_of(layers), camera_text(camera), pixel_aspect
         )
@@ -192,3 +207,26 @@ def load(path: str | os.PathLike[str], *, frame: int | None = None, **roles: Any
         with open(path, "rb"):
             pass
     return Frame._of(_relievo.Frame.of_file(path, roles_of(roles), frame))
+
+
+def normals(
+    depth: Any,
+    camera: Mapping[str, Any] | str | os.PathLike[str],
+    *,
+    depth_kind: str | None = None,
+    pixel_aspect: float = 1.0,
+) -> np.ndarray:
+    """Normals of the surface that a depth shows: rows x columns x 3, view space, 0 where no surface is.
+
+    ``depth`` is rows x columns of distances, along the view axis unless ``depth_kind`` tells otherwise, and 0 where
+    nothing is. ``camera`` is a dict or a file, as for Frame. Normals follow the steps between neighbouring pixels, so
+    they show the facets of a mesh; a step that leads to another surface is no slope.
+
+    >>> pyrelievo.normals(np.full((4, 4), 2.0), {"focal_px": 100})[1, 1].tolist()
+    [0.0, 0.0, 1.0]
+    """
+    text = camera_text(camera)
+    if text is None:
+        raise ValueError("camera is missing; give one, without which depth shows no slopes")
+    array = array_of("depth", depth)
+    return _relievo.normals(array, roles_of({"depth_kind": depth_kind}), text, pixel_aspect)
