@@ -1,5 +1,6 @@
 //! Messages on stderr, and exit codes.
 
+use super::exit;
 use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};
 use crate::io::Finding;
@@ -21,11 +22,11 @@ pub(super) fn error(error: &Error) {
     say(&format!("error: {}", line_of(error)));
 }
 
-/// 2 for errors in the command line or recipe, 1 for everything else.
+/// The exit code of an error.
 pub(super) fn exit_code(error: &Error) -> i32 {
     match error {
-        Error::BadParameter { .. } | Error::Recipe { .. } => 2,
-        _ => 1,
+        Error::BadParameter { .. } | Error::Recipe { .. } => exit::MISUSED,
+        _ => exit::FAILED,
     }
 }
 

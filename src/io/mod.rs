@@ -66,4 +66,6 @@ pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;
 pub use specular::{SpecularInputs, load_specular};
 pub(crate) use surroundings::surroundings_bytes;
+#[cfg(feature = "cli")]
+pub(crate) use survey::layers;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
