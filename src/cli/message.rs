@@ -5,6 +5,7 @@ use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};
 use crate::io::Finding;
 use crate::io::picture::Whites;
+use crate::params::Highlights;
 use clap::error::ErrorKind;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -80,10 +81,16 @@ pub(super) fn whites(whites: Whites) -> String {
 }
 
 /// Warning about a picture with too much of its surface plain white.
-pub(super) fn burnt(whites: Whites) -> Option<String> {
+pub(super) fn burnt(whites: Whites, highlights: Highlights) -> Option<String> {
     let is_burnt = whites.count as f64 > BURNT * whites.of as f64;
+    let compress = match highlights {
+        Highlights::Clip => ", or --highlights compress",
+        Highlights::Compress => "",
+    };
     is_burnt.then(|| {
-        "more than 1 % of the surface is white, without any shape: try --exposure -1 --highlights compress".into()
+        format!(
+            "more than 1 % of the surface is white, without any shape: try --exposure -1 or lower{compress}"
+        )
     })
 }
 
