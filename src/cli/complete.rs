@@ -6,6 +6,7 @@ use crate::command::frames_there::frames_on_disk;
 use crate::error::{Error, Result};
 use crate::io::layers;
 use crate::io::sequence::path_of_frame;
+use clap_complete::Shell;
 use clap_complete::engine::{
     ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
 };
@@ -19,6 +20,13 @@ const VARIABLE: &str = "RELIEVO_COMPLETE";
 /// The first words of a value that names a layer of the input.
 const LAYER: &str = "NAME|FILE";
 
+/// A file `_relievo` on zsh's path is the body of a function: its first call has to complete too.
+const ZSH_AUTOLOAD: &str = "\
+if [[ ${funcstack[1]} == _relievo ]]; then
+    _clap_dynamic_completer_relievo
+fi
+";
+
 /// Prints the lines that make a shell ask this program for completions.
 pub(super) fn script(args: &CompletionsArgs) -> Result<()> {
     let name = args.shell.to_string();
@@ -27,7 +35,11 @@ pub(super) fn script(args: &CompletionsArgs) -> Result<()> {
     let mut text = Vec::new();
     let written = shell.write_registration(VARIABLE, PROGRAM, PROGRAM, PROGRAM, &mut text);
     written.map_err(Error::io(Path::new("stdout"), "write"))?;
-    message::print(&String::from_utf8_lossy(&text))
+    let mut text = String::from_utf8_lossy(&text).into_owned();
+    if args.shell == Shell::Zsh {
+        text += ZSH_AUTOLOAD;
+    }
+    message::print(&text)
 }
 
 /// Prints completions and returns the exit code, if a shell asks for them.

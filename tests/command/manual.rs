@@ -111,6 +111,16 @@ fn shells_complete_commands_options_and_layers() {
             assert_eq!(&names, expected, "{shell}: {line}");
         }
     }
+    // As a package installs it for zsh.
+    fs::write(place.path().join("_relievo"), printed("completions zsh")).unwrap();
+    let (shell, arguments, script) = SHELLS[1];
+    let script = "compdef() { }\nfpath=(. $fpath)\nautoload -Uz _relievo\n".to_owned()
+        + &script
+            .replace("_clap_dynamic_completer_relievo", "_relievo")
+            .replace("LINE", "relievo enh");
+    if let Some(found) = run_in(shell, arguments, place.path(), &script) {
+        assert!(found.starts_with("enhance:"), "{found}");
+    }
 }
 
 /// Every command has a page that names all of its flags, and that mandoc has nothing to say against.
