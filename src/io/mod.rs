@@ -43,6 +43,8 @@ mod sources;
 mod specular;
 pub mod srgb;
 mod step_fit;
+#[cfg(feature = "report")]
+pub(crate) mod stored_surface;
 mod surface;
 mod surroundings;
 mod survey;
