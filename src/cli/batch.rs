@@ -1,5 +1,6 @@
 //! A command on several independent pictures, each with its own automatic choices.
 
+use super::exit;
 use super::frames::{self, FrameCommand, command_of, one, refuse_collisions, validate};
 use super::message;
 use super::panics::caught;
@@ -55,9 +56,9 @@ fn each<C: FrameCommand>(batch: &Batch, invocation: &Invocation) -> Result<i32> 
         }
     }
     Ok(match failed {
-        0 => 0,
-        _ if failed < all.len() => 3,
-        _ => 1,
+        0 => exit::DONE,
+        _ if failed < all.len() => exit::SOME_FAILED,
+        _ => exit::FAILED,
     })
 }
 

@@ -1,5 +1,6 @@
 //! A command on one frame or on a sequence: several frames at a time, each output written atomically.
 
+use super::exit;
 use super::files;
 use super::job::Job;
 use super::message;
@@ -99,7 +100,7 @@ fn single<C: FrameCommand>(
     invocation: &Invocation,
 ) -> Result<i32> {
     stop::mind_signals(First::Drop);
-    one(command, recipe, invocation).map(|()| 0)
+    one(command, recipe, invocation).map(|()| exit::DONE)
 }
 
 /// Makes one picture.
@@ -216,7 +217,7 @@ fn sequence<C: FrameCommand>(
         return Ok(code);
     }
     if command.work().output.output.is_none() {
-        return Ok(0);
+        return Ok(exit::DONE);
     }
     drop(kit);
     let kit = command.prepare()?;
@@ -240,9 +241,11 @@ fn sequence<C: FrameCommand>(
     let tally = log.end(quiet);
     Ok(match stop::asked() {
         Some(code) => code,
-        None if !failed => 0,
-        None if command.work().sequence.keep_going && tally.done + tally.skipped > 0 => 3,
-        None => 1,
+        None if !failed => exit::DONE,
+        None if command.work().sequence.keep_going && tally.done + tally.skipped > 0 => {
+            exit::SOME_FAILED
+        }
+        None => exit::FAILED,
     })
 }
 

@@ -401,7 +401,8 @@ impl<'a> Job<'a> {
         };
         let replace = self.work.output.replace();
         let whites = write(ReadyOutput { path, replace })?;
-        if let Some(warning) = message::burnt(whites) {
+        let highlights = self.work.flags.params.display.highlights;
+        if let Some(warning) = message::burnt(whites, highlights) {
             self.say_once("warning", &warning, true);
         }
         if !self.work.run.quiet && !self.log.is_sequence() {

@@ -1,19 +1,10 @@
-//! `relievo completions` and `relievo man`: generated from the table of commands and flags.
+//! `relievo man`: manual pages, generated from the table of commands and flags.
 
-use super::{command, message};
-use crate::command::commands::{CompletionsArgs, ManArgs};
+use super::{PROGRAM, command, message};
+use crate::command::commands::ManArgs;
 use crate::error::{Error, Result};
 use clap_mangen::Man;
 use std::path::Path;
-
-const PROGRAM: &str = "relievo";
-
-/// Prints completions for a shell.
-pub(super) fn completions(args: &CompletionsArgs) -> Result<()> {
-    let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut command(), PROGRAM, &mut text);
-    message::print(&String::from_utf8_lossy(&text))
-}
 
 /// Prints a manual page.
 pub(super) fn man(args: &ManArgs) -> Result<()> {

@@ -1,9 +1,11 @@
 //! Messages on stderr, and exit codes.
 
+use super::exit;
 use crate::command::error_line::{line_of, misuse_line};
 use crate::error::{Error, Result};
 use crate::io::Finding;
 use crate::io::picture::Whites;
+use crate::params::Highlights;
 use clap::error::ErrorKind;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -21,11 +23,11 @@ pub(super) fn error(error: &Error) {
     say(&format!("error: {}", line_of(error)));
 }
 
-/// 2 for errors in the command line or recipe, 1 for everything else.
+/// The exit code of an error.
 pub(super) fn exit_code(error: &Error) -> i32 {
     match error {
-        Error::BadParameter { .. } | Error::Recipe { .. } => 2,
-        _ => 1,
+        Error::BadParameter { .. } | Error::Recipe { .. } => exit::MISUSED,
+        _ => exit::FAILED,
     }
 }
 
@@ -79,10 +81,16 @@ pub(super) fn whites(whites: Whites) -> String {
 }
 
 /// Warning about a picture with too much of its surface plain white.
-pub(super) fn burnt(whites: Whites) -> Option<String> {
+pub(super) fn burnt(whites: Whites, highlights: Highlights) -> Option<String> {
     let is_burnt = whites.count as f64 > BURNT * whites.of as f64;
+    let compress = match highlights {
+        Highlights::Clip => ", or --highlights compress",
+        Highlights::Compress => "",
+    };
     is_burnt.then(|| {
-        "more than 1 % of the surface is white, without any shape: try --exposure -1 --highlights compress".into()
+        format!(
+            "more than 1 % of the surface is white, without any shape: try --exposure -1 or lower{compress}"
+        )
     })
 }
 

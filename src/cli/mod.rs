@@ -1,7 +1,9 @@
 //! The command line: arguments in, files and messages out.
 
 mod batch;
+mod complete;
 mod enhance;
+mod exit;
 mod files;
 mod frames;
 mod hatch;
@@ -15,6 +17,7 @@ mod motion;
 mod output;
 mod panics;
 mod progress;
+mod reference;
 mod relight;
 mod report;
 mod report_device;
@@ -39,10 +42,14 @@ use std::ffi::OsString;
 #[cfg(feature = "view")]
 use window::view;
 
-/// Runs the command line of this process and returns its exit code: 0 done, 1 failed, 2 misused, 3 some frames of a
-/// sequence, or some of several pictures, failed, 130 and 143 stopped by a signal.
+/// The name of the program.
+const PROGRAM: &str = "relievo";
+
+/// Runs the command line of this process, or completes it if a shell asks for that, and returns its exit code: 0 done,
+/// 1 failed, 2 misused, 3 some frames of a sequence, or some of several pictures, failed, 130 and 143 stopped by a
+/// signal.
 pub fn run() -> i32 {
-    run_words(std::env::args_os())
+    complete::answered().unwrap_or_else(|| run_words(std::env::args_os()))
 }
 
 /// Runs a command line, with the program's name first, and returns its exit code as [`run`] does. From then on panics
@@ -63,18 +70,19 @@ pub fn command() -> clap::Command {
 
 fn run_typed(typed: &Invocation) -> Result<i32> {
     if let Some(help) = typed.help_on_all() {
-        return message::result(help.trim_end().lines().map(String::from)).map(|()| 0);
+        return message::result(help.trim_end().lines().map(String::from)).map(|()| exit::DONE);
     }
     let command = match typed.parse() {
         Ok(parsed) => parsed.cli.command,
         Err(error) => return Ok(message::misuse(&error)),
     };
     match &command {
-        Command::Inspect(args) => inspect::run(args).map(|()| 0),
-        Command::Report(args) => report::run(args).map(|()| 0),
-        Command::Schema => message::json(&recipe::schema()).map(|()| 0),
-        Command::Completions(args) => manual::completions(args).map(|()| 0),
-        Command::Man(args) => manual::man(args).map(|()| 0),
+        Command::Inspect(args) => inspect::run(args).map(|()| exit::DONE),
+        Command::Report(args) => report::run(args).map(|()| exit::DONE),
+        Command::Schema => message::json(&recipe::schema()).map(|()| exit::DONE),
+        Command::Completions(args) => complete::script(args).map(|()| exit::DONE),
+        Command::Man(args) => manual::man(args).map(|()| exit::DONE),
+        Command::Reference => message::print(&reference::page()).map(|()| exit::DONE),
         Command::Shape(_) => batch::run::<ShapeArgs>(typed),
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),

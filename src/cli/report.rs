@@ -13,6 +13,7 @@ use crate::io::output::{Files, Replace, remove_leftovers, write_atomically};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
+use crate::report::surface::Surface;
 use crate::report::{Asked, Extent, Report, advice, html, markdown, plots, run as measure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -67,9 +68,11 @@ fn report(args: &ReportArgs) -> Result<()> {
             ));
         }
     };
+    let surface = Surface::stored(&loaded.stored_surface(&first)?, &loaded);
     let asked = Asked {
         name: &name,
         frame: &loaded.frame,
+        surface: &surface,
         shape,
         extent,
         beyond: args.full || args.quick,

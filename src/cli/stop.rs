@@ -1,5 +1,6 @@
 //! Signals: the current frame is finished or dropped, never half written.
 
+use super::exit::STOPPED;
 use crate::io::output::drop_unfinished;
 use std::sync::atomic::{AtomicI32, Ordering};
 
@@ -9,9 +10,6 @@ static ASKED: AtomicI32 = AtomicI32::new(0);
 /// Whether the first signal abandons the frames in progress.
 #[cfg(unix)]
 static DROPS: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
-
-/// Exit code of a run that was stopped by a signal, less the signal's number.
-const STOPPED: i32 = 128;
 
 /// Effect of the first signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -63,9 +63,12 @@ pub(crate) enum Command {
     Run(RecipeArgs),
     /// Print the JSON schema of recipes.
     Schema,
-    /// Print completions for a shell: load them from its start-up file.
+    /// Print what makes a shell complete commands, options and the layers of a file.
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
+    /// Print the guide's page of everything that the program has.
+    #[command(hide = true)]
+    Reference,
     /// Print a manual page: of the program, or of a command.
     #[command(after_help = MAN_EXAMPLES)]
     Man(ManArgs),
@@ -156,9 +159,10 @@ Examples:
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Examples:
-  relievo completions bash > ~/.local/share/bash-completion/completions/relievo
-  relievo completions zsh > ~/.zfunc/_relievo                 with fpath+=~/.zfunc before compinit
-  relievo completions fish > ~/.config/fish/completions/relievo.fish";
+  source <(relievo completions bash)            in ~/.bashrc
+  source <(relievo completions zsh)             in ~/.zshrc, after compinit
+  relievo completions fish | source             in ~/.config/fish/config.fish
+  relievo enhance render.exr --normal <TAB>     then lists the layers of render.exr";
 
 const MAN_EXAMPLES: &str = "\
 Examples:

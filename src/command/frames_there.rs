@@ -4,6 +4,10 @@ use crate::io::sequence::{is_pattern, path_of_frame};
 use std::path::Path;
 
 /// Numbers of the frames on disk that match `pattern`, ascending; `None` for a single picture.
+#[cfg_attr(
+    not(feature = "host"),
+    allow(unreachable_pub, reason = "public as part of the host")
+)]
 pub fn frames_on_disk(pattern: &Path) -> Option<Vec<i32>> {
     let name = pattern
         .file_name()?

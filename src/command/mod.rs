@@ -7,7 +7,6 @@ pub(crate) mod commands;
 pub(crate) mod enhance;
 pub(crate) mod error_line;
 pub(crate) mod flags;
-#[cfg(any(feature = "view", feature = "host"))]
 pub(crate) mod frames_there;
 pub(crate) mod hatch;
 pub(crate) mod invocation;

@@ -43,6 +43,8 @@ mod sources;
 mod specular;
 pub mod srgb;
 mod step_fit;
+#[cfg(feature = "report")]
+pub(crate) mod stored_surface;
 mod surface;
 mod surroundings;
 mod survey;
@@ -66,4 +68,6 @@ pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;
 pub use specular::{SpecularInputs, load_specular};
 pub(crate) use surroundings::surroundings_bytes;
+#[cfg(feature = "cli")]
+pub(crate) use survey::layers;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

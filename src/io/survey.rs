@@ -84,11 +84,7 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             views: views.clone(),
             view: view.clone(),
             objects: objects::surveyed(file),
-            parts: {
-                let all = layers_of(file);
-                let parts = 0..file.parts.len();
-                parts.map(|part| part_survey(file, &all, part)).collect()
-            },
+            parts: part_surveys(file),
             roles: {
                 let named = roles::assign(layers);
                 let is_open = |role: &Role| named.iter().all(|(own, _)| own != role);
@@ -105,6 +101,27 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
         },
         Opened::Photo { photo, .. } => photo_survey(photo),
     })
+}
+
+/// The layers of an EXR, from its header alone; none of a photo.
+///
+/// # Errors
+/// Any [`crate::Error`] of opening it.
+#[cfg(feature = "cli")]
+pub(crate) fn layers(path: &Path) -> Result<Vec<LayerSurvey>> {
+    Ok(match Opened::open(path)?.as_ref() {
+        Opened::Exr { file, .. } => {
+            let parts = part_surveys(file).into_iter();
+            parts.flat_map(|part| part.layers).collect()
+        }
+        Opened::Photo { .. } => Vec::new(),
+    })
+}
+
+fn part_surveys(file: &ExrFile) -> Vec<PartSurvey> {
+    let all = layers_of(file);
+    let parts = 0..file.parts.len();
+    parts.map(|part| part_survey(file, &all, part)).collect()
 }
 
 fn role_survey(file: &ExrFile, role: Role, found: Match) -> RoleSurvey {

@@ -113,7 +113,7 @@ const _: () = {
 choices! {
     /// Numerical scheme of the diffusion.
     pub enum Solver {
-        /// A Chebyshev expansion within [`ShapeParams::tolerance`]; explicit steps where fewer suffice.
+        /// A Chebyshev expansion within the tolerance; explicit steps where fewer suffice.
         Chebyshev = "chebyshev",
         /// The paper's explicit steps.
         Explicit = "explicit",

@@ -2,6 +2,7 @@
 
 use crate::frame::{Frame, Mask};
 use crate::params::ShapeParams;
+use crate::report::surface::Surface;
 use crate::report::timing::Effort;
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -48,6 +49,8 @@ impl Display for On {
 pub(crate) struct Asked<'a> {
     pub(crate) name: &'a str,
     pub(crate) frame: &'a Frame,
+    /// The surface that it was made from.
+    pub(crate) surface: &'a Surface,
     pub(crate) shape: ShapeParams,
     pub(crate) extent: Extent,
     /// Whether what is not of the frame is measured too: exact scenes, light, drawings, mirrors, stiff cases.

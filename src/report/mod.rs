@@ -1,8 +1,8 @@
 //! Error against run time of each setting, on a frame and on exact scenes.
 //!
-//! Everything is measured against a reference in double precision (`reference.rs`) with the same input. Errors of
-//! slopes and of their derivatives are relative to the largest |g| before diffusion; times are of the stages, without
-//! reading and writing files.
+//! Everything is measured against a reference in double precision (`reference.rs`); that of the frame's shape starts
+//! from the samples in its files (`surface.rs`). Errors of slopes and of their derivatives are relative to the largest
+//! |g| before diffusion; times are of the stages, without reading and writing files.
 
 pub(crate) mod advice;
 pub(crate) mod answers;
@@ -27,6 +27,7 @@ mod reference;
 mod relief;
 pub mod scenes;
 pub(crate) mod stability;
+pub(crate) mod surface;
 pub(crate) mod sweeps;
 pub mod timing;
 pub(crate) mod work;
@@ -42,6 +43,7 @@ use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
 use stability::CaseResult;
+use surface::Surface;
 use sweeps::solver::{SceneSweep, Subject};
 use sweeps::{directions, precision, rim, run, solver};
 use timing::{Times, Utilisation};
@@ -211,6 +213,7 @@ fn sweeps(
         name: asked.name,
         about: "the frame",
         frame: asked.frame,
+        surface: asked.surface,
         shape: asked.shape,
         closed_form: None,
         gpu,
@@ -228,6 +231,7 @@ fn sweeps(
             name: scene.name,
             about: scene.about,
             frame: &scene.frame,
+            surface: &Surface::of(&scene.frame),
             shape: scene.shape(asked.shape.tolerance),
             closed_form: Some(&closed_form),
             gpu,
@@ -249,7 +253,7 @@ fn runs(asked: &Asked) -> Result<Vec<run::RunRow>> {
 
 fn precision(asked: &Asked) -> Result<Vec<precision::PrecisionRow>> {
     asked.progress("half and byte input");
-    let mut rows = precision::sweep(asked.name, asked.frame, asked.shape)?;
+    let mut rows = precision::sweep(asked.name, asked.frame, asked.surface, asked.shape)?;
     if !asked.beyond {
         return Ok(rows);
     }
@@ -259,7 +263,12 @@ fn precision(asked: &Asked) -> Result<Vec<precision::PrecisionRow>> {
         ..asked.shape
     };
     let ball = Scene::ball(width, height);
-    rows.extend(precision::sweep(ball.name, &ball.frame, shape)?);
+    rows.extend(precision::sweep(
+        ball.name,
+        &ball.frame,
+        &Surface::of(&ball.frame),
+        shape,
+    )?);
     Ok(rows)
 }
 

@@ -1,9 +1,11 @@
 //! The descriptor in double precision: the reference for single-precision results.
 //!
-//! It starts from the frame alone (normals, depth or occlusion, mask), so an error of silhouettes, creases,
-//! conductance, gradient, diffusion or curvature shows as a difference. For the same reason the formulas are written
+//! It starts from the surface (normals, depth) and the frame's mask, occlusion and lengths of normals, so an error of
+//! silhouettes, creases, conductance, gradient, diffusion or curvature shows as a difference, and of preparation too
+//! where the surface is that of the files. For the same reason the formulas are written
 //! anew, not shared with the kernels.
 
+use super::surface::Surface;
 use crate::frame::{Frame, Mask, Plane};
 use crate::params::{Scale, ShapeParams, SoftThreshold};
 use crate::shape::chebyshev::{Spread, coefficients};
@@ -64,12 +66,12 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// The edges of `frame`.
-    pub(super) fn of(frame: &Frame, params: &ShapeParams) -> Self {
+    /// The edges of `surface` in `frame`.
+    pub(super) fn of(frame: &Frame, surface: &Surface, params: &ShapeParams) -> Self {
         let mask = &frame.mask;
-        let silhouette = match (&frame.depth, &frame.occlusion) {
+        let silhouette = match (&surface.depth, &frame.occlusion) {
             (Some(depth), _) => {
-                let log = covered(mask, |x, y| f64::from(depth.at(x, y)).ln());
+                let log = covered(mask, |x, y| depth.at(x, y).ln());
                 covered(mask, |x, y| {
                     silhouette(&log, mask, [x, y], params.silhouette)
                 })
@@ -84,7 +86,7 @@ impl Edges {
                 false => Weight::default(),
             }),
         };
-        let crease = covered(mask, |x, y| crease(frame, [x, y], params.crease));
+        let crease = covered(mask, |x, y| crease(frame, surface, [x, y], params.crease));
         let conductance = covered(mask, |x, y| {
             Weight::conductance(silhouette.at(x, y), crease.at(x, y))
         });
@@ -159,15 +161,20 @@ fn silhouette(
 
 /// By the largest angle between the pixel's normal and those of its four neighbours, and across the pixel, or by the
 /// angle between two normals whose mean is as short as the pixel's normal before normalisation.
-fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> Weight {
+fn crease(
+    frame: &Frame,
+    surface: &Surface,
+    [x, y]: [usize; 2],
+    threshold_deg: SoftThreshold,
+) -> Weight {
     let normal = |dx: i64, dy: i64| {
         let (i, j) = (x as i64 + dx, y as i64 + dy);
         let (w, h) = (frame.mask.width() as i64, frame.mask.height() as i64);
         let inside = (0..w).contains(&i) && (0..h).contains(&j);
         let (i, j) = (i as usize, j as usize);
         (inside && frame.mask.at(i, j)).then(|| {
-            let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z];
-            DVec3::from_array(n.map(|plane| plane.at(i, j).into())).normalize_or_zero()
+            let n = surface.normal.each_ref().map(|plane| plane.at(i, j));
+            DVec3::from_array(n).normalize_or_zero()
         })
     };
     let [left, right, up, down] = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| normal(dx, dy));
@@ -194,7 +201,7 @@ fn crease(frame: &Frame, [x, y]: [usize; 2], threshold_deg: SoftThreshold) -> We
 }
 
 /// The depth gradient at every covered pixel, 0 elsewhere ([RS] section 4.1).
-pub(super) fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
+pub(super) fn depth_gradient(frame: &Frame, surface: &Surface, params: &ShapeParams) -> Field {
     let projection = frame.camera.map(|camera| camera.projection);
     let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);
     let (f, floor) = (f64::from(params.foreshortening), f64::from(params.min_nz));
@@ -202,7 +209,7 @@ pub(super) fn depth_gradient(frame: &Frame, params: &ShapeParams) -> Field {
         if !frame.mask.at(x, y) {
             return [0.0; 2];
         }
-        let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z].map(|p| f64::from(p.at(x, y)));
+        let n = surface.normal.each_ref().map(|plane| plane.at(x, y));
         let eye = projection.map_or(glam::DVec2::ZERO, |projection| {
             projection.to_eye(left + x as f64 + 0.5, top + y as f64 + 0.5)
         });
@@ -546,7 +553,7 @@ mod tests {
                 depth: Some(depth),
                 ..Frame::of_normals(normal, Mask::full(9, 9))
             };
-            Edges::of(&frame, &ShapeParams::default())
+            Edges::of(&frame, &Surface::of(&frame), &ShapeParams::default())
         };
         for (share, weight) in [(0.05, 1.0), (0.035, 0.5), (0.03, 0.0)] {
             let edges = step(share);
@@ -564,7 +571,9 @@ mod tests {
                 z: plane(&f64::cos),
             };
             let frame = Frame::of_normals(normal, Mask::full(9, 9));
-            Edges::of(&frame, &ShapeParams::default()).crease.at(5, 4)
+            Edges::of(&frame, &Surface::of(&frame), &ShapeParams::default())
+                .crease
+                .at(5, 4)
         };
         let SoftThreshold { lo, hi } = ShapeParams::default().crease;
         let half = bend(0.5 * f64::from(lo + hi));
@@ -597,7 +606,7 @@ mod tests {
             });
         for frame in frames {
             let shape = ShapeParams::default();
-            let edges = Edges::of(&frame, &shape);
+            let edges = Edges::of(&frame, &Surface::of(&frame), &shape);
             let found = engine::layers(&frame, shape).unwrap();
             for (found, exact) in [
                 (&found.silhouette, &edges.silhouette),

@@ -11,6 +11,7 @@ pub(crate) mod solver;
 use super::compare::{Errors, compare, overshoot};
 use super::engine::{self, Layers};
 use super::reference::{self, Edges, Field, Operator};
+use super::surface::Surface;
 use crate::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{Scale, ShapeParams};
@@ -45,27 +46,32 @@ pub(crate) struct Measuring<'a> {
 }
 
 impl<'a> Measuring<'a> {
-    /// The reference of `frame`, for the engine's edges.
+    /// The reference of `frame` itself, for the engine's edges.
     ///
     /// # Errors
     /// [`crate::Error::BadParameter`] for a parameter outside its range.
     pub(crate) fn new(frame: &'a Frame, shape: ShapeParams) -> Result<Self> {
+        Self::from(frame, &Surface::of(frame), shape)
+    }
+
+    /// The reference of the `surface` that `frame` was made from.
+    ///
+    /// # Errors
+    /// As [`Measuring::new`].
+    pub(crate) fn from(frame: &'a Frame, surface: &Surface, shape: ShapeParams) -> Result<Self> {
         let undiffused = ShapeParams {
             scale: Scale::Iterations(0),
             ..shape
         };
-        Ok(Self::beside(
-            &engine::layers(frame, undiffused)?,
-            frame,
-            shape,
-        ))
+        let found = engine::layers(frame, undiffused)?;
+        Ok(Self::beside(&found, frame, surface, shape))
     }
 
-    /// The reference of `frame`, for edges from any source.
-    fn beside(found: &Layers, frame: &'a Frame, shape: ShapeParams) -> Self {
-        let edges = Edges::of(frame, &shape);
+    /// The reference for edges from any source.
+    fn beside(found: &Layers, frame: &'a Frame, surface: &Surface, shape: ShapeParams) -> Self {
+        let edges = Edges::of(frame, surface, &shape);
         let conductance = edges.conductance_near(&found.conductance);
-        let gradient = reference::depth_gradient(frame, &shape);
+        let gradient = reference::depth_gradient(frame, surface, &shape);
         let steepest = reference::largest(&gradient);
         let errors = |found: &Plane, exact: &Plane<reference::Weight>| {
             let exact = exact.map(|weight| weight.exact);
@@ -137,7 +143,7 @@ mod tests {
     /// judged against `asked`.
     fn errors(frame: &Frame, found: ShapeParams, asked: ShapeParams) -> [f64; 5] {
         let layers = engine::layers(frame, found).unwrap();
-        let measuring = Measuring::beside(&layers, frame, asked);
+        let measuring = Measuring::beside(&layers, frame, &Surface::of(frame), asked);
         let exact = measuring.diffused(asked.scale);
         let trace = measuring.trace(&exact);
         let traces = compare([&layers.trace()], [&trace], &frame.mask, measuring.steepest);
@@ -198,7 +204,7 @@ mod tests {
         let mut layers = engine::layers(&scene.frame, shape).unwrap();
         // Squared, as in another paper's formula.
         layers.conductance = layers.conductance.map(|c| c * c);
-        let measuring = Measuring::beside(&layers, &scene.frame, shape);
+        let measuring = Measuring::beside(&layers, &scene.frame, &Surface::of(&scene.frame), shape);
         let right = Measuring::new(&scene.frame, shape).unwrap();
         assert!(measuring.edges.conductance.max > 0.2);
         assert_eq!(measuring.edges.silhouette, right.edges.silhouette);

@@ -6,6 +6,7 @@ use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::params::{Scale, ShapeParams};
 use crate::report::compare::{Errors, compare_where, covered};
 use crate::report::engine::layers;
+use crate::report::surface::Surface;
 use half::f16;
 use serde::Serialize;
 
@@ -37,8 +38,13 @@ pub(crate) struct PrecisionRow {
 
 /// Compares float, half and byte input, at the undiffused and the given scale, with the double-precision reference for
 /// unrounded input.
-pub(crate) fn sweep(name: &str, frame: &Frame, shape: ShapeParams) -> Result<Vec<PrecisionRow>> {
-    let measuring = Measuring::new(frame, shape)?;
+pub(crate) fn sweep(
+    name: &str,
+    frame: &Frame,
+    surface: &Surface,
+    shape: ShapeParams,
+) -> Result<Vec<PrecisionRow>> {
+    let measuring = Measuring::from(frame, surface, shape)?;
     let mut scales = vec![Scale::Iterations(0)];
     if shape.diffusion_time() > 0.0 {
         scales.push(shape.scale);
@@ -156,7 +162,13 @@ mod tests {
     #[test]
     fn rounding_costs_what_its_last_digit_is_worth() {
         let scene = Scene::ball(120, 100);
-        let rows = sweep("ball", &scene.frame, ShapeParams::default()).unwrap();
+        let rows = sweep(
+            "ball",
+            &scene.frame,
+            &Surface::of(&scene.frame),
+            ShapeParams::default(),
+        )
+        .unwrap();
         let at = |stored| {
             rows.iter()
                 .find(|row| row.stored == stored)

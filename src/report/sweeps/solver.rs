@@ -12,6 +12,7 @@ use crate::report::engine::{self, Layers};
 use crate::report::gpu::{Gpu, GpuParts};
 use crate::report::machine::Machine;
 use crate::report::pareto;
+use crate::report::surface::Surface;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
 use crate::report::work;
 use serde::Serialize;
@@ -104,6 +105,8 @@ pub(crate) struct Subject<'a> {
     /// Its contents in words.
     pub about: &'a str,
     pub frame: &'a Frame,
+    /// The surface that the reference starts from.
+    pub surface: &'a Surface,
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
@@ -119,7 +122,7 @@ pub(crate) fn sweep(
     machine: &Machine,
     progress: &dyn Fn(&str),
 ) -> Result<SceneSweep> {
-    let measuring = Measuring::new(subject.frame, subject.shape)?;
+    let measuring = Measuring::from(subject.frame, subject.surface, subject.shape)?;
     let mut swept = Vec::new();
     for &scale in scales {
         progress(&format!(

@@ -1,0 +1,103 @@
+//! Completions by the shell: commands, options, values, and the layers of the file on the line.
+
+use super::{PROGRAM, command, exit, message};
+use crate::command::commands::{CompletionsArgs, command_named};
+use crate::command::frames_there::frames_on_disk;
+use crate::error::{Error, Result};
+use crate::io::layers;
+use crate::io::sequence::path_of_frame;
+use clap_complete::Shell;
+use clap_complete::engine::{
+    ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
+};
+use clap_complete::env::{CompleteEnv, Shells};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// Set by a shell to its name when it asks for completions.
+const VARIABLE: &str = "RELIEVO_COMPLETE";
+
+/// The first words of a value that names a layer of the input.
+const LAYER: &str = "NAME|FILE";
+
+/// A file `_relievo` on zsh's path is the body of a function: its first call has to complete too.
+const ZSH_AUTOLOAD: &str = "\
+if [[ ${funcstack[1]} == _relievo ]]; then
+    _clap_dynamic_completer_relievo
+fi
+";
+
+/// Prints the lines that make a shell ask this program for completions.
+pub(super) fn script(args: &CompletionsArgs) -> Result<()> {
+    let name = args.shell.to_string();
+    let shells = Shells::builtins();
+    let shell = shells.completer(&name).expect("both lists are clap's");
+    let mut text = Vec::new();
+    let written = shell.write_registration(VARIABLE, PROGRAM, PROGRAM, PROGRAM, &mut text);
+    written.map_err(Error::io(Path::new("stdout"), "write"))?;
+    let mut text = String::from_utf8_lossy(&text).into_owned();
+    if args.shell == Shell::Zsh {
+        text += ZSH_AUTOLOAD;
+    }
+    message::print(&text)
+}
+
+/// Prints completions and returns the exit code, if a shell asks for them.
+pub(super) fn answered() -> Option<i32> {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let here = std::env::current_dir().ok();
+    let program = CompleteEnv::with_factory(|| with_layers(&words)).var(VARIABLE);
+    match program.try_complete(words.clone(), here.as_deref()) {
+        Ok(false) => None,
+        Ok(true) => Some(exit::DONE),
+        Err(error) => Some(message::misuse(&error)),
+    }
+}
+
+/// The program, whose options know the layers of the input among `words`.
+fn with_layers(words: &[OsString]) -> clap::Command {
+    let input = input_of(words);
+    command().mut_subcommands(|command| {
+        command.mut_args(|arg| {
+            let form = arg.get_value_names().and_then(<[_]>::first);
+            let Some(rest) = form.and_then(|form| form.strip_prefix(LAYER)) else {
+                return arg;
+            };
+            let (none, input) = (rest.strip_prefix('|').map(String::from), input.clone());
+            arg.add(ArgValueCompleter::new(move |typed: &OsStr| {
+                named(typed, input.as_deref(), none.as_deref())
+            }))
+        })
+    })
+}
+
+/// The input of the command line after `--`: its first frame if it is a sequence.
+fn input_of(words: &[OsString]) -> Option<PathBuf> {
+    let typed = words.iter().skip_while(|word| *word != "--").skip(2);
+    let name = typed.clone().next()?.to_str()?;
+    let command = command_named(name).ignore_errors(true);
+    let matches = command.try_get_matches_from(typed).ok()?;
+    let given = |id| matches.try_get_raw(id).ok()??.next();
+    let input = Path::new(["input", "files"].into_iter().find_map(given)?);
+    match frames_on_disk(input) {
+        Some(frames) => path_of_frame(input, *frames.first()?),
+        None => Some(input.into()),
+    }
+}
+
+/// Layers whose names begin with `typed`, with their components; the word `none` where it is taken; files.
+fn named(typed: &OsStr, input: Option<&Path>, none: Option<&str>) -> Vec<CompletionCandidate> {
+    let found = input.and_then(|input| layers(input).ok());
+    let layers = found.into_iter().flatten();
+    let layers = layers.filter(|layer| !layer.name.is_empty());
+    let layers = layers.map(|layer| {
+        let components = layer.components.join(" ");
+        CompletionCandidate::new(layer.name).help(Some(components.into()))
+    });
+    let typed_text = typed.to_string_lossy();
+    layers
+        .chain(none.map(CompletionCandidate::new))
+        .filter(|one| one.get_value().to_string_lossy().starts_with(&*typed_text))
+        .chain(PathCompleter::file().complete(typed))
+        .collect()
+}
