@@ -7,21 +7,20 @@ use super::gallery::gallery;
 use super::handles::{Place, handles};
 use super::history::History;
 use super::layer::Layer;
-use super::lights::{Lights, make_way};
+use super::lights::Lights;
 use super::notices::Notices;
 use super::overlay;
 use super::picks::Picks;
 use super::probe::Value;
-use super::shortcuts::{self, Action};
+use super::shortcuts;
 use super::texture::Texture;
 use super::thumbnails::Thumbnails;
 use super::worker::{Order, Reply, Save, Shown, Worker};
 use crate::command::frames_there::frames_on_disk;
 use crate::command::look::{LightFile, Look, Opening, Reading};
 use eframe::egui::{
-    CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, vec2,
+    CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
 };
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Surround of the picture: neutral grey, so that its tones are seen without bias.
@@ -69,22 +68,22 @@ pub struct View {
     pub(super) said: Option<Notice>,
     pub(super) notices: Notices,
     pub(super) zoom: f32,
-    hides_handles: bool,
+    pub(super) hides_handles: bool,
     input: Option<PathBuf>,
     controls: Controls,
-    canvas: Canvas,
+    pub(super) canvas: Canvas,
     textures: [Option<Texture>; 2],
     worker: Worker,
-    files: Files,
+    pub(super) files: Files,
     ordered: Option<Ordered>,
     saving: usize,
     /// Whether a place is looked for, for a new light near the surface.
     is_placing: bool,
-    thumbnails: Thumbnails,
+    pub(super) thumbnails: Thumbnails,
     light_files: Vec<LightFile>,
     changed: Option<String>,
     /// The pixel probed last, and its values once they arrive.
-    probed: Option<([usize; 2], Option<Vec<Value>>)>,
+    pub(super) probed: Option<([usize; 2], Option<Vec<Value>>)>,
 }
 
 impl View {
@@ -194,7 +193,15 @@ impl View {
         if !Layer::all(self.look.command()).any(|layer| layer == self.layer) {
             self.layer = Layer::Picture;
         }
-        let is_changing = context.input(|input| input.pointer.any_down());
+        let (is_held, is_scrolling) = context.input(|input| {
+            let is_scrolling = input.smooth_scroll_delta() != Vec2::ZERO;
+            (input.pointer.any_down(), is_scrolling)
+        });
+        if is_scrolling {
+            // Once more when the wheel rests.
+            context.request_repaint();
+        }
+        let is_changing = is_held || is_scrolling;
         if !is_changing {
             self.history.rest_at(&self.look);
         }
@@ -374,81 +381,6 @@ impl View {
         }
     }
 
-    /// Takes in files that were dropped or chosen in a dialog.
-    fn take_files(&mut self, context: &Context) {
-        let dropped = context.input(|input| input.raw.dropped_files.clone());
-        for file in dropped {
-            self.open(file.path());
-        }
-        for (purpose, path) in self.files.chosen() {
-            match purpose {
-                Purpose::Open => self.open(&path),
-                Purpose::SaveRecipe => self.save_recipe(&path),
-                Purpose::SavePicture => self.save_picture(&path),
-                Purpose::Setting(name) => {
-                    make_way(&mut self.look, name);
-                    self.look.set(name, Some(path.display().to_string()));
-                }
-            }
-        }
-    }
-
-    pub(super) fn act(&mut self, context: &Context, action: Action) {
-        match action {
-            Action::Open => self.browse(context, Purpose::Open),
-            Action::SavePicture => self.browse(context, Purpose::SavePicture),
-            Action::SaveRecipe => self.browse(context, Purpose::SaveRecipe),
-            Action::CopyCommand => {
-                if let Some(line) = self.command_line() {
-                    context.copy_text(line);
-                    self.say("the command line is copied".into(), false);
-                }
-            }
-            Action::Undo => self.look = self.history.undo().unwrap_or(self.look.clone()),
-            Action::Redo => self.look = self.history.redo().unwrap_or(self.look.clone()),
-            Action::Split => self.is_split = !self.is_split,
-            Action::Before => self.is_before = !self.is_before,
-            Action::Lines => match Layer::all(self.look.command()).any(Layer::is_drawn) {
-                true => self.layer = self.layer.next_lines(),
-                false => self.say("lines alone are layers of hatch".into(), false),
-            },
-            Action::Presets => self.is_choosing = !self.is_choosing,
-            Action::Handles => self.hides_handles = !self.hides_handles,
-            Action::Notices => {
-                if let Some(shown) = &self.shown {
-                    self.notices.toggle(&shown.warnings);
-                }
-            }
-            Action::Fit => self.canvas.fit(),
-            Action::ActualSize => self.canvas.zoom_to(context.pixels_per_point().recip()),
-            Action::Probe => self.is_probing = !self.is_probing,
-            Action::NextFrame => self.step_frame(1),
-            Action::PreviousFrame => self.step_frame(-1),
-            Action::NextLayer => self.step_layer(1),
-            Action::PreviousLayer => self.step_layer(-1),
-            Action::Help => self.is_helping = !self.is_helping,
-        }
-    }
-
-    /// Opens a dialog for a file.
-    fn browse(&self, context: &Context, purpose: Purpose) {
-        let waker = context.clone();
-        let wake = move || waker.request_repaint();
-        self.files.ask(purpose, self.input.as_deref(), wake);
-    }
-
-    fn step_frame(&mut self, by: isize) {
-        let last = self.frames.as_ref().map_or(0, |frames| frames.len() - 1);
-        self.frame_index = self.frame_index.saturating_add_signed(by).min(last);
-    }
-
-    fn step_layer(&mut self, by: isize) {
-        let layers: Vec<_> = Layer::all(self.look.command()).collect();
-        let index = layers.iter().position(|&layer| layer == self.layer);
-        let index = index.unwrap_or(0) as isize + by;
-        self.layer = layers[index.rem_euclid(layers.len() as isize) as usize];
-    }
-
     pub(super) fn say(&mut self, text: String, is_error: bool) {
         let text = text.replace('\n', " ");
         self.said = Some(Notice { text, is_error });
@@ -480,11 +412,6 @@ impl View {
         is_ordered || self.saving > 0 || self.is_placing || probes
     }
 
-    /// Whether small pictures of choices are being made.
-    pub fn is_drawing_small(&self) -> bool {
-        self.thumbnails.is_pending()
-    }
-
     /// Writes the recipe of the shown picture.
     pub fn save_recipe(&mut self, path: &Path) {
         self.save(Save::Recipe, path);
@@ -501,58 +428,5 @@ impl View {
             self.worker
                 .save(save, self.look.clone(), reading, path.to_path_buf());
         }
-    }
-
-    /// The command line that reproduces the picture.
-    pub fn command_line(&self) -> Option<String> {
-        let frames = self.frames.as_deref();
-        Some(self.look.command_line(self.input.as_ref()?, frames))
-    }
-
-    /// The value of a setting that is not at its default; the first, if it has several.
-    pub fn value(&self, name: &str) -> Option<&str> {
-        self.look.value(name)
-    }
-
-    /// The name of the shown layer.
-    pub fn layer(&self) -> &'static str {
-        self.layer.name()
-    }
-
-    /// The command whose picture is shown.
-    pub fn command(&self) -> &str {
-        self.look.command()
-    }
-
-    /// Width, height and pixels of the shown picture: red, green, blue and alpha, as in a PNG.
-    pub fn pixels(&self) -> Option<(usize, usize, &[[u8; 4]])> {
-        let pixels = &self.shown.as_ref()?.pixels;
-        Some((pixels.width, pixels.height, &pixels.rgba))
-    }
-
-    /// How often each pass has run on the open frame, named as in
-    /// [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
-    pub fn counts(&self) -> BTreeMap<&'static str, u32> {
-        self.shown
-            .as_ref()
-            .map_or(BTreeMap::new(), |shown| shown.counts.clone())
-    }
-
-    /// Position of the divider between before and after, as a share of the width.
-    pub fn split(&self) -> f32 {
-        self.canvas.split
-    }
-
-    /// The values under the pointer, as lines of text.
-    pub fn probed(&self) -> Vec<String> {
-        match &self.probed {
-            Some((pixel, Some(values))) => overlay::lines_of(*pixel, values),
-            _ => Vec::new(),
-        }
-    }
-
-    /// The last message to the user.
-    pub fn said(&self) -> Option<&str> {
-        self.said.as_ref().map(|said| said.text.as_str())
     }
 }

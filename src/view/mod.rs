@@ -4,6 +4,7 @@
 //! tables of flags. A worker thread does all computation and caches what the next picture can reuse
 //! ([`Session`](crate::engine::Session)); the window only sends requests and shows results.
 
+mod actions;
 mod app;
 mod arrows;
 mod ball;
@@ -18,6 +19,7 @@ mod layer;
 mod light_rows;
 mod lights;
 mod notices;
+mod observed;
 mod overlay;
 mod picks;
 mod probe;

@@ -54,6 +54,11 @@ fn a_point_light_is_dragged_over_the_surface_and_into_it() {
     let deeper = window.numbers("point-light");
     let factor = deeper[2] / moved[2];
     assert!((factor - 2.0_f32.sqrt()).abs() < 0.01, "{factor}");
+    // However many steps a turn of the wheel takes, it is undone at once.
+    window.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.numbers("point-light"), moved);
+    window.press(Modifiers::COMMAND, Key::Y);
+    assert_eq!(window.numbers("point-light"), deeper);
     let (seen, _) = window.place_of("Point light 2");
     assert!((seen - at).length() < 1.0, "{seen} is not {at}");
     // With Shift it is dragged there: down brings it nearer.
