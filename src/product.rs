@@ -86,7 +86,7 @@ pub struct ProductRow {
     pub(crate) compared: Compared,
     /// Tolerance of other backends against the CPU; its origin: [`Product::tolerance`].
     pub tolerance: f64,
-    /// How the viewer shows it as a grey picture, 0 black and 1 white.
+    /// How the viewer shows it as a grey picture: 0 black and 1 white, or ink on paper.
     pub shown: Option<Shown>,
 }
 
@@ -167,9 +167,12 @@ static TABLE: [ProductRow; 18] = [
     row(Product::Sky, "sky", Some("relief"), &["sky"], "0..1", 1e-4).on_request(),
     row(Product::BentNormal, "bent normal", Some("bent"), &["x", "y", "z"], "unit, view space", 1e-4).on_request(),
     row(Product::Picture, "picture", None, &["R", "G", "B"], "scene-linear", 1e-5),
-    row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink),
-    row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
-    row(Product::Interior, "interior", None, &["interior"], "coverage, 0..1", 1e-5).compared(Compared::Ink),
+    row(Product::Strokes, "strokes", None, &["strokes"], "coverage, 0..1", 1e-4).compared(Compared::Ink)
+        .shown("Strokes", "strokes alone"),
+    row(Product::Contours, "contours", None, &["contours"], "coverage, 0..1", 1e-5).compared(Compared::Ink)
+        .shown("Contours", "lines along silhouettes and creases alone"),
+    row(Product::Interior, "interior", None, &["interior"], "coverage, 0..1", 1e-5).compared(Compared::Ink)
+        .shown("Interior lines", "lines inside surfaces alone"),
 ];
 
 impl ProductRow {

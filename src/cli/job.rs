@@ -7,6 +7,7 @@ use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::output::{Displayed, Kind, MadePicture};
 use crate::command::recipe::RecipeText;
+use crate::command::shape::held_gain;
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::{self, Engine, Run};
@@ -223,8 +224,8 @@ impl<'a> Job<'a> {
 
     /// Says where normals are too coarse for the gain that their shape asks for.
     pub(super) fn note_gain(&self, plan: &Plan, gain: Option<f32>) {
-        if plan.holds_gain(gain) {
-            self.warn(&message::held_gain(plan.most_gain()));
+        if let Some(text) = held_gain(plan, gain) {
+            self.warn(&text);
         }
     }
 

@@ -61,14 +61,6 @@ pub(super) fn finding_line(finding: &Finding) -> String {
     format!("{subject:<16} {conclusion} ({evidence}; force with {flag})")
 }
 
-/// Note that the gain was limited, since a greater one would show the steps of quantised normals.
-pub(super) fn held_gain(gain: f32) -> String {
-    format!(
-        "so flat a shape asks for a gain at which normals of 8 bits show their steps: held at {gain:.0}; \
-         a map of 16 bits has no such limit, and --curvature-gain is taken as it is given"
-    )
-}
-
 /// Share of the picture that is white, if worth reporting.
 pub(super) fn whites(whites: Whites) -> String {
     let percent = |count: usize| 100.0 * count as f64 / whites.of.max(1) as f64;

@@ -24,7 +24,7 @@ pub(crate) mod reading;
 pub mod recipe;
 pub(crate) mod relight;
 pub(crate) mod relight_args;
-mod role_args;
+pub(crate) mod role_args;
 pub(crate) mod sequence;
 #[cfg(any(feature = "view", feature = "host"))]
 pub(crate) mod setting;

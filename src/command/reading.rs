@@ -2,6 +2,7 @@
 
 use super::args::WorkArgs;
 use super::commands::Command;
+use super::enhance::dark_rims;
 use super::hatch::Drawn;
 use super::relight::{needs, specular_scene};
 use super::relight_args::RelightArgs;
@@ -138,6 +139,20 @@ pub(crate) fn plan_of(
         Command::Hatch(args) => args.plan(&args.looks()?, light, frame, drawn)?,
         _ => unreachable!("{A_COMMAND}"),
     })
+}
+
+/// Warnings about the settings of a command, whatever they are applied to.
+pub(crate) fn setting_warnings(command: &Command) -> Vec<String> {
+    let scaling = &work_of(command).flags.params.scaling;
+    match command {
+        Command::Enhance(_) => dark_rims(scaling),
+        Command::Relight(args) => {
+            let scales = args.params().method.scales();
+            let rims = scales.then(|| dark_rims(scaling)).into_iter().flatten();
+            rims.chain(args.past_the_zenith()).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The arguments that all commands share.

@@ -79,7 +79,7 @@ struct SurfaceFlags {
 
 /// N numbers and an optional colour, separated by commas.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Numbers<const N: usize>(pub(super) [f32; N], pub(super) Option<[f32; 3]>);
+pub(crate) struct Numbers<const N: usize>(pub(crate) [f32; N], pub(crate) Option<[f32; 3]>);
 
 impl<const N: usize> FromStr for Numbers<N> {
     type Err = String;

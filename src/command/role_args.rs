@@ -9,9 +9,12 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use std::path::PathBuf;
 
+/// Their heading in help.
+pub(crate) const INPUTS: &str = "Inputs";
+
 /// Which layers and files play which role.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Inputs")]
+#[command(next_help_heading = INPUTS)]
 pub(crate) struct RoleArgs {
     /// View to take all layers from (as in left), for files with several; the default view if not given.
     #[arg(hide_short_help = true, long, value_name = "NAME")]

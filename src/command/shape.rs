@@ -29,6 +29,17 @@ pub(crate) fn display(outcome: &Outcome) -> Picture<'_> {
     }
 }
 
+/// Note that the gain was limited, since a greater one would show the steps of quantised normals.
+pub(crate) fn held_gain(plan: &Plan, gain: Option<f32>) -> Option<String> {
+    plan.holds_gain(gain).then(|| {
+        format!(
+            "so flat a shape asks for a gain at which normals of 8 bits show their steps: held at {:.0}; \
+             a map of 16 bits has no such limit, and --curvature-gain is taken as it is given",
+            plan.most_gain()
+        )
+    })
+}
+
 impl WorkArgs {
     /// Inputs and layers to read for the shape of a frame.
     pub(crate) fn reading(&self, goal: Goal, frame: Option<i32>) -> (Inputs, Needs) {

@@ -4,12 +4,11 @@ use super::made::{Made, named};
 use super::scene::File;
 use crate::command::chosen::Chosen;
 use crate::command::commands::{Command, command_named, long};
-use crate::command::enhance::dark_rims;
 use crate::command::error_line::misuse_line;
 use crate::command::flags::Flag;
 use crate::command::invocation::Invocation;
 use crate::command::memory::MaxMemory;
-use crate::command::reading::{Source, light_of, work_of};
+use crate::command::reading::{Source, light_of, setting_warnings, work_of};
 use crate::command::recipe::{COMMANDS, Recipe, RecipeText, is_setting, is_switch};
 use crate::command::relight::{illumination, light_or_lamp};
 use crate::command::sequence::SequenceArgs;
@@ -124,12 +123,7 @@ impl Work {
             Command::Hatch(args) => args.looks().map(|_| ())?,
             _ => flags.refuse_more_scales()?,
         }
-        let scaling = &flags.params.scaling;
-        let mut warnings = match &command {
-            Command::Enhance(_) => dark_rims(scaling),
-            Command::Relight(args) if args.params().method.scales() => dark_rims(scaling),
-            _ => Vec::new(),
-        };
+        let mut warnings = setting_warnings(&command);
         let light = match light_of(&command) {
             Some(args) => illumination(args, MaxMemory::Auto.for_light())?,
             None => Illumination::default(),
@@ -138,7 +132,6 @@ impl Work {
             Command::Relight(args) => {
                 let (light, said) = light_or_lamp(args, light);
                 warnings.extend(said);
-                warnings.extend(args.past_the_zenith());
                 light
             }
             _ => light,

@@ -104,12 +104,12 @@ pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<Lit
 }
 
 /// The colour of a file over its display window, multiplied by its alpha and linear.
-pub(super) fn read_color(path: &Path) -> Result<ColorPlanes> {
+pub(crate) fn read_color(path: &Path) -> Result<ColorPlanes> {
     Lights::open(path, u64::MAX)?.read(0)
 }
 
 /// Columns and rows that the colour of a file has, by its header.
-pub(super) fn color_size(path: &Path) -> Result<[usize; 2]> {
+pub(crate) fn color_size(path: &Path) -> Result<[usize; 2]> {
     let shown = Lights::open(path, u64::MAX)?.shown;
     Ok([shown.width(), shown.height()])
 }

@@ -56,6 +56,21 @@ pub struct Loaded {
     pub(super) main: Rc<Opened>,
 }
 
+#[cfg(feature = "view")]
+impl Loaded {
+    /// It with its frame [reduced](Frame::reduced) to every `step`th pixel, and without motion.
+    pub(crate) fn reduced(&self, step: usize) -> Self {
+        Self {
+            frame: self.frame.reduced(step),
+            motion: None,
+            findings: self.findings.clone(),
+            warnings: self.warnings.clone(),
+            main: self.main.clone(),
+            ..*self
+        }
+    }
+}
+
 impl Loaded {
     /// The picture as an EXR file, if it is one.
     pub fn exr(&self) -> Option<&ExrFile> {

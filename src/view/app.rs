@@ -3,17 +3,24 @@
 use super::canvas::{Canvas, Painted};
 use super::controls::Controls;
 use super::files::{self, Files, Purpose};
+use super::gallery::gallery;
+use super::handles::{Place, handles};
 use super::history::History;
 use super::layer::Layer;
+use super::lights::Lights;
+use super::notices::Notices;
 use super::overlay;
+use super::picks::Picks;
 use super::probe::Value;
-use super::shortcuts::{self, Action};
+use super::shortcuts;
 use super::texture::Texture;
+use super::thumbnails::Thumbnails;
 use super::worker::{Order, Reply, Save, Shown, Worker};
 use crate::command::frames_there::frames_on_disk;
-use crate::command::look::{Look, Opening, Reading};
-use eframe::egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui};
-use std::collections::BTreeMap;
+use crate::command::look::{LightFile, Look, Opening, Reading};
+use eframe::egui::{
+    CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
+};
 use std::path::{Path, PathBuf};
 
 /// Surround of the picture: neutral grey, so that its tones are seen without bias.
@@ -49,24 +56,34 @@ pub struct View {
     pub(super) history: History,
     pub(super) layer: Layer,
     pub(super) is_split: bool,
+    /// Whether the picture before stands in place of the other.
+    pub(super) is_before: bool,
+    /// Whether the gallery of presets is open.
+    pub(super) is_choosing: bool,
     pub(super) is_probing: bool,
     pub(super) is_helping: bool,
     pub(super) frames: Option<Vec<i32>>,
     pub(super) frame_index: usize,
     pub(super) shown: Option<Box<Shown>>,
     pub(super) said: Option<Notice>,
+    pub(super) notices: Notices,
     pub(super) zoom: f32,
+    pub(super) hides_handles: bool,
     input: Option<PathBuf>,
     controls: Controls,
-    canvas: Canvas,
+    pub(super) canvas: Canvas,
     textures: [Option<Texture>; 2],
     worker: Worker,
-    files: Files,
+    pub(super) files: Files,
     ordered: Option<Ordered>,
     saving: usize,
+    /// Whether a place is looked for, for a new light near the surface.
+    is_placing: bool,
+    pub(super) thumbnails: Thumbnails,
+    light_files: Vec<LightFile>,
     changed: Option<String>,
     /// The pixel probed last, and its values once they arrive.
-    probed: Option<([usize; 2], Option<Vec<Value>>)>,
+    pub(super) probed: Option<([usize; 2], Option<Vec<Value>>)>,
 }
 
 impl View {
@@ -83,13 +100,17 @@ impl View {
             look: opening.look,
             layer: Layer::default(),
             is_split: false,
+            is_before: false,
+            is_choosing: false,
             is_probing: false,
             is_helping: false,
             frames: None,
             frame_index: 0,
             shown: None,
             said: None,
+            notices: Notices::default(),
             zoom: 1.0,
+            hides_handles: false,
             input: None,
             controls: Controls::new(),
             canvas: Canvas::default(),
@@ -100,6 +121,9 @@ impl View {
             files: Files::new(),
             ordered: None,
             saving: 0,
+            is_placing: false,
+            thumbnails: Thumbnails::default(),
+            light_files: Vec::new(),
             changed: None,
             probed: None,
         };
@@ -130,6 +154,8 @@ impl View {
         }
         self.frame_index = 0;
         self.input = Some(path.to_path_buf());
+        self.light_files.clear();
+        self.worker.search(path.to_path_buf());
         self.canvas.fit();
         self.probed = None;
     }
@@ -149,24 +175,60 @@ impl View {
             .size_range(280.0..=520.0)
             .show(ui, |ui| {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    let chosen = self.shown.as_ref().map_or(&[][..], |s| &s.chosen);
-                    let changes = self.controls.show(ui, &mut self.look, chosen);
-                    if changes.changed.is_some() {
-                        self.changed = changes.changed;
-                        self.said = None;
-                    }
+                    self.settings(ui);
                 });
             });
+        if let Some(shown) = &self.shown {
+            self.notices.show(ui, &shown.warnings);
+        }
         let central = Frame::new().fill(SURROUND).inner_margin(Margin::ZERO);
         CentralPanel::default()
             .frame(central)
             .show(ui, |ui| self.picture(ui));
         shortcuts::help(&context, &mut self.is_helping);
-        let is_changing = context.input(|input| input.pointer.any_down());
+        if let Some(reading) = self.reading() {
+            let (is_open, look) = (&mut self.is_choosing, &mut self.look);
+            gallery(&context, is_open, look, &reading, &mut self.thumbnails);
+        }
+        if !Layer::all(self.look.command()).any(|layer| layer == self.layer) {
+            self.layer = Layer::Picture;
+        }
+        let (is_held, is_scrolling) = context.input(|input| {
+            let is_scrolling = input.smooth_scroll_delta() != Vec2::ZERO;
+            (input.pointer.any_down(), is_scrolling)
+        });
+        if is_scrolling {
+            // Once more when the wheel rests.
+            context.request_repaint();
+        }
+        let is_changing = is_held || is_scrolling;
         if !is_changing {
             self.history.rest_at(&self.look);
         }
         self.ask(is_changing);
+        self.thumbnails.order(&self.worker, is_changing);
+    }
+
+    fn settings(&mut self, ui: &mut Ui) {
+        let reading = self.reading();
+        let pictures = Picks {
+            thumbnails: &mut self.thumbnails,
+            reading: reading.as_ref(),
+            light_files: &self.light_files,
+        };
+        let chosen = self.shown.as_ref().map_or(&[][..], |s| &s.chosen);
+        let changes = self.controls.show(ui, &mut self.look, chosen, pictures);
+        if changes.changed.is_some() {
+            self.changed = changes.changed;
+            self.said = None;
+        }
+        if let Some(reading) = reading.filter(|_| changes.adds_near) {
+            self.is_placing = true;
+            self.worker.place(self.look.clone(), reading);
+        }
+        if let Some(setting) = changes.browses {
+            self.browse(ui.ctx(), Purpose::Setting(setting));
+        }
     }
 
     fn picture(&mut self, ui: &mut Ui) {
@@ -178,13 +240,31 @@ impl View {
         let Some(shown) = &self.shown else { return };
         let painted = Painted {
             picture,
-            before: before.as_ref().filter(|_| self.is_split),
+            before: before.as_ref().filter(|_| self.is_split || self.is_before),
+            is_split: !self.is_before,
             arrows: &shown.arrows,
             size: shown.size,
             pixel_aspect: shown.pixel_aspect,
         };
         let seen = self.canvas.show(ui, &painted);
         self.zoom = seen.zoom;
+        if self.is_before && before.is_some() {
+            let at = area.left_top() + vec2(20.0, 20.0);
+            overlay::caption(&ui.painter_at(area), at, "before");
+        } else if self.layer == Layer::Picture && !self.hides_handles {
+            let place = Place {
+                area,
+                picture: seen.rect,
+                size: shown.size,
+            };
+            if let Some(before) = Lights::of(&self.look) {
+                let mut lights = before.clone();
+                handles(ui, &place, &shown.space, &mut lights);
+                if let Some(changed) = lights.write(&before, &mut self.look) {
+                    self.changed = Some(changed.into());
+                }
+            }
+        }
         if self.is_busy() {
             overlay::busy(ui, area);
         }
@@ -212,7 +292,7 @@ impl View {
             look: self.look.clone(),
             reading,
             layer: self.layer,
-            before: self.is_split,
+            before: self.is_split || self.is_before,
         };
         if let Some(ordered) = &self.ordered
             && ordered.wanted == wanted
@@ -275,6 +355,15 @@ impl View {
                         self.probed = Some((pixel, Some(values)));
                     }
                 }
+                Reply::Placed(placed) => {
+                    self.is_placing = false;
+                    match placed {
+                        Ok(light) => Lights::add_near(&mut self.look, light),
+                        Err(said) => self.say(said, true),
+                    }
+                }
+                Reply::Found(files) => self.light_files = files,
+                Reply::Small(choice, pixels) => self.thumbnails.take(context, choice, pixels),
                 Reply::Saved(saved) => {
                     self.saving -= 1;
                     match saved {
@@ -290,63 +379,6 @@ impl View {
         if let Some(ordered) = self.ordered.as_mut().filter(|o| o.number == number) {
             ordered.is_met = true;
         }
-    }
-
-    /// Takes in files that were dropped or chosen in a dialog.
-    fn take_files(&mut self, context: &Context) {
-        let dropped = context.input(|input| input.raw.dropped_files.clone());
-        for file in dropped {
-            self.open(file.path());
-        }
-        for (purpose, path) in self.files.chosen() {
-            match purpose {
-                Purpose::Open => self.open(&path),
-                Purpose::SaveRecipe => self.save_recipe(&path),
-                Purpose::SavePicture => self.save_picture(&path),
-            }
-        }
-    }
-
-    pub(super) fn act(&mut self, context: &Context, action: Action) {
-        let ask = |purpose| {
-            let waker = context.clone();
-            let wake = move || waker.request_repaint();
-            self.files.ask(purpose, self.input.as_deref(), wake);
-        };
-        match action {
-            Action::Open => ask(Purpose::Open),
-            Action::SavePicture => ask(Purpose::SavePicture),
-            Action::SaveRecipe => ask(Purpose::SaveRecipe),
-            Action::CopyCommand => {
-                if let Some(line) = self.command_line() {
-                    context.copy_text(line);
-                    self.say("the command line is copied".into(), false);
-                }
-            }
-            Action::Undo => self.look = self.history.undo().unwrap_or(self.look.clone()),
-            Action::Redo => self.look = self.history.redo().unwrap_or(self.look.clone()),
-            Action::Split => self.is_split = !self.is_split,
-            Action::Fit => self.canvas.fit(),
-            Action::ActualSize => self.canvas.zoom_to(context.pixels_per_point().recip()),
-            Action::Probe => self.is_probing = !self.is_probing,
-            Action::NextFrame => self.step_frame(1),
-            Action::PreviousFrame => self.step_frame(-1),
-            Action::NextLayer => self.step_layer(1),
-            Action::PreviousLayer => self.step_layer(Layer::all().count() - 1),
-            Action::Help => self.is_helping = !self.is_helping,
-        }
-    }
-
-    fn step_frame(&mut self, by: isize) {
-        let last = self.frames.as_ref().map_or(0, |frames| frames.len() - 1);
-        self.frame_index = self.frame_index.saturating_add_signed(by).min(last);
-    }
-
-    fn step_layer(&mut self, by: usize) {
-        let layers: Vec<_> = Layer::all().collect();
-        let index = layers.iter().position(|&layer| layer == self.layer);
-        let index = index.expect("all layers are among all") + by;
-        self.layer = layers[index % layers.len()];
     }
 
     pub(super) fn say(&mut self, text: String, is_error: bool) {
@@ -376,7 +408,8 @@ impl View {
     pub fn is_busy(&self) -> bool {
         let ordered = self.ordered.as_ref();
         let probes = matches!(self.probed, Some((_, None)));
-        ordered.is_some_and(|ordered| !ordered.is_met) || self.saving > 0 || probes
+        let is_ordered = ordered.is_some_and(|ordered| !ordered.is_met);
+        is_ordered || self.saving > 0 || self.is_placing || probes
     }
 
     /// Writes the recipe of the shown picture.
@@ -395,53 +428,5 @@ impl View {
             self.worker
                 .save(save, self.look.clone(), reading, path.to_path_buf());
         }
-    }
-
-    /// The command line that reproduces the picture.
-    pub fn command_line(&self) -> Option<String> {
-        let frames = self.frames.as_deref();
-        Some(self.look.command_line(self.input.as_ref()?, frames))
-    }
-
-    /// The value of a setting that is not at its default; the first, if it has several.
-    pub fn value(&self, name: &str) -> Option<&str> {
-        self.look.value(name)
-    }
-
-    /// The command whose picture is shown.
-    pub fn command(&self) -> &str {
-        self.look.command()
-    }
-
-    /// Width, height and pixels of the shown picture: red, green, blue and alpha, as in a PNG.
-    pub fn pixels(&self) -> Option<(usize, usize, &[[u8; 4]])> {
-        let pixels = &self.shown.as_ref()?.pixels;
-        Some((pixels.width, pixels.height, &pixels.rgba))
-    }
-
-    /// How often each pass has run on the open frame, named as in
-    /// [`Outcome::timings`](crate::engine::outcome::Outcome::timings).
-    pub fn counts(&self) -> BTreeMap<&'static str, u32> {
-        self.shown
-            .as_ref()
-            .map_or(BTreeMap::new(), |shown| shown.counts.clone())
-    }
-
-    /// Position of the divider between before and after, as a share of the width.
-    pub fn split(&self) -> f32 {
-        self.canvas.split
-    }
-
-    /// The values under the pointer, as lines of text.
-    pub fn probed(&self) -> Vec<String> {
-        match &self.probed {
-            Some((pixel, Some(values))) => overlay::lines_of(*pixel, values),
-            _ => Vec::new(),
-        }
-    }
-
-    /// The last message to the user.
-    pub fn said(&self) -> Option<&str> {
-        self.said.as_ref().map(|said| said.text.as_str())
     }
 }

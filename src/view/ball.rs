@@ -2,8 +2,8 @@
 
 use super::lights::Light;
 use eframe::egui::{
-    self, Color32, Mesh, Pos2, Response, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2,
-    vec2,
+    self, Color32, Mesh, Painter, Pos2, Response, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
+    pos2, vec2,
 };
 
 /// Diameter of the ball in points.
@@ -12,6 +12,9 @@ const SIZE: f32 = 148.0;
 /// Rings and sectors of its mesh.
 const RINGS: usize = 14;
 const SECTORS: usize = 48;
+
+/// Colour of what lights are dragged by.
+const MARK: Color32 = Color32::from_rgb(240, 150, 30);
 
 /// Ambient light, so that the dark side stays visible.
 const EVEN: f32 = 0.12;
@@ -104,21 +107,38 @@ fn paint(ui: &Ui, middle: Pos2, radius: f32, lights: &[Light]) {
     painter.circle_stroke(middle, radius, Stroke::new(1.0, rim));
     for light in lights {
         let at = middle + radius * light.on_ball();
-        let [r, g, b] = light.color.unwrap_or([1.0; 3]).map(|c| c.min(1.0));
-        let color = Color32::from(egui::Rgba::from_rgb(r, g, b));
-        painter.circle(
-            at,
-            6.0,
-            color,
-            Stroke::new(2.0, Color32::from_rgb(240, 150, 30)),
-        );
+        knob(painter, at, light.color);
+        if let Some(degrees) = light.radius {
+            rim_of_light(painter, at, radius, degrees);
+        }
     }
     if lights.is_empty() {
         let color = ui.visuals().weak_text_color();
         let font = egui::TextStyle::Small.resolve(ui.style());
         let at = pos2(middle.x, middle.y) + vec2(0.0, 0.0);
-        painter.text(at, egui::Align2::CENTER_CENTER, "no light", font, color);
+        painter.text(
+            at,
+            egui::Align2::CENTER_CENTER,
+            "no light from afar",
+            font,
+            color,
+        );
     }
+}
+
+/// A mark to drag a light by, in its colour.
+pub(super) fn knob(painter: &Painter, at: Pos2, color: Option<[f32; 3]>) {
+    let color = color.unwrap_or([1.0; 3]);
+    let most = color.into_iter().fold(1.0, f32::max);
+    let [r, g, b] = color.map(|c| c / most);
+    let color = Color32::from(egui::Rgba::from_rgb(r, g, b));
+    painter.circle(at, 6.0, color, Stroke::new(2.0, MARK));
+}
+
+/// The rim of a light of `degrees` around its middle, on a ball of `radius`.
+pub(super) fn rim_of_light(painter: &Painter, at: Pos2, radius: f32, degrees: f32) {
+    let rim = radius * degrees.clamp(0.0, 90.0).to_radians().sin();
+    painter.circle_stroke(at, rim.max(8.0), Stroke::new(1.0, MARK));
 }
 
 /// Unit direction to a light, x right, y up, z toward the viewer.

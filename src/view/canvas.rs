@@ -40,8 +40,9 @@ impl Default for Canvas {
 /// The content of the canvas.
 pub(super) struct Painted<'a> {
     pub(super) picture: &'a Texture,
-    /// The picture shown left of the divider.
+    /// The picture shown left of the divider, or in place of the other.
     pub(super) before: Option<&'a Texture>,
+    pub(super) is_split: bool,
     pub(super) arrows: &'a [Arrow],
     /// Size of the whole picture; `picture` may hold fewer pixels.
     pub(super) size: [usize; 2],
@@ -54,6 +55,8 @@ pub(super) struct Seen {
     pub(super) pixel: Option<[usize; 2]>,
     /// Points per pixel.
     pub(super) zoom: f32,
+    /// The rectangle of the whole picture, perhaps beyond the canvas.
+    pub(super) rect: Rect,
 }
 
 impl Canvas {
@@ -81,11 +84,20 @@ impl Canvas {
         }
         let rect = self.rect(area, size, fitting);
         self.wheel(ui, &response, area, rect, size, fitting);
-        self.drag(ui, &response, rect, fitting, painted.before.is_some());
+        self.drag(
+            ui,
+            &response,
+            rect,
+            fitting,
+            painted.before.is_some() && painted.is_split,
+        );
         let rect = self.rect(area, size, fitting);
         let painter = ui.painter_at(area);
-        painted.picture.paint(&painter, rect);
-        if let Some(before) = painted.before {
+        match painted.before.filter(|_| !painted.is_split) {
+            Some(before) => before.paint(&painter, rect),
+            None => painted.picture.paint(&painter, rect),
+        }
+        if let Some(before) = painted.before.filter(|_| painted.is_split) {
             let x = rect.left() + self.split * rect.width();
             let left = Rect::from_min_max(area.min, pos2(x, area.bottom()));
             before.paint(&painter.with_clip_rect(left.intersect(area)), rect);
@@ -115,6 +127,7 @@ impl Canvas {
         Seen {
             pixel,
             zoom: self.zoom.unwrap_or(fitting),
+            rect,
         }
     }
 

@@ -1,23 +1,26 @@
 //! Controls of all settings of a command, made from the tables of its flags.
 
-use super::ball::ball;
-use super::lights::Light;
-use crate::command::look::{Kind, Look, Setting};
-use crate::params::{MAX_LIGHTS, Useful};
+use super::light_rows::light_rows;
+use super::lights::LIGHTS;
+use super::picks::{Picks, leads, picks};
+use crate::command::look::{INPUTS, Kind, Look, Setting};
+use crate::params::Useful;
 use eframe::egui::{
-    self, Align, CollapsingHeader, ComboBox, Layout, Response, RichText, Slider, SliderClamping,
-    TextEdit, Ui,
+    self, CollapsingHeader, ComboBox, Response, RichText, Slider, SliderClamping, TextEdit, Ui,
 };
 use std::collections::BTreeMap;
 
-/// The setting edited on the ball.
-const LIGHT: &str = "light";
-
 /// Families listed last.
-const LAST: [&str; 3] = ["Mirrors and lenses", "Inputs", "Output"];
+const LAST: [&str; 3] = ["Mirrors and lenses", INPUTS, "Output"];
 
 /// Families that start unfolded.
-const OPEN: [&str; 4] = ["Light", "Light warping", "Radiance scaling", "Shape"];
+const OPEN: [&str; 5] = [
+    "Strokes",
+    "Light",
+    "Light warping",
+    "Radiance scaling",
+    "Shape",
+];
 
 /// The controls of one command.
 pub(super) struct Controls {
@@ -35,6 +38,10 @@ pub(super) struct Controls {
 pub(super) struct Changes {
     /// The setting that was changed.
     pub(super) changed: Option<String>,
+    /// Whether a light near the surface is to be added.
+    pub(super) adds_near: bool,
+    /// The setting whose file is to be chosen in a dialog.
+    pub(super) browses: Option<&'static str>,
 }
 
 impl Controls {
@@ -48,12 +55,13 @@ impl Controls {
         }
     }
 
-    /// Shows the controls of `look`. `chosen` are the automatic choices, by setting.
+    /// Shows the controls of `look`. `chosen` are the automatic choices, by setting; some are picked among `pictures`.
     pub(super) fn show(
         &mut self,
         ui: &mut Ui,
         look: &mut Look,
         chosen: &[(String, String)],
+        mut pictures: Picks,
     ) -> Changes {
         if self.command != look.command() {
             self.command = look.command().into();
@@ -62,12 +70,9 @@ impl Controls {
         }
         let mut changes = Changes::default();
         let families = std::mem::take(&mut self.families);
-        let has_lights = families
-            .iter()
-            .flat_map(|(_, all)| all)
-            .any(|s| s.name == LIGHT);
-        if has_lights && lights(ui, look) {
-            changes.changed = Some(LIGHT.into());
+        let has_lights = families.iter().flat_map(|(_, all)| all).any(is_light);
+        if has_lights {
+            light_rows(ui, look, &mut changes);
         }
         ui.horizontal(|ui| {
             let hint = "Find a setting";
@@ -81,7 +86,7 @@ impl Controls {
                 true => self.shows_all || is_usual(s),
                 false => is_sought(s, &self.sought),
             };
-            let shown = settings.iter().filter(|s| s.name != LIGHT).filter(matches);
+            let shown = settings.iter().filter(|s| !is_light(s)).filter(matches);
             let shown: Vec<&Setting> = shown.collect();
             if shown.is_empty() {
                 continue;
@@ -94,7 +99,15 @@ impl Controls {
                     for setting in shown {
                         let chosen = chosen.iter().find(|(name, _)| *name == setting.name);
                         let chosen = chosen.map(|(_, value)| value.as_str());
-                        if self.control(ui, look, setting, chosen) {
+                        let before = look.values(&setting.name).to_vec();
+                        let is_picked = pictures.shows(&setting.name);
+                        if !is_picked || self.shows_all || !self.sought.is_empty() {
+                            self.control(ui, look, setting, chosen);
+                        }
+                        if is_picked {
+                            picks(ui, look, setting, &mut pictures, &mut changes);
+                        }
+                        if look.values(&setting.name) != before {
                             changes.changed = Some(setting.name.clone());
                         }
                     }
@@ -111,32 +124,12 @@ impl Controls {
         changes
     }
 
-    /// One control; returns whether it was changed.
-    fn control(
-        &mut self,
-        ui: &mut Ui,
-        look: &mut Look,
-        setting: &Setting,
-        chosen: Option<&str>,
-    ) -> bool {
-        let before = look.values(&setting.name).to_vec();
+    /// One control.
+    fn control(&mut self, ui: &mut Ui, look: &mut Look, setting: &Setting, chosen: Option<&str>) {
         let value = look.value(&setting.name).map(String::from);
         let current = value.clone().or_else(|| setting.default.clone());
         ui.horizontal(|ui| {
-            let label = RichText::new(setting.name.replace('-', " "));
-            let label = match before.is_empty() {
-                true => label,
-                false => label.color(ui.visuals().strong_text_color()),
-            };
-            let width = 118.0;
-            let at = ui.cursor().min;
-            let size = egui::vec2(width, ui.spacing().interact_size.y);
-            let place = egui::Rect::from_min_size(at, size);
-            let label = ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
-                ui.add(egui::Label::new(label).truncate())
-            });
-            ui.advance_cursor_after_rect(place);
-            let label = label.inner.on_hover_text(help_of(setting));
+            let label = name_of(ui, look, setting);
             let made = match &setting.kind {
                 Kind::Switch => {
                     let mut is_on = value.is_some();
@@ -165,21 +158,10 @@ impl Controls {
                 } => self.text(ui, look, setting, form, *is_repeatable),
             };
             made.labelled_by(label.id).on_hover_text(help_of(setting));
-            if !look.values(&setting.name).is_empty() {
-                let reset = ui.small_button("reset");
-                let name = format!("reset {}", setting.name.replace('-', " "));
-                named_button(&reset, &name);
-                let hint = match &setting.default {
-                    Some(default) => format!("back to {default}"),
-                    None => "back to none".into(),
-                };
-                if reset.on_hover_text(hint).clicked() {
-                    look.set(&setting.name, None);
-                    self.typed.remove(&setting.name);
-                }
+            if reset(ui, look, setting) {
+                self.typed.remove(&setting.name);
             }
         });
-        look.values(&setting.name) != before
     }
 
     /// A text field, applied when editing ends.
@@ -226,6 +208,47 @@ impl Controls {
     }
 }
 
+fn is_light(setting: &Setting) -> bool {
+    LIGHTS.contains(&setting.name.as_str())
+}
+
+/// The name of a setting, stronger where it is set.
+pub(super) fn name_of(ui: &mut Ui, look: &Look, setting: &Setting) -> Response {
+    let label = RichText::new(setting.name.replace('-', " "));
+    let label = match look.values(&setting.name).is_empty() {
+        true => label,
+        false => label.color(ui.visuals().strong_text_color()),
+    };
+    let width = 118.0;
+    let at = ui.cursor().min;
+    let size = egui::vec2(width, ui.spacing().interact_size.y);
+    let place = egui::Rect::from_min_size(at, size);
+    let label = ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
+        ui.add(egui::Label::new(label).truncate())
+    });
+    ui.advance_cursor_after_rect(place);
+    label.inner.on_hover_text(help_of(setting))
+}
+
+/// A button that restores the default of a setting, where it is set; returns whether it did.
+pub(super) fn reset(ui: &mut Ui, look: &mut Look, setting: &Setting) -> bool {
+    if look.values(&setting.name).is_empty() {
+        return false;
+    }
+    let reset = ui.small_button("reset");
+    let name = format!("reset {}", setting.name.replace('-', " "));
+    named_button(&reset, &name);
+    let hint = match &setting.default {
+        Some(default) => format!("back to {default}"),
+        None => "back to none".into(),
+    };
+    let is_reset = reset.on_hover_text(hint).clicked();
+    if is_reset {
+        look.set(&setting.name, None);
+    }
+    is_reset
+}
+
 /// The settings of a command by family, those most used first.
 fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
@@ -251,7 +274,11 @@ fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     families.sort_by_key(|(name, _)| rank(name));
     for (_, settings) in &mut families {
         // Text fields come after sliders and choices.
-        settings.sort_by_key(|setting| matches!(setting.kind, Kind::Text { .. }));
+        settings.sort_by_key(|setting| match setting.kind {
+            _ if leads(&setting.name) => 0,
+            Kind::Text { .. } => 2,
+            _ => 1,
+        });
     }
     families
 }
@@ -361,85 +388,8 @@ fn number(
     slider
 }
 
-/// The ball, and numeric fields for each light; returns whether any was changed.
-fn lights(ui: &mut Ui, look: &mut Look) -> bool {
-    let before = look.values(LIGHT).to_vec();
-    let mut lights: Vec<Light> = before
-        .iter()
-        .filter_map(|text| Light::parse(text))
-        .collect();
-    let is_whole = lights.len() == before.len();
-    let mut removed = None;
-    ui.vertical_centered(|ui| ball(ui, &mut lights));
-    for (index, light) in lights.iter_mut().enumerate() {
-        ui.horizontal(|ui| {
-            let number = index + 1;
-            let azimuth = ui.add(degrees(&mut light.azimuth).range(-180.0..=360.0));
-            named_number(&azimuth, &format!("light {number} azimuth"), light.azimuth);
-            azimuth.on_hover_text("Azimuth: counterclockwise from the right");
-            let elevation = ui.add(degrees(&mut light.elevation).range(-90.0..=90.0));
-            named_number(
-                &elevation,
-                &format!("light {number} elevation"),
-                light.elevation,
-            );
-            elevation.on_hover_text("Elevation: from the picture toward the viewer");
-            let mut color = light.color.unwrap_or([1.0; 3]);
-            let edit = ui.color_edit_button_rgb(&mut color);
-            named_button(&edit, &format!("light {number} colour"));
-            if edit.changed() {
-                light.color = (color != [1.0; 3]).then_some(color);
-            }
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let remove = ui.small_button("\u{d7}");
-                named_button(&remove, &format!("remove light {number}"));
-                if remove.on_hover_text("Remove this light").clicked() {
-                    removed = Some(index);
-                }
-            });
-        });
-    }
-    if let Some(index) = removed {
-        lights.remove(index);
-    }
-    if lights.len() < MAX_LIGHTS as usize && ui.small_button("Add a light").clicked() {
-        let last = lights.last().copied().or_else(|| {
-            let lamp = Look::default();
-            Light::parse(lamp.value(LIGHT)?)
-        });
-        lights.extend(last.map(|light| Light {
-            azimuth: if lights.is_empty() {
-                light.azimuth
-            } else {
-                light.azimuth - 90.0
-            },
-            ..light
-        }));
-    }
-    ui.separator();
-    let after: Vec<String> = lights.iter().map(Light::to_string).collect();
-    let is_changed = is_whole && after != before;
-    if is_changed {
-        look.set_all(LIGHT, after);
-    }
-    is_changed
-}
-
-fn degrees(value: &mut f32) -> egui::DragValue<'_> {
-    egui::DragValue::new(value).suffix("\u{b0}").max_decimals(1)
-}
-
 /// Gives a button its name for screen readers.
-fn named_button(response: &Response, name: &str) {
+pub(super) fn named_button(response: &Response, name: &str) {
     let info = || egui::WidgetInfo::labeled(egui::Role::Button, true, name);
-    response.widget_info(info);
-}
-
-fn named_number(response: &Response, name: &str, value: f32) {
-    let info = || {
-        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
-        info.label = Some(name.into());
-        info
-    };
     response.widget_info(info);
 }

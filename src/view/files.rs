@@ -10,6 +10,8 @@ pub(super) enum Purpose {
     Open,
     SaveRecipe,
     SavePicture,
+    /// A value of this setting.
+    Setting(&'static str),
 }
 
 /// Open dialogs, and files chosen in them.
@@ -44,6 +46,7 @@ impl Files {
         let asked: std::pin::Pin<Box<dyn Future<Output = Option<rfd::FileHandle>> + Send>> =
             match purpose {
                 Purpose::Open => Box::pin(dialog.set_title("Open").pick_file()),
+                Purpose::Setting(name) => Box::pin(dialog.set_title(name).pick_file()),
                 Purpose::SaveRecipe => Box::pin(
                     dialog
                         .set_title("Save recipe")

@@ -7,6 +7,9 @@ use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Display, Picture, ViewTransform};
 use crate::product::{Product, Shown};
 
+/// The command that draws lines.
+const DRAWN: &str = "hatch";
+
 /// A layer shown in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) enum Layer {
@@ -26,13 +29,29 @@ pub(super) enum Layer {
 }
 
 impl Layer {
-    /// All layers, in the order of the list.
-    pub(super) fn all() -> impl Iterator<Item = Self> {
+    /// The layers of a command, in the order of the list.
+    pub(super) fn all(command: &str) -> impl Iterator<Item = Self> + use<> {
+        let is_drawn = command == DRAWN;
         let grey = Product::all().filter(|product| product.row().shown.is_some());
+        let (shape, lines): (Vec<_>, Vec<_>) = grey.partition(|product| product.is_of_shape());
         [Self::Picture, Self::Curvature]
             .into_iter()
-            .chain(grey.map(Self::Grey))
+            .chain(shape.into_iter().map(Self::Grey))
             .chain([Self::Flow, Self::Arrows, Self::Tone])
+            .chain(lines.into_iter().filter(move |_| is_drawn).map(Self::Grey))
+    }
+
+    /// The layer after this one among the picture and the lines that it is drawn with; the picture after any other.
+    pub(super) fn next_lines(self) -> Self {
+        let lines = Self::all(DRAWN).filter(|layer| layer.is_drawn());
+        let mut circle = [Self::Picture].into_iter().chain(lines);
+        circle.find(|layer| *layer == self);
+        circle.next().unwrap_or(Self::Picture)
+    }
+
+    /// Whether it holds lines of a drawing.
+    pub(super) fn is_drawn(self) -> bool {
+        matches!(self, Self::Grey(product) if !product.is_of_shape())
     }
 
     pub(super) fn name(self) -> &'static str {
@@ -64,6 +83,7 @@ impl Layer {
     pub(super) fn made_of(self) -> What {
         match self {
             Self::Picture | Self::Tone => What::Picture,
+            _ if self.is_drawn() => What::Picture,
             Self::Curvature => What::Curvature,
             _ => What::Layers,
         }
@@ -77,10 +97,16 @@ impl Layer {
 pub(super) fn pixels(layer: Layer, frame: &Frame, outcome: &Outcome) -> Result<Pixels, Said> {
     let shape = &outcome.shape;
     let made = match layer {
-        Layer::Grey(product) => outcome
-            .planes(product)
-            .first()
-            .map(|plane| grey(plane, false)),
+        Layer::Grey(product) => {
+            outcome
+                .planes(product)
+                .first()
+                .map(|plane| match layer.is_drawn() {
+                    // Ink on paper, as the drawing shows it.
+                    true => grey(&plane.map(|coverage| 1.0 - coverage), true),
+                    false => grey(plane, false),
+                })
+        }
         Layer::Flow => shape
             .direction
             .as_ref()

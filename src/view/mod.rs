@@ -4,6 +4,7 @@
 //! tables of flags. A worker thread does all computation and caches what the next picture can reuse
 //! ([`Session`](crate::engine::Session)); the window only sends requests and shows results.
 
+mod actions;
 mod app;
 mod arrows;
 mod ball;
@@ -11,13 +12,21 @@ mod canvas;
 mod controls;
 mod files;
 mod flow;
+mod gallery;
+mod handles;
 mod history;
 mod layer;
+mod light_rows;
 mod lights;
+mod notices;
+mod observed;
 mod overlay;
+mod picks;
 mod probe;
 mod shortcuts;
+mod space;
 mod texture;
+mod thumbnails;
 mod toolbar;
 mod worker;
 

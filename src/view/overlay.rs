@@ -1,7 +1,9 @@
 //! Overlays: values under the pointer, and a hint while there is no picture.
 
 use super::probe::Value;
-use eframe::egui::{Align2, Color32, CornerRadius, FontId, Rect, RichText, Ui, Vec2, pos2, vec2};
+use eframe::egui::{
+    Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, RichText, Ui, Vec2, pos2, vec2,
+};
 
 /// The values at a pixel, in the lower left corner of `area`.
 pub(super) fn values(ui: &Ui, area: Rect, pixel: [usize; 2], values: &[Value]) {
@@ -37,6 +39,20 @@ pub(super) fn welcome(ui: &mut Ui) {
                 .weak(),
         );
     });
+}
+
+/// A line of text whose left end is at `at`, readable on any picture.
+pub(super) fn caption(painter: &Painter, at: Pos2, text: &str) {
+    let font = FontId::proportional(13.0);
+    let text = painter.layout_no_wrap(text.into(), font, Color32::from_gray(235));
+    let rect = Align2::LEFT_CENTER.anchor_size(at, text.size());
+    let around = rect.expand2(vec2(8.0, 4.0));
+    painter.rect_filled(
+        around,
+        CornerRadius::same(4),
+        Color32::from_black_alpha(190),
+    );
+    painter.galley(rect.min, text, Color32::WHITE);
 }
 
 /// A busy indicator.

@@ -12,6 +12,11 @@ pub(super) enum Action {
     Undo,
     Redo,
     Split,
+    Before,
+    Lines,
+    Presets,
+    Handles,
+    Notices,
     Fit,
     ActualSize,
     Probe,
@@ -37,7 +42,7 @@ const fn shortcut(action: Action, modifiers: Modifiers, key: Key, does: &'static
 }
 
 /// All shortcuts. Those with more modifiers come first, since fewer modifiers match too.
-const SHORTCUTS: [Shortcut; 17] = [
+const SHORTCUTS: [Shortcut; 22] = [
     shortcut(
         Action::Open,
         Modifiers::COMMAND,
@@ -75,6 +80,31 @@ const SHORTCUTS: [Shortcut; 17] = [
         Modifiers::NONE,
         Key::S,
         "compare with before; drag the divider",
+    ),
+    shortcut(
+        Action::Before,
+        Modifiers::NONE,
+        Key::B,
+        "the picture before, in place of the other",
+    ),
+    shortcut(
+        Action::Lines,
+        Modifiers::NONE,
+        Key::D,
+        "of a drawing: strokes, contours or interior lines alone",
+    ),
+    shortcut(Action::Presets, Modifiers::NONE, Key::G, "the presets"),
+    shortcut(
+        Action::Handles,
+        Modifiers::NONE,
+        Key::H,
+        "hide the handles of lights, or show them",
+    ),
+    shortcut(
+        Action::Notices,
+        Modifiers::NONE,
+        Key::W,
+        "close the warnings, or open them",
     ),
     shortcut(
         Action::Fit,
@@ -171,6 +201,11 @@ fn list(ui: &mut Ui) {
                 ("wheel", "zoom about the pointer"),
                 ("drag", "move the picture"),
                 ("drag the ball", "turn the light"),
+                ("drag a handle", "move the light; Shift: nearer or farther"),
+                (
+                    "wheel on a handle",
+                    "a light nearer or farther, larger or smaller",
+                ),
                 ("drop a file", "open a picture or a recipe"),
             ];
             for (does, what) in mouse {

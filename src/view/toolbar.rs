@@ -2,6 +2,7 @@
 
 use super::app::View;
 use super::layer::Layer;
+use super::notices::Notices;
 use super::shortcuts::{Action, keys_of};
 use crate::command::look::Look;
 use eframe::egui::{self, Align, Button, ComboBox, Layout, Response, RichText, Slider, Ui};
@@ -56,6 +57,15 @@ impl View {
                     self.look.set_command(command);
                 }
             }
+            let presets = ui.selectable_label(self.is_choosing, "Presets");
+            if hinted(
+                presets,
+                ui,
+                "Drawings for kinds of subjects",
+                Action::Presets,
+            ) {
+                asked = Some(Action::Presets);
+            }
             ui.separator();
             self.layer_picker(ui);
             let compare = ui.selectable_label(self.is_split, "Compare");
@@ -86,7 +96,7 @@ impl View {
             .width(132.0)
             .selected_text(self.layer.name())
             .show_ui(ui, |ui| {
-                for layer in Layer::all() {
+                for layer in Layer::all(self.look.command()) {
                     let label = ui.selectable_label(self.layer == layer, layer.name());
                     if label.on_hover_text(layer.help()).clicked() {
                         self.layer = layer;
@@ -122,10 +132,13 @@ impl View {
                         "{width} x {height}   {zoom:.0} %   {took:.0} ms{quick}"
                     ));
                     if !shown.warnings.is_empty() {
-                        let count = shown.warnings.len();
-                        let text = RichText::new(format!("{count} to know"));
+                        let is_open = self.notices.is_open(&shown.warnings);
+                        let text = RichText::new(Notices::count(&shown.warnings));
                         let text = text.color(ui.visuals().warn_fg_color);
-                        ui.label(text).on_hover_text(shown.warnings.join("\n"));
+                        let label = Button::selectable(is_open, text).small();
+                        if ui.add(label).clicked() {
+                            self.notices.toggle(&shown.warnings);
+                        }
                     }
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

@@ -2,8 +2,13 @@
 
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
+use super::lights::{Lights, NearLight};
 use super::probe::{self, Value};
-use crate::command::look::{Look, Pixels, Reading, Said, SavePicture, ViewSession, What};
+use super::space::{Space, before_the_middle};
+use super::thumbnails::{LONGEST, Motif};
+use crate::command::look::{
+    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
+};
 use crate::engine::Engine;
 use crate::io::output::{Replace, write_text};
 use std::collections::{BTreeMap, VecDeque};
@@ -53,6 +58,7 @@ pub(super) struct Shown {
     pub(super) pixels: Arc<Pixels>,
     pub(super) before: Option<Arc<Pixels>>,
     pub(super) arrows: Vec<Arrow>,
+    pub(super) space: Space,
     /// Automatic choices, by setting.
     pub(super) chosen: Vec<(String, String)>,
     pub(super) warnings: Vec<String>,
@@ -70,6 +76,12 @@ pub(super) enum Reply {
     Probed([usize; 2], Vec<Value>),
     /// The outcome of saving a file.
     Saved(Result<PathBuf, Said>),
+    /// A new light near the surface.
+    Placed(Result<NearLight, Said>),
+    /// What may be light beside a picture.
+    Found(Vec<LightFile>),
+    /// The small picture of a choice, by its name; `None` if there is none.
+    Small((String, Motif), Option<Pixels>),
 }
 
 #[derive(Default)]
@@ -78,6 +90,10 @@ struct Inbox {
     order: Option<Order>,
     probe: Option<[usize; 2]>,
     saves: VecDeque<(Save, Look, Reading, PathBuf)>,
+    place: Option<(Look, Reading)>,
+    /// The picture beside which light is looked for.
+    search: Option<PathBuf>,
+    small: VecDeque<(String, Motif)>,
     has_ended: bool,
 }
 
@@ -112,6 +128,7 @@ impl Worker {
         std::thread::spawn(move || {
             let worker = ViewWorker {
                 session: ViewSession::new(engine.clone()),
+                small: ViewSession::small(engine.clone(), LONGEST),
                 engine,
                 save,
                 times: BTreeMap::new(),
@@ -138,6 +155,24 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
+    /// Finds a place for a light near the surface.
+    pub(super) fn place(&self, look: Look, reading: Reading) {
+        self.shared.inbox().place = Some((look, reading));
+        self.shared.changed.notify_one();
+    }
+
+    /// Looks for what may be light beside a picture.
+    pub(super) fn search(&self, input: PathBuf) {
+        self.shared.inbox().search = Some(input);
+        self.shared.changed.notify_one();
+    }
+
+    /// Makes small pictures, in place of those not made yet.
+    pub(super) fn draw_small(&self, wanted: Vec<(String, Motif)>) {
+        self.shared.inbox().small = wanted.into();
+        self.shared.changed.notify_one();
+    }
+
     pub(super) fn replies(&self) -> impl Iterator<Item = Reply> + '_ {
         self.replies.try_iter()
     }
@@ -153,6 +188,8 @@ impl Drop for Worker {
 /// State of the worker thread.
 struct ViewWorker {
     session: ViewSession,
+    /// Makes small pictures, of a reduced frame of its own.
+    small: ViewSession,
     engine: Arc<Engine>,
     save: SavePicture,
     /// Run times of whole pictures in seconds, by the setting changed.
@@ -164,6 +201,9 @@ enum Task {
     Show(Order),
     Probe([usize; 2]),
     Save(Save, Look, Reading, PathBuf),
+    Place(Look, Reading),
+    Search(PathBuf),
+    Small((String, Motif)),
 }
 
 impl ViewWorker {
@@ -173,12 +213,15 @@ impl ViewWorker {
             let reply = tried.unwrap_or_else(|_| {
                 // The session may hold half-made results after a panic.
                 self.session = ViewSession::new(self.engine.clone());
+                self.small = ViewSession::small(self.engine.clone(), LONGEST);
                 let said =
                     "this is a mistake of relievo's own, reported on stderr; please report it";
                 match &task {
                     Task::Show(order) => Some(Reply::Failed(order.number, said.into())),
                     Task::Save(..) => Some(Reply::Saved(Err(said.into()))),
-                    Task::Probe(_) => None,
+                    Task::Place(..) => Some(Reply::Placed(Err(said.into()))),
+                    Task::Small(choice) => Some(Reply::Small(choice.clone(), None)),
+                    Task::Probe(_) | Task::Search(_) => None,
                 }
             });
             if let Some(reply) = reply {
@@ -208,6 +251,17 @@ impl ViewWorker {
                     Save::Picture => self.save_picture(look, reading, path),
                 };
                 Some(Reply::Saved(saved.map(|()| path.clone())))
+            }
+            Task::Place(look, reading) => Some(Reply::Placed(self.place(look, reading))),
+            Task::Search(input) => Some(Reply::Found(light_files(input))),
+            Task::Small(choice) => {
+                let pixels = match &choice.1 {
+                    Motif::Look(look, reading) => {
+                        self.small.small_picture(&self.session, look, reading)
+                    }
+                    Motif::Light(file) => file.small(LONGEST),
+                };
+                Some(Reply::Small(choice.clone(), pixels))
             }
         }
     }
@@ -256,11 +310,25 @@ impl ViewWorker {
             pixels: Arc::new(pixels),
             before: before.map(Arc::new),
             arrows,
+            space: Space::of(self.session.whole().expect("a frame was read")),
             chosen: self.session.chosen_numbers(),
             warnings: self.session.warnings(),
             took,
             counts: self.session.counts().cloned().unwrap_or_default(),
         })
+    }
+
+    /// A place for a light near the surface: the frame is read again, with the depth and camera that such light takes.
+    fn place(&mut self, look: &Look, reading: &Reading) -> Result<NearLight, Said> {
+        let mut lit = look.clone();
+        let black = NearLight {
+            position: [0.0; 3],
+            color: Some([0.0; 3]),
+        };
+        Lights::add_near(&mut lit, black);
+        self.session.make(&lit, reading, What::Picture, 1)?;
+        let frame = self.session.whole().expect("a frame was read");
+        before_the_middle(frame).ok_or_else(|| "there is no surface to light".into())
     }
 
     /// The pixel step at which a picture meets [`SOON`].
@@ -293,7 +361,7 @@ impl ViewWorker {
     }
 }
 
-/// Waits for the next task: files first, then the latest order, then the latest pixel.
+/// Waits for the next task: files first, then the latest order, then the latest pixel, and small pictures last.
 fn next(shared: &Shared) -> Option<Task> {
     let mut inbox = shared.inbox();
     loop {
@@ -303,11 +371,20 @@ fn next(shared: &Shared) -> Option<Task> {
         if let Some((save, look, reading, path)) = inbox.saves.pop_front() {
             return Some(Task::Save(save, look, reading, path));
         }
+        if let Some((look, reading)) = inbox.place.take() {
+            return Some(Task::Place(look, reading));
+        }
         if let Some(order) = inbox.order.take() {
             return Some(Task::Show(order));
         }
         if let Some(pixel) = inbox.probe.take() {
             return Some(Task::Probe(pixel));
+        }
+        if let Some(input) = inbox.search.take() {
+            return Some(Task::Search(input));
+        }
+        if let Some(choice) = inbox.small.pop_front() {
+            return Some(Task::Small(choice));
         }
         inbox = shared
             .changed

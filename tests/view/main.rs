@@ -3,8 +3,11 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod choices;
 mod controls;
 mod files;
+mod guide;
+mod lights;
 mod pictures;
 
 use common::program::fixture;
@@ -12,7 +15,9 @@ use eframe::egui;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use image::{DynamicImage, RgbImage};
 use relievo::view::View;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -26,6 +31,11 @@ struct Window {
 
 impl Window {
     fn on(input: Option<&Path>) -> Self {
+        // So high that all controls are in sight.
+        Self::sized(input, vec2(1200.0, 2000.0))
+    }
+
+    fn sized(input: Option<&Path>, size: Vec2) -> Self {
         let input = input.map(Path::to_path_buf);
         let show = move |ui: &mut egui::Ui, view: &mut Option<View>| {
             let context = ui.ctx().clone();
@@ -33,8 +43,7 @@ impl Window {
             view.show(ui);
         };
         let harness = Harness::builder()
-            // So high that all controls are in sight.
-            .with_size(vec2(1200.0, 1600.0))
+            .with_size(size)
             .with_max_steps(64)
             .build_ui_state(show, None);
         let mut window = Self { harness };
@@ -48,12 +57,21 @@ impl Window {
 
     /// Continues until all pending results are there.
     fn settle(&mut self) {
+        self.until(|view| !view.is_busy());
+    }
+
+    /// The same with the small pictures of choices.
+    fn settle_small(&mut self) {
+        self.until(|view| !view.is_busy() && !view.is_drawing_small());
+    }
+
+    fn until(&mut self, is_done: impl Fn(&View) -> bool) {
         let start = Instant::now();
         loop {
             self.harness.run_steps(3);
-            if !self.view().is_busy() {
+            if is_done(self.view()) {
                 self.harness.run_steps(2);
-                if !self.view().is_busy() {
+                if is_done(self.view()) {
                     return;
                 }
             }
@@ -69,6 +87,11 @@ impl Window {
             .unwrap_or_else(|| panic!("nothing is called {label}"))
             .click();
         self.settle();
+    }
+
+    /// Whether anything is called `label`.
+    fn shows(&self, label: &str) -> bool {
+        self.harness.query_all_by_label(label).next().is_some()
     }
 
     fn press(&mut self, modifiers: Modifiers, key: Key) {
@@ -109,6 +132,17 @@ impl Window {
     fn place_of(&self, label: &str) -> (Pos2, Vec2) {
         let rect = self.harness.get_by_label(label).rect();
         (rect.center(), 0.5 * rect.size())
+    }
+
+    /// The window as it is seen; `None`, said aloud, on a machine without a graphics device.
+    fn rendered(&mut self) -> Option<RgbImage> {
+        let rendered = catch_unwind(AssertUnwindSafe(|| self.harness.render()));
+        if rendered.is_err() {
+            assert!(std::env::var_os("RELIEVO_NEEDS_GPU").is_none());
+            eprintln!("SKIPPED: nothing is rendered without a graphics device");
+        }
+        let rendered = rendered.ok()?.unwrap();
+        Some(DynamicImage::from(rendered).into_rgb8())
     }
 
     fn value(&mut self, name: &str) -> Option<String> {

@@ -1,8 +1,10 @@
 //! Displayed pictures: in rotated light, before and after, layer by layer, pixel by pixel.
 
 use super::{Window, fixture};
+use crate::common::program::run;
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
+use std::path::PathBuf;
 
 #[test]
 fn the_light_is_dragged_on_its_ball_and_no_shape_is_made_anew() {
@@ -103,4 +105,96 @@ fn a_file_that_is_no_picture_says_so_and_the_next_one_is_shown() {
     window.settle();
     assert!(window.view().pixels().is_some());
     assert_eq!(window.view().said(), None);
+}
+
+#[test]
+fn the_picture_before_is_a_key_away() {
+    let mut window = Window::on(Some(&fixture("bust.exr")));
+    let (middle, half) = window.place_of("Picture");
+    // Around the middle, where only the bust is.
+    let seen = |window: &mut Window| {
+        let corner = (middle - vec2(0.1 * half.x, 0.1 * half.x)).to_vec2();
+        let [x, y, side] = [corner.x, corner.y, 0.2 * half.x].map(|v| v as u32);
+        let whole = window.rendered()?;
+        Some(image::imageops::crop_imm(&whole, x, y, side, side).to_image())
+    };
+    let Some(shown) = seen(&mut window) else {
+        return;
+    };
+    window.press(Modifiers::NONE, Key::B);
+    let before = seen(&mut window).unwrap();
+    assert!(before != shown);
+    // The same light without shape: what the other method makes.
+    window.press(Modifiers::NONE, Key::B);
+    assert!(seen(&mut window).unwrap() == shown);
+    let place = tempfile::tempdir().unwrap();
+    let plain = place.path().join("plain.toml");
+    let recipe = "version = 1\ncommand = \"relight\"\nlight = \"135,40\"\nmethod = \"plain\"\n";
+    std::fs::write(&plain, recipe).unwrap();
+    window.view().open(&plain);
+    window.settle();
+    assert!(seen(&mut window).unwrap() == before);
+}
+
+#[test]
+fn lines_of_a_drawing_are_shown_alone() {
+    let mut window = Window::on(Some(&fixture("bust.exr")));
+    // New light has none.
+    window.press(Modifiers::NONE, Key::D);
+    assert_eq!(window.view().layer(), "Picture");
+    assert!(window.view().said().unwrap().contains("hatch"));
+    window.click("Hatch");
+    let drawing = window.pixels();
+    let mut seen = vec![drawing.clone()];
+    for layer in ["Strokes", "Contours", "Interior lines"] {
+        window.press(Modifiers::NONE, Key::D);
+        assert_eq!(window.view().layer(), layer);
+        let pixels = window.pixels();
+        assert!(!seen.contains(&pixels), "{layer} look like another layer");
+        // Ink is where the whole drawing has some: nowhere is it darker, rounding aside.
+        let darker = pixels
+            .iter()
+            .zip(&drawing)
+            .filter(|(one, all)| one[0].saturating_add(1) < all[0]);
+        assert_eq!(darker.count(), 0, "{layer}");
+        seen.push(pixels);
+    }
+    window.press(Modifiers::NONE, Key::D);
+    assert!(window.pixels() == drawing);
+    // A layer that the next command has not gives way to its picture.
+    window.press(Modifiers::NONE, Key::D);
+    window.click("Relight");
+    assert_eq!(window.view().layer(), "Picture");
+}
+
+#[test]
+fn warnings_stand_beside_the_picture_in_the_words_of_the_command_line() {
+    let mut window = Window::on(Some(&fixture("bust.exr")));
+    let (_, without) = window.place_of("Picture");
+    window.slide("scaling", 0.7);
+    let scaling = format!("--scaling={}", window.value("scaling").unwrap());
+    let place = tempfile::tempdir().unwrap();
+    let input = fixture("bust.exr");
+    let arguments = ["relight", "--light=135,40", &scaling, "-o", "lit.png", "--"];
+    let arguments = arguments.iter().map(|word| (*word).into()).chain([input]);
+    let ran = run(place.path(), arguments.collect::<Vec<PathBuf>>()).done();
+    let printed: Vec<_> = ran
+        .stderr
+        .lines()
+        .filter_map(|line| line.strip_prefix("warning: "))
+        .collect();
+    assert_eq!(printed.len(), 1, "{printed:?}");
+    assert!(window.shows(printed[0]), "{}", printed[0]);
+    let (_, beside) = window.place_of("Picture");
+    assert!(beside.y < without.y);
+    window.click("close warnings");
+    assert!(!window.shows(printed[0]));
+    // The count stays, and opens them again; so does the key.
+    window.click("1 warning");
+    assert!(window.shows(printed[0]));
+    window.press(Modifiers::NONE, Key::W);
+    assert!(!window.shows(printed[0]));
+    // Others are shown although these were closed.
+    window.slide("scaling", 0.6);
+    assert!(window.shows("close warnings"));
 }

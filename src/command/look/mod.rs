@@ -1,9 +1,12 @@
 //! A look: a command and its settings, as stored in recipes and edited in the viewer. Names, defaults and help come
 //! from the flags.
 
+mod light_files;
 mod view_session;
 
+pub(crate) use super::role_args::INPUTS;
 pub(crate) use super::setting::{Kind, Setting, settings_of};
+pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 
 use super::chosen::Chosen;
@@ -11,7 +14,7 @@ use super::commands::{ViewArgs, command_named, long, typed_ids};
 use super::error_line::misuse_line;
 use super::flags::Flag;
 use super::invocation::{Invocation, Parsed};
-use super::recipe::{Recipe, RecipeText, is_repeatable, is_setting, is_switch};
+use super::recipe::{PRESETS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::light::lights::LAMP_DEG;
@@ -58,7 +61,10 @@ impl Look {
     /// # Errors
     /// As [`Recipe::read`]; [`Error::Recipe`] for a command that the window does not show.
     pub(crate) fn of_recipe(path: &Path) -> Result<Self> {
-        let recipe = Recipe::read(path)?;
+        Self::of(&Recipe::read(path)?, path)
+    }
+
+    fn of(recipe: &Recipe, path: &Path) -> Result<Self> {
         if !SHOWN.contains(&&recipe.command[..]) {
             return Err(Error::Recipe {
                 path: path.to_path_buf(),
@@ -72,6 +78,27 @@ impl Look {
         };
         look.add(recipe.flags(&command_named(&recipe.command))?);
         Ok(look)
+    }
+
+    /// The names of the presets.
+    pub(crate) fn presets() -> impl Iterator<Item = &'static str> {
+        PRESETS.iter().map(|(name, _)| *name)
+    }
+
+    /// The look of a preset, for the inputs of this one.
+    pub(crate) fn preset(&self, name: &str) -> Self {
+        let text = PRESETS.iter().find(|(known, _)| *known == name);
+        let (_, text) = text.expect("presets are named by their list");
+        let path = Path::new(name);
+        let look = Recipe::parse(path, text).and_then(|recipe| Self::of(&recipe, path));
+        let mut look = look.expect("presets are tested to be recipes");
+        let settings = settings_of(&look.command).into_iter();
+        for setting in settings.filter(|setting| setting.family == INPUTS) {
+            if let Some(values) = self.settings.get(&setting.name) {
+                look.settings.insert(setting.name, values.clone());
+            }
+        }
+        look
     }
 
     /// The names of the commands that are shown.
@@ -262,5 +289,26 @@ impl Opening {
             engine: args.compute.backend.engine()?.or_cpu().into(),
             save,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_preset_keeps_the_inputs_and_nothing_else() {
+        let look = Look::default().with("normal", "n.png").with("scaling", 2);
+        for name in Look::presets() {
+            let preset = look.preset(name);
+            assert_eq!(preset.value("normal"), Some("n.png"), "{name}");
+            assert_eq!(
+                (preset.value("light"), preset.value("scaling")),
+                (None, None)
+            );
+        }
+        // Its own settings are those of its recipe.
+        assert_eq!(look.preset("coin").value("line-scale"), Some("0.5"));
+        assert_eq!(look.preset("coin").command(), "hatch");
     }
 }

@@ -5,6 +5,7 @@ mod read;
 mod schema;
 mod write;
 
+pub(crate) use presets::PRESETS;
 pub use read::Recipe;
 pub(crate) use schema::schema;
 pub(crate) use write::RecipeText;
@@ -30,7 +31,7 @@ pub const COMMANDS: [&str; 5] = ["shape", "enhance", "relight", "hatch", "map"];
 
 /// Names of the presets.
 pub(super) fn presets() -> String {
-    presets::PRESETS.map(|(name, _)| name).join(", ")
+    PRESETS.map(|(name, _)| name).join(", ")
 }
 
 /// Whether an argument is a setting worth keeping: not a file of this run, nor a run option.

@@ -1,7 +1,7 @@
 //! Presets: recipes built into the program, one for each kind of subject.
 
 /// The names of presets and their texts.
-pub(super) const PRESETS: [(&str, &str); 7] = [
+pub(crate) const PRESETS: [(&str, &str); 7] = [
     ("portrait", include_str!("presets/portrait.toml")),
     ("machine", include_str!("presets/machine.toml")),
     ("architecture", include_str!("presets/architecture.toml")),

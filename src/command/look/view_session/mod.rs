@@ -6,11 +6,11 @@ use super::{Look, Said};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
-use crate::command::enhance;
+use crate::command::enhance::{self, idle_magnitudes};
 use crate::command::error_line::line_of;
 use crate::command::hatch::Drawn;
 use crate::command::output::MadePicture;
-use crate::command::reading::{Source, light_of, plan_of, work_of};
+use crate::command::reading::{Source, plan_of, setting_warnings, work_of};
 use crate::command::{relight, shape};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
@@ -136,11 +136,15 @@ struct Made {
     command: Command,
     what: What,
     step: usize,
+    /// Warnings about its settings.
+    warnings: Vec<String>,
 }
 
 /// Makes pictures of one frame, and caches what later ones can reuse.
 pub(crate) struct ViewSession {
     engine: Arc<Engine>,
+    /// The longest side of frames, in pixels; longer ones are reduced as they are read.
+    longest: Option<usize>,
     /// Device messages shown so far.
     said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
@@ -157,11 +161,20 @@ impl ViewSession {
     pub(crate) fn new(engine: Arc<Engine>) -> Self {
         Self {
             engine,
+            longest: None,
             said: Mutex::default(),
             sitter: None,
             around: SurroundingFiles::default(),
             art_map: None,
             made: None,
+        }
+    }
+
+    /// An empty session for small pictures: of frames with no side longer than `longest` pixels.
+    pub(crate) fn small(engine: Arc<Engine>, longest: usize) -> Self {
+        Self {
+            longest: Some(longest),
+            ..Self::new(engine)
         }
     }
 
@@ -177,12 +190,39 @@ impl ViewSession {
         what: What,
         step: usize,
     ) -> std::result::Result<(), Said> {
+        self.make_beside(None, look, reading, what, step)
+    }
+
+    /// The small picture of a frame with `look`; `None` if there is none. The frame is taken from the session `beside`
+    /// this one, where that holds it.
+    pub(crate) fn small_picture(
+        &mut self,
+        beside: &Self,
+        look: &Look,
+        reading: &Reading,
+    ) -> Option<Pixels> {
+        self.make_beside(Some(beside), look, reading, What::Picture, 1)
+            .ok()?;
+        self.picture()
+    }
+
+    fn make_beside(
+        &mut self,
+        beside: Option<&Self>,
+        look: &Look,
+        reading: &Reading,
+        what: What,
+        step: usize,
+    ) -> std::result::Result<(), Said> {
         self.made = None;
         let parsed = look.parse(&reading.input)?;
         let mut command = parsed.cli.command;
         let said = |error| line_of(&error);
-        self.read(&command, reading).map_err(said)?;
+        self.read(&command, reading, beside).map_err(said)?;
         let sitter = self.sitter.as_ref().expect(IN_HAND);
+        if self.longest.is_some() && sitter.scene.is_some() {
+            return Err("what mirrors and lenses show is not reduced".into());
+        }
         // The scene in mirrors is not reduced with the frame, so neither is the frame.
         let step = if sitter.scene.is_some() {
             1
@@ -195,13 +235,19 @@ impl ViewSession {
             let at_size = look.with("reference-height", height);
             command = at_size.parse(&reading.input)?.cli.command;
         }
-        self.run(&command, what, step).map_err(said)?;
+        let warnings = self.run(&command, what, step).map_err(said)?;
         self.made = Some(Made {
             command,
             what,
             step,
+            warnings,
         });
         Ok(())
+    }
+
+    /// The whole frame.
+    pub(crate) fn whole(&self) -> Option<&Frame> {
+        Some(&self.sitter.as_ref()?.loaded().frame)
     }
 
     /// The frame used last, perhaps reduced.
@@ -216,7 +262,7 @@ impl ViewSession {
 
     /// Width and height of the whole frame in pixels, and the pixel aspect ratio (width / height).
     pub(crate) fn size(&self) -> Option<([usize; 2], f32)> {
-        let frame = &self.sitter.as_ref()?.loaded().frame;
+        let frame = self.whole()?;
         Some((
             [frame.mask.width(), frame.mask.height()],
             frame.pixel_aspect,
@@ -254,12 +300,15 @@ impl ViewSession {
         }
     }
 
-    /// Warnings about the frame and about devices.
+    /// Warnings about the frame, about the settings of the last picture and about devices, as the command line says
+    /// them.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let sitter = self.sitter.iter();
         let of_frame = sitter.flat_map(|sitter| sitter.loaded().warnings.iter().cloned());
         let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        of_frame.chain(said.iter().cloned()).collect()
+        let of_settings = self.made.iter().flat_map(|made| made.warnings.iter());
+        let more = of_settings.chain(said.iter()).cloned();
+        of_frame.chain(more).collect()
     }
 
     fn session(&self) -> Option<&Session<Held>> {
@@ -328,17 +377,20 @@ impl ViewSession {
         Pixels::of(&work.displayed(frame, primaries, made, exposure).picture())
     }
 
-    /// Runs the stages for `what`; the frame's engine session then holds the result.
-    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<()> {
+    /// Runs the stages for `what`, and returns the warnings about the settings; the frame's engine session then holds
+    /// the result.
+    fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Vec<String>> {
         let goal = match (command, what) {
             (_, What::Layers) => Some(Goal::Layers),
             (_, What::Curvature) | (Command::Shape(_), _) => Some(Goal::Display),
             _ => None,
         };
-        let light = match light_of(command).filter(|_| goal.is_none()) {
-            Some(args) => self.illumination(args)?,
-            None => Illumination::default(),
+        let (light, lamp) = match goal {
+            None => self.illumination(command)?,
+            Some(_) => (Illumination::default(), None),
         };
+        let mut warnings = setting_warnings(command);
+        warnings.extend(lamp);
         if let Command::Hatch(args) = command
             && goal.is_none()
         {
@@ -367,7 +419,14 @@ impl ViewSession {
             art_map: map.map(|(_, _, map)| map),
             ..Inputs::lit_by(&light)
         };
-        sitter.execute(step, &plan, inputs, &self.said)
+        sitter.execute(step, &plan, inputs, &self.said)?;
+        let session = &sitter.sessions[&step];
+        warnings.extend(shape::held_gain(&plan, session.outcome().gain));
+        if let Command::Enhance(args) = command {
+            let scaling = &args.work.flags.params.scaling;
+            warnings.extend(idle_magnitudes(scaling, &session.held().as_ref().light));
+        }
+        Ok(warnings)
     }
 }
 
