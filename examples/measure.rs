@@ -1,10 +1,18 @@
-//! Error against run time of the stages of shape, of light and of drawings, on known surfaces.
+//! Error and run time of shape, light and drawings, on known surfaces: one table.
 //!
-//! `cargo run --release --example measure -- [WIDTH HEIGHT [REPEATS]]`
+//! `cargo run --release --example measure -- [WIDTH HEIGHT [ROUNDS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
 //! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double
 //! precision at some hundred pixels, the ink of drawings with the tone requested.
+//!
+//! All cases run in turn, round after round, so that load on the machine slows all of them alike. Times are those of
+//! later frames of a sequence, whose memory is there.
+//!
+//! `RELIEVO_PEER` may hold a command that times another program on the same waves, run once in every round. In it
+//! `{dir}` stands for a folder with `normal.npy` and `depth.npy`. It prints a line of JSON for each stage, with `stage`
+//! and `median_s`. What it leaves in `{dir}/out_gs.npy`, the gradient after 50 explicit steps of 1/4 with a margin all
+//! around, is compared too.
 
 use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
@@ -21,74 +29,216 @@ use relievo::report::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };
 use relievo::report::scenes::{HEIGHT, Scene, WAVE, environment};
-use relievo::report::timing::{Effort, Timed, Times, measure, measure_runs};
-use std::time::Duration;
+use std::path::Path;
+use std::process::Command;
+use std::rc::Rc;
+
+type Outcomes<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// The variable with the command of another program.
+const PEER: &str = "RELIEVO_PEER";
+
+/// Stages by the names that they have in the table.
+type Parts = &'static [(&'static str, &'static [&'static str])];
 
 /// The stages from normals and depth to curvature.
-const SHAPE: [&str; 3] = ["edges-and-gradient", "diffusion", "trace"];
+const SHAPE: &[&str] = &["edges-and-gradient", "diffusion", "trace"];
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+const SHAPE_PARTS: Parts = &[("diffusion", &["diffusion"]), ("shape", SHAPE)];
+
+const LIGHT_PARTS: Parts = &[
+    ("light", &["relight"]),
+    ("environment, once", &["environment"]),
+];
+
+const DRAWING_PARTS: Parts = &[
+    ("shape", SHAPE),
+    ("tone", &["shape-tone"]),
+    ("lines", &["interior"]),
+    ("directions", &["direction-field"]),
+    ("strokes", &["hatching"]),
+    ("contours", &["contours"]),
+];
+
+fn main() -> Outcomes<()> {
     let numbers: Vec<usize> = std::env::args()
         .skip(1)
         .map(|a| a.parse())
         .collect::<Result<_, _>>()?;
-    let (width, height, repeats) = match numbers[..] {
+    let (width, height, rounds) = match numbers[..] {
         [] => (1920, 1080, 7),
         [width, height] => (width, height, 7),
-        [width, height, repeats] if repeats > 0 => (width, height, repeats),
-        _ => return Err("usage: measure [WIDTH HEIGHT [REPEATS]]".into()),
+        [width, height, rounds] if rounds > 0 => (width, height, rounds),
+        _ => return Err("usage: measure [WIDTH HEIGHT [ROUNDS]]".into()),
     };
-    let frame = waves(width, height);
+    let mut cases = shape_cases(width, height)?;
+    cases.extend(light_cases(width, height)?);
+    cases.extend(drawing_cases(width, height)?);
+    let mut peer = match std::env::var(PEER) {
+        Ok(command) => Some(Peer::new(command, &waves(width, height))?),
+        Err(_) => None,
+    };
+    let engine = Engine::cpu();
+    for round in 0..rounds {
+        let mut size = 0;
+        for case in &mut cases {
+            // Memory of another size is of no use.
+            if case.frame.mask.width() * case.frame.mask.height() != size {
+                size = case.frame.mask.width() * case.frame.mask.height();
+                engine.recycle(case.outcome(&engine)?);
+            }
+            case.run(&engine)?;
+        }
+        if let Some(peer) = &mut peer {
+            peer.run()?;
+        }
+        eprintln!("round {} of {rounds}", round + 1);
+    }
     println!(
-        "{width}x{height}, {} threads, {repeats} runs\n",
+        "{width}x{height}, {} threads, medians of {rounds} rounds\n",
         rayon::current_num_threads()
     );
-    println!(
-        "| steps | solver | mean error | largest error | stage | min ms | median ms | Mpix/s |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
-    let runs = [
-        (0, Solver::Explicit),
-        (10, Solver::Explicit),
-        (50, Solver::Explicit),
-        (50, Solver::Chebyshev),
-        (200, Solver::Explicit),
-        (200, Solver::Chebyshev),
-    ];
-    for (steps, solver) in runs {
+    println!("| case | error | ms | half of the rounds within | of which |");
+    println!("|---|---|---|---|---|");
+    cases.iter().for_each(Case::print);
+    if let Some(peer) = &peer {
+        peer.print();
+    }
+    Ok(())
+}
+
+/// The error of an outcome, as the table has it.
+type Judge = Box<dyn Fn(&Outcome) -> Outcomes<String>>;
+
+/// A plan to be measured.
+struct Case {
+    name: String,
+    frame: Rc<Frame>,
+    plan: Plan,
+    light: Illumination,
+    parts: Parts,
+    judge: Judge,
+    error: Option<String>,
+    /// Of each round, all stages, and each part.
+    seconds: Vec<Vec<f64>>,
+}
+
+impl Case {
+    fn new(name: String, frame: &Rc<Frame>, plan: Plan, parts: Parts, judge: Judge) -> Self {
+        Self {
+            name,
+            frame: frame.clone(),
+            plan,
+            light: Illumination::default(),
+            parts,
+            judge,
+            error: None,
+            seconds: vec![Vec::new(); 1 + parts.len()],
+        }
+    }
+
+    fn outcome(&self, engine: &Engine) -> Result<Outcome, relievo::Error> {
+        engine.forget_environment();
+        let inputs = Inputs::lit_by(&self.light);
+        engine.execute(&self.plan, &self.frame, inputs, &Run::new())
+    }
+
+    fn run(&mut self, engine: &Engine) -> Outcomes<()> {
+        let outcome = self.outcome(engine)?;
+        if self.error.is_none() {
+            self.error = Some((self.judge)(&outcome)?);
+        }
+        let of = |stages: Option<&[&str]>| -> f64 {
+            let timings = outcome.timings.iter();
+            let timings = timings.filter(|(stage, _)| stages.is_none_or(|s| s.contains(stage)));
+            timings.map(|(_, time)| time.as_secs_f64()).sum()
+        };
+        let parts = self.parts.iter().map(|(_, stages)| Some(*stages));
+        for (seconds, stages) in self
+            .seconds
+            .iter_mut()
+            .zip(std::iter::once(None).chain(parts))
+        {
+            seconds.push(of(stages));
+        }
+        engine.recycle(outcome);
+        Ok(())
+    }
+
+    fn print(&self) {
+        let parts = self.parts.iter().zip(&self.seconds[1..]);
+        let parts: Vec<_> = parts
+            .map(|((name, _), seconds)| (name, quartiles(seconds)[1]))
+            .filter(|(_, median)| *median > 0.0)
+            .map(|(name, median)| format!("{name} {}", ms(median)))
+            .collect();
+        let error = self.error.as_deref().unwrap_or_default();
+        print_row(&self.name, error, &self.seconds[0], &parts.join(", "));
+    }
+}
+
+fn print_row(name: &str, error: &str, seconds: &[f64], parts: &str) {
+    let [lower, median, upper] = quartiles(seconds).map(ms);
+    println!("| {name} | {error} | {median} | {lower} to {upper} | {parts} |");
+}
+
+/// The quartiles of some values.
+fn quartiles(values: &[f64]) -> [f64; 3] {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    [1, 2, 3].map(|quarter| values[quarter * (values.len() - 1) / 4])
+}
+
+fn ms(seconds: f64) -> String {
+    let ms = 1e3 * seconds;
+    match ms {
+        100.0.. => format!("{ms:.0}"),
+        10.0.. => format!("{ms:.1}"),
+        _ => format!("{ms:.2}"),
+    }
+}
+
+/// Shape and radiance scaling of waves, by steps and solver; errors are mean and largest ones of the trace, relative to
+/// its peak.
+fn shape_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
+    let frame = Rc::new(waves(width, height));
+    let case = |name: String, frame: &Rc<Frame>, steps: u32, solver| -> Outcomes<Case> {
         let shape = ShapeParams {
             scale: Scale::Iterations(steps),
             solver,
             foreshortening: 1.0,
             ..ShapeParams::default()
         };
-        let (outcome, timed) = run(&frame, shape, repeats)?;
-        let (mean, largest) = errors(&outcome, &shape, steps);
-        let label = format!("{steps} | {solver:?} | {mean:.1e} | {largest:.1e}");
-        print_stages(&label, &timed, width * height);
-    }
-    // A tenth of the frame shows a surface: empty parts cost next to nothing.
-    let shape = ShapeParams {
-        scale: Scale::Iterations(50),
-        foreshortening: 1.0,
-        ..ShapeParams::default()
+        let available = Available::in_frame(frame);
+        let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
+        let mask = frame.mask.clone();
+        let judge = move |outcome: &Outcome| {
+            let (mean, largest) = errors(outcome, &mask, &shape, steps);
+            Ok(format!("{mean:.1e}, {largest:.1e}"))
+        };
+        Ok(Case::new(name, frame, plan, SHAPE_PARTS, Box::new(judge)))
     };
-    let (_, timed) = run(&covered_in_part(frame, 0.1), shape, repeats)?;
-    let label = "50, 10 % covered | Chebyshev | | ";
-    print_stages(label, &timed, width * height);
-    print_light(&Scene::waves(width, height).frame, repeats)?;
-    print_drawings(width, height, repeats)
+    let mut cases = Vec::new();
+    for (steps, solver) in [
+        (0, Solver::Explicit),
+        (10, Solver::Explicit),
+        (50, Solver::Explicit),
+        (50, Solver::Chebyshev),
+        (200, Solver::Explicit),
+        (200, Solver::Chebyshev),
+    ] {
+        let name = format!("{steps} steps, {solver:?}");
+        cases.push(case(name, &frame, steps, solver)?);
+    }
+    let part = Rc::new(covered_in_part(waves(width, height), 0.1));
+    let name = "50 steps, a tenth covered".into();
+    cases.push(case(name, &part, 50, Solver::Chebyshev)?);
+    Ok(cases)
 }
 
-/// The time of drawings beside the error of their tone, which is a half: of waves without an edge, and of a scene that
-/// is full of them; and of drawings as they are by default, at sizes for print too.
-fn print_drawings(
-    width: usize,
-    height: usize,
-    repeats: usize,
-) -> Result<(), Box<dyn std::error::Error>> {
-    println!("\n| scene | drawing | size | error of tone |{}", columns());
-    println!("|---|---|---|---|{}", "---|".repeat(DRAWING.len()));
+/// Drawings of a tone that is a half: of waves without an edge, and of a scene that is full of them; and drawings as
+/// they are by default, at sizes for print too. Errors are those of the mean tone.
+fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
     let strokes = StrokeParams {
         scale: StrokeScale::Factor(1.0),
         ..StrokeParams::default()
@@ -116,106 +266,53 @@ fn print_drawings(
         ..strokes
     });
     let plain = [
-        ("pen alone", pen),
-        ("2 sets", two_sets),
-        ("crossed", crossed),
+        ("pen", pen),
+        ("pen, two sets", two_sets),
+        ("pen, crossed", crossed),
         ("pencil", pencil),
     ];
+    let mut cases = Vec::new();
     for scene in [Scene::waves(width, height), Scene::barriers(width, height)] {
-        let (name, frame) = (scene.name, half_bright(scene.frame));
+        let (name, frame) = (scene.name, Rc::new(half_bright(scene.frame)));
         for (drawing, line) in plain {
-            let label = format!("{name} | {drawing}");
-            print_drawing(&label, &frame, ToneFrom::Picture, line, repeats)?;
+            let name = format!("{name}, {drawing}");
+            cases.push(drawing_case(name, &frame, ToneFrom::Picture, line)?);
         }
     }
     for (width, height) in [(width, height), (3840, 2160), (2480, 3508)] {
-        let frame = half_bright(waves(width, height));
-        let line = LineParams::default();
-        print_drawing(
-            "waves | default",
-            &frame,
-            ToneFrom::Shape(None),
-            line,
-            repeats,
-        )?;
+        let frame = Rc::new(half_bright(waves(width, height)));
+        let name = format!("waves, default, {width}x{height}");
+        let (tone, line) = (ToneFrom::Shape(None), LineParams::default());
+        cases.push(drawing_case(name, &frame, tone, line)?);
     }
-    Ok(())
+    Ok(cases)
 }
 
-/// The stages of a drawing whose times are printed.
-const DRAWING: [(&str, &[&str]); 6] = [
-    ("shape min ms", &SHAPE),
-    ("tone", &["shape-tone"]),
-    ("lines", &["interior"]),
-    ("directions", &["direction-field"]),
-    ("strokes", &["hatching"]),
-    ("contours", &["contours"]),
-];
-
-fn columns() -> String {
-    DRAWING
-        .iter()
-        .map(|(name, _)| format!(" {name} |"))
-        .collect()
-}
-
-/// The frame with a picture that is half as bright as white all over.
-fn half_bright(frame: Frame) -> Frame {
-    let half = Plane::filled(frame.mask.width(), frame.mask.height(), 0.5);
-    let [r, g, b] = [(); 3].map(|()| half.clone());
-    Frame {
-        color: Some(ColorPlanes { r, g, b }),
-        ..frame
-    }
-}
-
-fn print_drawing(
-    label: &str,
-    frame: &Frame,
+fn drawing_case(
+    name: String,
+    frame: &Rc<Frame>,
     tone: ToneFrom,
     line: LineParams,
-    repeats: usize,
-) -> Result<(), relievo::Error> {
+) -> Outcomes<Case> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
-    let engine = Engine::cpu();
-    let effort = Effort {
-        runs: repeats,
-        limit: Duration::MAX,
+    let mask = frame.mask.clone();
+    let judge = move |outcome: &Outcome| {
+        let drawing = outcome.drawing.as_ref().ok_or("a drawing was planned")?;
+        let mean = |plane: &Plane| {
+            let covered = mask.plane().samples().iter().zip(plane.samples());
+            let covered = covered.filter(|(covered, _)| **covered);
+            covered.map(|(_, &ink)| f64::from(ink)).sum::<f64>() / mask.count() as f64
+        };
+        let asked = drawing.asked.as_ref().map_or(0.5, mean);
+        Ok(format!("{:+.4}", mean(&drawing.hatching) - asked))
     };
-    let draw = || {
-        let outcome = engine.execute(&plan, frame, Inputs::default(), &Run::new());
-        outcome.expect("the plan was made for the frame")
-    };
-    let (outcome, timed) = measure_runs(&engine, effort, draw);
-    let drawing = outcome.drawing.expect("a drawing was planned");
-    let covered = |plane: &Plane| {
-        let covered = frame.mask.plane().samples().iter().zip(plane.samples());
-        let covered = covered.filter(|(covered, _)| **covered);
-        covered.map(|(_, &ink)| f64::from(ink)).sum::<f64>() / frame.mask.count() as f64
-    };
-    let error = covered(&drawing.hatching) - drawing.asked.as_ref().map_or(0.5, covered);
-    let times = DRAWING.map(|(_, stages)| {
-        let times = stages.iter().filter_map(|stage| timed.stage(stage));
-        format!(
-            " {:.1} |",
-            1e3 * times.map(|times| times.min).fold(0.0, |a, b| a + b)
-        )
-    });
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    println!(
-        "| {label} | {width}x{height} | {error:+.4} |{}",
-        times.concat()
-    );
-    Ok(())
+    Ok(Case::new(name, frame, plan, DRAWING_PARTS, Box::new(judge)))
 }
 
-/// The time of new light beside its error.
-fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::Error>> {
-    println!(
-        "\n| light | method | largest error | light min ms | median ms | environment ms | Mpix/s |"
-    );
-    println!("|---|---|---|---|---|---|---|");
+/// New light on white waves; errors are the largest at some pixels, relative to the brightest.
+fn light_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
+    let frame = Rc::new(Scene::waves(width, height).frame);
     let environment = environment();
     let one = [DirectionalLight {
         to_light: glam::Vec3::new(-0.6, 0.6, 0.53).normalize(),
@@ -223,6 +320,7 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
     }];
     let many = median_cut(&environment, 54);
     use Method::{Both, Plain, Scale, Warp};
+    let mut cases = Vec::new();
     for (lights, material, method) in [
         (&one[..], Material::Phong, Plain),
         (&one, Material::Phong, Scale),
@@ -240,35 +338,58 @@ fn print_light(frame: &Frame, repeats: usize) -> Result<(), Box<dyn std::error::
             1 => format!("1 light, {material:?}"),
             count => format!("{count} lights, {material:?}"),
         };
-        let mut lighting = Lighting {
-            frame,
-            light,
-            params: white(material, method, Samples::Auto),
-        };
-        let exact = |pixel: &Pixel, settings: &Settings| lit(pixel, lights, settings);
-        lighting.print(&name, repeats, exact)?;
+        let lights: Rc<[DirectionalLight]> = lights.into();
+        let exact = move |pixel: &Pixel, settings: &Settings| lit(pixel, &lights, settings);
+        let mut params = white(material, method, Samples::Auto);
+        cases.push(light_case(&name, &frame, &light, params, exact.clone())?);
         if material == Material::AshikhminShirley {
-            lighting.params.material.coat = [10.0, 300.0];
-            lighting.print(&format!("{name}, brushed"), repeats, exact)?;
+            params.material.coat = [10.0, 300.0];
+            let name = format!("{name}, brushed");
+            cases.push(light_case(&name, &frame, &light, params, exact)?);
         }
     }
-    let prefiltered = Lighting {
-        frame,
-        light: Illumination {
-            environment: Some(environment.clone().into()),
-            ..Illumination::default()
-        },
-        params: white(Material::Lambert, Scale, Samples::Fixed(0)),
+    let light = Illumination {
+        environment: Some(environment.clone().into()),
+        ..Illumination::default()
     };
     let largest = largest_irradiance(&environment);
-    let exact = |pixel: &Pixel, s: &Settings| {
+    let exact = move |pixel: &Pixel, s: &Settings| {
         let shown = exact_irradiance(&environment, pixel.normal);
         let trace = pixel.hessian[0] + pixel.hessian[2];
         let x = f64::from(s.scaling.scaling) * (-s.gain * trace).tanh();
         let d = luminance(shown) / largest;
         Some(shown.map(|c| c * sigma(d, x, s.scaling.invariant_point.into())))
     };
-    prefiltered.print("environment, prefiltered, Lambert", repeats, exact)
+    let params = white(Material::Lambert, Scale, Samples::Fixed(0));
+    let name = "environment, prefiltered, Lambert";
+    cases.push(light_case(name, &frame, &light, params, exact)?);
+    Ok(cases)
+}
+
+fn light_case(
+    name: &str,
+    frame: &Rc<Frame>,
+    light: &Illumination,
+    params: RelightParams,
+    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]> + 'static,
+) -> Outcomes<Case> {
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let available = Available::in_frame(frame);
+    let kinds = LightKinds::in_light(light);
+    let plan = Plan::relight(available, shape, scaling, params, kinds)?;
+    let has_environment = light.environment.is_some();
+    let lit = frame.clone();
+    let judge = move |outcome: &Outcome| {
+        let hessian = hessian(&lit, shape)?;
+        let error = light_error(&lit, &hessian, &params, has_environment, outcome, &exact);
+        Ok(format!("{error:.1e}"))
+    };
+    let name = format!("{name}, {:?}", params.method);
+    let case = Case::new(name, frame, plan, LIGHT_PARTS, Box::new(judge));
+    Ok(Case {
+        light: light.clone(),
+        ..case
+    })
 }
 
 /// White of one material with gains of 1, without ambient light.
@@ -313,93 +434,41 @@ fn largest_irradiance(environment: &relievo::light::environment::Environment) ->
 /// Number of pixels at which light is compared with double precision.
 const CHECKED: usize = 300;
 
-struct Lighting<'a> {
-    frame: &'a Frame,
-    light: Illumination,
-    params: RelightParams,
-}
-
-impl Lighting<'_> {
-    /// Prints the times of light and its largest error relative to the largest value, at some pixels.
-    fn print(
-        &self,
-        name: &str,
-        repeats: usize,
-        exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
-    ) -> Result<(), Box<dyn std::error::Error>> {
-        let (frame, scaling) = (self.frame, ScalingParams::default());
-        let shape = ShapeParams::default();
-        let kinds = LightKinds::in_light(&self.light);
-        let available = Available::in_frame(frame);
-        let plan = Plan::relight(available, shape, scaling, self.params, kinds)?;
-        let engine = Engine::cpu();
-        let relit = || engine.execute(&plan, frame, Inputs::lit_by(&self.light), &Run::new());
-        let mut outcome = relit()?;
-        let (mut times, mut once) = (Vec::new(), Vec::new());
-        for _ in 0..repeats {
-            engine.recycle(outcome);
-            engine.forget_environment();
-            outcome = relit()?;
-            let stage = |name: &str| {
-                let mut timings = outcome.timings.iter();
-                timings
-                    .find(|(stage, _)| *stage == name)
-                    .map(|(_, time)| time.as_secs_f64())
-            };
-            times.extend(stage("relight"));
-            once.extend(stage("environment"));
+/// The largest error of light relative to the largest value, at some pixels.
+fn light_error(
+    frame: &Frame,
+    hessian: &SymmetricPlanes,
+    params: &RelightParams,
+    has_environment: bool,
+    outcome: &Outcome,
+    exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
+) -> f64 {
+    let gain = outcome.gain.unwrap_or(0.0);
+    let settings = Settings {
+        method: params.method,
+        alpha: f64::from(params.warping.warp * gain),
+        gain: gain.into(),
+        scaling: &ScalingParams::default(),
+        material: &params.material,
+    };
+    let color = outcome.color.as_ref().expect("light makes a picture");
+    let diffuse = match has_environment {
+        true => f64::from(params.material.diffuse_gain),
+        false => 1.0,
+    };
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for at in some_covered(&frame.mask) {
+        let pixel = Pixel::of(frame, hessian, at, 0.0);
+        let Some(exact) = exact(&pixel, &settings) else {
+            continue;
+        };
+        for (plane, exact) in [&color.r, &color.g, &color.b].into_iter().zip(exact) {
+            let exact = diffuse * exact;
+            worst = worst.max((f64::from(plane.at(at[0], at[1])) - exact).abs());
+            largest = largest.max(exact);
         }
-        let error = self.error(&outcome, &hessian(frame, shape)?, &scaling, exact);
-        let times = Times::of(times);
-        let once = match once.is_empty() {
-            true => String::new(),
-            false => format!("{:.1}", 1e3 * Times::of(once).min),
-        };
-        let pixels = frame.mask.width() * frame.mask.height();
-        println!(
-            "| {name} | {:?} | {error:.1e} | {:.2} | {:.2} | {once} | {:.1} |",
-            self.params.method,
-            1e3 * times.min,
-            1e3 * times.median,
-            times.megapixels_per_second(pixels)
-        );
-        Ok(())
     }
-
-    fn error(
-        &self,
-        outcome: &Outcome,
-        hessian: &SymmetricPlanes,
-        scaling: &ScalingParams,
-        exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]>,
-    ) -> f64 {
-        let gain = outcome.gain.unwrap_or(0.0);
-        let settings = Settings {
-            method: self.params.method,
-            alpha: f64::from(self.params.warping.warp * gain),
-            gain: gain.into(),
-            scaling,
-            material: &self.params.material,
-        };
-        let color = outcome.color.as_ref().expect("light makes a picture");
-        let diffuse = match self.light.environment {
-            Some(_) => f64::from(self.params.material.diffuse_gain),
-            None => 1.0,
-        };
-        let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-        for at in some_covered(&self.frame.mask) {
-            let pixel = Pixel::of(self.frame, hessian, at, 0.0);
-            let Some(exact) = exact(&pixel, &settings) else {
-                continue;
-            };
-            for (plane, exact) in [&color.r, &color.g, &color.b].into_iter().zip(exact) {
-                let exact = diffuse * exact;
-                worst = worst.max((f64::from(plane.at(at[0], at[1])) - exact).abs());
-                largest = largest.max(exact);
-            }
-        }
-        worst / largest
-    }
+    worst / largest
 }
 
 /// Up to [`CHECKED`] covered pixels, spread evenly in the order of rows.
@@ -410,18 +479,14 @@ fn some_covered(mask: &Mask) -> impl Iterator<Item = [usize; 2]> {
     covered.skip(step / 2).step_by(step)
 }
 
-fn run(
-    frame: &Frame,
-    shape: ShapeParams,
-    repeats: usize,
-) -> Result<(Outcome, Timed), relievo::Error> {
-    let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default())?;
-    let effort = Effort {
-        runs: repeats,
-        limit: Duration::MAX,
-    };
-    Ok(measure(&plan, frame, effort))
+/// The frame with a picture that is half as bright as white all over.
+fn half_bright(frame: Frame) -> Frame {
+    let half = Plane::filled(frame.mask.width(), frame.mask.height(), 0.5);
+    let [r, g, b] = [(); 3].map(|()| half.clone());
+    Frame {
+        color: Some(ColorPlanes { r, g, b }),
+        ..frame
+    }
 }
 
 /// The frame with only a disc in its middle covered, which takes `share` of it.
@@ -449,20 +514,31 @@ fn waves(width: usize, height: usize) -> Frame {
     }
 }
 
-/// Mean and largest error of the trace, relative to its largest value, a wave away from the border.
-fn errors(outcome: &Outcome, shape: &ShapeParams, steps: u32) -> (f64, f64) {
+/// Pixels of a wave.
+const MARGIN: usize = 64;
+
+/// What a step of diffusion multiplies a product of waves by: `1 - 4 dt (1 - cos k)`.
+fn decay(time_step: f64) -> f64 {
+    1.0 - 4.0 * time_step * (1.0 - WAVE.cos())
+}
+
+/// Mean and largest error of the trace, relative to its largest value, a wave away from borders.
+fn errors(outcome: &Outcome, mask: &Mask, shape: &ShapeParams, steps: u32) -> (f64, f64) {
     let trace = outcome
         .shape
         .trace
         .as_ref()
         .expect("enhancing needs the trace");
-    // Each step multiplies a product of waves by 1 - 4 dt (1 - cos k).
-    let step = 1.0 - 4.0 * f64::from(shape.time_step) * (1.0 - WAVE.cos());
     let peak = 2.0 * HEIGHT * WAVE * WAVE;
-    let decayed = peak * step.powi(steps as i32);
+    let decayed = peak * decay(shape.time_step.into()).powi(steps as i32);
     let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
-    for y in 64..trace.height().saturating_sub(64) {
-        for x in 64..trace.width().saturating_sub(64) {
+    for y in MARGIN..trace.height().saturating_sub(MARGIN) {
+        let span = mask.span(y);
+        for x in span.start + MARGIN..span.end.saturating_sub(MARGIN) {
+            // The border of a disc is nearer above and below.
+            if !(mask.at(x, y - MARGIN) && mask.at(x, y + MARGIN)) {
+                continue;
+            }
             let [cx, cy] = [x, y].map(|i| (WAVE * (i as f64 + 0.5)).cos());
             let error = (f64::from(trace.at(x, y)) + decayed * cx * cy).abs() / peak;
             sum += error;
@@ -473,33 +549,109 @@ fn errors(outcome: &Outcome, shape: &ShapeParams, steps: u32) -> (f64, f64) {
     (sum / f64::from(count.max(1)), largest)
 }
 
-fn print_stages(label: &str, timed: &Timed, pixels: usize) {
-    let row = |stage: &str, times: Times| {
-        println!(
-            "| {label} | {stage} | {:.2} | {:.2} | {:.1} |",
-            1e3 * times.min,
-            1e3 * times.median,
-            times.megapixels_per_second(pixels)
-        );
-    };
-    for (stage, times) in &timed.stages {
-        row(stage, *times);
+/// Another program, timed by a command.
+struct Peer {
+    command: String,
+    folder: tempfile::TempDir,
+    /// The gradient after 50 steps that it should find, and its largest component.
+    exact: [Vec<f32>; 2],
+    width: usize,
+    /// Seconds of each round, by stage.
+    stages: Vec<(String, Vec<f64>)>,
+}
+
+impl Peer {
+    fn new(command: String, frame: &Frame) -> Outcomes<Self> {
+        let folder = tempfile::tempdir()?;
+        let (normal, size) = (&frame.normal, [frame.mask.height(), frame.mask.width()]);
+        let normals = normal.x.samples().iter().zip(normal.y.samples());
+        let normals = normals.zip(normal.z.samples());
+        let interleaved: Vec<f32> = normals.flat_map(|((&x, &y), &z)| [x, y, z]).collect();
+        let depth = frame.depth.as_ref().ok_or("waves have depth")?;
+        write_npy(
+            &folder.path().join("normal.npy"),
+            &[size[0], size[1], 3],
+            &interleaved,
+        )?;
+        write_npy(&folder.path().join("depth.npy"), &size, depth.samples())?;
+        let left = decay(0.25).powi(50) as f32;
+        let exact = [&normal.x, &normal.y].map(|component| {
+            let slopes = component.samples().iter().zip(normal.z.samples());
+            slopes.map(|(n, z)| -left * n / z).collect()
+        });
+        Ok(Self {
+            command: command.replace("{dir}", &folder.path().display().to_string()),
+            folder,
+            exact,
+            width: size[1],
+            stages: Vec::new(),
+        })
     }
-    let of_shape = |time: fn(&Times) -> f64| -> f64 {
-        let stages = timed
-            .stages
-            .iter()
-            .filter(|(stage, _)| SHAPE.contains(stage));
-        stages.map(|(_, times)| time(times)).sum()
-    };
-    let (min, median) = (of_shape(|t| t.min), of_shape(|t| t.median));
-    row(
-        "shape",
-        Times {
-            min,
-            median,
-            ..timed.whole
-        },
-    );
-    row("all", timed.whole);
+
+    fn run(&mut self) -> Outcomes<()> {
+        let output = Command::new("sh").args(["-c", &self.command]).output()?;
+        if !output.status.success() {
+            return Err(format!("{PEER}: {}", String::from_utf8_lossy(&output.stderr)).into());
+        }
+        for line in String::from_utf8(output.stdout)?.lines() {
+            let told: serde_json::Value = serde_json::from_str(line)?;
+            let (Some(stage), Some(seconds)) = (told["stage"].as_str(), told["median_s"].as_f64())
+            else {
+                return Err(format!("{PEER}: no stage and median_s in {line}").into());
+            };
+            match self.stages.iter_mut().find(|(known, _)| known == stage) {
+                Some((_, all)) => all.push(seconds),
+                None => self.stages.push((stage.into(), vec![seconds])),
+            }
+        }
+        Ok(())
+    }
+
+    /// The largest error of its gradient, relative to the largest slope, a wave away from borders.
+    fn error(&self) -> Outcomes<f64> {
+        let bytes = std::fs::read(self.folder.path().join("out_gs.npy"))?;
+        let header = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        let (samples, _) = bytes[10 + header..].as_chunks::<4>();
+        let height = self.exact[0].len() / self.width;
+        // As wide a margin at every side: (w + 2m) (h + 2m) samples of each component.
+        let is_it = |m: &usize| 2 * (self.width + 2 * m) * (height + 2 * m) == samples.len();
+        let margin = (0..MARGIN)
+            .find(is_it)
+            .ok_or("out_gs.npy has another size")?;
+        let stride = self.width + 2 * margin;
+        let (mut worst, mut largest) = (0.0_f32, 0.0_f32);
+        for (samples, exact) in samples.chunks(samples.len() / 2).zip(&self.exact) {
+            for y in MARGIN..height.saturating_sub(MARGIN) {
+                for x in MARGIN..self.width.saturating_sub(MARGIN) {
+                    let found = samples[(y + margin) * stride + x + margin];
+                    let exact = exact[y * self.width + x];
+                    worst = worst.max((f32::from_le_bytes(found) - exact).abs());
+                    largest = largest.max(exact.abs());
+                }
+            }
+        }
+        Ok((worst / largest).into())
+    }
+
+    fn print(&self) {
+        let error = self
+            .error()
+            .map_or_else(|why| why.to_string(), |error| format!("{error:.1e}"));
+        for (stage, seconds) in &self.stages {
+            print_row(&format!("{PEER}, {stage}"), &error, seconds, "");
+        }
+    }
+}
+
+/// Writes an array of single precision in NumPy's format.
+fn write_npy(path: &Path, shape: &[usize], samples: &[f32]) -> std::io::Result<()> {
+    let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({shape}), }}");
+    // With ten bytes before it, the header ends at a multiple of 64.
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((length as u16).to_le_bytes());
+    bytes.extend(format!("{header:<width$}\n", width = length - 1).bytes());
+    bytes.extend(samples.iter().flat_map(|v| v.to_le_bytes()));
+    std::fs::write(path, bytes)
 }

@@ -8,8 +8,10 @@ use crate::command::chosen::Chosen;
 use crate::command::output::{Displayed, Kind, MadePicture};
 use crate::command::recipe::RecipeText;
 use crate::command::shape::held_gain;
+use crate::engine::cpu::row_layers::{LaidRows, RowLayers};
 use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::{Outcome, Shape};
+use crate::engine::tiles::Strips;
 use crate::engine::{self, Engine, Run};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window};
@@ -204,6 +206,20 @@ impl<'a> Job<'a> {
         Ok(outcome)
     }
 
+    /// The same of layers that are written some rows at a time.
+    pub(super) fn execute_for_rows<'e>(
+        &self,
+        engine: &'e Engine,
+        plan: &'e Plan,
+        frame: &mut Frame,
+    ) -> Result<RowLayers<'e>> {
+        let warn = |text: &str| self.warn(text);
+        let run = Run::new().warn(&warn);
+        let layers = engine.execute_for_rows(plan, frame, engine::Inputs::default(), &run)?;
+        self.note_gain(plan, layers.outcome.gain);
+        Ok(layers)
+    }
+
     /// Frees all that a run computed but its picture or drawing, which is about to be written.
     pub(super) fn keep_picture_alone(&self, engine: &Engine, outcome: &mut Outcome) {
         if !self.is_in_sequence() {
@@ -320,13 +336,70 @@ impl<'a> Job<'a> {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.guard(done, &results)?;
             let recipe = self.recipe(&done.chosen());
-            let attributes = attributes(&self.work, &done.loaded, recipe);
-            let args = &self.work.output;
-            for warning in args.write_exr(output, &done.loaded, &channels, attributes)? {
-                self.say_once("warning", &warning, true);
-            }
+            let (args, loaded) = (&self.work.output, &done.loaded);
+            let (window, attributes) = (
+                loaded.frame.data_window,
+                attributes(&self.work, loaded, recipe),
+            );
+            let part = args.part(loaded, window, &channels, attributes);
+            let said = args.write_exr(output, loaded, &part, |next| {
+                next(&results, 0..window.height())
+            })?;
+            self.say_all(&said);
             Ok(Whites::default())
         })
+    }
+
+    /// Makes the last of some layers of `loaded` and writes them to an EXR, a few rows at a time, and ends the frame.
+    /// `channels` names those of some rows.
+    pub(super) fn write_layers(
+        &self,
+        loaded: &Loaded,
+        plan: &Plan,
+        layers: &RowLayers,
+        read: Duration,
+        channels: impl Fn(&LaidRows) -> Vec<OutputChannel<'_>>,
+    ) -> Result<Chosen> {
+        let chosen = Chosen::made(loaded, &layers.outcome);
+        let (frame, args) = (&loaded.frame, &self.work.output);
+        self.write_output(&chosen, |output| {
+            let mut timings = Timings::of(frame);
+            timings.add("read", read);
+            timings.add_all(&layers.outcome);
+            let start = Instant::now();
+            let mut making = Duration::ZERO;
+            let height = frame.mask.height();
+            let first = layers.rows(frame, &(0..height.min(1)))?;
+            let attributes = attributes(&self.work, loaded, self.recipe(&chosen));
+            let named = args.picked(channels(&first))?;
+            let part = args.part(loaded, frame.data_window, &named, attributes);
+            let said = args.write_exr(output, loaded, &part, |next| {
+                let bands = Strips::of_rows(band_rows(), height, 0);
+                bands.each().try_for_each(|(rows, _)| {
+                    let began = Instant::now();
+                    let laid = layers.rows(frame, &rows)?;
+                    timings.add_all(&laid.outcome);
+                    making += began.elapsed();
+                    let named = args.picked(channels(&laid))?;
+                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
+                    self.refuse(not_finite(plan, &laid.frame, &laid.outcome, &planes))?;
+                    next(&planes, laid.rows.clone())?;
+                    layers.recycle(laid);
+                    Ok(())
+                })
+            })?;
+            self.say_all(&said);
+            timings.add("write", start.elapsed().saturating_sub(making));
+            self.write_timings(&timings)?;
+            Ok(Whites::default())
+        })?;
+        Ok(chosen)
+    }
+
+    fn say_all(&self, warnings: &[String]) {
+        warnings
+            .iter()
+            .for_each(|warning| self.say_once("warning", warning, true));
     }
 
     /// Refuses to write results that are not finite where all inputs are.
@@ -425,6 +498,11 @@ impl<'a> Job<'a> {
         let text = timings.json(self.started.elapsed());
         write_text(path, self.work.output.replace_beside(), &text)
     }
+}
+
+/// Rows of layers that are made and written at a time: blocks enough for every thread.
+fn band_rows() -> usize {
+    32 * rayon::current_num_threads().clamp(2, 16)
 }
 
 /// How long the stages of a frame took.

@@ -11,6 +11,7 @@ use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
 use crate::params::{Params, PixelSize};
 use std::io::{Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 use wildmatch::WildMatch;
 
@@ -22,6 +23,9 @@ pub(super) struct ReadyOutput<'a> {
     pub(super) path: &'a Path,
     pub(super) replace: Replace,
 }
+
+/// Writes rows of planes.
+pub(super) type NextRows<'w> = dyn FnMut(&[&Plane], Range<usize>) -> Result<()> + 'w;
 
 /// The attributes of the part with our results: the program, the recipe, and pixels per inch if a flag gives them or the
 /// size of a pixel on the subject.
@@ -124,17 +128,17 @@ impl OutputArgs {
         Ok(channels)
     }
 
-    /// The part that our results make, of the pixels `window`.
+    /// The part that our results make, of the pixels `window`, with channels like these.
     pub(super) fn part(
         &self,
         loaded: &Loaded,
         window: Window,
-        channels: Vec<(String, OutputType)>,
+        channels: &[OutputChannel],
         attributes: Vec<(String, String)>,
     ) -> PartDescription {
-        let named = channels.into_iter();
+        let named = channels.iter();
         let channels = named
-            .map(|(name, kind)| (self.layer_names.of(&name), kind))
+            .map(|channel| (self.layer_names.of(&channel.name), channel.sample_type))
             .collect();
         PartDescription {
             name: PART.into(),
@@ -150,7 +154,7 @@ impl OutputArgs {
 
     /// Starts to write a part where the results go: beside the input's own parts, into its first one, or alone. What is
     /// not as it was in the input is said with it.
-    pub(super) fn part_writer<'w, W: Write + Seek>(
+    fn part_writer<'w, W: Write + Seek>(
         &self,
         loaded: &'w Loaded,
         w: &'w mut W,
@@ -178,22 +182,19 @@ impl OutputArgs {
         }
     }
 
-    /// Writes planes to an EXR; what is not as it was in the input.
+    /// Writes a part to an EXR, some rows at a time: `each` hands on the planes, one for each channel of the part, and
+    /// the rows of them that come next. Returns what is not as it was in the input.
     pub(super) fn write_exr(
         &self,
         ReadyOutput { path, replace }: ReadyOutput,
         loaded: &Loaded,
-        channels: &[OutputChannel],
-        attributes: Vec<(String, String)>,
+        part: &PartDescription,
+        each: impl FnOnce(&mut NextRows) -> Result<()>,
     ) -> Result<Vec<String>> {
-        let named = channels.iter().map(|c| (c.name.clone(), c.sample_type));
-        let window = loaded.frame.data_window;
-        let part = self.part(loaded, window, named.collect(), attributes);
-        let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
         let mut said = Vec::new();
         write_atomically(path, replace, |w| {
-            let (mut writer, warnings) = self.part_writer(loaded, w, path, &part)?;
-            writer.push(&planes, 0..window.height())?;
+            let (mut writer, warnings) = self.part_writer(loaded, w, path, part)?;
+            each(&mut |planes, rows| writer.push(planes, rows))?;
             said = warnings;
             said.extend(self.clamped(writer.finish()?));
             Ok(())
@@ -202,7 +203,7 @@ impl OutputArgs {
     }
 
     /// Warning that `count` samples were clamped; `None` for 0.
-    pub(super) fn clamped(&self, count: u64) -> Option<String> {
+    fn clamped(&self, count: u64) -> Option<String> {
         let samples = if count == 1 {
             "sample is"
         } else {

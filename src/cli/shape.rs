@@ -61,6 +61,15 @@ impl FrameCommand for ShapeArgs {
         let (mut loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
+        if self.work.goal()? == Goal::Layers {
+            let layers = job.execute_for_rows(engine, &plan, &mut loaded.frame)?;
+            job.release_spare_memory(engine);
+            let chosen = job.write_layers(&loaded, &plan, &layers, read, |rows| {
+                work.named(&rows.frame, &rows.outcome)
+            })?;
+            engine.recycle(layers.outcome);
+            return Ok(chosen);
+        }
         let outcome = job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
         job.release_spare_memory(engine);
         let done = Done {
@@ -69,7 +78,12 @@ impl FrameCommand for ShapeArgs {
             outcome,
             read,
         };
-        let chosen = work.write(job, &done)?;
+        let dpi = self.work.dpi(&done.loaded.frame);
+        let picture = Picture {
+            dpi,
+            ..display(&done.outcome)
+        };
+        let chosen = job.write_picture(&done, &picture)?;
         engine.recycle(done.outcome);
         Ok(chosen)
     }
@@ -97,8 +111,7 @@ impl StripWork for Description<'_> {
         strip: &'a Loaded,
         outcome: &'a Outcome,
     ) -> Vec<OutputChannel<'a>> {
-        let stored = self.args.output.depth_of_output;
-        descriptor_channels(&strip.frame, outcome, stored.unwrap_or(OutputType::Half))
+        self.named(&strip.frame, outcome)
     }
 
     fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a> {
@@ -110,16 +123,9 @@ impl StripWork for Description<'_> {
 }
 
 impl Description<'_> {
-    fn write(&self, job: &Job, done: &Done) -> Result<Chosen> {
-        if self.goal == Goal::Layers {
-            return job.write_exr(done, self.channels(job, &done.loaded, &done.outcome));
-        }
-        let dpi = self.args.dpi(&done.loaded.frame);
-        let picture = Picture {
-            dpi,
-            ..display(&done.outcome)
-        };
-        job.write_picture(done, &picture)
+    fn named<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Vec<OutputChannel<'a>> {
+        let stored = self.args.output.depth_of_output;
+        descriptor_channels(frame, outcome, stored.unwrap_or(OutputType::Half))
     }
 }
 

@@ -429,27 +429,23 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
 fn write_exr<W: StripWork>(
     source: &Source<W>,
     job: &Job,
-    ReadyOutput { path, replace }: ReadyOutput,
+    output: ReadyOutput,
     (sample, channels): (&Loaded, &[OutputChannel]),
     recipe: String,
 ) -> Result<()> {
-    let names = channels.iter().map(|c| (c.name.clone(), c.sample_type));
     let args = &job.work.output;
     let attributes = attributes(&job.work, sample, recipe);
-    let part = args.part(sample, source.whole, names.collect(), attributes);
-    write_atomically(path, replace, |w| {
-        let (mut writer, warnings) = args.part_writer(sample, w, path, &part)?;
-        warnings.iter().for_each(|warning| job.warn(warning));
+    let part = args.part(sample, source.whole, channels, attributes);
+    let warnings = args.write_exr(output, sample, &part, |next| {
         each_made(source, job, |(plan, strip, outcome), rows| {
             let channels = args.picked(source.work.channels(job, strip, outcome))?;
             let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
             job.refuse(not_finite(plan, &strip.frame, outcome, &planes))?;
-            writer.push(&planes, rows)
-        })?;
-        let clamped = args.clamped(writer.finish()?);
-        clamped.iter().for_each(|warning| job.warn(warning));
-        Ok(())
-    })
+            next(&planes, rows)
+        })
+    })?;
+    warnings.iter().for_each(|warning| job.warn(warning));
+    Ok(())
 }
 
 /// Makes the strips, gathers what a display is shown of them, and writes it.

@@ -1,6 +1,7 @@
 //! The engine: runs plans on the CPU, or on a GPU that was requested or found.
 
 use crate::engine::cpu;
+use crate::engine::cpu::row_layers::RowLayers;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
@@ -171,7 +172,7 @@ impl Engine {
     }
 
     /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. A picture leaves out edges and slopes
-    /// that it no longer takes. A large frame drawn in its own light takes half the memory: the picture is consumed, and
+    /// that it no longer takes; of a large frame it consumes the normals, unless they are lit. A large frame drawn in its own light takes half the memory: the picture is consumed, and
     /// the outcome holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
@@ -193,6 +194,28 @@ impl Engine {
         })?;
         run.finish(frame, &outcome)?;
         Ok(outcome)
+    }
+
+    /// As [`Engine::execute`], with stages left where the CPU does it: they run on rows, while these are written.
+    ///
+    /// # Errors
+    /// As [`Engine::execute`].
+    pub(crate) fn execute_for_rows<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<RowLayers<'a>> {
+        let whole = |outcome| RowLayers::whole(&self.cpu, plan, outcome);
+        if frame.is_tile() {
+            return self.execute(plan, frame, inputs, run).map(whole);
+        }
+        run.begin([frame.mask.height(), frame.mask.width()])?;
+        run.install(|| match self.on_device(plan, frame, inputs, run)? {
+            Some(outcome) => Ok(whole(outcome)),
+            None => self.cpu.execute_for_rows(plan, frame, inputs, run.watch()),
+        })
     }
 
     /// The result of the device; `None` if the CPU must run the plan. A lost device is reported once.

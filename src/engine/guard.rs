@@ -113,6 +113,8 @@ fn inputs(frame: &Frame) -> Vec<&Plane> {
         .flat_map(planes_of)
         .chain([&normal.x, &normal.y, &normal.z])
         .chain(single.into_iter().flatten())
+        // Normals may have been consumed; where they are not finite the mask shows no surface.
+        .filter(|plane| !plane.samples().is_empty())
         .collect()
 }
 
@@ -121,10 +123,10 @@ fn planes_of(color: &ColorPlanes) -> [&Plane; 3] {
 }
 
 /// The first step of `plan` that gives non-finite samples. Shape is recomputed: this is rare, and a device or a picture
-/// output does not hold it.
+/// output does not hold it. Without normals it cannot be.
 fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     let by_shape = || {
-        plan.wants_curvature()
+        (plan.wants_curvature() && !frame.normal.z.samples().is_empty())
             .then(|| shape_step(plan, frame, outcome))
     };
     if let Some(step) = by_shape().flatten() {

@@ -42,6 +42,21 @@ macro_rules! shape_products {
                 }
             }
 
+            /// The same of planes that `change` makes of these.
+            fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
+                let scales = self.more_scales.iter();
+                Self {
+                    $($field: self.$field.mapped(change),)*
+                    more_scales: scales
+                        .map(|scale| ScaleShape {
+                            sigma_px: scale.sigma_px,
+                            curvatures: scale.curvatures.mapped(change),
+                            kappa: change(&scale.kappa),
+                        })
+                        .collect(),
+                }
+            }
+
             #[cfg(feature = "gpu")]
             fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
                 match product {
@@ -189,6 +204,8 @@ pub(crate) fn add_timings(
 trait Planes {
     fn planes(&self) -> Vec<&Plane>;
     fn planes_mut(&mut self) -> Vec<&mut Plane>;
+    /// The same of planes that `change` makes of these.
+    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self;
     #[cfg(feature = "gpu")]
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self;
 }
@@ -203,6 +220,10 @@ macro_rules! planes {
 
             fn planes_mut(&mut self) -> Vec<&mut Plane> {
                 vec![$(&mut self.$field),+]
+            }
+
+            fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
+                Self { $($field: change(&self.$field)),+ }
             }
 
             #[cfg(feature = "gpu")]
@@ -230,6 +251,10 @@ impl Planes for Plane {
         vec![self]
     }
 
+    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
+        change(self)
+    }
+
     #[cfg(feature = "gpu")]
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
         planes.next().expect("every component is there")
@@ -243,6 +268,10 @@ impl<P: Planes> Planes for Option<P> {
 
     fn planes_mut(&mut self) -> Vec<&mut Plane> {
         self.as_mut().map_or_else(Vec::new, Planes::planes_mut)
+    }
+
+    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
+        self.as_ref().map(|planes| planes.mapped(change))
     }
 
     #[cfg(feature = "gpu")]
@@ -340,6 +369,15 @@ impl Outcome {
             for (scale, of) in scales.zip(&of.shape.more_scales) {
                 pairs(scale.planes_mut(product), of.planes(product));
             }
+        }
+    }
+
+    /// The shape with planes that `change` makes of its own, and the gain chosen for it.
+    pub(crate) fn shape_mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            shape: self.shape.mapped(&change),
+            gain: self.gain,
+            ..Self::default()
         }
     }
 

@@ -276,8 +276,9 @@ impl Vector3Planes {
     /// The vector at column `x` of row `y`.
     #[inline]
     pub fn at(&self, x: usize, y: usize) -> DVec3 {
-        let [x, y, z] = [&self.x, &self.y, &self.z].map(|plane| f64::from(plane.at(x, y)));
-        DVec3::new(x, y, z)
+        // Mapping an array of planes is not inlined.
+        let at = |plane: &Plane| f64::from(plane.at(x, y));
+        DVec3::new(at(&self.x), at(&self.y), at(&self.z))
     }
 
     /// All vectors, row after row.

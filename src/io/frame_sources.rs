@@ -101,6 +101,9 @@ impl FrameSources {
         if inputs.importance.is_some() {
             roles.extend(find(Role::Importance, &inputs.importance)?);
         }
+        // The bare channels Z and A may be depth and the coverage of the picture: of depth it is not read.
+        let data = roles.iter_mut().filter(|source| !source.role.is_color());
+        data.for_each(RoleSource::leave_alpha);
         Ok(Self { roles })
     }
 

@@ -174,10 +174,15 @@ impl RoleSource {
 
     /// The same without its coverage.
     pub(super) fn without_alpha(mut self) -> Self {
+        self.leave_alpha();
+        self
+    }
+
+    /// Leaves its coverage unread.
+    pub(super) fn leave_alpha(&mut self) {
         if let Some(layer) = &mut self.layer {
             layer.alpha = None;
         }
-        self
     }
 
     /// Whether this is the same layer of the same file as `other`.

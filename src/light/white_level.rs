@@ -29,6 +29,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
             scaling.white_level, scaling.term_white_levels
         )
     },
+    reads_normals: false,
     name: "auto-white",
     steps: &[Step {
         name: "auto-white",

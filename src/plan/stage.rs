@@ -20,6 +20,11 @@ pub(crate) struct Stage {
     pub(crate) takes: fn(&Plan) -> Vec<Product>,
     /// How far, in pixels, samples of those products reach.
     pub(crate) reach_px: fn(&Plan) -> usize,
+    /// Whether rows of its results take nothing but those rows of its products, with that reach, and the mask: it may
+    /// then run on some rows at a time, while they are written.
+    pub(crate) by_rows: bool,
+    /// Whether it reads the normals of the frame.
+    pub(crate) reads_normals: bool,
     /// A key of the parameters its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
@@ -43,6 +48,8 @@ impl Stage {
         also_runs: |_| false,
         takes: |_| Vec::new(),
         reach_px: |_| 0,
+        by_rows: false,
+        reads_normals: true,
         depends_on: |_| String::new(),
         cpu: |_| (),
         #[cfg(feature = "gpu")]

@@ -5,6 +5,7 @@ pub(crate) mod frame_cache;
 pub(crate) mod gpu_support;
 pub(crate) mod memory;
 pub(crate) mod percentile;
+pub(crate) mod row_layers;
 pub(crate) mod rows;
 pub(crate) mod run;
 pub(crate) mod runner;

@@ -7,7 +7,7 @@ use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::{Strips, rows_of};
 use crate::engine::watch::Watch;
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Plane, luminance};
+use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes, luminance};
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
 use crate::light::radiance_scaling::stage::scaler;
@@ -20,16 +20,22 @@ use crate::product::Product;
 use crate::shape::auto_levels::stage::choose_gain;
 use std::ops::Range;
 
-/// Number of pixels above which drawings use this path.
+/// Number of pixels above which memory counts more than what the frame still holds.
 const LARGE: usize = 1 << 22;
 
-/// Output rows of a band: many compared with the margin above and below.
-const BAND_ROWS: usize = 512;
+/// Output rows of a band: many compared with the margin above and below, some 14 at the default scale.
+const BAND_ROWS: usize = 256;
+
+/// A run whose first stage is done.
+pub(crate) struct Begun {
+    pub(crate) outcome: Outcome,
+    pub(crate) undiffused: Option<Vector2Planes>,
+}
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes. A large frame drawn in
-    /// its own light takes half the memory: its picture is consumed, and the outcome holds the drawing and the automatic
-    /// choices, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes the normals of a large
+    /// frame. A large frame drawn in its own light takes half the memory: its picture is consumed, and the outcome holds
+    /// the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -41,32 +47,44 @@ impl Runner {
         watch: Watch,
     ) -> Result<Outcome> {
         if makes_picture_alone(plan) {
-            return self.make_picture(plan, frame, inputs, watch);
+            return self.make_picture(plan, frame, inputs, watch, LARGE);
         }
-        let is_large = frame.mask.width() * frame.mask.height() > LARGE;
-        if !(is_large && plan.drawing.is_some() && goes_in_bands(plan)) {
+        if !(is_larger(frame, LARGE) && plan.drawing.is_some() && goes_in_bands(plan)) {
             return self.execute_watched(plan, frame, inputs, watch, None);
         }
         inputs.check(plan, frame)?;
         self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
     }
 
-    /// The picture; without edges and slopes, once no curvature is computed from them.
+    /// The picture; without edges and slopes, once no curvature is computed from them, and of a large frame without
+    /// normals, once no stage reads them.
     fn make_picture(
         &self,
         plan: &Plan,
-        frame: &Frame,
+        frame: &mut Frame,
         inputs: Inputs,
         watch: Watch,
+        large: usize,
     ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
         let memory = &self.memory.for_run(watch.token());
+        let Begun {
+            outcome,
+            undiffused,
+        } = self.after_edges(plan, frame, inputs, watch)?;
+        let later = SHAPE[1..].iter().chain(&PICTURE);
+        let mut later = later.filter(|stage| plan.stages().contains(&stage.name));
+        if is_larger(frame, large) && !later.any(|stage| stage.reads_normals) {
+            frame.normal = Vector3Planes::of(vec![Plane::default()]);
+        }
         let mut run = Run {
             memory,
             watch,
+            outcome,
+            undiffused,
             ..Run::new(self, plan, frame, inputs)
         };
-        run.go_through(SHAPE)?;
+        run.go_through(SHAPE[1..].iter().copied())?;
         let shape = &mut run.outcome.shape;
         let is_made = shape.trace.is_some() && !plan.wants(Product::Hessian);
         if plan.relighting.is_none() || is_made {
@@ -78,9 +96,39 @@ impl Runner {
             let slopes = shape.gradient.take();
             let slopes = slopes.into_iter().flat_map(|slopes| [slopes.x, slopes.y]);
             memory.recycle(edges.into_iter().flatten().chain(slopes));
+        } else {
+            // The gain alone took it.
+            memory.recycle(shape.trace.take());
         }
         run.go_through(PICTURE)?;
         Ok(run.outcome)
+    }
+
+    /// Runs the first stage of shape, the only one that reads the lengths of the normals. Large frames lose them, unless
+    /// rays meet the surface later.
+    pub(crate) fn after_edges(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Begun> {
+        let memory = &self.memory.for_run(watch.token());
+        let mut run = Run {
+            memory,
+            watch,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through([SHAPE[0]])?;
+        let (outcome, undiffused) = (run.outcome, run.undiffused);
+        let traces = plan.relighting.as_ref().is_some_and(|lit| lit.traced);
+        if is_larger(frame, LARGE) && !traces {
+            frame.normal_length = None;
+        }
+        Ok(Begun {
+            outcome,
+            undiffused,
+        })
     }
 
     fn draw_in_bands(
@@ -91,7 +139,15 @@ impl Runner {
         watch: Watch,
         rows: usize,
     ) -> Result<Outcome> {
-        let mut run = self.shape_in_bands(plan, frame, watch, rows)?;
+        // Bands are cut of what shape takes alone.
+        let (color, albedo) = (frame.color.take(), frame.albedo.take());
+        let made = self.shape_in_bands(plan, frame, watch, rows);
+        (frame.color, frame.albedo) = (color, albedo);
+        let mut run = Run {
+            watch,
+            outcome: made?,
+            ..Run::new(self, plan, frame, Inputs::default())
+        };
         choose_gain(&mut run);
         choose_picture_white(&mut run);
         let trace = run.outcome.shape.trace.take();
@@ -99,6 +155,7 @@ impl Runner {
         let (scaler, mut outcome) = (scaler(&run), run.outcome);
         let luminance = luminance_in_bands(&scaler, frame, &trace, rows, self);
         outcome.shape.trace = Some(trace).filter(|_| plan.shows_shape);
+        frame.normal_length = None;
         watch.check()?;
         let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
@@ -119,13 +176,13 @@ impl Runner {
     }
 
     /// Edges and the trace of a frame, band by band.
-    fn shape_in_bands<'a>(
-        &'a self,
-        plan: &'a Plan,
-        frame: &'a Frame,
-        watch: Watch<'a>,
+    fn shape_in_bands(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        watch: Watch,
         rows: usize,
-    ) -> Result<Run<'a>> {
+    ) -> Result<Outcome> {
         // The gain is chosen from the whole frame.
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
@@ -148,12 +205,13 @@ impl Runner {
             Ok(made)
         };
         let made = strips.run(frame, find, |planes| self.memory.recycle(planes))?;
-        Ok(Run {
-            watch,
-            outcome: Outcome { gain: None, ..made },
-            ..Run::new(self, plan, frame, Inputs::default())
-        })
+        Ok(Outcome { gain: None, ..made })
     }
+}
+
+/// Whether a frame has more than so many pixels.
+fn is_larger(frame: &Frame, pixels: usize) -> bool {
+    frame.mask.width() * frame.mask.height() > pixels
 }
 
 /// Whether a plan enhances a picture or relights the surface, and does nothing else.
@@ -243,10 +301,15 @@ mod tests {
         let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default()).unwrap();
         let (runner, inputs) = (Runner::default(), Inputs::default());
         let whole = runner.execute(&plan, &frame, inputs).unwrap();
-        let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        for large in [usize::MAX, 0] {
+            let made = runner.make_picture(&plan, &mut frame, inputs, Watch::default(), large);
+            let made = made.unwrap();
+            assert_eq!(made.color, whole.color);
+            assert_ne!(made.color, frame.color);
+            assert_eq!(frame.normal.z.samples().is_empty(), large == 0);
+        }
+        let made = runner.make_picture(&plan, &mut bumps(90, 60), inputs, Watch::default(), 0);
         let made = made.unwrap();
-        assert_eq!(made.color, whole.color);
-        assert_ne!(made.color, frame.color);
         let has_slopes = |outcome: &Outcome| outcome.shape.gradient.is_some();
         assert_eq!([&made, &whole].map(has_slopes), [false, true]);
     }

@@ -10,6 +10,7 @@ use crate::product::Product;
 /// The picture, scaled by curvature ([RS] section 4.2).
 pub(crate) static RADIANCE_SCALING: Stage = Stage {
     takes: |_| vec![Product::Trace, Product::Conductance],
+    reads_normals: false,
     name: "radiance-scaling",
     steps: &[Step {
         name: "radiance-scaling",

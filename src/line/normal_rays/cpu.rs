@@ -146,7 +146,7 @@ impl<'a> WalkedSurface<'a> {
 
     /// Rays equally far on both sides, as far as the surface continues on each; on one side alone if it ends at once on
     /// the other.
-    #[inline]
+    #[inline(always)]
     fn sides(
         &self,
         here: &Seen,
@@ -164,7 +164,7 @@ impl<'a> WalkedSurface<'a> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn ray(&self, here: &Seen, (x, y): (usize, usize)) -> Option<NormalRay> {
         let normal = self.normal(x, y);
         let offset = match (self.point(x, y), here.point) {

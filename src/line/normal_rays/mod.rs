@@ -250,7 +250,7 @@ pub(crate) struct Difference {
 }
 
 impl Local {
-    #[inline]
+    #[inline(always)]
     fn at(normal: DVec3) -> Option<Self> {
         let normal = normal.try_normalize()?;
         let (a, b) = normal.any_orthonormal_pair();
@@ -261,7 +261,7 @@ impl Local {
     }
 
     /// Foot and slope of a ray; `None` if it leans too far.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
@@ -273,7 +273,7 @@ impl Local {
     }
 
     /// Difference of the rays after and before; the point's own ray, all zero, replaces a missing one.
-    #[inline]
+    #[inline(always)]
     fn difference(&self, sides: &Sides) -> Option<Difference> {
         let ray = |side: &Option<NormalRay>| side.as_ref().and_then(|ray| self.ray(ray));
         let (before, after) = (ray(&sides.before), ray(&sides.after));

@@ -16,6 +16,7 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
         true => vec![Product::Hessian],
         false => vec![Product::Trace],
     },
+    reads_normals: false,
     name: "auto-gain",
     steps: &[Step {
         name: "auto-gain",

@@ -15,6 +15,8 @@ use crate::shape::hessian::REACH;
 pub(crate) static TRACE: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
+    by_rows: true,
+    reads_normals: false,
     name: "trace",
     steps: &[Step {
         name: "trace",
@@ -38,6 +40,8 @@ pub(crate) static TRACE: Stage = Stage {
 pub(crate) static HESSIAN: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
+    by_rows: true,
+    reads_normals: false,
     depends_on: |plan| plan.resolution_factor.to_string(),
     name: "hessian",
     steps: &[Step {
@@ -63,6 +67,8 @@ pub(crate) static HESSIAN: Stage = Stage {
 /// Principal and mean curvatures.
 pub(crate) static CURVATURES: Stage = Stage {
     takes: |_| vec![Product::Hessian],
+    by_rows: true,
+    reads_normals: false,
     name: "curvatures",
     steps: &[Step {
         name: "curvatures",
@@ -76,6 +82,8 @@ pub(crate) static CURVATURES: Stage = Stage {
 /// Directions of the larger view-centred curvature by magnitude.
 pub(crate) static DIRECTIONS: Stage = Stage {
     takes: |_| vec![Product::Hessian],
+    by_rows: true,
+    reads_normals: false,
     name: "directions",
     steps: &[Step {
         name: "directions",
@@ -95,6 +103,8 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
         true => vec![Product::Trace, Product::Conductance],
         false => vec![Product::Curvature, Product::Hessian, Product::Conductance],
     },
+    by_rows: true,
+    reads_normals: false,
     name: "mapped-curvature",
     steps: &[Step {
         name: "mapped-curvature",
@@ -145,7 +155,7 @@ fn find_trace(run: &mut Run) {
     }
 }
 
-/// The trace of the Hessian, from the gradient.
+/// The trace of the Hessian, from the gradient; rounded as the sum of the curvatures where these are wanted too.
 pub(crate) fn trace_of_gradient(run: &mut Run) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let shape = std::mem::take(&mut run.outcome.shape);
@@ -156,8 +166,15 @@ pub(crate) fn trace_of_gradient(run: &mut Run) {
         |kept| &mut kept.shape.trace,
         "trace",
         || {
-            let trace = cpu::trace(gradient, conductance, mask, memory);
-            per_reference_pixel(trace, plan.resolution_factor)
+            let factor = plan.resolution_factor;
+            if factor != 1.0 && plan.wants(Product::Curvature) {
+                let hessian = cpu::hessian(gradient, conductance, mask, memory);
+                let hessian = hessian_at(factor, hessian);
+                let trace = cpu::trace_of(&hessian, mask, memory);
+                memory.recycle([hessian.xx, hessian.xy, hessian.yy]);
+                return trace;
+            }
+            per_reference_pixel(cpu::trace(gradient, conductance, mask, memory), factor)
         },
     );
     run.outcome.shape = Shape {

@@ -15,6 +15,7 @@ pub(crate) static DIFFUSION: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |plan| plan.sweeps.count() * REACH,
     depends_on: |plan| format!("{:?}", plan.sweeps),
+    reads_normals: false,
     name: "diffusion",
     steps: &[Step {
         name: "diffusion",
@@ -24,10 +25,7 @@ pub(crate) static DIFFUSION: Stage = Stage {
     cpu: diffuse,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::diffuse,
-    #[cfg(feature = "gpu")]
-    beside_gpu: None,
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |_| None,
+    ..Stage::DEFAULT
 };
 
 fn decide(plan: &Plan) -> Verdict {
