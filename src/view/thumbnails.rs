@@ -84,10 +84,12 @@ impl Thumbnails {
     pub(super) fn take(
         &mut self,
         context: &Context,
-        (name, motif): (String, Motif),
+        choice: (String, Motif),
         pixels: Option<Pixels>,
     ) {
-        self.ordered.retain(|(ordered, _)| *ordered != name);
+        // One of before the last order leaves that on its way.
+        self.ordered.retain(|ordered| *ordered != choice);
+        let (name, motif) = choice;
         let last = self.made.remove(&name).and_then(|made| made.picture);
         let picture = pixels.map(|pixels| Small::of(context, &pixels, last));
         self.made.insert(name, Made { motif, picture });
