@@ -76,12 +76,7 @@ impl Work {
 
     /// Layers or a picture.
     fn picture(&self, engine: &Engine, scene: &Scene, frame: &Frame, run: &Run) -> Result<Made> {
-        let (plan, light) = plan_of(
-            &self.command,
-            frame,
-            self.light.clone(),
-            drawn(1.0, scene.specular.is_some()),
-        )?;
+        let (plan, light) = plan_of(&self.command, frame, self.light.clone(), drawn(1.0, scene))?;
         let inputs = Inputs {
             specular: scene.specular.as_ref(),
             ..Inputs::lit_by(&light)
@@ -168,7 +163,7 @@ impl Work {
         }
         let enlarged = (times != 1.0).then(|| frame.enlarged(times));
         let frame = enlarged.as_ref().unwrap_or(frame);
-        let drawn = drawn(times, is_specular);
+        let drawn = drawn(times, scene);
         let (mut plan, light) = plan_of(&self.command, frame, self.light.clone(), drawn)?;
         let in_lines = is_svg(&args.relight.work);
         plan.drawn_as = match in_lines {
@@ -221,11 +216,11 @@ fn maps(args: &MapArgs, engine: &Engine, frame: &Frame, run: &Run) -> Result<Mad
     })
 }
 
-fn drawn(times: f64, is_specular: bool) -> Drawn {
+fn drawn(times: f64, scene: &Scene) -> Drawn {
     Drawn {
         times,
-        is_in_sequence: false,
+        is_in_sequence: (scene.source.as_ref()).is_some_and(|source| source.is_in_sequence),
         moves: false,
-        is_specular,
+        is_specular: scene.specular.is_some(),
     }
 }

@@ -42,7 +42,7 @@ def sentence(error: BaseException, path: Path | None = None) -> str:
 
 
 class Alone:
-    """An operator that reads the last render, which only one may do at a time: another would render it anew meanwhile."""
+    """An operator that reads the last render. Only one may at a time: another would render it anew meanwhile."""
 
     #: The label of the one at work.
     at_work: ClassVar[str | None] = None
@@ -125,17 +125,19 @@ class Stepped(Alone):
         return result
 
 
-def made_of(scene: bpy.types.Scene, recipe: pyrelievo.Recipe, path: Path) -> Any:
-    """Steps that make what a recipe makes of a file of passes; they return results, and warnings."""
+def made_of(scene: bpy.types.Scene, recipe: pyrelievo.Recipe, path: Path, number: int | None = None) -> Any:
+    """Steps that make what a recipe makes of a file of passes, with its number if it is one of an animation; they return
+    results, and warnings."""
     has_alpha = scene.render.film_transparent
-    job = Job(lambda progress: results.results_of(recipe, path, has_alpha, progress))
+    job = Job(lambda progress: results.results_of(recipe, path, number, has_alpha, progress))
+    file = path if number is None else passes_path(path.parent, number)
     try:
         made, warnings = yield from job.steps()
     except MENDABLE as error:
         off = passes.missing(scene, passes.SURFACE)
         advice = "; switch the needed passes on in the sidebar, and render again" if off else ""
-        raise ValueError(sentence(error, path) + advice) from error
-    return made, [sentence(Warning(said), path) for said in warnings]
+        raise ValueError(sentence(error, file) + advice) from error
+    return made, [sentence(Warning(said), file) for said in warnings]
 
 
 class RELIEVO_OT_bring_out(Stepped, bpy.types.Operator):
@@ -206,12 +208,11 @@ class RELIEVO_OT_bring_out_animation(Stepped, bpy.types.Operator):
                 start, share = at / len(frames), 1 / len(frames)
                 if number not in samples:
                     yield from within(rendered(number), start, 0)
-                path = passes_path(there, number)
-                made, warnings = yield from within(made_of(scene, recipe, path), start, share)
+                made, warnings = yield from within(made_of(scene, recipe, there / PASSES, number), start, share)
                 said.update(dict.fromkeys(warnings))
                 for result in made:
                     results.save(result, results.image_of(result), scene, f"{folder / result.name}_{number:04d}")
-                path.unlink()
+                passes_path(there, number).unlink()
         self.warn(said)
         self.report({"INFO"}, f"{len(frames)} frames are in {folder}")
 

@@ -21,10 +21,14 @@ class Result(NamedTuple):
 
 
 def results_of(
-    recipe: pyrelievo.Recipe, path: Path, has_alpha: bool, progress: Callable[[str, float], None]
+    recipe: pyrelievo.Recipe,
+    path: Path,
+    number: int | None,
+    has_alpha: bool,
+    progress: Callable[[str, float], None],
 ) -> list[Result]:
-    """What a recipe makes of the passes in a file."""
-    frame = pyrelievo.load(path)
+    """What a recipe makes of the passes in a file, or in that of a frame of an animation."""
+    frame = pyrelievo.load(path, frame=number)
     made = recipe(frame, progress=progress)
     match recipe.command:
         case "map":

@@ -39,10 +39,10 @@ def compared(animation, relievo, command_line, tmp_path):
         frames = ["--frames", "1-3"]
         command_line(command, tmp_path / "passes.####.exr", "-o", tmp_path / "line.####.exr", *whole, *frames)
         # By itself the last frame would choose otherwise: the test can tell.
-        command_line(command, tmp_path / "passes.0003.exr", "-o", tmp_path / "alone.exr", *whole)
+        command_line(command, tmp_path / "passes.####.exr", "-o", tmp_path / "alone.####.exr", *whole, "--frames", "3")
         own = [channels_of(tmp_path / "out" / f"{command}_{number:04d}.exr") for number in (1, 2, 3)]
         line = [channels_of(tmp_path / f"line.{number:04d}.exr") for number in (1, 2, 3)]
-        return own, line, channels_of(tmp_path / "alone.exr")
+        return own, line, channels_of(tmp_path / "alone.0003.exr")
 
     return compare
 

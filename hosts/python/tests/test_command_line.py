@@ -35,7 +35,11 @@ def written(tmp_path, command, path, settings):
             flags.append(f"--{name}={','.join(texts)}")
     whole = ["--layers", "results", "--layer-names", "short", "--depth-of-output", "float", "-q"]
     assert relievo([command, path, "-o", str(out), *whole, *flags]) == 0
-    with OpenEXR.File(str(out), separate_channels=True) as file:
+    return channels_of(out)
+
+
+def channels_of(path):
+    with OpenEXR.File(str(path), separate_channels=True) as file:
         return {name: channel.pixels for part in file.parts for name, channel in part.channels.items()}
 
 
@@ -123,9 +127,16 @@ def test_a_sequence_has_one_gain(tmp_path):
     assert len(gains) == 1
 
 
-def test_a_sequence_of_drawings_has_one_tone():
-    made = pyrelievo.process(str(FIXTURES / "wheel.####.exr"), "hatch")
-    levels = {drawing.choices.get("tone-levels") for _, drawing in made}
+def test_drawings_of_a_sequence(tmp_path):
+    """Each is drawn by itself, as the command line draws those without motion, with one tone for all."""
+    pattern, out = str(FIXTURES / "wheel.####.exr"), tmp_path / "out.####.exr"
+    whole = ["--layers", "results", "--layer-names", "short", "--depth-of-output", "float", "-q"]
+    assert relievo(["hatch", pattern, "-o", out, "--frames", "1-2", "--motion", "none", *whole]) == 0
+    levels = set()
+    for number, drawing in pyrelievo.process(pattern, "hatch"):
+        channels = channels_of(tmp_path / f"out.{number:04}.exr")
+        np.testing.assert_array_equal(drawing.paper, channel_of(channels, "R"))
+        levels.add(drawing.choices["tone-levels"])
     assert len(levels) == 1
 
 

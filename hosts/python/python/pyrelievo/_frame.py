@@ -60,7 +60,9 @@ def is_named(layer: Any) -> bool:
 def refuse_numbers(objects: np.ndarray) -> None:
     """Refuses the numbers of objects, which would be taken for shares."""
     if objects.dtype.kind in "iu" or (objects >= 2).any():
-        raise ValueError("object holds numbers of objects; give where the chosen ones are, as ids == 7, or shares of 0..1")
+        raise ValueError(
+            "object holds numbers of objects; give where the chosen ones are, as ids == 7, or shares of 0..1"
+        )
 
 
 def camera_text(camera: Any) -> str | None:
