@@ -42,12 +42,11 @@ pub(super) fn script(args: &CompletionsArgs) -> Result<()> {
     message::print(&text)
 }
 
-/// Prints completions and returns the exit code, if a shell asks for them.
-pub(super) fn answered() -> Option<i32> {
-    let words: Vec<OsString> = std::env::args_os().collect();
+/// Prints completions of `words` and returns the exit code, if a shell asks for them.
+pub(super) fn answered(words: &[OsString]) -> Option<i32> {
     let here = std::env::current_dir().ok();
-    let program = CompleteEnv::with_factory(|| with_layers(&words)).var(VARIABLE);
-    match program.try_complete(words.clone(), here.as_deref()) {
+    let program = CompleteEnv::with_factory(|| with_layers(words)).var(VARIABLE);
+    match program.try_complete(words, here.as_deref()) {
         Ok(false) => None,
         Ok(true) => Some(exit::DONE),
         Err(error) => Some(message::misuse(&error)),

@@ -49,12 +49,16 @@ const PROGRAM: &str = "relievo";
 /// 1 failed, 2 misused, 3 some frames of a sequence, or some of several pictures, failed, 130 and 143 stopped by a
 /// signal.
 pub fn run() -> i32 {
-    complete::answered().unwrap_or_else(|| run_words(std::env::args_os()))
+    run_words(std::env::args_os())
 }
 
 /// Runs a command line, with the program's name first, and returns its exit code as [`run`] does. From then on panics
 /// in this process print nothing by themselves: those of the command line are reported in one line.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
+    let words: Vec<_> = words.into_iter().collect();
+    if let Some(code) = complete::answered(&words) {
+        return code;
+    }
     panics::keep_quiet();
     stop::outlive_full_files();
     run_typed(&Invocation::of(words)).unwrap_or_else(|error| {
