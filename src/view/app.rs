@@ -206,7 +206,9 @@ impl View {
             self.history.rest_at(&self.look);
         }
         self.ask(is_changing);
-        self.thumbnails.order(&self.worker, is_changing);
+        if let Some(wanted) = self.thumbnails.order(is_changing) {
+            self.worker.draw_small(wanted);
+        }
     }
 
     fn settings(&mut self, ui: &mut Ui) {

@@ -3,6 +3,7 @@
 use super::light_rows::light_rows;
 use super::lights::LIGHTS;
 use super::picks::{Picks, leads, picks};
+use super::setting_row::{Changes, help_of, name_of, reset};
 use crate::command::look::{INPUTS, Kind, Look, Setting};
 use crate::params::Useful;
 use eframe::egui::{
@@ -31,17 +32,6 @@ pub(super) struct Controls {
     sought: String,
     /// Whether settings are shown that few need.
     shows_all: bool,
-}
-
-/// Changes made in one frame of the window.
-#[derive(Debug, Default)]
-pub(super) struct Changes {
-    /// The setting that was changed.
-    pub(super) changed: Option<String>,
-    /// Whether a light near the surface is to be added.
-    pub(super) adds_near: bool,
-    /// The setting whose file is to be chosen in a dialog.
-    pub(super) browses: Option<&'static str>,
 }
 
 impl Controls {
@@ -212,43 +202,6 @@ fn is_light(setting: &Setting) -> bool {
     LIGHTS.contains(&setting.name.as_str())
 }
 
-/// The name of a setting, stronger where it is set.
-pub(super) fn name_of(ui: &mut Ui, look: &Look, setting: &Setting) -> Response {
-    let label = RichText::new(setting.name.replace('-', " "));
-    let label = match look.values(&setting.name).is_empty() {
-        true => label,
-        false => label.color(ui.visuals().strong_text_color()),
-    };
-    let width = 118.0;
-    let at = ui.cursor().min;
-    let size = egui::vec2(width, ui.spacing().interact_size.y);
-    let place = egui::Rect::from_min_size(at, size);
-    let label = ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
-        ui.add(egui::Label::new(label).truncate())
-    });
-    ui.advance_cursor_after_rect(place);
-    label.inner.on_hover_text(help_of(setting))
-}
-
-/// A button that restores the default of a setting, where it is set; returns whether it did.
-pub(super) fn reset(ui: &mut Ui, look: &mut Look, setting: &Setting) -> bool {
-    if look.values(&setting.name).is_empty() {
-        return false;
-    }
-    let reset = ui.small_button("reset");
-    let name = format!("reset {}", setting.name.replace('-', " "));
-    named_button(&reset, &name);
-    let hint = match &setting.default {
-        Some(default) => format!("back to {default}"),
-        None => "back to none".into(),
-    };
-    let is_reset = reset.on_hover_text(hint).clicked();
-    if is_reset {
-        look.set(&setting.name, None);
-    }
-    is_reset
-}
-
 /// The settings of a command by family, those most used first.
 fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
@@ -288,14 +241,6 @@ fn is_sought(setting: &Setting, sought: &str) -> bool {
     let words = || sought.split_whitespace();
     let text = format!("{} {}", setting.name.replace('-', " "), setting.help).to_lowercase();
     words().all(|word| text.contains(word))
-}
-
-fn help_of(setting: &Setting) -> String {
-    let default = match &setting.default {
-        Some(default) => format!("\nDefault: {default}"),
-        None => String::new(),
-    };
-    format!("{}\n--{}{default}", setting.help, setting.name)
 }
 
 fn choice(
@@ -386,10 +331,4 @@ fn number(
         set(look, text_of(value));
     }
     slider
-}
-
-/// Gives a button its name for screen readers.
-pub(super) fn named_button(response: &Response, name: &str) {
-    let info = || egui::WidgetInfo::labeled(egui::Role::Button, true, name);
-    response.widget_info(info);
 }

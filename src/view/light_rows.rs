@@ -1,8 +1,8 @@
 //! The ball, and a row of numbers for each light.
 
 use super::ball::ball;
-use super::controls::{Changes, named_button};
 use super::lights::{Light, Lights, NearLight};
+use super::setting_row::{Changes, named_button};
 use crate::command::look::Look;
 use crate::params::MAX_LIGHTS;
 use eframe::egui::{Align, DragValue, Layout, Response, Ui, WidgetInfo};

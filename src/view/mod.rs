@@ -23,6 +23,7 @@ mod observed;
 mod overlay;
 mod picks;
 mod probe;
+mod setting_row;
 mod shortcuts;
 mod space;
 mod texture;

@@ -1,6 +1,6 @@
 //! Warnings beside the picture: what the command line prints.
 
-use super::controls::named_button;
+use super::setting_row::named_button;
 use eframe::egui::{Align, Label, Layout, Panel, RichText, ScrollArea, Ui};
 
 /// Height of the list in points, beyond which it scrolls.

@@ -1,7 +1,6 @@
 //! Small pictures of choices, made by the worker while it has nothing else to do.
 
 use super::texture::Texture;
-use super::worker::Worker;
 use crate::command::look::{LightFile, Look, Pixels, Reading};
 use eframe::egui::{
     Color32, Context, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
@@ -95,13 +94,15 @@ impl Thumbnails {
         self.made.insert(name, Made { motif, picture });
     }
 
-    /// Orders what was asked for since the last call, unless it is on its way, or the look `is_changing`.
-    pub(super) fn order(&mut self, worker: &Worker, is_changing: bool) {
+    /// What was asked for since the last call, to be made; `None` if it is on its way, or the look `is_changing`.
+    pub(super) fn order(&mut self, is_changing: bool) -> Option<Vec<(String, Motif)>> {
         let wanted = std::mem::take(&mut self.wanted);
-        if !is_changing && wanted.iter().any(|wanted| !self.ordered.contains(wanted)) {
-            worker.draw_small(wanted.clone());
-            self.ordered = wanted;
+        let is_new = wanted.iter().any(|wanted| !self.ordered.contains(wanted));
+        if is_changing || !is_new {
+            return None;
         }
+        self.ordered.clone_from(&wanted);
+        Some(wanted)
     }
 
     /// Whether any is on its way.
