@@ -38,7 +38,7 @@ impl Surroundings {
     pub fn position(&self, world: DVec3) -> DVec2 {
         let to = self.map_from_world * world;
         let across = to.x.atan2(-to.z) / TAU + 0.5;
-        let down = 0.5 - to.y.atan2(to.x.hypot(to.z)) / PI;
+        let down = 0.5 - to.y.atan2((to.x * to.x + to.z * to.z).sqrt()) / PI;
         DVec2::new(across * self.width() as f64, down * self.height() as f64)
     }
 

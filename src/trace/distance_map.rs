@@ -61,10 +61,12 @@ impl<'a> DistanceMap<'a> {
             return Some(Reached::Seen(point, point));
         }
         let across = across / sine;
-        let turn = sine.atan2(toward.dot(ahead));
+        let cosine = toward.dot(ahead);
+        let turn = sine.atan2(cosine);
         let place = |s: f64| {
             let (sin, cos) = (s * turn).sin_cos();
-            let rest = ((1.0 - s) * turn).sin();
+            // The sine of what is left of the turn, from its own sine and cosine.
+            let rest = (sine * cos - cosine * sin).max(0.0);
             (cos * toward + sin * across, start * sine / rest)
         };
         let steps = steps_for(search, turn / std::f64::consts::PI);
@@ -159,10 +161,12 @@ impl<'a> DistanceMap<'a> {
     fn distance_toward(&self, direction: DVec3) -> Option<(f64, [Option<f64>; 4], [Texel; 4])> {
         let map = self.surroundings;
         let texels = self.texels(direction);
-        let distances = texels.map(|t| {
+        // Mapping the array is not inlined.
+        let mut distances = [None; 4];
+        for (distance, t) in distances.iter_mut().zip(&texels) {
             let plane = &self.planes[t.y * map.width() + t.x];
-            plane.along(DVec3::ZERO, direction)
-        });
+            *distance = plane.along(DVec3::ZERO, direction);
+        }
         Some((agreed(distances, &texels)?, distances, texels))
     }
 }

@@ -1,7 +1,7 @@
 //! The four texels around a position on a map, each representing the tangent plane of its surface.
 
 use crate::frame::Ray;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 /// A texel and its bilinear weight.
 #[derive(Debug, Clone, Copy)]
@@ -111,7 +111,7 @@ impl TangentPlane {
     /// parallel to the plane. `None` without a surface.
     #[inline(always)]
     pub(super) fn along(&self, start: DVec3, line: DVec3) -> Option<f64> {
-        let normal = DVec3::from(self.normal.map(f64::from));
+        let normal = Vec3::from(self.normal).as_dvec3();
         let own = f64::from(self.own);
         let met = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
         let is_near = met > own / FARTHEST && met < own * FARTHEST;
