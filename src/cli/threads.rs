@@ -9,6 +9,10 @@ use std::thread;
 /// Bytes of a thread's stack: as many as a main thread usually has.
 const STACK_BYTES: usize = 8 << 20;
 
+/// Share of a limit on the address space, such as `ulimit -v`, that stacks may take: threads need some of the rest to
+/// start, and abort the program where it is used up.
+const STACKS_SHARE: u64 = 4;
+
 /// Runs `run` on a pool of `threads`, by default as many as the machine grants this process.
 ///
 /// If the system allows fewer threads, the pool is smaller, down to the calling thread alone.
@@ -45,13 +49,24 @@ fn pool_of(threads: usize) -> ThreadPool {
             .stack_size(STACK_BYTES)
     };
     let halves = std::iter::successors(Some(threads), |n| (*n > 1).then_some(n / 2));
+    let room = room_for_stacks();
     halves
+        .filter(|threads| (threads * STACK_BYTES) as u64 <= room)
         .filter_map(|threads| of(threads).build().ok())
         .next()
         .unwrap_or_else(|| {
             let alone = of(1).use_current_thread().build();
             alone.expect("a pool of the thread that asks for it starts none")
         })
+}
+
+/// Bytes of address space that stacks may take.
+fn room_for_stacks() -> u64 {
+    #[cfg(unix)]
+    let limit = rustix::process::getrlimit(rustix::process::Resource::As).current;
+    #[cfg(not(unix))]
+    let limit = None;
+    limit.map_or(u64::MAX, |limit: u64| limit / STACKS_SHARE)
 }
 
 /// Frames made in parallel, with the threads of each.
