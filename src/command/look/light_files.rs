@@ -3,7 +3,7 @@
 use super::Pixels;
 use crate::frame::ColorPlanes;
 use crate::io::environment::{color_size, read_color};
-use crate::io::picture::{Display, Picture, ViewTransform, small};
+use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, is_picture_name, small};
 use std::path::{Path, PathBuf};
 
 /// Size limit of a file that is shown small, in bytes: it is read whole for that.
@@ -63,16 +63,16 @@ pub(crate) fn light_files(input: &Path) -> Vec<LightFile> {
 
 /// The setting that a file is likely for.
 fn setting_for(path: &Path) -> Option<&'static str> {
-    let kind = path.extension()?.to_str()?.to_ascii_lowercase();
-    let is_radiance = matches!(kind.as_str(), "hdr" | "exr");
-    if !is_radiance && !matches!(kind.as_str(), "png" | "jpg" | "jpeg" | "tif" | "tiff") {
+    if !is_picture_name(path) {
         return None;
     }
     let [width, height] = color_size(path).ok()?;
-    match () {
-        () if is_radiance && (kind == "hdr" || width == 2 * height) => Some(ENVIRONMENT),
-        () if !is_radiance && width == height && width <= LARGEST_SPHERE => Some(LIT_SPHERE),
-        () => None,
+    match PictureFormat::of_path(path) {
+        Some(PictureFormat::Hdr) => Some(ENVIRONMENT),
+        Some(_) if width == height && width <= LARGEST_SPHERE => Some(LIT_SPHERE),
+        // An EXR.
+        None if width == 2 * height => Some(ENVIRONMENT),
+        _ => None,
     }
 }
 
