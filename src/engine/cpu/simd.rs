@@ -111,7 +111,8 @@ mod tests {
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
-    use crate::shape::diffusion::{Faces, LEVELS, Stencil, Update};
+    use crate::shape::diffusion::kernel::{Chunk, LANES, Sum, Sweep};
+    use crate::shape::diffusion::{LEVELS, Update};
     use crate::shape::occlusion::Step;
 
     const WIDTH: usize = 83;
@@ -174,37 +175,58 @@ mod tests {
         simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
         results.push(sums.concat());
         for update in [Update::Step(0.2), Update::First, Update::Next] {
-            let [mut out_x, mut out_y] = [20, 21].map(|seed| row(seed)[..WIDTH].to_vec());
-            let g = [&gx, &gy].map(|rows| Stencil {
-                above: &rows[0][..WIDTH],
-                at: &rows[1],
-                below: &rows[2][..WIDTH],
-            });
-            let faces = Faces {
-                left: &open[0][..WIDTH + 1],
-                above: &open[1][..WIDTH],
-                below: &open[2][..WIDTH],
-            };
-            simd.sweep_row([&mut out_x, &mut out_y], g, faces, update);
-            let levels: Vec<u16> = (0..WIDTH as u16).map(|x| x % 8).collect();
-            let weights = std::array::from_fn::<f32, LEVELS, _>(|i| 0.3 + i as f32);
-            let few = weights.first_chunk().expect("there are more in all");
-            let terms = [
-                [&gx[0][..WIDTH], &gx[1][..WIDTH]],
-                [&gy[0][..WIDTH], &gy[1][..WIDTH]],
-            ];
-            let mut by_few = [out_x.clone(), out_y.clone()];
-            let [x, y] = &mut by_few;
-            simd.add_terms_by_few_levels_row([x, y], terms, &levels, [few, few]);
-            let (x, y) = (&mut out_x, &mut out_y);
-            simd.add_terms_by_level_row([x, y], terms, &levels, [&weights, &weights]);
-            assert_eq!(by_few, [out_x.clone(), out_y.clone()]);
-            simd.add_terms_row(&mut out_x, terms[0], [0.7, -0.2]);
-            results.extend([out_x, out_y]);
+            results.push(swept(simd, update));
         }
         results.extend(made_of_sky(simd, &gx, &gy));
         results.extend(made_of_light(simd, &gx, &gy));
         results
+    }
+
+    /// What the kernels of diffusion make of six sample rows: sweeps of four rows, then of one, and sums.
+    fn swept(simd: Simd, update: Update) -> Vec<f32> {
+        const CHUNKS: usize = WIDTH / LANES;
+        let mut seed = 40;
+        let mut lanes = || {
+            seed += 1;
+            row(seed).as_chunks().0[..CHUNKS].to_vec()
+        };
+        let mut rows: [Vec<Chunk>; 6] = std::array::from_fn(|_| {
+            let [even_x, even_y, odd_x, odd_y, left, above] = std::array::from_fn(|_| lanes());
+            let chunk = |i| Chunk {
+                terms: [[even_x[i], even_y[i]], [odd_x[i], odd_y[i]]],
+                left: left[i],
+                above: above[i],
+            };
+            (0..CHUNKS).map(chunk).collect()
+        });
+        let mut sums: [_; 4] = std::array::from_fn(|_| vec![Sum([[0.5; LANES]; 2]); CHUNKS]);
+        let sweep = Sweep {
+            update,
+            from: 1,
+            weights: [0.7, -0.2],
+        };
+        let [above, a, b, c, d, below] = &mut rows;
+        let into = sums.each_mut().map(|sum| &mut sum[..]);
+        simd.sweep_rows(above, [a, b, c, d], below, into, sweep);
+        let [above, at, below, ..] = &mut rows;
+        let again = Sweep { from: 0, ..sweep };
+        simd.sweep_row(above, at, below, &mut sums[0], again);
+        simd.sweep_row(above, at, below, &mut [], sweep);
+
+        let levels: Vec<_> = (0..CHUNKS).map(|i| [(i % 8) as u16; LANES]).collect();
+        let weights = std::array::from_fn::<f32, LEVELS, _>(|i| 0.3 + i as f32);
+        let few = weights.first_chunk().expect("there are more in all");
+        let mut by_few = sums[1].clone();
+        simd.add_terms_by_few_levels_row(&mut by_few, &rows[2], 0, &levels, [few, few]);
+        simd.add_terms_by_level_row(&mut sums[1], &rows[2], 0, &levels, [&weights, &weights]);
+        let numbers =
+            |sum: &[Sum]| -> Vec<f32> { sum.iter().flat_map(|sum| sum.0).flatten().collect() };
+        assert_eq!(numbers(&by_few), numbers(&sums[1]));
+        simd.add_terms_row(&mut sums[2], &rows[3], 1, [0.7, -0.2]);
+        let terms = rows.iter().flatten().flat_map(|chunk| chunk.terms);
+        let mut made: Vec<f32> = terms.flatten().flatten().collect();
+        made.extend(sums.iter().flat_map(|sum| numbers(sum)));
+        made
     }
 
     /// Results of the occlusion kernels on sample rows.

@@ -6,26 +6,17 @@
 //! and [`super::chebyshev`].
 
 use crate::engine::cpu::simd::widened;
+use kernel::{Chunk, LANES, Sum};
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 pub(crate) mod importance;
+pub(crate) mod kernel;
 pub(crate) mod stage;
 pub(crate) mod sweeps;
 pub(crate) mod tiles;
 pub(crate) mod wavefront;
-
-/// Face conductances around one row of pixels.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Faces<'a> {
-    /// `left[x]` joins column `x - 1` and `x`; one longer than the row.
-    pub left: &'a [f32],
-    /// `above[x]` joins this row and the row above.
-    pub above: &'a [f32],
-    /// `below[x]` joins this row and the row below.
-    pub below: &'a [f32],
-}
 
 /// Pixels read to each side by one step.
 pub(crate) const REACH: usize = 1;
@@ -53,148 +44,53 @@ impl Update {
     }
 }
 
-/// The rows of a field that a sweep reads.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Stencil<'a> {
-    /// The row above.
-    pub above: &'a [f32],
-    /// The row itself, and one column more at both of its ends.
-    pub at: &'a [f32],
-    /// The row below.
-    pub below: &'a [f32],
+/// The flux through a face, out of a sample on one side into that on the other.
+#[inline(always)]
+pub(crate) fn through(joined: f32, out_of: f32, into: f32) -> f32 {
+    joined * (out_of - into)
 }
 
-/// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours.
-/// `out` holds the earlier value, and is replaced by the result of `update`.
-///
-/// All slices have the length of `out`, except for the extra columns stated by their types.
+/// The flux into a sample, from those through its faces west, east, north and south. Opposite faces are summed first: a
+/// mirrored or turned picture gives the same bits.
 #[inline(always)]
-pub(crate) fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update) {
-    match update {
-        Update::Step(dt) => sweep(out, g, faces, |g, lg, _| {
-            Update::Step(dt).updated(g, lg, 0.0)
-        }),
-        Update::First => sweep(out, g, faces, |g, lg, _| Update::First.updated(g, lg, 0.0)),
-        Update::Next => sweep(out, g, faces, |g, lg, earlier| {
-            Update::Next.updated(g, lg, earlier)
-        }),
-    }
+pub(crate) fn flux(through: [f32; 4]) -> f32 {
+    (through[0] + through[1]) + (through[2] + through[3])
+}
+
+/// Adds two weighted terms of a recurrence to a row of a sum, first the one that the last sweep has read.
+#[inline(always)]
+pub(crate) fn add_terms_row(sums: &mut [Sum], row: &[Chunk], read: usize, weights: [f32; 2]) {
+    add_terms_by(sums, row, read, |_, _| weights);
 }
 
 widened! {
-    fn sweep_row(out: [&mut [f32]; 2], g: [Stencil; 2], faces: Faces, update: Update);
-}
-
-#[inline(always)]
-fn sweep(
-    out: [&mut [f32]; 2],
-    g: [Stencil; 2],
-    faces: Faces,
-    updated: impl Fn(f32, f32, f32) -> f32,
-) {
-    let [out_x, out_y] = out;
-    let n = out_x.len();
-    let out_y = &mut out_y[..n];
-    let (gx, gy) = (Neighbours::new(g[0], n), Neighbours::new(g[1], n));
-    let faces = faces.of(n);
-    for x in 0..n {
-        let joined = faces.around(x);
-        out_x[x] = updated(gx.at[x], gx.flux(x, joined), out_x[x]);
-        out_y[x] = updated(gy.at[x], gy.flux(x, joined), out_y[x]);
-    }
-}
-
-impl<'a> Faces<'a> {
-    /// The faces of `n` pixels, in slices of known length.
-    #[inline(always)]
-    fn of(self, n: usize) -> Self {
-        Self {
-            left: &self.left[..n + 1],
-            above: &self.above[..n],
-            below: &self.below[..n],
-        }
-    }
-
-    /// West, east, north and south of a pixel.
-    #[inline(always)]
-    fn around(&self, x: usize) -> [f32; 4] {
-        [self.left[x], self.left[x + 1], self.above[x], self.below[x]]
-    }
-}
-
-/// The neighbours of a row's samples, in slices of equal length.
-struct Neighbours<'a> {
-    at: &'a [f32],
-    west: &'a [f32],
-    east: &'a [f32],
-    north: &'a [f32],
-    south: &'a [f32],
-}
-
-impl<'a> Neighbours<'a> {
-    #[inline(always)]
-    fn new(g: Stencil<'a>, n: usize) -> Self {
-        Self {
-            at: &g.at[1..][..n],
-            west: &g.at[..n],
-            east: &g.at[2..][..n],
-            north: &g.above[..n],
-            south: &g.below[..n],
-        }
-    }
-
-    /// The flux into a sample.
-    #[inline(always)]
-    fn flux(&self, x: usize, joined: [f32; 4]) -> f32 {
-        let sides = [self.west[x], self.east[x], self.north[x], self.south[x]];
-        flux(self.at[x], sides, joined)
-    }
-}
-
-/// The flux into a sample from its neighbours west, east, north and south through faces with the given conductances.
-/// Opposite neighbours are summed first: a mirrored or turned picture gives the same bits.
-#[inline(always)]
-pub(crate) fn flux(g: f32, sides: [f32; 4], joined: [f32; 4]) -> f32 {
-    let through = |i: usize| joined[i] * (sides[i] - g);
-    (through(0) + through(1)) + (through(2) + through(3))
-}
-
-/// Adds two weighted terms of a recurrence to a row of a sum.
-#[inline(always)]
-pub(crate) fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]) {
-    let n = sum.len();
-    let (first, second) = (&terms[0][..n], &terms[1][..n]);
-    for x in 0..n {
-        sum[x] += weights[0] * first[x] + weights[1] * second[x];
-    }
-}
-
-widened! {
-    fn add_terms_row(sum: &mut [f32], terms: [&[f32]; 2], weights: [f32; 2]);
+    fn add_terms_row(sums: &mut [Sum], row: &[Chunk], read: usize, weights: [f32; 2]);
 }
 
 /// Levels that importance is quantised to.
 pub(crate) const LEVELS: usize = 1024;
 
-/// [`add_terms_row`] for both components, with weights by the level of the pixel.
+/// [`add_terms_row`] with weights by the level of the pixel.
 #[inline(always)]
 pub(crate) fn add_terms_by_level_row(
-    sum: [&mut [f32]; 2],
-    terms: [[&[f32]; 2]; 2],
-    levels: &[u16],
+    sums: &mut [Sum],
+    row: &[Chunk],
+    read: usize,
+    levels: &[[u16; LANES]],
     weights: [&[f32; LEVELS]; 2],
 ) {
-    add_terms_by(sum, terms, levels, |level| {
-        let level = usize::from(level) % LEVELS;
+    add_terms_by(sums, row, read, |i, j| {
+        let level = usize::from(levels[i][j]) % LEVELS;
         [weights[0][level], weights[1][level]]
     });
 }
 
 widened! {
     fn add_terms_by_level_row(
-        sum: [&mut [f32]; 2],
-        terms: [[&[f32]; 2]; 2],
-        levels: &[u16],
+        sums: &mut [Sum],
+        row: &[Chunk],
+        read: usize,
+        levels: &[[u16; LANES]],
         weights: [&[f32; LEVELS]; 2],
     );
 }
@@ -205,24 +101,26 @@ pub(crate) const FEW_LEVELS: usize = 8;
 /// [`add_terms_by_level_row`] for few levels.
 #[inline(always)]
 pub(crate) fn add_terms_by_few_levels_row(
-    sum: [&mut [f32]; 2],
-    terms: [[&[f32]; 2]; 2],
-    levels: &[u16],
+    sums: &mut [Sum],
+    row: &[Chunk],
+    read: usize,
+    levels: &[[u16; LANES]],
     weights: [&[f32; FEW_LEVELS]; 2],
 ) {
     // Copied, so that values are selected rather than addresses to load from.
     let [first, second] = [*weights[0], *weights[1]];
-    add_terms_by(sum, terms, levels, |level| {
-        let level = i32::from(level);
+    add_terms_by(sums, row, read, |i, j| {
+        let level = i32::from(levels[i][j]);
         [chosen(first, level), chosen(second, level)]
     });
 }
 
 widened! {
     fn add_terms_by_few_levels_row(
-        sum: [&mut [f32]; 2],
-        terms: [[&[f32]; 2]; 2],
-        levels: &[u16],
+        sums: &mut [Sum],
+        row: &[Chunk],
+        read: usize,
+        levels: &[[u16; LANES]],
         weights: [&[f32; FEW_LEVELS]; 2],
     );
 }
@@ -240,22 +138,25 @@ fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
     f32::from_bits(either(high, four(0), four(4)))
 }
 
+/// Adds terms with weights by chunk and lane, for the term read and for the one made.
 #[inline(always)]
 fn add_terms_by(
-    sum: [&mut [f32]; 2],
-    terms: [[&[f32]; 2]; 2],
-    levels: &[u16],
-    weights: impl Fn(u16) -> [f32; 2],
+    sums: &mut [Sum],
+    row: &[Chunk],
+    read: usize,
+    weights: impl Fn(usize, usize) -> [f32; 2],
 ) {
-    let [sum_x, sum_y] = sum;
-    let n = sum_x.len();
-    let (sum_y, levels) = (&mut sum_y[..n], &levels[..n]);
-    let [[first_x, second_x], [first_y, second_y]] = terms;
-    let (first_x, second_x) = (&first_x[..n], &second_x[..n]);
-    let (first_y, second_y) = (&first_y[..n], &second_y[..n]);
-    for x in 0..n {
-        let [first, second] = weights(levels[x]);
-        sum_x[x] += first * first_x[x] + second * second_x[x];
-        sum_y[x] += first * first_y[x] + second * second_y[x];
+    let (from, to) = (read % 2, 1 - read % 2);
+    for (i, Sum(sum)) in sums.iter_mut().enumerate() {
+        // Opaque, or the compiler would gather one lane of many chunks instead of taking a chunk whole.
+        let i = std::hint::black_box(i);
+        let (of_read, of_made) = (row[i].terms[from], row[i].terms[to]);
+        let (mut x, mut y) = (sum[0], sum[1]);
+        for j in 0..LANES {
+            let [first, second] = weights(i, j);
+            x[j] += first * of_read[0][j] + second * of_made[0][j];
+            y[j] += first * of_read[1][j] + second * of_made[1][j];
+        }
+        *sum = [x, y];
     }
 }

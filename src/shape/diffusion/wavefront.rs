@@ -8,18 +8,13 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::shape::diffusion::kernel::{Chunk, LANES, Lanes, Sum, Sweep, TOGETHER};
 use crate::shape::diffusion::tiles::Tile;
-use crate::shape::diffusion::{FEW_LEVELS, Faces, LEVELS, Stencil, Update};
+use crate::shape::diffusion::{FEW_LEVELS, LEVELS, Update};
 use std::ops::Range;
 
-/// Rows are padded to a multiple of this, so that sweeps start and end on whole vectors.
-const LANES: usize = 8;
-
-/// Samples of a page of memory.
-const PAGE: usize = 1024;
-
-/// Rows processed together by a sweep, while their neighbours are in the first-level cache.
-const TOGETHER: usize = 4;
+/// Rows of this many chunks lie whole pages of memory apart.
+const CHUNKS_OF_PAGES: usize = 64;
 
 /// A run of sweeps, and its starting state.
 #[derive(Debug)]
@@ -98,15 +93,16 @@ enum Added {
 }
 
 impl Added {
-    /// The weights of the previous and the own term, from those of all terms.
-    fn weights(self, of_term: impl Fn(usize) -> f32) -> [f32; 2] {
+    /// The weights of the previous and the own term in a sum with these weights.
+    fn of_sum(self, weights: &[f32]) -> [f32; 2] {
+        let of_term = |term: usize| weights.get(term).copied().unwrap_or(0.0);
         match self {
             Self::Own(term) => [0.0, of_term(term)],
             Self::Both(term) => [of_term(term - 1), of_term(term)],
         }
     }
 
-    /// The same for weights by level.
+    /// The same by level.
     fn of_levels(self, of_term: &[[f32; LEVELS]]) -> [&[f32; LEVELS]; 2] {
         match self {
             Self::Own(term) => [&[0.0; LEVELS], &of_term[term]],
@@ -132,20 +128,23 @@ pub(crate) struct Results<'a> {
 /// The rows in flight, in ring buffers.
 #[derive(Debug, Default)]
 pub(crate) struct WavefrontTile {
-    /// Columns left of the tile, and of a whole row.
+    /// Columns left of the tile, in whole chunks.
     pad: usize,
+    /// Chunks of a row.
     stride: usize,
     /// Rows of a ring.
     in_flight: usize,
-    /// The last even and the last odd term of every row, a ring per component. A term overwrites the one two before it.
-    terms: [[Vec<f32>; 2]; 2],
-    /// Conductances of the faces left of and above every pixel.
+    /// The last two terms of every row and the conductances of its faces. A term overwrites the one two before it.
+    chunks: Vec<Chunk>,
+    /// The sums, a ring for each.
+    sums: Vec<Vec<Sum>>,
+    /// The levels of the pixels, if weights depend on them.
+    levels: Vec<[u16; LANES]>,
+    /// Conductances of two rows, by parity.
+    open: [Vec<f32>; 2],
+    /// Conductances of the faces left of and above the pixels of a row that enters.
     left: Vec<f32>,
     above: Vec<f32>,
-    /// Conductances of two rows.
-    open: Vec<f32>,
-    /// The sums, one ring per component of each.
-    sums: Vec<[Vec<f32>; 2]>,
 }
 
 impl WavefrontTile {
@@ -153,7 +152,7 @@ impl WavefrontTile {
     pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
-        self.make_room(sweeps, tile.columns.len(), results.sums.len());
+        self.make_room(pass, tile.columns.len(), results.sums.len());
         // Rows that sweep `k` must produce so that later ones can produce the tile.
         let rows = |k: usize| {
             let rim = sweeps - k;
@@ -174,13 +173,11 @@ impl WavefrontTile {
             }
             if (front..front + TOGETHER).contains(&height) {
                 // No flow through the lower border of the picture.
-                let above = self.row(height);
-                self.above[above].fill(0.0);
+                let below = self.row(height);
+                self.chunks[below].fill(Chunk::EMPTY);
             }
             for k in 1..=sweeps {
-                for y in at_work(front, k) {
-                    self.sweep(pass, k, y, tile);
-                }
+                self.sweep(pass, k, at_work(front, k), tile);
             }
             for y in at_work(front, sweeps) {
                 self.leave(sweeps, y, tile, results);
@@ -188,31 +185,28 @@ impl WavefrontTile {
         }
     }
 
-    fn make_room(&mut self, sweeps: usize, columns: usize, sums: usize) {
-        self.pad = (sweeps + LANES).next_multiple_of(LANES);
-        self.stride = (self.pad + columns + sweeps + LANES).next_multiple_of(LANES) + LANES;
-        if self.stride.is_multiple_of(PAGE) {
-            // Neighbouring rows would lie whole pages apart: a load from one then waits for stores to the other.
-            self.stride += LANES;
+    fn make_room(&mut self, pass: &Pass, columns: usize, sums: usize) {
+        let sweeps = pass.updates.len();
+        self.pad = sweeps.next_multiple_of(LANES) + LANES;
+        self.stride = (self.pad + columns + sweeps).div_ceil(LANES) + 1;
+        if self.stride.is_multiple_of(CHUNKS_OF_PAGES) {
+            // Loads from one row would wait for stores to the next, and compete with it for places in the cache.
+            self.stride += 1;
         }
         self.in_flight = sweeps + TOGETHER + 1;
         let ring = self.in_flight * self.stride;
-        let refill = |buffer: &mut Vec<f32>, samples: usize| {
-            buffer.clear();
-            buffer.resize(samples, 0.0);
-        };
-        self.terms
-            .iter_mut()
-            .flatten()
-            .for_each(|terms| refill(terms, ring));
+        refill(&mut self.chunks, ring, Chunk::EMPTY);
         self.sums.resize_with(sums, Default::default);
-        self.sums
-            .iter_mut()
-            .flatten()
-            .for_each(|sum| refill(sum, ring));
-        refill(&mut self.left, ring);
-        refill(&mut self.above, ring);
-        refill(&mut self.open, 2 * self.stride);
+        for sum in &mut self.sums {
+            refill(sum, ring, Sum([[0.0; LANES]; 2]));
+        }
+        if let Weights::ByLevel { .. } = pass.weights {
+            refill(&mut self.levels, ring, [0; LANES]);
+        }
+        let [even, odd] = &mut self.open;
+        for row in [even, odd, &mut self.left, &mut self.above] {
+            refill(row, self.stride * LANES, 0.0);
+        }
     }
 
     /// Position of row `y` in a ring.
@@ -223,169 +217,238 @@ impl WavefrontTile {
 
     /// Loads row `y`: terms, conductances of its faces, and the sum so far.
     fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
-        let stride = self.stride;
         // Columns of the picture read by the sweeps, and their position in the row.
         let reach = pass.updates.len();
         let picture = tile.columns.start.saturating_sub(reach)
             ..(tile.columns.end + reach).min(pass.conductance.width());
         let at = picture.start + self.pad - tile.columns.start;
-        let count = picture.len();
 
-        let row = self.row(y);
-        for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
-            let planes = term.map(|term| [&term.x, &term.y]);
-            for (c, ring) in self.terms[k].iter_mut().enumerate() {
-                let terms = &mut ring[row.clone()][at..at + count];
-                match planes {
-                    Some(planes) => terms.copy_from_slice(&planes[c].row(y)[picture.clone()]),
-                    None => terms.fill(0.0),
-                }
-            }
-        }
-
-        let (even, odd) = self.open.split_at_mut(stride);
+        let [even, odd] = &mut self.open;
         let (open, open_above) = if y.is_multiple_of(2) {
             (even, odd)
         } else {
             (odd, even)
         };
-        open[at..at + count].copy_from_slice(&pass.conductance.row(y)[picture]);
-        let left = &mut self.left[row.clone()];
-        let above = &mut self.above[row.clone()];
+        open[at..at + picture.len()].copy_from_slice(&pass.conductance.row(y)[picture.clone()]);
         pass.simd
-            .face_conductance_row(&mut left[1..], open, &open[1..]);
+            .face_conductance_row(&mut self.left[1..], open, &open[1..]);
         if is_first {
             // The upper border of the picture, or a face that no sweep reads.
-            above.fill(0.0);
+            self.above.fill(0.0);
         } else {
-            pass.simd.face_conductance_row(above, open, open_above);
+            pass.simd
+                .face_conductance_row(&mut self.above, open, open_above);
         }
 
-        if tile.rows.contains(&y) {
-            let columns = self.tile_columns(y, tile);
-            for (ring, rows) in self.sums.iter_mut().zip(&results.sums) {
-                for (ring, rows) in ring.iter_mut().zip(rows) {
-                    match pass.first_term {
-                        0 => ring[columns.clone()].fill(0.0),
-                        _ => ring[columns.clone()].copy_from_slice(rows[y - tile.rows.start]),
-                    }
+        let row = self.row(y);
+        let chunks = &mut self.chunks[row.clone()];
+        let left = self.left.as_chunks().0.iter();
+        let above = self.above.as_chunks().0.iter();
+        for (chunk, (&left, &above)) in chunks.iter_mut().zip(left.zip(above)) {
+            chunk.terms = Chunk::EMPTY.terms;
+            (chunk.left, chunk.above) = (left, above);
+        }
+        for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
+            let Some(term) = term else { continue };
+            for (c, plane) in [&term.x, &term.y].into_iter().enumerate() {
+                let samples = &plane.row(y)[picture.clone()];
+                place(chunks, at, samples, |chunk| &mut chunk.terms[k][c]);
+            }
+        }
+
+        if !tile.rows.contains(&y) {
+            return;
+        }
+        for (ring, rows) in self.sums.iter_mut().zip(&results.sums) {
+            let sums = &mut ring[row.clone()];
+            sums.fill(Sum([[0.0; LANES]; 2]));
+            if pass.first_term > 0 {
+                for (c, rows) in rows.iter().enumerate() {
+                    let samples = &rows[y - tile.rows.start];
+                    place(sums, self.pad, samples, |sum| &mut sum.0[c]);
                 }
             }
         }
+        if let Weights::ByLevel { levels, .. } = pass.weights {
+            let row = self.levels[row].as_flattened_mut();
+            row[self.pad..][..tile.columns.len()]
+                .copy_from_slice(&levels.row(y)[tile.columns.clone()]);
+        }
     }
 
-    /// Row `y` of sweep `k`, which computes term `k + 1` from the previous ones.
-    fn sweep(&mut self, pass: &Pass, k: usize, y: usize, tile: &Tile) {
+    /// Rows `at_work` of sweep `k`, which computes term `k` of the pass from the previous ones, and adds it to the sums.
+    fn sweep(&mut self, pass: &Pass, k: usize, at_work: Range<usize>, tile: &Tile) {
         let rim = pass.updates.len() - k;
-        // Only where the row is covered: elsewhere all terms are 0.
-        let span = pass.mask.span(y);
+        // Only where a row is covered: elsewhere all terms are 0.
+        let span = at_work
+            .clone()
+            .map(|y| pass.mask.span(y))
+            .filter(|span| !span.is_empty())
+            .reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
+        let Some(span) = span else { return };
         let first = span.start.max(tile.columns.start.saturating_sub(rim));
         let last = span.end.min(tile.columns.end + rim);
         if first >= last {
             return;
         }
-        let start = (first + self.pad - tile.columns.start) / LANES * LANES;
-        let end = (last + self.pad - tile.columns.start).next_multiple_of(LANES);
-        let columns = start..end;
-
-        let (row, below) = (self.row(y), self.row(y + 1));
+        // With a neighbour at both ends.
+        let chunks = (first + self.pad - tile.columns.start) / LANES - 1
+            ..(last + self.pad - tile.columns.start).div_ceil(LANES) + 1;
+        let added = pass.added_at(k);
+        let weights = match (added, pass.weights) {
+            (Some(added), Weights::Sums(all)) => added.of_sum(&all[0]),
+            _ => [0.0; 2],
+        };
+        let sweep = Sweep {
+            update: pass.updates[k - 1],
+            from: k % 2,
+            weights,
+        };
+        let (in_flight, stride) = (self.in_flight, self.stride);
+        let part = |y: usize| {
+            let start = y % in_flight * stride;
+            start + chunks.start..start + chunks.end
+        };
         // At the borders of the picture any row will do as neighbour: the face is closed.
-        let above = self.row(y + self.in_flight - 1);
-        let faces = Faces {
-            left: &self.left[row.clone()][start..end + 1],
-            above: &self.above[row.clone()][columns.clone()],
-            below: &self.above[below.clone()][columns.clone()],
-        };
-        let [even, odd] = &mut self.terms;
-        let (made, [out_x, out_y]) = if k.is_multiple_of(2) {
-            (even, odd)
+        let above = |y: usize| part(y + in_flight - 1);
+        let is_summed = weights != [0.0; 2];
+        if at_work.len() == TOGETHER {
+            let [a, b, c, d] = std::array::from_fn(|i| part(at_work.start + i));
+            let own = [a.clone(), b.clone(), c.clone(), d.clone()];
+            let all = [above(at_work.start), a, b, c, d, part(at_work.end)];
+            let [above, a, b, c, d, below] = apart(&mut self.chunks, all);
+            let sums = match self.sums.first_mut() {
+                Some(sum) if is_summed => apart(sum, own),
+                _ => Default::default(),
+            };
+            pass.simd
+                .sweep_rows(above, [a, b, c, d], below, sums, sweep);
         } else {
-            (odd, even)
-        };
-        let stencil = |c: usize| Stencil {
-            above: &made[c][above.clone()][columns.clone()],
-            at: &made[c][row.clone()][start - 1..end + 1],
-            below: &made[c][below.clone()][columns.clone()],
-        };
-        let g = [stencil(0), stencil(1)];
-        let out = [
-            &mut out_x[row.clone()][columns.clone()],
-            &mut out_y[row.clone()][columns.clone()],
-        ];
-        pass.simd.sweep_row(out, g, faces, pass.updates[k - 1]);
-        if let Some(added) = pass.added_at(k)
-            && tile.rows.contains(&y)
-        {
-            self.add(pass, added, k, y, tile);
+            for y in at_work.clone() {
+                let own = part(y);
+                let all = [above(y), own.clone(), part(y + 1)];
+                let [above, row, below] = apart(&mut self.chunks, all);
+                let sums = match self.sums.first_mut() {
+                    Some(sum) if is_summed => &mut sum[own],
+                    _ => Default::default(),
+                };
+                pass.simd.sweep_row(above, row, below, sums, sweep);
+            }
+        }
+        if let Some(added) = added {
+            let tile_rows = at_work.start.max(tile.rows.start)..at_work.end.min(tile.rows.end);
+            for y in tile_rows {
+                self.add(pass, added, k, y, tile);
+            }
         }
     }
 
-    /// Adds terms to the sums in row `y`, right after sweep `k` has computed one.
+    /// Adds terms to the sums that sweep `k` has not added to itself, in row `y`.
     fn add(&mut self, pass: &Pass, added: Added, k: usize, y: usize, tile: &Tile) {
-        let columns = self.tile_columns(y, tile);
-        let [even, odd] = &self.terms;
-        let (before, own) = if k.is_multiple_of(2) {
-            (even, odd)
-        } else {
-            (odd, even)
-        };
-        let terms = |c: usize| [&before[c][columns.clone()], &own[c][columns.clone()]];
+        let columns = self.tile_chunks(y, tile);
+        let row = &self.chunks[columns.clone()];
+        let read = k % 2;
         match pass.weights {
             Weights::None => {}
             Weights::Sums(all) => {
-                for (sum, of_sum) in self.sums.iter_mut().zip(all) {
-                    let weights = added.weights(|term| of_sum.get(term).copied().unwrap_or(0.0));
-                    if weights == [0.0; 2] {
-                        continue;
-                    }
-                    for (c, sum) in sum.iter_mut().enumerate() {
+                for (sum, of_sum) in self.sums.iter_mut().zip(all).skip(1) {
+                    let weights = added.of_sum(of_sum);
+                    if weights != [0.0; 2] {
                         pass.simd
-                            .add_terms_row(&mut sum[columns.clone()], terms(c), weights);
+                            .add_terms_row(&mut sum[columns.clone()], row, read, weights);
                     }
                 }
             }
             Weights::ByLevel {
-                levels,
-                are_few,
-                weights,
+                are_few, weights, ..
             } => {
-                let [sum_x, sum_y] = &mut self.sums[0];
-                let sum = [&mut sum_x[columns.clone()], &mut sum_y[columns.clone()]];
-                let terms = [terms(0), terms(1)];
-                let levels = &levels.row(y)[tile.columns.clone()];
+                let sum = &mut self.sums[0][columns.clone()];
+                let levels = &self.levels[columns];
                 let [before, own] = added.of_levels(weights);
                 if are_few {
                     let few = [few_levels(before), few_levels(own)];
                     pass.simd
-                        .add_terms_by_few_levels_row(sum, terms, levels, few);
+                        .add_terms_by_few_levels_row(sum, row, read, levels, few);
                 } else {
                     let all = [before, own];
-                    pass.simd.add_terms_by_level_row(sum, terms, levels, all);
+                    pass.simd
+                        .add_terms_by_level_row(sum, row, read, levels, all);
                 }
             }
         }
     }
 
-    /// Position of row `y` of the tile in a ring.
-    fn tile_columns(&self, y: usize, tile: &Tile) -> Range<usize> {
-        let start = self.row(y).start + self.pad;
-        start..start + tile.columns.len()
+    /// Position of the tile's chunks of row `y` in a ring.
+    fn tile_chunks(&self, y: usize, tile: &Tile) -> Range<usize> {
+        let start = self.row(y).start + self.pad / LANES;
+        start..start + tile.columns.len().div_ceil(LANES)
     }
 
     /// Outputs row `y`, which has passed all sweeps.
     fn leave(&self, sweeps: usize, y: usize, tile: &Tile, results: &mut Results) {
         let tile_row = y - tile.rows.start;
-        let columns = self.tile_columns(y, tile);
-        // Sweep k has computed a term with the parity of k + 1.
-        let [earlier, last] = [&self.terms[sweeps % 2], &self.terms[(sweeps + 1) % 2]];
-        let terms = [(&mut results.last, last), (&mut results.earlier, earlier)];
-        let terms = terms
-            .into_iter()
-            .filter_map(|(rows, ring)| Some((rows.as_mut()?, ring)));
-        for (rows, ring) in results.sums.iter_mut().zip(&self.sums).chain(terms) {
-            for (rows, ring) in rows.iter_mut().zip(ring) {
-                write_row(rows[tile_row], &ring[columns.clone()]);
+        let columns = self.tile_chunks(y, tile);
+        for (rows, ring) in results.sums.iter_mut().zip(&self.sums) {
+            for (c, rows) in rows.iter_mut().enumerate() {
+                take(rows[tile_row], &ring[columns.clone()], |sum| &sum.0[c]);
             }
+        }
+        // Sweep k has made a term with the parity of k + 1.
+        let terms = [
+            (&mut results.last, sweeps + 1),
+            (&mut results.earlier, sweeps),
+        ];
+        for (rows, term) in terms {
+            for (c, rows) in rows.iter_mut().flatten().enumerate() {
+                let chunks = &self.chunks[columns.clone()];
+                take(rows[tile_row], chunks, |chunk| &chunk.terms[term % 2][c]);
+            }
+        }
+    }
+}
+
+/// Sizes a buffer and sets all of it to `value`.
+fn refill<T: Clone>(buffer: &mut Vec<T>, len: usize, value: T) {
+    buffer.clear();
+    buffer.resize(len, value);
+}
+
+/// Parts of a ring that have nothing in common.
+///
+/// # Panics
+/// If they overlap.
+fn apart<T, const N: usize>(ring: &mut [T], parts: [Range<usize>; N]) -> [&mut [T]; N] {
+    ring.get_disjoint_mut(parts)
+        .expect("a ring holds a row more than are swept together with their neighbours")
+}
+
+/// Copies samples into chunks, the first one to lane `at`.
+fn place<T>(chunks: &mut [T], at: usize, samples: &[f32], lanes: impl Fn(&mut T) -> &mut Lanes) {
+    let to_whole = at.next_multiple_of(LANES) - at;
+    let (head, rest) = samples.split_at(to_whole.min(samples.len()));
+    if !head.is_empty() {
+        lanes(&mut chunks[at / LANES])[at % LANES..][..head.len()].copy_from_slice(head);
+    }
+    let (whole, tail) = rest.as_chunks();
+    let mut chunks = chunks[at.div_ceil(LANES)..].iter_mut();
+    for (whole, chunk) in whole.iter().zip(&mut chunks) {
+        *lanes(chunk) = *whole;
+    }
+    if let Some(chunk) = chunks.next() {
+        lanes(chunk)[..tail.len()].copy_from_slice(tail);
+    }
+}
+
+/// Copies a row out of chunks. Negative zeros become positive: their sign may come from beyond a closed face and so
+/// depend on the tile.
+fn take<T>(row: &mut [f32], chunks: &[T], lanes: impl Fn(&T) -> &Lanes) {
+    let (whole, tail) = row.as_chunks_mut::<LANES>();
+    for (whole, chunk) in whole.iter_mut().zip(chunks) {
+        *whole = lanes(chunk).map(|value| value + 0.0);
+    }
+    if let Some(chunk) = chunks.get(whole.len()) {
+        for (out, value) in tail.iter_mut().zip(lanes(chunk)) {
+            *out = value + 0.0;
         }
     }
 }
@@ -393,12 +456,4 @@ impl WavefrontTile {
 /// The weights of the first levels.
 fn few_levels(weights: &[f32; LEVELS]) -> &[f32; FEW_LEVELS] {
     weights.first_chunk().expect("there are more levels in all")
-}
-
-/// Copies a row. Negative zeros become positive: their sign may come from beyond a closed face and so depend on the
-/// tile.
-fn write_row(out: &mut [f32], row: &[f32]) {
-    for (out, value) in out.iter_mut().zip(row) {
-        *out = value + 0.0;
-    }
 }

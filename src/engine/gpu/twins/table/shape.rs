@@ -168,7 +168,10 @@ fn gradient() -> Vec<Twin> {
             flux,
             SWEEP,
             |g: [f32; 2], sides: [[f32; 2]; 4], joined: [f32; 4]| {
-                [0, 1].map(|k| flux(g[k], sides.map(|side| side[k]), joined))
+                [0, 1].map(|k| {
+                    let side = |i: usize| through(joined[i], sides[i][k], g[k]);
+                    flux([0, 1, 2, 3].map(side))
+                })
             }
         ),
         twin!(

@@ -1,0 +1,299 @@
+//! Rows in flight, and the kernel that applies the diffusion operator to them.
+//!
+//! All that a sweep reads of a few neighbouring pixels lies together, aligned to the lines of the cache. The flux
+//! through a face is computed once, for the pixels on both of its sides, which see the same number but for its sign;
+//! and of four rows that are swept together, the fluxes between them stay in registers.
+
+use crate::engine::cpu::simd::widened;
+use crate::shape::diffusion::{Update, flux, through};
+
+/// Pixels of a chunk: wider vectors hold both components.
+pub(crate) const LANES: usize = 8;
+
+/// Rows that can be swept together.
+pub(crate) const TOGETHER: usize = 4;
+
+/// One value for each pixel of a chunk.
+pub(crate) type Lanes = [f32; LANES];
+
+/// Neighbouring pixels of a row in flight.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Chunk {
+    /// The last even and the last odd term, x and y of each.
+    pub(crate) terms: [[Lanes; 2]; 2],
+    /// Conductances of the faces left of the pixels.
+    pub(crate) left: Lanes,
+    /// Conductances of the faces above the pixels.
+    pub(crate) above: Lanes,
+}
+
+impl Chunk {
+    /// Zeros behind closed faces.
+    pub(crate) const EMPTY: Self = Self {
+        terms: [[[0.0; LANES]; 2]; 2],
+        left: [0.0; LANES],
+        above: [0.0; LANES],
+    };
+}
+
+/// x and y of a sum of terms, for the pixels of a chunk.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Sum(pub(crate) [Lanes; 2]);
+
+/// What a sweep computes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sweep {
+    pub(crate) update: Update,
+    /// Which of the terms is read, by its parity; the other one holds the earlier value and is replaced.
+    pub(crate) from: usize,
+    /// Weights in the sums of the term read and of the term made.
+    pub(crate) weights: [f32; 2],
+}
+
+/// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours,
+/// and its update; adds the weighted terms to `sums` unless these are empty.
+///
+/// All slices have the same chunks. The first and the last one are only read, as neighbours.
+#[inline(always)]
+pub(crate) fn sweep_row(
+    above: &[Chunk],
+    row: &mut [Chunk],
+    below: &[Chunk],
+    sums: &mut [Sum],
+    sweep: Sweep,
+) {
+    #[inline(always)]
+    fn by<const SUMMED: bool>(
+        above: &[Chunk],
+        row: &mut [Chunk],
+        below: &[Chunk],
+        sums: &mut [Sum],
+        sweep: Sweep,
+        updated: impl Fn(f32, f32, f32) -> f32,
+    ) {
+        let count = row.len();
+        let (above, below) = (&above[..count], &below[..count]);
+        let mut row = Row::<SUMMED>::new(row, sums, sweep, count);
+        for i in 1..count.saturating_sub(1) {
+            let mut from_above = row.fluxes_from(i, &above[i]);
+            row.step(i, &mut from_above, &below[i], &updated);
+        }
+    }
+    match (sweep.update, sums.is_empty()) {
+        (Update::Step(dt), true) => by::<false>(above, row, below, sums, sweep, step(dt)),
+        (Update::Step(dt), false) => by::<true>(above, row, below, sums, sweep, step(dt)),
+        (Update::First, true) => by::<false>(above, row, below, sums, sweep, first),
+        (Update::First, false) => by::<true>(above, row, below, sums, sweep, first),
+        (Update::Next, true) => by::<false>(above, row, below, sums, sweep, next),
+        (Update::Next, false) => by::<true>(above, row, below, sums, sweep, next),
+    }
+}
+
+/// [`sweep_row`] on four rows, top to bottom, between the rows above and below them.
+#[inline(always)]
+pub(crate) fn sweep_rows(
+    above: &[Chunk],
+    rows: [&mut [Chunk]; TOGETHER],
+    below: &[Chunk],
+    sums: [&mut [Sum]; TOGETHER],
+    sweep: Sweep,
+) {
+    #[inline(always)]
+    fn by<const SUMMED: bool>(
+        above: &[Chunk],
+        [a, b, c, d]: [&mut [Chunk]; TOGETHER],
+        below: &[Chunk],
+        [sum_a, sum_b, sum_c, sum_d]: [&mut [Sum]; TOGETHER],
+        sweep: Sweep,
+        updated: impl Fn(f32, f32, f32) -> f32,
+    ) {
+        let count = a.len();
+        let (above, below) = (&above[..count], &below[..count]);
+        let mut a = Row::<SUMMED>::new(a, sum_a, sweep, count);
+        let mut b = Row::<SUMMED>::new(b, sum_b, sweep, count);
+        let mut c = Row::<SUMMED>::new(c, sum_c, sweep, count);
+        let mut d = Row::<SUMMED>::new(d, sum_d, sweep, count);
+        for i in 1..count.saturating_sub(1) {
+            let mut from_above = a.fluxes_from(i, &above[i]);
+            a.step(i, &mut from_above, &b.chunks[i], &updated);
+            b.step(i, &mut from_above, &c.chunks[i], &updated);
+            c.step(i, &mut from_above, &d.chunks[i], &updated);
+            d.step(i, &mut from_above, &below[i], &updated);
+        }
+    }
+    match (sweep.update, sums[0].is_empty()) {
+        (Update::Step(dt), true) => by::<false>(above, rows, below, sums, sweep, step(dt)),
+        (Update::Step(dt), false) => by::<true>(above, rows, below, sums, sweep, step(dt)),
+        (Update::First, true) => by::<false>(above, rows, below, sums, sweep, first),
+        (Update::First, false) => by::<true>(above, rows, below, sums, sweep, first),
+        (Update::Next, true) => by::<false>(above, rows, below, sums, sweep, next),
+        (Update::Next, false) => by::<true>(above, rows, below, sums, sweep, next),
+    }
+}
+
+widened! {
+    fn sweep_row(
+        above: &[Chunk],
+        row: &mut [Chunk],
+        below: &[Chunk],
+        sums: &mut [Sum],
+        sweep: Sweep,
+    );
+    fn sweep_rows(
+        above: &[Chunk],
+        rows: [&mut [Chunk]; TOGETHER],
+        below: &[Chunk],
+        sums: [&mut [Sum]; TOGETHER],
+        sweep: Sweep,
+    );
+}
+
+#[inline(always)]
+fn step(dt: f32) -> impl Fn(f32, f32, f32) -> f32 {
+    move |g, lg, _| Update::Step(dt).updated(g, lg, 0.0)
+}
+
+#[inline(always)]
+fn first(g: f32, lg: f32, _: f32) -> f32 {
+    Update::First.updated(g, lg, 0.0)
+}
+
+#[inline(always)]
+fn next(g: f32, lg: f32, earlier: f32) -> f32 {
+    Update::Next.updated(g, lg, earlier)
+}
+
+/// A row while it is swept, from left to right.
+struct Row<'a, const SUMMED: bool> {
+    chunks: &'a mut [Chunk],
+    sums: &'a mut [Sum],
+    sweep: Sweep,
+    /// The fluxes from the west into the chunk that is next, of x and y.
+    from_west: (Lanes, Lanes),
+}
+
+// Both components are written out: kept in arrays, they would pass through memory.
+impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
+    #[inline(always)]
+    fn new(chunks: &'a mut [Chunk], sums: &'a mut [Sum], sweep: Sweep, count: usize) -> Self {
+        let from = sweep.from % 2;
+        let from_west = match &chunks[..count] {
+            [before, at, ..] => {
+                let (before, here) = (&before.terms[from], &at.terms[from]);
+                (
+                    fluxes_from_west(&before[0], &here[0], &at.left),
+                    fluxes_from_west(&before[1], &here[1], &at.left),
+                )
+            }
+            _ => ([0.0; LANES], [0.0; LANES]),
+        };
+        Self {
+            chunks: &mut chunks[..count],
+            sums: &mut sums[..if SUMMED { count } else { 0 }],
+            sweep: Sweep { from, ..sweep },
+            from_west,
+        }
+    }
+
+    /// The fluxes from the row above into chunk `i`.
+    #[inline(always)]
+    fn fluxes_from(&self, i: usize, above: &Chunk) -> (Lanes, Lanes) {
+        let (at, from) = (&self.chunks[i], self.sweep.from);
+        let (out_of, into) = (&above.terms[from], &at.terms[from]);
+        (
+            fluxes(&at.above, &out_of[0], &into[0]),
+            fluxes(&at.above, &out_of[1], &into[1]),
+        )
+    }
+
+    /// Sweeps chunk `i` with the fluxes from above, and replaces these by the fluxes into the chunk below.
+    #[inline(always)]
+    fn step(
+        &mut self,
+        i: usize,
+        from_above: &mut (Lanes, Lanes),
+        below: &Chunk,
+        updated: &impl Fn(f32, f32, f32) -> f32,
+    ) {
+        let next = &self.chunks[i + 1];
+        let (terms, joined) = (next.terms[self.sweep.from], next.left);
+        let (west, above) = (self.from_west, *from_above);
+        let x = self.component(
+            i,
+            0,
+            (west.0, above.0),
+            (&terms[0], &joined),
+            below,
+            updated,
+        );
+        let y = self.component(
+            i,
+            1,
+            (west.1, above.1),
+            (&terms[1], &joined),
+            below,
+            updated,
+        );
+        (self.from_west, *from_above) = ((x.0, y.0), (x.1, y.1));
+    }
+
+    /// Sweeps component `c` of a chunk with the fluxes from west and north. Returns those into the chunks to the east,
+    /// whose terms and faces are `next`, and below.
+    #[inline(always)]
+    fn component(
+        &mut self,
+        i: usize,
+        c: usize,
+        (west, north): (Lanes, Lanes),
+        next: (&Lanes, &Lanes),
+        below: &Chunk,
+        updated: &impl Fn(f32, f32, f32) -> f32,
+    ) -> (Lanes, Lanes) {
+        let (from, to) = (self.sweep.from, 1 - self.sweep.from);
+        let at = &mut self.chunks[i];
+        let g = at.terms[from][c];
+        let past_east = fluxes_from_west(&g, next.0, next.1);
+        let east = shifted_left(&west, &past_east);
+        let south = fluxes(&below.above, &g, &below.terms[from][c]);
+        let mut made = at.terms[to][c];
+        for j in 0..LANES {
+            let lg = flux([west[j], -east[j], north[j], -south[j]]);
+            made[j] = updated(g[j], lg, made[j]);
+        }
+        at.terms[to][c] = made;
+        if SUMMED {
+            let (sum, [of_read, of_made]) = (&mut self.sums[i].0[c], self.sweep.weights);
+            for j in 0..LANES {
+                sum[j] += of_read * g[j] + of_made * made[j];
+            }
+        }
+        (past_east, south)
+    }
+}
+
+/// The fluxes through faces, out of samples on one side into those on the other.
+#[inline(always)]
+fn fluxes(joined: &Lanes, out_of: &Lanes, into: &Lanes) -> Lanes {
+    let mut fluxes = [0.0; LANES];
+    for j in 0..LANES {
+        fluxes[j] = through(joined[j], out_of[j], into[j]);
+    }
+    fluxes
+}
+
+/// The fluxes from the west into the samples `at`, right of the samples `before`.
+#[inline(always)]
+fn fluxes_from_west(before: &Lanes, at: &Lanes, left: &Lanes) -> Lanes {
+    let [.., last] = *before;
+    let [a, b, c, d, e, f, g, _] = *at;
+    fluxes(left, &[last, a, b, c, d, e, f, g], at)
+}
+
+/// The values one place to the right of `at`, which `after` follows.
+#[inline(always)]
+fn shifted_left(at: &Lanes, after: &Lanes) -> Lanes {
+    let [_, a, b, c, d, e, f, g] = *at;
+    [a, b, c, d, e, f, g, after[0]]
+}
