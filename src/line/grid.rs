@@ -164,7 +164,7 @@ impl Grid {
 
 /// The cells of `step` pixels that a run of pixels passes, each with the pixels in it.
 #[inline]
-fn parts(run: Range<usize>, step: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+pub(crate) fn parts(run: Range<usize>, step: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
     let mut cell = run.start / step;
     let mut from = run.start;
     std::iter::from_fn(move || {

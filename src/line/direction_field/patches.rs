@@ -254,7 +254,8 @@ impl RowOfCells<'_> {
         let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
-        let [least, most] = [f32::min, f32::max].map(|fold| self.conductance_across(&ys, fold));
+        let least = self.conductance_across(&ys, f32::min);
+        let most = self.conductance_across(&ys, f32::max);
         for column in 0..self.grid.columns {
             let xs = self.grid.x_pixels(column);
             let size = xs.len() * ys.len();
@@ -290,7 +291,7 @@ impl RowOfCells<'_> {
     }
 
     /// The least or the most conductance of each column of pixels within the row of cells.
-    fn conductance_across(&self, ys: &Range<usize>, fold: fn(f32, f32) -> f32) -> Vec<f32> {
+    fn conductance_across(&self, ys: &Range<usize>, fold: impl Fn(f32, f32) -> f32) -> Vec<f32> {
         let mut folded = self.conductance.row(ys.start).to_vec();
         for y in ys.clone().skip(1) {
             for (folded, &c) in folded.iter_mut().zip(self.conductance.row(y)) {

@@ -2,6 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes};
+use crate::line::grid::parts;
 use crate::params::RunOptions;
 use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
@@ -31,14 +32,11 @@ impl Level {
     pub(super) fn of(frame: &Frame, silhouette: &Plane, factor: usize) -> Self {
         let Vector3Planes { x, y, z } = &frame.normal;
         Self::blocks(&frame.mask, factor, |row, pixels, blocks| {
-            let [x, y, z, silhouette] =
-                [x, y, z, silhouette].map(|plane| &plane.row(row)[pixels.clone()]);
-            let (mut block, mut left) = (pixels.start / factor, factor - pixels.start % factor);
-            for (((&x, &y), &z), &silhouette) in x.iter().zip(y).zip(z).zip(silhouette) {
-                blocks[block].add(Vec3::new(x, y, z), 1.0 - silhouette);
-                left -= 1;
-                if left == 0 {
-                    (block, left) = (block + 1, factor);
+            let rows = [x, y, z, silhouette].map(|plane| plane.row(row));
+            for (block, pixels) in parts(pixels, factor) {
+                for i in pixels {
+                    let [x, y, z, silhouette] = rows.map(|row| row[i]);
+                    blocks[block].add(Vec3::new(x, y, z), 1.0 - silhouette);
                 }
             }
         })
