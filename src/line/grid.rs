@@ -77,47 +77,63 @@ impl Grid {
         let step = self.step;
         let mut cells = Plane::filled(self.mask.width(), self.mask.height(), 0.0);
         cells.each_row(|row, cells| {
-            let rows = row * step..((row + 1) * step).min(pixels.height());
-            for column in self.mask.runs(row).flatten() {
-                let columns = column * step..((column + 1) * step).min(pixels.width());
-                let samples = rows.clone().flat_map(|y| &pixels.row(y)[columns.clone()]);
-                cells[column] = samples.copied().fold(none, &fold);
+            for run in self.mask.runs(row) {
+                let cells = &mut cells[run.clone()];
+                cells.fill(none);
+                let columns = run.start * step..(run.end * step).min(pixels.width());
+                for y in row * step..((row + 1) * step).min(pixels.height()) {
+                    let parts = pixels.row(y)[columns.clone()].chunks(step);
+                    for (cell, part) in cells.iter_mut().zip(parts) {
+                        *cell = part.iter().copied().fold(*cell, &fold);
+                    }
+                }
             }
         });
         cells
     }
 
-    /// A plane of cells interpolated at the `width` pixels of row `y`: the mean of the four cells around, weighted by
+    /// A plane of cells interpolated at the covered pixels of row `y`: the mean of the four cells around, weighted by
     /// distance, of those covered.
-    pub(crate) fn row(&self, cells: &Plane, y: usize, width: usize) -> Vec<f32> {
+    pub(crate) fn row(&self, cells: &Plane, y: usize, pixels: &Mask) -> Vec<f32> {
         if self.step == 1 {
             return cells.row(y).to_vec();
         }
         let (rows, down) = self.place(y, cells.height());
         let mut between = vec![Vec2::ZERO; cells.width()];
         for (row, weight) in rows.into_iter().zip([1.0 - down, down]) {
-            let samples = self.mask.row(row).iter().zip(cells.row(row));
-            for (sum, (&covered, &sample)) in between.iter_mut().zip(samples) {
+            let columns = self.mask.span(row);
+            let samples = self.mask.row(row)[columns.clone()]
+                .iter()
+                .zip(&cells.row(row)[columns.clone()]);
+            for (sum, (&covered, &sample)) in between[columns].iter_mut().zip(samples) {
                 let weight = if covered { weight } else { 0.0 };
                 *sum += Vec2::new(weight * sample, weight);
             }
         }
         // All pixels between the centres of two cells share these two as neighbours.
         let shares: Vec<f32> = (0..2 * self.step).map(|rest| self.share(rest)).collect();
-        let (mut cell, mut rest) = self.cell(0);
+        let mut row = vec![0.0; pixels.width()];
+        let span = pixels.span(y);
+        let (mut cell, mut rest) = self.cell(span.start);
         let last = cells.width() - 1;
-        let at = |_| {
-            let (left, right) = (cell.saturating_sub(1).min(last), cell.min(last));
-            let across = shares[rest];
-            rest += 2;
-            if rest >= 2 * self.step {
-                (cell, rest) = (cell + 1, rest - 2 * self.step);
+        let mut left = &mut row[span];
+        while !left.is_empty() {
+            let shares = shares[rest..].iter().step_by(2);
+            let (part, after) = left.split_at_mut(shares.len().min(left.len()));
+            let (before, next) = (
+                between[cell.saturating_sub(1).min(last)],
+                between[cell.min(last)],
+            );
+            for (sample, across) in part.iter_mut().zip(shares) {
+                let sum = (1.0 - across) * before + across * next;
+                // A covered pixel's own cell weighs a quarter at the least.
+                *sample = sum.x / sum.y;
             }
-            let sum = (1.0 - across) * between[left] + across * between[right];
-            // A covered pixel's own cell weighs a quarter at the least.
-            sum.x / sum.y
-        };
-        (0..width).map(at).collect()
+            // Halves of pixels: an odd one is left over where the step is odd.
+            (cell, rest) = (cell + 1, (rest + 2 * part.len()) % (2 * self.step));
+            left = after;
+        }
+        row
     }
 
     /// The two cells, of so many, around a pixel along an axis, and how far it lies toward the second.

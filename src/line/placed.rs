@@ -95,20 +95,22 @@ impl Placed {
         let [first, last] = [-distance, distance].map(|d| self.column(at.x + d));
         let square = distance * distance;
         let [top, own, bottom] = [-distance, 0.0, distance].map(|d| self.row(at.y + d));
-        let in_row = |y: usize| {
+        let mut found = false;
+        outward([top, own, bottom], |y| {
             let row = y * self.size[0];
-            self.last[row + first..=row + last].iter().any(|&newest| {
+            for &newest in &self.last[row + first..=row + last] {
                 let mut number = newest;
                 while let Some(point) = self.points.get(number as usize) {
                     if point.at.distance_squared(at) < square && counts(point) {
-                        return true;
+                        found = true;
+                        return false;
                     }
                     number = point.before;
                 }
-                false
-            })
-        };
-        outward(top, own, bottom).any(in_row)
+            }
+            true
+        });
+        found
     }
 
     /// Whether no point that `counts` is closer than `distance`.
@@ -155,11 +157,11 @@ impl PointsByCell<'_> {
         // Square of the distance beyond which no point is nearer than those found.
         let mut limit = reach * reach;
         let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
-        for y in outward(first, own, last) {
+        outward([first, own, last], |y| {
             let away = self.away(y, at.y);
             let across = limit - away * away;
             if across <= 0.0 {
-                continue;
+                return true;
             }
             for &(other, of_line) in self.cells(at, across.sqrt(), y) {
                 let offset = other - at;
@@ -175,7 +177,8 @@ impl PointsByCell<'_> {
                     limit = limit.min(squares[0].max(squares[1]));
                 }
             }
-        }
+            true
+        });
         squares.map(|square| {
             if square.is_finite() {
                 square.sqrt()
@@ -204,15 +207,21 @@ impl PointsByCell<'_> {
     }
 }
 
-/// The rows from `first` to `last`, those nearest to `own` first.
-#[inline]
-fn outward(first: usize, own: usize, last: usize) -> impl Iterator<Item = usize> {
-    let beside = (1..=(own - first).max(last - own)).flat_map(move |step| {
-        let above = own.checked_sub(step).filter(|&row| row >= first);
-        let below = (own + step <= last).then_some(own + step);
-        above.into_iter().chain(below)
-    });
-    std::iter::once(own).chain(beside)
+/// Visits the rows from `first` to `last`, those nearest to `own` first, as long as `visit` wants more of them.
+#[inline(always)]
+fn outward([first, own, last]: [usize; 3], mut visit: impl FnMut(usize) -> bool) {
+    let (mut above, mut below) = (own, own);
+    let mut goes_on = visit(own);
+    while goes_on && (above > first || below < last) {
+        if above > first {
+            above -= 1;
+            goes_on = visit(above);
+        }
+        if goes_on && below < last {
+            below += 1;
+            goes_on = visit(below);
+        }
+    }
 }
 
 /// Error of the border between cells, in sides.

@@ -7,6 +7,7 @@
 //! stop it; and where it ends unseen, the surface it was last seen in front of is extended. Practice: a [`Tracer`] per
 //! frame; [`Tracer::path`] bends the sight line of a pixel, [`Tracer::hit`] traces any ray.
 
+mod bounds;
 mod distance_map;
 mod search;
 mod seen_surface;

@@ -1,6 +1,7 @@
 //! A frame as a surface for ray hits: the part seen by its camera.
 
-use super::search::{Crossing, first_crossing, steps_for};
+use super::bounds::{Bounds, of_planes};
+use super::search::{Bounded, Crossing, first_crossing, steps_for};
 use super::texels::{Reached, Sides, TangentPlane, Texel, agreed, around, heaviest, mean_at};
 use crate::frame::{
     ColorPlanes, DepthKind, Frame, Plane, Projection, Ray, SightLines, Vector2Planes,
@@ -73,9 +74,14 @@ pub(crate) struct SeenSurface<'a> {
     visible: VisibleSurface<'a>,
     /// Tangent planes in view space, row-major.
     planes: Vec<TangentPlane>,
+    /// Bounds of depth by blocks of pixels.
+    bounds: Bounds,
     /// Smallest and largest depth along the view axis.
     depths: [f64; 2],
 }
+
+/// Side of a block of bounds, in pixels.
+const BLOCK: usize = 16;
 
 /// Rays are traced slightly beyond the nearest and the farthest depth.
 const BEYOND: f64 = 1.001;
@@ -95,8 +101,9 @@ impl<'a> SeenSurface<'a> {
                 planes[x] = TangentPlane::new(visible.point(x, y), visible.normal(x, y), depth);
             }
         }
-        (depths[0] <= depths[1]).then_some(Self {
+        (depths[0] <= depths[1]).then(|| Self {
             visible,
+            bounds: bounds(&planes, width),
             planes,
             depths,
         })
@@ -113,11 +120,26 @@ impl<'a> SeenSurface<'a> {
         let way = self.way(ray)?;
         let [from, to] = way.places;
         let steps = steps_for(search, from.distance(to) / self.span());
-        let crossing = first_crossing(steps, search.refinements, |s| {
-            let (at, depth) = way.place(s);
-            let (surface, ..) = self.depth_at(at)?;
-            Some(1.0 - depth / surface)
-        });
+        let crossing = first_crossing(
+            steps,
+            search.refinements,
+            |s| self.bounded(way.place(s)),
+            |s| {
+                let (at, depth) = way.place(s);
+                let (surface, ..) = self.depth_at(at)?;
+                Some(1.0 - depth / surface)
+            },
+            |s| {
+                let crossed = || {
+                    let (.., texels) = self.depth_at(way.place(s).0)?;
+                    let along = self.plane(&heaviest(&texels)).crossed(ray);
+                    let point = ray.start + along * ray.direction;
+                    self.visible.sight.projection().pixel_of(point)
+                };
+                let seen = crossed().unwrap_or(from);
+                (seen - from).dot(to - from) / (to - from).length_squared()
+            },
+        );
         let point_at = |s: f64| {
             let (at, depth) = way.place(s);
             let sight = &self.visible.sight;
@@ -132,8 +154,7 @@ impl<'a> SeenSurface<'a> {
                 let (seen, at) = point_at(s);
                 let (.., texels) = self.depth_at(at)?;
                 let texel = heaviest(&texels);
-                let plane = &self.planes[texel.y * self.frame().mask.width() + texel.x];
-                let point = plane.continued(ray, seen)?;
+                let point = self.plane(&texel).continued(ray, seen)?;
                 Some(Reached::Beyond(
                     point,
                     self.visible.middle(texel.x, texel.y),
@@ -141,6 +162,22 @@ impl<'a> SeenSurface<'a> {
             }
             Crossing::Nothing => None,
         }
+    }
+
+    fn plane(&self, texel: &Texel) -> &TangentPlane {
+        &self.planes[texel.y * self.frame().mask.width() + texel.x]
+    }
+
+    /// Bounds at a depth at a position in the picture.
+    #[inline]
+    fn bounded(&self, (at, depth): (DVec2, f64)) -> Bounded {
+        let mask = &self.frame().mask;
+        let inside = at - self.visible.corner();
+        // A cast of less than 0 is 0, and beyond the picture there is nothing.
+        let block = |at: f64, size: usize| (at as usize).min(size - 1) / BLOCK;
+        let row = block(inside.y, mask.height());
+        let cell = row * mask.width().div_ceil(BLOCK) + block(inside.x, mask.width());
+        self.bounds.compared(cell, depth, 1.0)
     }
 
     /// Depth along the view axis at a position in the picture; `None` without a surface.
@@ -229,7 +266,11 @@ impl<'a> SeenSurface<'a> {
         }
         let texels = around(inside, size, Sides::Ends);
         let (start, line) = self.visible.sight.line(at.x, at.y);
-        let distances = texels.map(|t| self.planes[t.y * size[0] + t.x].along(start, line));
+        // Mapping the array is not inlined.
+        let mut distances = [None; 4];
+        for (distance, t) in distances.iter_mut().zip(&texels) {
+            *distance = self.planes[t.y * size[0] + t.x].along(start, line);
+        }
         Some((agreed(distances, &texels)?, distances, texels))
     }
 
@@ -281,6 +322,23 @@ impl<'a> SeenSurface<'a> {
     }
 }
 
+/// The bounds of a picture with these tangent planes, block by block.
+fn bounds(planes: &[TangentPlane], width: usize) -> Bounds {
+    let height = planes.len() / width;
+    // Bilinearly a pixel counts up to half a pixel beyond the next one's border.
+    let counting = |block: usize, size: usize| {
+        (block * BLOCK).saturating_sub(2)..((block + 1) * BLOCK + 2).min(size)
+    };
+    let columns = width.div_ceil(BLOCK);
+    let mut bounds = Bounds::new(columns * height.div_ceil(BLOCK));
+    for cell in 0..bounds.count() {
+        let rows = counting(cell / columns, height);
+        let own = rows.flat_map(|y| &planes[y * width..][counting(cell % columns, width)]);
+        bounds.widen(cell, of_planes(own));
+    }
+    bounds
+}
+
 /// A straight path through the picture, even in pixels: along it 1/depth is linear in perspective, else depth is.
 #[derive(Debug, Clone, Copy)]
 struct Way {
@@ -330,4 +388,57 @@ fn inside([from, to]: [DVec2; 2], corner: DVec2, width: usize, height: usize) ->
         last = last.min(a.max(b));
     }
     (first < last).then_some([first, last])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Mask, Vector3Planes, Window};
+
+    #[test]
+    fn bounds_change_no_hit() {
+        // Surfaces at random, and holes between them: rays pass behind edges everywhere.
+        let mut state = 1_u32;
+        let mut random = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        let mut vector = || DVec3::from([(); 3].map(|()| 2.0 * random() - 1.0));
+        for [width, height] in [[1, 1], [5, 1], [15, 17], [70, 50]] {
+            let middle = [0.5 * width as f64 - 3.0, 0.5 * height as f64 + 7.0];
+            let [cx, cy] = middle;
+            let [sx, sy] = [0.3 * width as f64; 2];
+            let [fx, fy] = [3.0 * sx; 2];
+            let parallel = Projection::Orthographic { sx, sy, cx, cy };
+            for projection in [Projection::Perspective { fx, fy, cx, cy }, parallel] {
+                let normals = Vector3Planes::from_fn(width, height, |_, _| vector().normalize());
+                let covered = Plane::from_fn(width, height, |_, _| vector().x > -0.8);
+                let mut frame = Frame::of_normals(normals, Mask::new(covered));
+                frame.data_window = Window::at(-3, 7, width, height);
+                frame.depth = Some(Plane::from_fn(width, height, |_, _| {
+                    3.0 + 0.4 * vector().x as f32
+                }));
+                frame.source.depth_kind = DepthKind::Planar;
+                let Some(surface) = SeenSurface::new(&frame, SightLines::new(projection)) else {
+                    continue;
+                };
+                let open = SeenSurface {
+                    bounds: Bounds::open(width * height),
+                    ..surface.clone()
+                };
+                let mut seen = 0;
+                for _ in 0..2_000 {
+                    let ray = Ray {
+                        start: 2.0 * vector() - 3.0 * DVec3::Z,
+                        direction: vector().normalize(),
+                    };
+                    let search = SearchParams::default();
+                    let found = surface.reached(&ray, &search);
+                    assert_eq!(found, open.reached(&ray, &search), "{width}: {ray:?}");
+                    seen += usize::from(matches!(found, Some(Reached::Seen(..))));
+                }
+                assert!(width < 15 || seen > 100, "{width}: {seen}");
+            }
+        }
+    }
 }

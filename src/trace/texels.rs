@@ -29,7 +29,10 @@ pub(super) fn around(at: DVec2, [width, height]: [usize; 2], sides: Sides) -> [T
     let (across, down) = (corner.x - left, corner.y - top);
     let column = |x: f64| match sides {
         Sides::Ends => x.clamp(0.0, (width - 1) as f64) as usize,
-        Sides::Wraps => (x as i64).rem_euclid(width as i64) as usize,
+        // Positions are on the map: one turn is enough, and a division is slow.
+        Sides::Wraps if x < 0.0 => width - 1,
+        Sides::Wraps if x as usize >= width => 0,
+        Sides::Wraps => x as usize,
     };
     let row = |y: f64| y.clamp(0.0, (height - 1) as f64) as usize;
     let texel = |x: f64, y: f64, weight: f64| Texel {
@@ -96,11 +99,23 @@ impl TangentPlane {
         }
     }
 
+    /// The least and the largest distance that [`Self::along`] gives for any line; `None` without a surface.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        let own = f64::from(self.own);
+        (own > 0.0).then_some([own / FARTHEST, own * FARTHEST])
+    }
+
+    /// How far along a ray the extended plane is; not finite without a surface or if both are parallel.
+    #[inline]
+    pub(super) fn crossed(&self, ray: &Ray) -> f64 {
+        let normal = Vec3::from(self.normal).as_dvec3();
+        (f64::from(self.offset) - normal.dot(ray.start)) / normal.dot(ray.direction)
+    }
+
     /// Where a ray hits the extended plane, no nearer than `seen` and within its maximum extension; `None` without a
     /// surface.
     pub(super) fn continued(&self, ray: &Ray, seen: DVec3) -> Option<DVec3> {
-        let normal = DVec3::from(self.normal.map(f64::from));
-        let along = (f64::from(self.offset) - normal.dot(ray.start)) / normal.dot(ray.direction);
+        let along = self.crossed(ray);
         let point = ray.start + along * ray.direction;
         let (way, so_far) = (point.distance(ray.start), seen.distance(ray.start));
         let goes_on = self.own > 0.0 && along > 0.0 && way >= so_far;
@@ -114,7 +129,7 @@ impl TangentPlane {
         let normal = Vec3::from(self.normal).as_dvec3();
         let own = f64::from(self.own);
         let met = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
-        let is_near = met > own / FARTHEST && met < own * FARTHEST;
+        let is_near = FARTHEST * met > own && met < FARTHEST * own;
         (own > 0.0).then_some(if is_near { met } else { own })
     }
 }

@@ -42,16 +42,6 @@ impl Bands<'_> {
             .map_or(0.0, |i| self.weight[i].max(0.0))
     }
 
-    /// Eight bits, one per step: whether the neighbour is still in `is_left`.
-    fn neighbours(&self, pixel: u32, is_left: &[bool]) -> u8 {
-        let mut bits = 0;
-        for (i, there) in self.all_beside(pixel).into_iter().enumerate() {
-            let set = there.is_some_and(|there| is_left[there]);
-            bits |= u8::from(set) << i;
-        }
-        bits
-    }
-
     /// The pixels all steps away, in their order.
     fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
         let [x, y] = self.place(pixel);
@@ -68,24 +58,24 @@ impl Bands<'_> {
     /// The lines that the bands are thinned to, connected as the bands are: pixels are removed, those with the least
     /// weight around them first, as long as that neither breaks a line nor shortens one that is a pixel wide.
     pub(crate) fn ridges(&self) -> Lattice {
-        let mut is_left = vec![false; self.width * self.height];
-        for &pixel in self.pixels {
-            is_left[pixel as usize] = true;
-        }
-        let filled = self.gaps(&is_left);
-        for &pixel in &filled {
-            is_left[pixel as usize] = true;
+        let filled = self.gaps();
+        let mut left = Left {
+            bands: self,
+            around: vec![0; self.width * self.height],
+        };
+        for &pixel in self.pixels.iter().chain(&filled) {
+            left.set(pixel, true);
         }
         let mut waiting = Vec::new();
         for level in self.by_weight_around(&filled) {
             waiting.extend(level);
-            self.thin(&mut waiting, &mut is_left);
+            left.thin(&mut waiting);
         }
         // The remainder is wider than any edge, or the whole picture: it need not be centred.
-        while self.take(&mut waiting, &mut is_left, |_, _| true) {}
+        while left.take(&mut waiting, |_, _| true) {}
         waiting.sort_unstable();
         let links = waiting.iter().flat_map(|&pixel| {
-            let bits = self.neighbours(pixel, &is_left);
+            let bits = left.around[pixel as usize];
             // Each link once: along the first half of the steps. A diagonal step only if there is no way around it.
             (0..4).filter_map(move |step| {
                 let set = |i: usize| bits >> (i % 8) & 1 == 1;
@@ -97,62 +87,24 @@ impl Bands<'_> {
     }
 
     /// The pixels between bands that run so closely side by side that one line serves both.
-    fn gaps(&self, is_band: &[bool]) -> Vec<u32> {
+    fn gaps(&self) -> Vec<u32> {
+        let mut is_band = vec![false; self.width * self.height];
+        for &pixel in self.pixels {
+            is_band[pixel as usize] = true;
+        }
         let mut gaps = Vec::new();
         for &pixel in self.pixels {
-            for [dx, dy] in [STEPS[0], STEPS[2]] {
-                let ahead = |i: i32| self.beside(pixel, [i * dx, i * dy]);
-                let is_in_band = |i: i32| ahead(i).is_some_and(|i| is_band[i]);
-                let wide = (1..=WIDEST_GAP + 1).find(|&i| is_in_band(i)).unwrap_or(1);
-                gaps.extend((1..wide).filter_map(ahead).map(|i| i as u32));
+            let [x, y] = self.place(pixel);
+            for (beyond, step) in [(self.width - 1 - x, 1), (self.height - 1 - y, self.width)] {
+                let ahead = |i: usize| pixel as usize + i * step;
+                let reach = beyond.min(WIDEST_GAP + 1);
+                let wide = (1..=reach).find(|&i| is_band[ahead(i)]).unwrap_or(1);
+                gaps.extend((1..wide).map(|i| ahead(i) as u32));
             }
         }
         gaps.sort_unstable();
         gaps.dedup();
         gaps
-    }
-
-    /// Removes pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one side, not
-    /// its length.
-    fn thin(&self, waiting: &mut Vec<u32>, is_left: &mut [bool]) {
-        for _ in 0..MOST_LAYERS {
-            let before = waiting.len();
-            // From below, the right, above and the left. A band continues beyond the picture.
-            for side in [2, 0, 6, 4] {
-                self.take(waiting, is_left, |pixel, is_left| {
-                    let neighbour = self.beside(pixel, STEPS[side]);
-                    neighbour.is_some_and(|i| !is_left[i])
-                });
-            }
-            if waiting.len() == before {
-                break;
-            }
-        }
-    }
-
-    /// Removes, one after the other, those of the waiting pixels that currently can be removed and are not needed;
-    /// returns whether there were any.
-    fn take(
-        &self,
-        waiting: &mut Vec<u32>,
-        is_left: &mut [bool],
-        may_go: impl Fn(u32, &[bool]) -> bool,
-    ) -> bool {
-        let before = waiting.len();
-        let layer: Vec<bool> = waiting
-            .iter()
-            .map(|&pixel| may_go(pixel, is_left))
-            .collect();
-        let mut layer = layer.into_iter();
-        waiting.retain(|&pixel| {
-            let may_go = layer.next() == Some(true);
-            let goes = may_go && IS_SPARE[usize::from(self.neighbours(pixel, is_left))];
-            if goes {
-                is_left[pixel as usize] = false;
-            }
-            !goes
-        });
-        before > waiting.len()
     }
 
     /// The pixels by level, those with the least weight around them first.
@@ -189,8 +141,71 @@ impl Bands<'_> {
     }
 }
 
+/// What is left of bands that are being thinned.
+struct Left<'a> {
+    bands: &'a Bands<'a>,
+    /// Eight bits for every pixel of the picture, one per step: whether its neighbour is left.
+    around: Vec<u8>,
+}
+
+impl Left<'_> {
+    /// Adds or removes a pixel.
+    #[inline]
+    fn set(&mut self, pixel: u32, is_left: bool) {
+        for (i, there) in self.bands.all_beside(pixel).into_iter().enumerate() {
+            if let Some(there) = there {
+                let back = 1 << ((i + 4) % 8);
+                let around = &mut self.around[there];
+                *around = if is_left {
+                    *around | back
+                } else {
+                    *around & !back
+                };
+            }
+        }
+    }
+
+    /// Removes pixels layer by layer, from each of the four sides in turn: a line two pixels wide loses one side, not
+    /// its length.
+    fn thin(&mut self, waiting: &mut Vec<u32>) {
+        let bands = self.bands;
+        for _ in 0..MOST_LAYERS {
+            let before = waiting.len();
+            // From below, the right, above and the left. A band continues beyond the picture.
+            for side in [2, 0, 6, 4] {
+                self.take(waiting, |pixel, around| {
+                    around >> side & 1 == 0 && bands.beside(pixel, STEPS[side]).is_some()
+                });
+            }
+            if waiting.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// Removes, one after the other, those of the waiting pixels that currently can be removed and are not needed;
+    /// returns whether there were any. `may_go` is told a pixel and what is left around it.
+    fn take(&mut self, waiting: &mut Vec<u32>, may_go: impl Fn(u32, u8) -> bool) -> bool {
+        let before = waiting.len();
+        let layer = waiting
+            .iter()
+            .map(|&pixel| may_go(pixel, self.around[pixel as usize]));
+        let layer: Vec<bool> = layer.collect();
+        let mut layer = layer.into_iter();
+        waiting.retain(|&pixel| {
+            let may_go = layer.next() == Some(true);
+            let goes = may_go && IS_SPARE[usize::from(self.around[pixel as usize])];
+            if goes {
+                self.set(pixel, false);
+            }
+            !goes
+        });
+        before > waiting.len()
+    }
+}
+
 /// Bands at most this many pixels apart are one.
-const WIDEST_GAP: i32 = 2;
+const WIDEST_GAP: usize = 2;
 
 /// Levels of weight that are taken away one after the other.
 const LEVELS: usize = 4;

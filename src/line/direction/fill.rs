@@ -115,11 +115,14 @@ impl Field<'_> {
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
-                let pixels = mask.runs(y).flatten().map(|x| y * self.width + x);
-                pixels
-                    .filter(|&i| self.lacks(i))
-                    .map(|i| i as Pixel)
-                    .collect()
+                let (tx, ty) = (self.directions.x.row(y), self.directions.y.row(y));
+                let mut found = Vec::new();
+                for run in mask.runs(y) {
+                    let pixels = run.clone().zip(tx[run.clone()].iter().zip(&ty[run]));
+                    let lacking = pixels.filter(|(_, (tx, ty))| **tx == 0.0 && **ty == 0.0);
+                    found.extend(lacking.map(|(x, _)| (y * self.width + x) as Pixel));
+                }
+                found
             })
             .collect();
         rows.concat()

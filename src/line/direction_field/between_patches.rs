@@ -53,16 +53,18 @@ impl BetweenPatches<'_> {
             }
         }
         for (label, patch) in patches.enumerate() {
-            let around = self.around(patch).map(|[a, b]| {
-                let [a, b] = [a, b].map(|i| Vec2::from(self.doubled[i]));
-                0.5 * (a + b)
-            });
+            // Mapping arrays is not inlined.
+            let mut around = [Vec2::ZERO; 9];
+            for (mean, [a, b]) in around.iter_mut().zip(self.around(patch)) {
+                *mean = 0.5 * (Vec2::from(self.doubled[a]) + Vec2::from(self.doubled[b]));
+            }
             for (i, py) in ys.clone().enumerate() {
                 let v = grid.place(1, py);
-                let [left, here, right] = [0, 1, 2].map(|c| {
+                let between = |c: usize| {
                     let beside = if v < 0.0 { around[c] } else { around[c + 6] };
                     around[c + 3] + v.abs() * (beside - around[c + 3])
-                });
+                };
+                let (left, here, right) = (between(0), between(1), between(2));
                 let steps = [left - here, right - here];
                 if let Some(places) = grid.four_across().filter(|_| is_whole && xs.len() == 4) {
                     let of_four = |out: &mut [f32], here: f32, [left, right]: [f32; 2]| {
@@ -71,8 +73,8 @@ impl BetweenPatches<'_> {
                             *out = here + u.abs() * if k < 2 { left } else { right };
                         }
                     };
-                    of_four(x, here.x, steps.map(|step| step.x));
-                    of_four(y, here.y, steps.map(|step| step.y));
+                    of_four(x, here.x, [steps[0].x, steps[1].x]);
+                    of_four(y, here.y, [steps[0].y, steps[1].y]);
                     continue;
                 }
                 let pixels = x[i * width..][xs.clone()]

@@ -51,9 +51,8 @@ impl PatchChains {
     }
 
     /// The sums along every chain, in the order of the chains.
-    fn sums(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
-        let mut sums = vec![[0.0; 4]; values.len()];
-        let mut rest = &mut sums[..];
+    fn sum(&self, sums: &mut [Weighted], values: &[Weighted], reach: &[f32]) {
+        let mut rest = sums;
         let mut parts = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
             let length = task.iter().map(Range::len).sum();
@@ -77,7 +76,6 @@ impl PatchChains {
                 }
             },
         );
-        sums
     }
 }
 
@@ -96,25 +94,26 @@ impl CrossKernel {
         Self { across, down }
     }
 
-    /// The means of `values` around each patch, along both axes up to `reach`, in patches.
-    pub(crate) fn mean(&self, values: &[Weighted], reach: &[f32]) -> Vec<Weighted> {
-        let (across, down) = rayon::join(
-            || self.across.sums(values, reach),
-            || self.down.sums(values, reach),
-        );
-        let mean = |i: usize| {
-            let (a, b) = (
-                &across[self.across.place[i] as usize],
-                &down[self.down.place[i] as usize],
+    /// Replaces values by their means around each patch, along both axes up to `reach`, in patches: pass after pass.
+    pub(crate) fn average(&self, values: &mut [Weighted], reach: &[f32], passes: u32) {
+        let [mut across, mut down] = [(); 2].map(|()| vec![[0.0; 4]; values.len()]);
+        for _ in 0..passes {
+            rayon::join(
+                || self.across.sum(&mut across, values, reach),
+                || self.down.sum(&mut down, values, reach),
             );
-            // The patch itself is in both.
-            let weights = a[3] + b[3] - 1.0;
-            std::array::from_fn(|c| (a[c] + b[c] - values[i][c]) / weights)
-        };
-        (0..values.len())
-            .into_par_iter()
-            .with_min_len(PATCHES_PER_TASK)
-            .map(mean)
-            .collect()
+            let mean = |(i, value): (usize, &mut Weighted)| {
+                let a = &across[self.across.place[i] as usize];
+                let b = &down[self.down.place[i] as usize];
+                // The patch itself is in both.
+                let weights = a[3] + b[3] - 1.0;
+                *value = std::array::from_fn(|c| (a[c] + b[c] - value[c]) / weights);
+            };
+            values
+                .par_iter_mut()
+                .with_min_len(PATCHES_PER_TASK)
+                .enumerate()
+                .for_each(mean);
+        }
     }
 }

@@ -119,12 +119,14 @@ impl<'a> Field<'a> {
     /// The curvature of every patch, averaged nearby.
     fn forms(&self, cross: &CrossKernel) -> Vec<Weighted> {
         let all = &self.patches.all;
-        let forms: Vec<Weighted> = (0..all.len())
+        let mut forms: Vec<Weighted> = (0..all.len())
             .into_par_iter()
             .with_min_len(PATCHES_PER_TASK)
             .map(|i| self.form(i).unwrap_or(NO_FORM))
             .collect();
-        cross.mean(&forms, &vec![FORM_REACH * self.setting.cells; all.len()])
+        let reach = vec![FORM_REACH * self.setting.cells; all.len()];
+        cross.average(&mut forms, &reach, 1);
+        forms
     }
 
     /// The tensor of curvature of a patch, per pixel, from the patches around it.
@@ -197,17 +199,13 @@ impl<'a> Field<'a> {
         cross: &CrossKernel,
         reach: &[f32],
     ) -> Vec<[f32; 2]> {
-        for _ in 0..self.params.passes {
-            found = cross.mean(&found, reach);
-        }
+        cross.average(&mut found, reach, self.params.passes);
         if self.params.passes == 0 {
             return found.iter().map(|&[x, y, ..]| [x, y]).collect();
         }
         let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
-        let mut around = cross.mean(&found, &wide);
-        for _ in 1..SURROUNDING_PASSES {
-            around = cross.mean(&around, &wide);
-        }
+        let mut around = found.clone();
+        cross.average(&mut around, &wide, SURROUNDING_PASSES);
         let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
         pairs.map(|(&own, &around)| calm(own, around)).collect()
     }

@@ -115,7 +115,7 @@ impl Patches {
     pub(crate) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {
         let grid = Grid::new(frame, cell_px);
         let width = grid.size[0];
-        let mut labels = vec![NO_PATCH; frame.mask.plane().samples().len()];
+        let mut labels = vec![0; frame.mask.plane().samples().len()];
         let found: Vec<(Vec<u32>, Vec<Patch>)> = grid
             .bands(&mut labels)
             .into_par_iter()
@@ -247,15 +247,15 @@ struct RowOfCells<'a> {
 }
 
 impl RowOfCells<'_> {
-    /// Labels the pixels; returns the number of patches of each cell, and the patches.
+    /// Labels the pixels, all 0 so far; returns the number of patches of each cell, and the patches.
     fn find(&self, labels: &mut [u8]) -> (Vec<u32>, Vec<Patch>) {
         let width = self.grid.size[0];
         let ys = self.grid.y_pixels(self.row);
         let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
-        let least = self.least_conductance(&ys);
-        labels.fill(0);
+        let least = self.conductance_across(&ys, f32::min);
+        let most = self.conductance_across(&ys, f32::max);
         for column in 0..self.grid.columns {
             let xs = self.grid.x_pixels(column);
             let size = xs.len() * ys.len();
@@ -263,6 +263,13 @@ impl RowOfCells<'_> {
             if is_open && size == self.grid.cell_px.pow(2) {
                 counts.push(1);
                 patches.push(self.whole(&xs, &ys));
+                continue;
+            }
+            if most[xs.clone()].iter().all(|&c| c <= OPEN) {
+                counts.push(0);
+                for row in labels.chunks_mut(width) {
+                    row[xs.clone()].fill(NO_PATCH);
+                }
                 continue;
             }
             let (open, own) = (&mut open[..size], &mut own[..size]);
@@ -283,15 +290,15 @@ impl RowOfCells<'_> {
         (counts, patches)
     }
 
-    /// The least conductance of each column of pixels within the row of cells.
-    fn least_conductance(&self, ys: &Range<usize>) -> Vec<f32> {
-        let mut least = self.conductance.row(ys.start).to_vec();
+    /// The least or the most conductance of each column of pixels within the row of cells.
+    fn conductance_across(&self, ys: &Range<usize>, fold: impl Fn(f32, f32) -> f32) -> Vec<f32> {
+        let mut folded = self.conductance.row(ys.start).to_vec();
         for y in ys.clone().skip(1) {
-            for (least, &c) in least.iter_mut().zip(self.conductance.row(y)) {
-                *least = least.min(c);
+            for (folded, &c) in folded.iter_mut().zip(self.conductance.row(y)) {
+                *folded = fold(*folded, c);
             }
         }
-        least
+        folded
     }
 
     /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would be below the surface.
@@ -340,16 +347,12 @@ struct Middle {
 
 impl Middle {
     fn add(&mut self, frame: &Frame, x: usize, y: usize) {
+        let i = y * frame.mask.width() + x;
+        let sample = |plane: &Plane| f64::from(plane.samples()[i]);
         let n = &frame.normal;
-        self.normal += DVec3::new(
-            n.x.at(x, y).into(),
-            n.y.at(x, y).into(),
-            n.z.at(x, y).into(),
-        );
+        self.normal += DVec3::new(sample(&n.x), sample(&n.y), sample(&n.z));
         self.at += DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        if let Some(depth) = &frame.depth {
-            self.depth += f64::from(depth.at(x, y));
-        }
+        self.depth += frame.depth.as_ref().map_or(0.0, sample);
         self.count += 1.0;
     }
 

@@ -170,12 +170,10 @@ pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Ve
     {
         return None;
     }
-    let (here, ahead, behind) = (
-        plane.at(x, y),
-        sampled(plane, x, y, along),
-        sampled(plane, x, y, -along),
-    );
-    if !(here >= ahead && here > behind) {
+    let here = plane.at(x, y);
+    let lower = |along: Vec2| Some(sampled(plane, x, y, along)).filter(|there| here >= *there);
+    let (ahead, behind) = (lower(along)?, lower(-along)?);
+    if here == behind {
         return None;
     }
     // The top of the parabola through all three.
@@ -198,7 +196,10 @@ fn sampled(plane: &Plane, x: usize, y: usize, offset: Vec2) -> f32 {
         (top + 1).min(plane.height() - 1),
     );
     let part = at - Vec2::new(left as f32, top as f32);
-    let row = |y: usize| (1.0 - part.x) * plane.at(left, y) + part.x * plane.at(right, y);
+    let row = |y: usize| {
+        let row = plane.row(y);
+        (1.0 - part.x) * row[left] + part.x * row[right]
+    };
     (1.0 - part.y) * row(top) + part.y * row(bottom)
 }
 

@@ -21,9 +21,14 @@ impl Turning {
     #[inline]
     fn between(rows: [&[Vec3]; 3], x: usize) -> Self {
         let here = Vec3A::from(rows[1][x]);
-        let columns = [x.saturating_sub(1), x, (x + 1).min(rows[1].len() - 1)];
-        let there = |normal: Vec3A| if normal == Vec3A::ZERO { here } else { normal };
-        let [above, level, below] = rows.map(|row| columns.map(|x| there(row[x].into())));
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(rows[1].len() - 1));
+        let there = |normal: Vec3| {
+            let normal = Vec3A::from(normal);
+            if normal == Vec3A::ZERO { here } else { normal }
+        };
+        // Mapping arrays is not inlined.
+        let around = |row: &[Vec3]| [there(row[left]), there(row[x]), there(row[right])];
+        let (above, level, below) = (around(rows[0]), around(rows[1]), around(rows[2]));
         let smooth = |a: Vec3A, b: Vec3A, c: Vec3A| 0.25 * (a + c) + 0.5 * b;
         let column = |i: usize| smooth(above[i], level[i], below[i]);
         let row = |row: [Vec3A; 3]| smooth(row[0], row[1], row[2]);

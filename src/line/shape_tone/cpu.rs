@@ -80,7 +80,7 @@ pub(crate) fn densities(
     let seen = cells.seen(shown);
     let (density, levels) = cells.density(&seen, shown);
     let [pixels] = map_covered(mask, memory, |y| {
-        let row = cells.grid.row(&density, y, mask.width());
+        let row = cells.grid.row(&density, y, mask);
         move |x| [row[x]]
     });
     (pixels, levels)
@@ -97,7 +97,8 @@ fn luminances<'a>(shown: &Shown<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a
     });
     let alpha = shown.frame.alpha.as_ref().map(|alpha| alpha.row(y));
     move |x| {
-        let found = rows.map(|(rows, weights)| luminance(rows.map(|row| row[x]), weights));
+        // Mapping an array is not inlined.
+        let found = rows.map(|([r, g, b], weights)| luminance([r[x], g[x], b[x]], weights));
         let alpha = alpha.map_or(1.0, |row| row[x]);
         let found = found.map(|found| found / alpha.clamp(LEAST_ALPHA, 1.0));
         found.filter(|&found| found > 0.0).unwrap_or(0.0)
@@ -199,29 +200,26 @@ impl Cells<'_> {
             move |i| Vec3::new(x[i], y[i], z[i]).normalize_or_zero().to_array()
         });
         let [turn] = map_covered(mask, self.memory, |y| {
-            let around = [
-                y.checked_sub(1),
-                Some(y),
-                Some(y + 1).filter(|&y| y < mask.height()),
-            ];
-            let [above, own, below] = around.map(|y| {
-                let rows = units
+            let row = |y: Option<usize>| RowOfNormals {
+                covered: y.map_or(&[], |y| mask.row(y)),
+                normals: units
                     .each_ref()
-                    .map(|plane| y.map_or(&[][..], |y| plane.row(y)));
-                (y.map_or(&[][..], |y| mask.row(y)), rows)
-            });
+                    .map(|plane| y.map_or(&[][..], |y| plane.row(y))),
+            };
+            let (above, own) = (row(y.checked_sub(1)), row(Some(y)));
+            let below = row(Some(y + 1).filter(|&y| y < mask.height()));
             let open = open.row(y);
             move |x| {
-                let here = Vec3::from(own.1.map(|row| row[x]));
-                let [left, right] = [x.checked_sub(1), Some(x + 1)].map(|x| normal_at(&own, x?));
-                let across = slope(left, here, right);
-                let down = slope(normal_at(&above, x), here, normal_at(&below, x));
+                let here = own.normal(x);
+                let across = slope(own.covered(x.wrapping_sub(1)), here, own.covered(x + 1));
+                let down = slope(above.covered(x), here, below.covered(x));
                 let (a, b, c) = (
                     across.length_squared(),
                     across.dot(down),
                     down.length_squared(),
                 );
-                let largest = 0.5 * (a + c) + (0.5 * (a - c)).hypot(b);
+                let half = 0.5 * (a - c);
+                let largest = 0.5 * (a + c) + (half * half + b * b).sqrt();
                 // Across an edge nothing turns.
                 [open[x] * largest.sqrt() * self.size]
             }
@@ -300,9 +298,9 @@ impl Cells<'_> {
         let sigma = coarse.size * AROUND_SHARE;
         let found = coarse.spread(Vector2Planes { x: mean, y: square }, &open, sigma);
         let [around, contrast] = map_covered(mask, self.memory, |y| {
-            let rows = [&found.x, &found.y].map(|plane| coarse.grid.row(plane, y, mask.width()));
+            let [mean, square] = [&found.x, &found.y].map(|plane| coarse.grid.row(plane, y, mask));
             move |x| {
-                let [mean, square] = rows.each_ref().map(|row| row[x]);
+                let (mean, square) = (mean[x], square[x]);
                 [mean, (square - mean * mean).max(0.0).sqrt()]
             }
         });
@@ -323,7 +321,7 @@ impl Cells<'_> {
             .spread(Vector2Planes { x: turn, y: zero }, &open, sigma)
             .x;
         let [active] = map_covered(mask, self.memory, |y| {
-            let turn = coarse.grid.row(&found, y, mask.width());
+            let turn = coarse.grid.row(&found, y, mask);
             move |x| [activity(turn[x])]
         });
         active
@@ -355,10 +353,24 @@ impl Cells<'_> {
     }
 }
 
-/// The normal at a column of a row with its coverage, if covered.
-#[inline(always)]
-fn normal_at((covered, [nx, ny, nz]): &(&[bool], [&[f32]; 3]), x: usize) -> Option<Vec3> {
-    (*covered.get(x)?).then(|| Vec3::new(nx[x], ny[x], nz[x]))
+/// A row of normals with its coverage; empty beyond the picture.
+struct RowOfNormals<'a> {
+    covered: &'a [bool],
+    normals: [&'a [f32]; 3],
+}
+
+impl RowOfNormals<'_> {
+    #[inline(always)]
+    fn normal(&self, x: usize) -> Vec3 {
+        let [nx, ny, nz] = self.normals;
+        Vec3::new(nx[x], ny[x], nz[x])
+    }
+
+    /// The normal at a column, if that is covered.
+    #[inline(always)]
+    fn covered(&self, x: usize) -> Option<Vec3> {
+        (*self.covered.get(x)?).then(|| self.normal(x))
+    }
 }
 
 /// Half the difference between the cells on both sides, by what is covered of them.

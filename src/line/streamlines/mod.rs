@@ -85,15 +85,9 @@ impl Wanted<'_> {
 /// The sample of the pixel at a position.
 #[inline]
 fn sample(plane: &Plane, at: Vec2) -> Option<f32> {
-    number(plane, at).map(|i| plane.samples()[i])
-}
-
-/// The number of the pixel at a position, row by row.
-#[inline]
-fn number(plane: &Plane, at: Vec2) -> Option<usize> {
     let (x, y) = (at.x as usize, at.y as usize);
     let is_inside = at.x >= 0.0 && at.y >= 0.0 && x < plane.width() && y < plane.height();
-    is_inside.then(|| y * plane.width() + x)
+    is_inside.then(|| plane.samples()[y * plane.width() + x])
 }
 
 /// The greatest integer that is not above a coordinate.
@@ -373,21 +367,26 @@ impl Drawer<'_> {
         let corner = (at - 0.5).map(floor);
         let share = at - 0.5 - corner;
         let ink = self.wanted.ink;
-        let (tx, ty) = (self.field.x.samples(), self.field.y.samples());
+        let (left, top) = (corner.x as i32, corner.y as i32);
+        let across = [1.0 - share.x, 1.0 - (1.0 - share.x)];
+        let down = [1.0 - share.y, 1.0 - (1.0 - share.y)];
         let mut sum = Vec2::ZERO;
-        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let pixel = corner + Vec2::new(dx + 0.5, dy + 0.5);
-            let inked = number(ink, pixel).filter(|&i| ink.samples()[i] >= self.least_ink);
-            let Some(i) = inked else {
+        // Beyond the paper, numbers less than 0 become large ones.
+        for (y, down) in (top..).map(|y| y as usize).zip(down) {
+            if y >= ink.height() {
                 continue;
-            };
-            let t = Vec2::new(tx[i], -ty[i]);
-            let weight = (1.0 - (dx - share.x).abs()) * (1.0 - (dy - share.y).abs());
-            sum += if t.dot(ahead) < 0.0 {
-                -weight * t
-            } else {
-                weight * t
-            };
+            }
+            let (inks, tx, ty) = (ink.row(y), self.field.x.row(y), self.field.y.row(y));
+            for (x, across) in (left..).map(|x| x as usize).zip(across) {
+                let inked = inks.get(x).filter(|&&ink| ink >= self.least_ink);
+                if inked.is_none() {
+                    continue;
+                }
+                let t = Vec2::new(tx[x], -ty[x]);
+                let weight = across * down;
+                let weight = if t.dot(ahead) < 0.0 { -weight } else { weight };
+                sum += weight * t;
+            }
         }
         sum.try_normalize()
     }
