@@ -50,6 +50,8 @@ pub struct Loaded {
     pub camera_is_placed: bool,
     /// Whether the camera was recovered from layers instead of given.
     pub camera_is_recovered: bool,
+    /// Median distance of the surface, where its depth has been looked at.
+    pub(crate) distance: Option<f32>,
     /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
@@ -295,6 +297,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
+        distance: None,
         conventions: Conventions {
             normal_space: view.normals.space,
             normal_encoding: encoding,

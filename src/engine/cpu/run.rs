@@ -6,7 +6,7 @@ use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::slot::Slot;
 use crate::engine::watch::Watch;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;
 use crate::line::specular::map_directions::DirectionCache;
@@ -42,6 +42,8 @@ pub(crate) struct Run<'a> {
     pub(crate) undiffused: Option<Vector2Planes>,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<Vector2Planes>,
+    /// The normals, where the frame no longer has them: their memory is for what is made of them.
+    pub(crate) normals: Option<Vector3Planes>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
@@ -65,6 +67,7 @@ impl<'a> Run<'a> {
             outcome: Outcome::default(),
             undiffused: None,
             more_gradients: Vec::new(),
+            normals: None,
             trace: None,
             canvas: Canvas::default(),
         }

@@ -118,8 +118,7 @@ impl Run<'_> {
         stages: impl IntoIterator<Item = &'static Stage>,
     ) -> Result<()> {
         let plan = self.plan;
-        let planned = stages.into_iter();
-        for stage in planned.filter(|stage| plan.stages().contains(&stage.name)) {
+        for stage in stages.into_iter().filter(|stage| plan.has(stage)) {
             self.watch.check()?;
             (stage.cpu)(self);
         }
