@@ -107,7 +107,35 @@ impl Runner {
     }
 }
 
+/// The products of other stages that any of these takes.
+pub(crate) fn taken_by(
+    stages: impl IntoIterator<Item = &'static Stage>,
+    plan: &Plan,
+) -> Vec<Product> {
+    let stages = stages.into_iter();
+    stages.flat_map(|stage| (stage.takes)(plan)).collect()
+}
+
 impl Run<'_> {
+    /// [`Run::go_through`]; products of the shape are recycled after the last of the stages that takes them.
+    ///
+    /// # Errors
+    /// As [`Run::go_through`].
+    pub(crate) fn go_through_once(
+        &mut self,
+        stages: impl IntoIterator<Item = &'static Stage>,
+    ) -> Result<()> {
+        let plan = self.plan;
+        let planned = stages.into_iter().filter(|stage| plan.has(stage));
+        let planned: Vec<_> = planned.collect();
+        for i in 0..planned.len() {
+            let kept = taken_by(planned[i..].iter().copied(), plan);
+            self.memory.recycle(self.outcome.shape.take_others(&kept));
+            self.go_through([planned[i]])?;
+        }
+        Ok(())
+    }
+
     /// Runs those of the stages that are in the plan.
     ///
     /// # Errors

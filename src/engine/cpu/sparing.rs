@@ -2,6 +2,7 @@
 //! are computed in bands, and only what strokes need is kept.
 
 use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::cpu::runner::taken_by;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::{Strips, rows_of};
@@ -182,10 +183,11 @@ impl Runner {
         watch: Watch,
         rows: usize,
     ) -> Result<Outcome> {
-        // Bands are cut of what shape takes alone.
-        let (color, albedo) = (frame.color.take(), frame.albedo.take());
+        // No light is new, and bands are cut of what shape takes alone.
+        frame.albedo = None;
+        let (color, alpha) = (frame.color.take(), frame.alpha.take());
         let made = self.shape_in_bands(plan, frame, watch, rows);
-        (frame.color, frame.albedo) = (color, albedo);
+        (frame.color, frame.alpha) = (color, alpha);
         let mut run = Run {
             watch,
             outcome: made?,
@@ -211,7 +213,7 @@ impl Runner {
             },
             ..Run::new(self, plan, frame, inputs)
         };
-        run.go_through(DRAWING)?;
+        run.go_through_once(DRAWING)?;
         Ok(Outcome {
             shape: Shape::default(),
             ..run.outcome
@@ -230,21 +232,13 @@ impl Runner {
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
         let strips = Strips::of_rows(rows, frame.mask.height(), plan.reach());
+        let drawn = DRAWING.into_iter().filter(|stage| plan.has(stage));
+        let mut kept = taken_by(drawn, plan);
+        // For the gain, and for the light that is scaled.
+        kept.extend([Product::Trace, Product::Conductance]);
         let find = |band: &Frame, _: &Range<usize>| {
             let mut made = self.find_shape(&given, band, watch)?;
-            let shape = &mut made.shape;
-            let wanted = Shape {
-                silhouette: shape.silhouette.take(),
-                crease: shape.crease.take(),
-                conductance: shape.conductance.take(),
-                trace: shape.trace.take(),
-                ..Shape::default()
-            };
-            let rest = std::mem::replace(shape, wanted);
-            self.recycle(Outcome {
-                shape: rest,
-                ..Outcome::default()
-            });
+            self.memory.recycle(made.shape.take_others(&kept));
             Ok(made)
         };
         let made = strips.run(frame, find, |planes| self.memory.recycle(planes))?;
@@ -276,7 +270,12 @@ fn goes_in_bands(plan: &Plan) -> bool {
             && enhancement.magnitude > 0.0
             && enhancement.occlusion == 0.0
     });
-    scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
+    // Edges of cast shadows are found in the picture.
+    let interior = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
+    scales_picture
+        && interior.is_none_or(|lines| !lines.has_shadows())
+        && plan.specular.is_none()
+        && !plan.available.light.picture_is_occlusion
 }
 
 /// The luminance of the frame's scaled picture; consumes the picture.
@@ -317,7 +316,8 @@ mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes};
     use crate::light::lights::{DirectionalLight, Illumination};
-    use crate::params::{LineParams, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::params::{InteriorParams, LineParams, Method, RelightParams};
+    use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};
 
     /// Bumps of 20 pixels with a hole, under varying light.
@@ -401,6 +401,26 @@ mod tests {
     fn bands_draw_what_the_whole_draws_bit_for_bit() {
         for tone in [ToneFrom::Enhanced, ToneFrom::Shape(None)] {
             assert_bands_draw_the_whole(tone);
+        }
+    }
+
+    /// Such a drawing takes its picture to the end.
+    #[test]
+    fn edges_of_shadows_are_not_found_in_bands() {
+        let frame = bumps(30, 20);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let available = Available::in_frame(&frame);
+        for (shadow_share, in_bands) in [(0.0, true), (0.5, false)] {
+            let interior = InteriorParams {
+                shadow_share,
+                ..InteriorParams::default()
+            };
+            let params = LineParams {
+                interior: Some(interior),
+                ..LineParams::default()
+            };
+            let plan = Plan::hatch(available, shape, scaling, ToneFrom::Enhanced, params);
+            assert_eq!(goes_in_bands(&plan.unwrap()), in_bands);
         }
     }
 
