@@ -5,7 +5,7 @@ use super::photo::StoredPhoto;
 use std::path::Path;
 
 /// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured with 19 channels at 1920x1080,
-/// including the program: `enhance` 69, `shape` 73, `relight` 84, drawings 133; at 3840x2160: 46, 57, 64, 67. A strip
+/// including the program: `enhance` 69, `shape` 73, `relight` 84, drawings 133; at 3840x2160: 46, 57, 64, 63. A strip
 /// of `shape` holds all its layers at once: 98.
 const LEAST_PER_PIXEL: u64 = 100;
 

@@ -13,6 +13,7 @@ use crate::line::specular::map_directions::DirectionCache;
 use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
+use crate::product::Product;
 use std::time::Instant;
 
 /// Runs plans one after another. Recycled outcomes provide memory for the next ones, and the last prepared environment
@@ -38,6 +39,8 @@ pub(crate) struct Run<'a> {
     /// The cache of earlier runs of this frame, if there is one.
     pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
+    /// Products of the shape that nothing reads after this stage.
+    pub(crate) read_last: Vec<Product>,
     /// The gradient before diffusion.
     pub(crate) undiffused: Option<Vector2Planes>,
     /// The gradient at further scales.
@@ -65,6 +68,7 @@ impl<'a> Run<'a> {
             watch: Watch::default(),
             kept: None,
             outcome: Outcome::default(),
+            read_last: Vec::new(),
             undiffused: None,
             more_gradients: Vec::new(),
             normals: None,

@@ -8,6 +8,7 @@ use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction_field::cpu as direction_field;
+use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
 use crate::params::LineParams;
 use crate::plan::Plan;
@@ -70,12 +71,14 @@ impl Runner {
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
         let given = seen.as_ref().map(|seen| &seen.directions[..]);
         let (edges, _) = edges::edges_and_gradient(plan, drawn, memory);
+        let cell_px = params.field.cell_px as usize;
+        let patches = Patches::new(drawn, &edges.conductance, cell_px);
         direction_field::stroke_fields(
             plan,
             &params.field,
             params.directions,
             drawn,
-            &edges.conductance,
+            &patches,
             given,
             memory,
         )
@@ -128,10 +131,12 @@ impl Run<'_> {
         let plan = self.plan;
         let planned = stages.into_iter().filter(|stage| plan.has(stage));
         let planned: Vec<_> = planned.collect();
-        for i in 0..planned.len() {
-            let kept = taken_by(planned[i..].iter().copied(), plan);
-            self.memory.recycle(self.outcome.shape.take_others(&kept));
-            self.go_through([planned[i]])?;
+        for (i, stage) in planned.iter().enumerate() {
+            let later = taken_by(planned[i + 1..].iter().copied(), plan);
+            self.read_last = (stage.takes)(plan);
+            self.read_last.retain(|product| !later.contains(product));
+            self.go_through([*stage])?;
+            self.memory.recycle(self.outcome.shape.take_others(&later));
         }
         Ok(())
     }
