@@ -4,7 +4,7 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
-use crate::command::chosen::Chosen;
+use crate::command::chosen::{Chosen, look_at_depth};
 use crate::command::commands::EnhanceArgs;
 use crate::command::enhance::{dark_rims, idle_magnitudes, made};
 use crate::engine::cpu::Runner;
@@ -60,6 +60,7 @@ impl FrameCommand for EnhanceArgs {
         work.warnings(&loaded)
             .iter()
             .for_each(|text| job.warn(text));
+        look_at_depth(&mut loaded);
         let mut outcome =
             job.execute(engine, &plan, &mut loaded.frame, engine::Inputs::default())?;
         job.keep_picture_alone(engine, &mut outcome);

@@ -5,7 +5,7 @@ use super::job::{Done, Job};
 use super::message;
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
-use crate::command::chosen::Chosen;
+use crate::command::chosen::{Chosen, look_at_depth};
 use crate::command::enhance::dark_rims;
 use crate::command::output::MadePicture;
 use crate::command::relight::{illumination, light_or_lamp, lit, needs, specular_scene};
@@ -89,6 +89,7 @@ impl FrameCommand for RelightArgs {
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
         job.tell_plan(&plan)?;
+        look_at_depth(&mut loaded);
         let mut outcome = job.execute(&kit.engine, &plan, &mut loaded.frame, work.inputs())?;
         job.keep_picture_alone(&kit.engine, &mut outcome);
         job.work.mix(&loaded.frame, &mut outcome);

@@ -5,6 +5,7 @@ use super::role_args;
 use super::still_camera::{self, StillCamera};
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
+use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 use crate::params::{LineLevels, ToneLevels};
@@ -179,20 +180,27 @@ fn recovered(loaded: &Loaded) -> Option<(KnownCamera, f64)> {
     let known = loaded
         .known_camera()
         .filter(|_| loaded.camera_is_recovered)?;
-    let frame = &loaded.frame;
-    let depth = frame.depth.as_ref();
+    let middle = loaded.distance.or_else(|| distance(&loaded.frame));
+    Some((known, middle.unwrap_or(1.0).into()))
+}
+
+/// Finds out what is chosen by the depth of a frame, before a run that consumes it.
+pub(crate) fn look_at_depth(loaded: &mut Loaded) {
+    if loaded.camera_is_recovered {
+        loaded.distance = distance(&loaded.frame);
+    }
+}
+
+/// The median distance of a surface; `None` without depth.
+fn distance(frame: &Frame) -> Option<f32> {
+    let depth = frame.depth.as_ref()?;
     let mut distances: Vec<f32> = (0..frame.mask.height())
         .step_by(frame.mask.height().div_ceil(ROWS_FOR_DISTANCE).max(1))
-        .flat_map(|y| {
-            depth
-                .into_iter()
-                .flat_map(move |d| d.row(y).iter().copied())
-        })
+        .flat_map(|y| depth.row(y).iter().copied())
         .filter(|&distance| distance > 0.0)
         .collect();
     distances.sort_by(f32::total_cmp);
-    let middle = distances.get(distances.len() / 2).copied();
-    Some((known, middle.unwrap_or(1.0).into()))
+    distances.get(distances.len() / 2).copied()
 }
 
 /// `None` for a frame without a surface: it says nothing about its layers.

@@ -123,11 +123,12 @@ fn planes_of(color: &ColorPlanes) -> [&Plane; 3] {
 }
 
 /// The first step of `plan` that gives non-finite samples. Shape is recomputed: this is rare, and a device or a picture
-/// output does not hold it. Without normals it cannot be.
+/// output does not hold it. Without normals and depth it cannot be.
 fn stage(plan: &Plan, frame: &Frame, outcome: &Outcome) -> String {
     let by_shape = || {
-        (plan.wants_curvature() && !frame.normal.z.samples().is_empty())
-            .then(|| shape_step(plan, frame, outcome))
+        let is_there = !frame.normal.z.samples().is_empty()
+            && (frame.depth.is_some() || !plan.available.depth);
+        (plan.wants_curvature() && is_there).then(|| shape_step(plan, frame, outcome))
     };
     if let Some(step) = by_shape().flatten() {
         return step.name.into();

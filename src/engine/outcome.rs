@@ -42,6 +42,16 @@ macro_rules! shape_products {
                 }
             }
 
+            /// Takes out the planes of all products but those `kept`.
+            pub(crate) fn take_others(&mut self, kept: &[Product]) -> Vec<Plane> {
+                let mut taken = Vec::new();
+                $(if !kept.contains(&Product::$product) {
+                    let mut left = self.$field.take();
+                    taken.extend(left.planes_mut().into_iter().map(std::mem::take));
+                })*
+                taken
+            }
+
             /// The same of planes that `change` makes of these.
             fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
                 let scales = self.more_scales.iter();

@@ -4,9 +4,9 @@ use super::exr::{ExrFile, Limits};
 use super::photo::StoredPhoto;
 use std::path::Path;
 
-/// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured with 16 channels at 1920x1080,
-/// including the program: `enhance` 68, `shape` 72, `relight` 83, drawings 135; at 3840x2160: 52, 58, 72, 83. A strip of
-/// `shape` holds all its layers at once: 98.
+/// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured with 19 channels at 1920x1080,
+/// including the program: `enhance` 69, `shape` 73, `relight` 84, drawings 133; at 3840x2160: 46, 57, 64, 63. A strip
+/// of `shape` holds all its layers at once: 98.
 const LEAST_PER_PIXEL: u64 = 100;
 
 /// Bytes per pixel for a file without light passes, excluding its channels.

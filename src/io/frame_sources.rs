@@ -11,7 +11,7 @@ use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::{RoleSource, missing, read_rows};
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window};
 use std::rc::Rc;
 
 /// Silhouettes use one map: an occlusion map named explicitly makes depth unnecessary.
@@ -235,7 +235,7 @@ impl Planes {
     }
 
     /// A picture and its coverage, without samples that are not finite.
-    pub(super) fn color(&mut self, role: Role) -> (Option<ColorPlanes>, Option<Plane>) {
+    pub(super) fn color(&mut self, role: Role) -> (Option<RolePlanes>, Option<Plane>) {
         let Some(mut read) = self.take(role) else {
             return (None, None);
         };
@@ -246,7 +246,7 @@ impl Planes {
                 "{replaced} colour samples were not finite: NaN became 0, infinity 65504"
             ));
         }
-        (Some(read.into_color()), alpha)
+        (Some(read), alpha)
     }
 }
 

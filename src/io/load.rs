@@ -14,6 +14,7 @@ use super::notes::Notes;
 use super::objects;
 use super::opened::{Holding, Opened};
 use super::photo::PhotoMetadata;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::surface::SurfaceSamples;
@@ -23,8 +24,8 @@ use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window,
-    lift_out_of_fog, strength_of,
+    Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
+    strength_of,
 };
 use std::ops::Range;
 use std::rc::Rc;
@@ -49,6 +50,8 @@ pub struct Loaded {
     pub camera_is_placed: bool,
     /// Whether the camera was recovered from layers instead of given.
     pub camera_is_recovered: bool,
+    /// Median distance of the surface, where its depth has been looked at.
+    pub(crate) distance: Option<f32>,
     /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
@@ -245,7 +248,13 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         view,
     } = source.seen_surface(normal, &mut layers, needs, &mut notes)?;
 
-    let read = light.assemble(light_planes, layers.color.as_ref(), &mask);
+    // Pictures take the memory of positions, which nothing reads from here on.
+    let position = layers.position.take();
+    let mut spare = position.map_or_else(Vec::new, |Vector3Planes { x, y, z }| vec![x, y, z]);
+    let mut picture = |read: RolePlanes| read.into_color_in(&mut spare);
+    let (color, albedo) = (layers.color.map(&mut picture), layers.albedo.map(picture));
+    drop(spare);
+    let read = light.assemble(light_planes, color.as_ref(), &mask);
     notes.findings.extend(read.findings);
     notes.warnings.extend(read.warnings);
     let chromaticities = source.chromaticities(colorspace);
@@ -264,8 +273,8 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         importance: planes.scalar(Role::Importance),
         strength,
         stroke_fallback: objects::fallbacks(&inputs.object_angles, &main, data_window)?,
-        color: layers.color,
-        albedo: layers.albedo,
+        color,
+        albedo,
         alpha: layers.alpha,
         light: read.layers,
         camera: view.camera,
@@ -288,6 +297,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
+        distance: None,
         conventions: Conventions {
             normal_space: view.normals.space,
             normal_encoding: encoding,
@@ -319,9 +329,9 @@ fn settle_depth_kind(
 
 /// The layers that go into a frame beside its normals.
 struct Layers {
-    color: Option<ColorPlanes>,
+    color: Option<RolePlanes>,
     alpha: Option<Plane>,
-    albedo: Option<ColorPlanes>,
+    albedo: Option<RolePlanes>,
     depth: Option<Plane>,
     position: Option<Vector3Planes>,
     coverage: Option<Plane>,

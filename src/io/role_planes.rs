@@ -1,15 +1,24 @@
 //! The planes of one role as they were read.
 
 use super::borders::Borders;
+use super::exr::ReadSamples;
 use super::photo::StoredPhoto;
 use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::sanitise;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+use rayon::prelude::*;
+
+/// Samples converted by a task.
+const SAMPLES_PER_TASK: usize = 1 << 16;
 
 /// The planes of one role: one or three, and the coverage stored with them.
 pub(super) struct RolePlanes {
     pub(super) planes: Vec<Plane>,
+    /// Those of a picture in half floats, until it is needed.
+    halves: Vec<Plane<f16>>,
     pub(super) alpha: Option<Plane>,
     /// The pixels they hold.
     pub(super) window: Window,
@@ -25,6 +34,7 @@ impl RolePlanes {
         let alpha = photo.header.has_alpha().then(|| planes.pop()).flatten();
         Self {
             planes,
+            halves: Vec::new(),
             alpha,
             window,
             borders: None,
@@ -32,16 +42,42 @@ impl RolePlanes {
         }
     }
 
-    /// The planes of a layer of an EXR, its alpha last, each with whether all samples are finite.
-    pub(super) fn of_layer(layer: &Match, checked: Vec<(Plane, bool)>, window: Window) -> Self {
+    /// The planes of a layer of an EXR, its alpha last, in floats, each with whether all samples are finite.
+    pub(super) fn of_layer(
+        layer: &Match,
+        checked: Vec<(ReadSamples, bool)>,
+        window: Window,
+    ) -> Self {
         let is_finite = checked.iter().all(|(_, is_finite)| *is_finite);
-        let mut planes: Vec<Plane> = checked.into_iter().map(|(plane, _)| plane).collect();
+        let (mut planes, mut halves) = (Vec::new(), Vec::new());
+        for (samples, _) in checked {
+            match samples {
+                ReadSamples::Floats(plane) => planes.push(plane),
+                ReadSamples::Halves(plane) => halves.push(plane),
+            }
+        }
         Self {
             alpha: layer.alpha.and_then(|_| planes.pop()),
             planes,
+            halves,
             window,
             borders: None,
             is_finite,
+        }
+    }
+
+    /// Converts half floats, in memory of `spare` planes where it is of that size.
+    fn expand(&mut self, spare: &mut Vec<Plane>) {
+        for half in std::mem::take(&mut self.halves) {
+            let (width, height) = (half.width(), half.height());
+            let spare = spare.pop().map(Plane::into_samples);
+            let spare = spare.filter(|samples| samples.len() == width * height);
+            let mut samples = spare.unwrap_or_else(|| vec![0.0; width * height]);
+            let parts = samples.par_chunks_mut(SAMPLES_PER_TASK);
+            let parts = parts.zip(half.samples().par_chunks(SAMPLES_PER_TASK));
+            parts.for_each(|(to, from)| from.convert_to_f32_slice(to));
+            self.planes
+                .push(Plane::from_samples(width, height, samples));
         }
     }
 
@@ -60,6 +96,7 @@ impl RolePlanes {
     pub(super) fn decode(&mut self) {
         let decoded = |v: f32| srgb::decoded(v.into()) as f32;
         self.is_finite = false;
+        self.expand(&mut Vec::new());
         for plane in &mut self.planes {
             let samples = plane.samples_mut().iter_mut();
             match &self.alpha {
@@ -79,6 +116,7 @@ impl RolePlanes {
         if self.window == window {
             return;
         }
+        self.expand(&mut Vec::new());
         let outside = match role {
             Role::Normal | Role::Depth | Role::Position => f32::NAN,
             _ => 0.0,
@@ -96,12 +134,19 @@ impl RolePlanes {
     }
 
     /// One plane: the mean of three.
-    pub(super) fn into_scalar(self) -> Plane {
+    pub(super) fn into_scalar(mut self) -> Plane {
+        self.expand(&mut Vec::new());
         grey(self.planes)
     }
 
     /// A picture; one plane makes a grey one.
     pub(super) fn into_color(self) -> ColorPlanes {
+        self.into_color_in(&mut Vec::new())
+    }
+
+    /// The same, in memory of `spare` planes where half floats are converted.
+    pub(super) fn into_color_in(mut self, spare: &mut Vec<Plane>) -> ColorPlanes {
+        self.expand(spare);
         ColorPlanes::of(self.planes)
     }
 
@@ -111,6 +156,7 @@ impl RolePlanes {
             return 0;
         }
         self.is_finite = true;
+        self.expand(&mut Vec::new());
         let planes = self.planes.iter_mut().chain(&mut self.alpha);
         planes.map(sanitise).sum()
     }
@@ -125,4 +171,30 @@ fn grey(mut planes: Vec<Plane>) -> Plane {
     Plane::from_fn(r.width(), r.height(), |x, y| {
         (r.at(x, y) + g.at(x, y) + b.at(x, y)) / 3.0
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_of_halves_takes_the_memory_of_spare_planes_of_its_size() {
+        let half = |k: usize| Plane::from_fn(4, 3, |x, y| f16::from_f32((k + x + 5 * y) as f32));
+        let picture = || RolePlanes {
+            planes: Vec::new(),
+            halves: (0..3).map(half).collect(),
+            alpha: None,
+            window: Window::from_size(4, 3),
+            borders: None,
+            is_finite: true,
+        };
+        let expected = picture().into_color();
+        assert_eq!(expected.at(2, 1), [7.0, 8.0, 9.0]);
+        let mut spare = vec![Plane::filled(2, 2, 9.0), Plane::filled(4, 3, 9.0)];
+        let memory = spare[1].samples().as_ptr();
+        let found = picture().into_color_in(&mut spare);
+        assert_eq!(found, expected);
+        assert_eq!(found.r.samples().as_ptr(), memory);
+        assert!(spare.is_empty());
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::borders::Borders;
 use super::colorspace::ColorSpace;
-use super::exr::{ChannelId, SampleType};
+use super::exr::{ChannelId, SampleType, Wanted};
 use super::inputs::{NONE, Wrap};
 use super::names::{self, Hint};
 use super::opened::Opened;
@@ -315,16 +315,24 @@ impl RoleSource {
         }
     }
 
-    fn channel_ids(&self) -> Vec<ChannelId> {
+    /// Its channels, its alpha last. A picture of half floats is held as such until it is needed.
+    fn wanted(&self) -> Vec<Wanted> {
         let Some(layer) = &self.layer else {
             return Vec::new();
         };
-        let channels = layer.channels.iter().chain(&layer.alpha);
+        let wanted = |stays_half: bool| {
+            move |&channel: &usize| Wanted {
+                id: ChannelId {
+                    part: layer.part,
+                    channel,
+                },
+                stays_half,
+            }
+        };
+        let stays_half = self.role.is_color() && self.is_half();
+        let channels = layer.channels.iter().map(wanted(stays_half));
         channels
-            .map(|&channel| ChannelId {
-                part: layer.part,
-                channel,
-            })
+            .chain(layer.alpha.iter().map(wanted(false)))
             .collect()
     }
 }
@@ -416,11 +424,11 @@ pub(super) fn read_rows(
         };
         match file.as_ref() {
             Opened::Exr { file, .. } => {
-                let ids = together.iter().flat_map(|&i| sources[i].channel_ids());
-                let ids: Vec<_> = ids.collect();
+                let wanted = together.iter().flat_map(|&i| sources[i].wanted());
+                let wanted: Vec<_> = wanted.collect();
                 let row = |y: i32| (y - stored.y0) as usize;
                 let rows = (window != stored).then(|| row(window.y0)..row(window.y1));
-                let mut read = file.read_checked(&ids, rows)?.into_iter();
+                let mut read = file.read_checked(&wanted, rows)?.into_iter();
                 for &i in &together {
                     planes[i] = sources[i].layer.as_ref().map(|layer| {
                         let count = layer.channels.len() + usize::from(layer.alpha.is_some());

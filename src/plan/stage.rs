@@ -25,6 +25,8 @@ pub(crate) struct Stage {
     pub(crate) by_rows: bool,
     /// Whether it reads the normals of the frame.
     pub(crate) reads_normals: bool,
+    /// Whether one that does reads the depth of the frame too.
+    pub(crate) reads_depth: fn(&Plan) -> bool,
     /// A key of the parameters its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
@@ -50,6 +52,7 @@ impl Stage {
         reach_px: |_| 0,
         by_rows: false,
         reads_normals: true,
+        reads_depth: |_| true,
         depends_on: |_| String::new(),
         cpu: |_| (),
         #[cfg(feature = "gpu")]
@@ -93,6 +96,11 @@ impl Verdict {
 }
 
 impl Plan {
+    /// Whether a stage is one of those that run.
+    pub(crate) fn has(&self, stage: &Stage) -> bool {
+        self.stages().contains(&stage.name)
+    }
+
     /// Verdict on a dropped step that finds or uses shape: the reason why no shape is needed, if so, else `why`.
     pub(crate) fn left_out(&self, why: impl Into<String>) -> Verdict {
         Verdict::LeftOut(self.no_shape.map_or_else(|| why.into(), String::from))

@@ -11,7 +11,8 @@ use crate::params::ScalingParams;
 /// The albedo estimated from a frame's picture.
 pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
     let (weights, memory) = (frame.luminance_weights(), Memory::default());
-    albedo::by_estimate(frame, &albedo::estimate(frame, weights, &memory), &memory)
+    let found = albedo::estimate(frame, &frame.normal, weights, &memory);
+    albedo::by_estimate(frame, &found, &memory)
 }
 
 /// The white levels of the terms of a frame's light.

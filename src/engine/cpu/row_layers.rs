@@ -53,7 +53,7 @@ impl Runner {
         } = self.after_edges(plan, frame, inputs, watch)?;
         let (rest, whole): (Vec<_>, Vec<_>) = stages()
             .skip(1)
-            .filter(|stage| plan.stages().contains(&stage.name))
+            .filter(|stage| plan.has(stage))
             .partition(|stage| stage.by_rows && goes_by_rows(plan));
         let memory = &self.memory.for_run(watch.token());
         let mut run = Run {

@@ -6,13 +6,14 @@ use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::slot::Slot;
 use crate::engine::watch::Watch;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;
 use crate::line::specular::map_directions::DirectionCache;
 use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
+use crate::product::Product;
 use std::time::Instant;
 
 /// Runs plans one after another. Recycled outcomes provide memory for the next ones, and the last prepared environment
@@ -38,10 +39,14 @@ pub(crate) struct Run<'a> {
     /// The cache of earlier runs of this frame, if there is one.
     pub(crate) kept: Option<&'a mut FrameCache>,
     pub(crate) outcome: Outcome,
+    /// Products of the shape that nothing reads after this stage.
+    pub(crate) read_last: Vec<Product>,
     /// The gradient before diffusion.
     pub(crate) undiffused: Option<Vector2Planes>,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<Vector2Planes>,
+    /// The normals, where the frame no longer has them: their memory is for what is made of them.
+    pub(crate) normals: Option<Vector3Planes>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
@@ -63,8 +68,10 @@ impl<'a> Run<'a> {
             watch: Watch::default(),
             kept: None,
             outcome: Outcome::default(),
+            read_last: Vec::new(),
             undiffused: None,
             more_gradients: Vec::new(),
+            normals: None,
             trace: None,
             canvas: Canvas::default(),
         }

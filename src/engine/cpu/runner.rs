@@ -8,6 +8,7 @@ use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction_field::cpu as direction_field;
+use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
 use crate::params::LineParams;
 use crate::plan::Plan;
@@ -70,12 +71,14 @@ impl Runner {
         let drawn = seen.as_ref().map_or(frame, |seen| &seen.frame);
         let given = seen.as_ref().map(|seen| &seen.directions[..]);
         let (edges, _) = edges::edges_and_gradient(plan, drawn, memory);
+        let cell_px = params.field.cell_px as usize;
+        let patches = Patches::new(drawn, &edges.conductance, cell_px);
         direction_field::stroke_fields(
             plan,
             &params.field,
             params.directions,
             drawn,
-            &edges.conductance,
+            &patches,
             given,
             memory,
         )
@@ -107,7 +110,37 @@ impl Runner {
     }
 }
 
+/// The products of other stages that any of these takes.
+pub(crate) fn taken_by(
+    stages: impl IntoIterator<Item = &'static Stage>,
+    plan: &Plan,
+) -> Vec<Product> {
+    let stages = stages.into_iter();
+    stages.flat_map(|stage| (stage.takes)(plan)).collect()
+}
+
 impl Run<'_> {
+    /// [`Run::go_through`]; products of the shape are recycled after the last of the stages that takes them.
+    ///
+    /// # Errors
+    /// As [`Run::go_through`].
+    pub(crate) fn go_through_once(
+        &mut self,
+        stages: impl IntoIterator<Item = &'static Stage>,
+    ) -> Result<()> {
+        let plan = self.plan;
+        let planned = stages.into_iter().filter(|stage| plan.has(stage));
+        let planned: Vec<_> = planned.collect();
+        for (i, stage) in planned.iter().enumerate() {
+            let later = taken_by(planned[i + 1..].iter().copied(), plan);
+            self.read_last = (stage.takes)(plan);
+            self.read_last.retain(|product| !later.contains(product));
+            self.go_through([*stage])?;
+            self.memory.recycle(self.outcome.shape.take_others(&later));
+        }
+        Ok(())
+    }
+
     /// Runs those of the stages that are in the plan.
     ///
     /// # Errors
@@ -118,8 +151,7 @@ impl Run<'_> {
         stages: impl IntoIterator<Item = &'static Stage>,
     ) -> Result<()> {
         let plan = self.plan;
-        let planned = stages.into_iter();
-        for stage in planned.filter(|stage| plan.stages().contains(&stage.name)) {
+        for stage in stages.into_iter().filter(|stage| plan.has(stage)) {
             self.watch.check()?;
             (stage.cpu)(self);
         }

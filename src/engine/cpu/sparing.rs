@@ -2,6 +2,7 @@
 //! are computed in bands, and only what strokes need is kept.
 
 use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::cpu::runner::taken_by;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::{Strips, rows_of};
@@ -18,6 +19,7 @@ use crate::plan::Plan;
 use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
 use crate::product::Product;
 use crate::shape::auto_levels::stage::choose_gain;
+use crate::shape::edges::cpu::edges_in_place;
 use std::ops::Range;
 
 /// Number of pixels above which memory counts more than what the frame still holds.
@@ -33,9 +35,9 @@ pub(crate) struct Begun {
 }
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes the normals of a large
-    /// frame. A large frame drawn in its own light takes half the memory: its picture is consumed, and the outcome holds
-    /// the drawing and the automatic choices, not the shape.
+    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes normals and depth of a
+    /// large frame. A large frame drawn in its own light takes half the memory: its picture is consumed, and the outcome
+    /// holds the drawing and the automatic choices, not the shape.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -56,8 +58,8 @@ impl Runner {
         self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
     }
 
-    /// The picture; without edges and slopes, once no curvature is computed from them, and of a large frame without
-    /// normals, once no stage reads them.
+    /// The picture; without edges and slopes, once no curvature is computed from them. Normals and depth of a large frame
+    /// make room for what is made of them, once no other stage reads them.
     fn make_picture(
         &self,
         plan: &Plan,
@@ -68,14 +70,19 @@ impl Runner {
     ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
         let memory = &self.memory.for_run(watch.token());
+        let is_large = is_larger(frame, large);
+        let later = SHAPE[1..].iter().chain(&PICTURE);
+        let readers = later.filter(|stage| plan.has(stage) && stage.reads_normals);
+        let readers: Vec<_> = readers.collect();
         let Begun {
             outcome,
             undiffused,
-        } = self.after_edges(plan, frame, inputs, watch)?;
-        let later = SHAPE[1..].iter().chain(&PICTURE);
-        let mut later = later.filter(|stage| plan.stages().contains(&stage.name));
-        if is_larger(frame, large) && !later.any(|stage| stage.reads_normals) {
-            frame.normal = Vector3Planes::of(vec![Plane::default()]);
+        } = match is_large && readers.is_empty() && plan.has(SHAPE[0]) {
+            true => self.edges_of_normals(plan, frame, inputs, watch)?,
+            false => self.after_edges(plan, frame, inputs, watch)?,
+        };
+        if is_large && !readers.iter().any(|stage| (stage.reads_depth)(plan)) {
+            memory.recycle(frame.depth.take());
         }
         let mut run = Run {
             memory,
@@ -100,8 +107,45 @@ impl Runner {
             // The gain alone took it.
             memory.recycle(shape.trace.take());
         }
+        let outcome = run.outcome;
+        // Nothing but relighting makes a picture there.
+        let relights = plan.relighting.as_ref().is_some_and(|lit| !lit.traced);
+        let normals = (is_large && relights).then(|| take_normals(frame));
+        let mut run = Run {
+            memory,
+            watch,
+            outcome,
+            normals,
+            ..Run::new(self, plan, frame, inputs)
+        };
         run.go_through(PICTURE)?;
         Ok(run.outcome)
+    }
+
+    /// Runs the first stage of shape in the memory of the frame's normals, which it consumes.
+    fn edges_of_normals(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Begun> {
+        watch.check()?;
+        let normal = take_normals(frame);
+        let lengths = frame.normal_length.take();
+        let memory = &self.memory.for_run(watch.token());
+        let mut run = Run {
+            watch,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        let (edges, gradient) = run.timed(SHAPE[0].name, || {
+            edges_in_place(plan, frame, normal, lengths, memory)
+        });
+        run.outcome.shape.conductance = Some(edges.conductance);
+        Ok(Begun {
+            outcome: run.outcome,
+            undiffused: Some(gradient),
+        })
     }
 
     /// Runs the first stage of shape, the only one that reads the lengths of the normals. Large frames lose them, unless
@@ -123,7 +167,7 @@ impl Runner {
         let (outcome, undiffused) = (run.outcome, run.undiffused);
         let traces = plan.relighting.as_ref().is_some_and(|lit| lit.traced);
         if is_larger(frame, LARGE) && !traces {
-            frame.normal_length = None;
+            memory.recycle(frame.normal_length.take());
         }
         Ok(Begun {
             outcome,
@@ -139,10 +183,11 @@ impl Runner {
         watch: Watch,
         rows: usize,
     ) -> Result<Outcome> {
-        // Bands are cut of what shape takes alone.
-        let (color, albedo) = (frame.color.take(), frame.albedo.take());
+        // No light is new, and bands are cut of what shape takes alone.
+        frame.albedo = None;
+        let (color, alpha) = (frame.color.take(), frame.alpha.take());
         let made = self.shape_in_bands(plan, frame, watch, rows);
-        (frame.color, frame.albedo) = (color, albedo);
+        (frame.color, frame.alpha) = (color, alpha);
         let mut run = Run {
             watch,
             outcome: made?,
@@ -168,7 +213,7 @@ impl Runner {
             },
             ..Run::new(self, plan, frame, inputs)
         };
-        run.go_through(DRAWING)?;
+        run.go_through_once(DRAWING)?;
         Ok(Outcome {
             shape: Shape::default(),
             ..run.outcome
@@ -187,26 +232,24 @@ impl Runner {
         let mut given = plan.clone();
         given.scaling.curvature_gain = Adaptive::Fixed(1.0);
         let strips = Strips::of_rows(rows, frame.mask.height(), plan.reach());
+        let drawn = DRAWING.into_iter().filter(|stage| plan.has(stage));
+        let mut kept = taken_by(drawn, plan);
+        // For the gain, and for the light that is scaled.
+        kept.extend([Product::Trace, Product::Conductance]);
         let find = |band: &Frame, _: &Range<usize>| {
             let mut made = self.find_shape(&given, band, watch)?;
-            let shape = &mut made.shape;
-            let wanted = Shape {
-                silhouette: shape.silhouette.take(),
-                crease: shape.crease.take(),
-                conductance: shape.conductance.take(),
-                trace: shape.trace.take(),
-                ..Shape::default()
-            };
-            let rest = std::mem::replace(shape, wanted);
-            self.recycle(Outcome {
-                shape: rest,
-                ..Outcome::default()
-            });
+            self.memory.recycle(made.shape.take_others(&kept));
             Ok(made)
         };
         let made = strips.run(frame, find, |planes| self.memory.recycle(planes))?;
         Ok(Outcome { gain: None, ..made })
     }
+}
+
+/// The normals of a frame, which is left with none.
+fn take_normals(frame: &mut Frame) -> Vector3Planes {
+    let none = Vector3Planes::of(vec![Plane::default()]);
+    std::mem::replace(&mut frame.normal, none)
 }
 
 /// Whether a frame has more than so many pixels.
@@ -227,7 +270,12 @@ fn goes_in_bands(plan: &Plan) -> bool {
             && enhancement.magnitude > 0.0
             && enhancement.occlusion == 0.0
     });
-    scales_picture && plan.specular.is_none() && !plan.available.light.picture_is_occlusion
+    // Edges of cast shadows are found in the picture.
+    let interior = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
+    scales_picture
+        && interior.is_none_or(|lines| !lines.has_shadows())
+        && plan.specular.is_none()
+        && !plan.available.light.picture_is_occlusion
 }
 
 /// The luminance of the frame's scaled picture; consumes the picture.
@@ -268,7 +316,8 @@ mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes};
     use crate::light::lights::{DirectionalLight, Illumination};
-    use crate::params::{LineParams, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::params::{InteriorParams, LineParams, Method, RelightParams};
+    use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};
 
     /// Bumps of 20 pixels with a hole, under varying light.
@@ -323,7 +372,10 @@ mod tests {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         // Scaling takes the trace that the gain was chosen from, warping the Hessian.
         for (method, has_slopes) in [(Method::Scale, false), (Method::Warp, true)] {
-            let mut frame = bumps(90, 60);
+            let frame = Frame {
+                depth: Some(Plane::filled(90, 60, 3.0)),
+                ..bumps(90, 60)
+            };
             let params = RelightParams {
                 method,
                 ..RelightParams::default()
@@ -332,11 +384,16 @@ mod tests {
             let plan = Plan::relight(available, shape, scaling, params, kinds).unwrap();
             let (runner, inputs) = (Runner::default(), Inputs::lit_by(&light));
             let whole = runner.execute(&plan, &frame, inputs).unwrap();
-            let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
-            let made = made.unwrap();
-            assert_eq!(made.color, whole.color);
-            assert_eq!(made.shape.gradient.is_some(), has_slopes, "{method:?}");
             assert!(whole.shape.gradient.is_some());
+            for large in [usize::MAX, 0] {
+                let mut used = frame.clone();
+                let made = runner.make_picture(&plan, &mut used, inputs, Watch::default(), large);
+                let made = made.unwrap();
+                assert_eq!(made.color, whole.color);
+                assert_eq!(made.shape.gradient.is_some(), has_slopes, "{method:?}");
+                assert_eq!(used.depth.is_none(), large == 0);
+                assert_eq!(used.normal.z.samples().is_empty(), large == 0);
+            }
         }
     }
 
@@ -344,6 +401,26 @@ mod tests {
     fn bands_draw_what_the_whole_draws_bit_for_bit() {
         for tone in [ToneFrom::Enhanced, ToneFrom::Shape(None)] {
             assert_bands_draw_the_whole(tone);
+        }
+    }
+
+    /// Such a drawing takes its picture to the end.
+    #[test]
+    fn edges_of_shadows_are_not_found_in_bands() {
+        let frame = bumps(30, 20);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let available = Available::in_frame(&frame);
+        for (shadow_share, in_bands) in [(0.0, true), (0.5, false)] {
+            let interior = InteriorParams {
+                shadow_share,
+                ..InteriorParams::default()
+            };
+            let params = LineParams {
+                interior: Some(interior),
+                ..LineParams::default()
+            };
+            let plan = Plan::hatch(available, shape, scaling, ToneFrom::Enhanced, params);
+            assert_eq!(goes_in_bands(&plan.unwrap()), in_bands);
         }
     }
 

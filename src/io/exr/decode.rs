@@ -105,19 +105,82 @@ pub(super) enum Block {
 /// The rows of a plane that a channel is read to.
 pub(super) struct Target<'t> {
     pub(super) slot: Slot,
-    /// As wide as the picture.
-    pub(super) samples: &'t mut [f32],
+    pub(super) samples: TargetSamples<'t>,
     /// Becomes true with a sample that is not finite.
     pub(super) is_broken: &'t AtomicBool,
 }
 
+/// Rows as wide as the picture.
+pub(super) enum TargetSamples<'t> {
+    Floats(&'t mut [f32]),
+    /// Of a channel of half floats.
+    Halves(&'t mut [f16]),
+}
+
+impl<'t> TargetSamples<'t> {
+    /// Splits off the first `count` samples.
+    fn split_off(&mut self, count: usize) -> Self {
+        fn split<'t, T>(samples: &mut &'t mut [T], count: usize) -> &'t mut [T] {
+            let (top, rest) = std::mem::take(samples).split_at_mut(count);
+            *samples = rest;
+            top
+        }
+        match self {
+            Self::Floats(samples) => Self::Floats(split(samples, count)),
+            Self::Halves(samples) => Self::Halves(split(samples, count)),
+        }
+    }
+}
+
 impl Target<'_> {
+    /// Writes samples given as 16-bit words, low words first, to those from number `first` on.
+    fn put_words(&mut self, first: usize, count: usize, words: &[u16]) {
+        match &mut self.samples {
+            TargetSamples::Floats(samples) => {
+                self.slot
+                    .convert_words(words, &mut samples[first..][..count]);
+            }
+            TargetSamples::Halves(samples) => {
+                samples[first..][..count].copy_from_slice(words.reinterpret_cast());
+            }
+        }
+        self.check(first, count);
+    }
+
+    /// Writes this channel's samples of one row of a block, `pixels` wide, to those from number `first` on.
+    fn put_row(&mut self, first: usize, pixels: usize, row: &[u8], bits: &mut Vec<u16>) {
+        match &mut self.samples {
+            TargetSamples::Floats(samples) => {
+                let into = &mut samples[first..][..pixels];
+                self.slot.convert(row, pixels, bits, into);
+            }
+            TargetSamples::Halves(samples) => {
+                let from = &row[self.slot.before * pixels..][..2 * pixels];
+                let from = from.as_chunks().0.iter();
+                for (to, &bytes) in samples[first..].iter_mut().zip(from) {
+                    *to = f16::from_ne_bytes(bytes);
+                }
+            }
+        }
+        self.check(first, pixels);
+    }
+
     /// Looks at `count` samples, from number `first` on.
     fn check(&self, first: usize, count: usize) {
-        let samples = &self.samples[first..][..count];
         // An exponent of ones overflows into the sign.
-        let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
-        if samples.iter().fold(0, |all, v| all | overflow(v)) >> 31 == 1 {
+        let is_broken = match &self.samples {
+            TargetSamples::Floats(samples) => {
+                let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
+                let samples = samples[first..][..count].iter();
+                samples.fold(0, |all, v| all | overflow(v)) >> 31 == 1
+            }
+            TargetSamples::Halves(samples) => {
+                let overflow = |v: &f16| (v.to_bits() & 0x7c00) + 0x0400;
+                let samples = samples[first..][..count].iter();
+                samples.fold(0, |all, v| all | overflow(v)) >> 15 == 1
+            }
+        };
+        if is_broken {
             self.is_broken.store(true, Ordering::Relaxed);
         }
     }
@@ -137,13 +200,9 @@ impl<'t> Rows<'t> {
         let pixels = rows * layout.width;
         match self {
             Rows::Samples(planes) => {
-                let top = planes.iter_mut().map(|target| {
-                    let (top, rest) = std::mem::take(&mut target.samples).split_at_mut(pixels);
-                    target.samples = rest;
-                    Target {
-                        samples: top,
-                        ..*target
-                    }
+                let top = planes.iter_mut().map(|target| Target {
+                    samples: target.samples.split_off(pixels),
+                    ..*target
                 });
                 Rows::Samples(top.collect())
             }
@@ -193,9 +252,7 @@ impl<'t> Rows<'t> {
                             at = slot.before / 2 * width + count;
                             last = Some(slot.before);
                         }
-                        let into = &mut target.samples[y * layout.width + x..][..width];
-                        slot.convert_words(&words[..count], into);
-                        target.check(y * layout.width + x, width);
+                        target.put_words(y * layout.width + x, width, &words[..count]);
                     }
                     pairs.skip(row_pairs - at);
                 }
@@ -227,9 +284,7 @@ impl<'t> Rows<'t> {
             match self {
                 Rows::Samples(planes) => {
                     for target in planes {
-                        let into = &mut target.samples[y * layout.width + x..][..width];
-                        target.slot.convert(row, width, &mut bits, into);
-                        target.check(y * layout.width + x, width);
+                        target.put_row(y * layout.width + x, width, row, &mut bits);
                     }
                 }
                 Rows::Bytes(bytes) => {
@@ -382,5 +437,51 @@ fn check_dwa_counters(bytes: &[u8], size: Vec2<usize>, header: &Header) -> Parse
         false => Err(Fault::damaged(
             "a DWA block claims more data than its pixels have",
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 halves of all kinds and their differences, one of them infinite or not a number.
+    #[test]
+    fn halves_that_stay_are_those_that_are_converted() {
+        for (odd, is_broken) in [(0x3c00, false), (0x7c00, true), (0xfe01, true)] {
+            let mut words: Vec<u16> = (0..100).map(|i| 0x0200 + 0x012d * i).collect();
+            words[70] = odd;
+            let row: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
+            let (mut floats, mut halves) = (vec![0.0; 103], vec![f16::ZERO; 103]);
+            for by_words in [true, false] {
+                floats.fill(0.0);
+                halves.fill(f16::ZERO);
+                let samples = [
+                    TargetSamples::Floats(&mut floats),
+                    TargetSamples::Halves(&mut halves),
+                ];
+                for samples in samples {
+                    let found = AtomicBool::new(false);
+                    let mut target = Target {
+                        slot: Slot {
+                            before: 0,
+                            sample_type: SampleType::F16,
+                        },
+                        samples,
+                        is_broken: &found,
+                    };
+                    match by_words {
+                        true => target.put_words(3, 100, &words),
+                        false => target.put_row(3, 100, &row, &mut Vec::new()),
+                    }
+                    assert_eq!(found.into_inner(), is_broken);
+                }
+                let mut converted = vec![1.0; 103];
+                halves.convert_to_f32_slice(&mut converted);
+                let bits =
+                    |samples: &[f32]| samples.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                assert_eq!(bits(&floats), bits(&converted));
+                assert_eq!(halves[3 + 40].to_bits(), words[40]);
+            }
+        }
     }
 }

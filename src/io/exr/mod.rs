@@ -30,6 +30,7 @@ mod zip;
 pub use compression::OutputCompression;
 pub use merge::Merged;
 pub use part::{Channel, ChannelId, Part, SampleType};
+pub(super) use read::{ReadSamples, Wanted};
 pub use rows::RowReader;
 pub(crate) use write::X_DENSITY;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};

@@ -1,7 +1,7 @@
 //! Reading rows, one range after another.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot, Target};
+use super::decode::{Rows, Slot, Target, TargetSamples};
 use super::fault::Parsed;
 use super::read::PartBlocks;
 use super::{ChannelId, ExrFile};
@@ -73,7 +73,7 @@ impl<'f> RowReader<'f> {
                 let is_broken = AtomicBool::new(false);
                 let target = |(&(_, slot), samples)| Target {
                     slot,
-                    samples,
+                    samples: TargetSamples::Floats(samples),
                     is_broken: &is_broken,
                 };
                 let targets = slots.iter().zip(targets).map(target).collect();

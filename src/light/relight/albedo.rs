@@ -3,7 +3,9 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::PercentileSearch;
 use crate::engine::cpu::rows::map_covered;
-use crate::frame::{ColorPlanes, Frame, luminance};
+#[cfg(feature = "gpu")]
+use crate::frame::ColorPlanes;
+use crate::frame::{Frame, Plane, Vector3Planes, luminance};
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;
@@ -14,12 +16,17 @@ const BRIGHT: f32 = 0.8;
 
 /// The estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than
 /// paper. White where the picture is black.
-pub(crate) fn estimate(frame: &Frame, weights: [f32; 3], memory: &Memory) -> AlbedoEstimate {
+pub(crate) fn estimate(
+    frame: &Frame,
+    normal: &Vector3Planes,
+    weights: [f32; 3],
+    memory: &Memory,
+) -> AlbedoEstimate {
     let rows = 0..frame.mask.height();
-    let shading = fitted(ShadingFit::default(), frame, weights, rows).solved();
-    let albedo = over_shading(frame, shading, memory);
-    let factor = BRIGHT / statistics::white_level(&albedo, weights, &frame.mask);
-    memory.recycle([albedo.r, albedo.g, albedo.b]);
+    let shading = fitted(ShadingFit::default(), frame, normal, weights, rows).solved();
+    let bright = luminance_over(shading, frame, normal, weights, memory);
+    let factor = BRIGHT / statistics::white_level_of(&bright, &frame.mask);
+    memory.recycle([bright]);
     AlbedoEstimate { shading, factor }
 }
 
@@ -33,7 +40,7 @@ pub(crate) fn by_estimate(
     let bare = bare(frame);
     let [r, g, b] = map_covered(&frame.mask, memory, |y| {
         let bare = &bare;
-        move |x| estimate.at(normal(frame, x, y), bare(x, y))
+        move |x| estimate.at(vector(&frame.normal, x, y), bare(x, y))
     });
     ColorPlanes { r, g, b }
 }
@@ -64,13 +71,11 @@ impl AlbedoSearch {
         memory: &Memory,
     ) {
         match &mut self.white {
-            None => self.fit = fitted(self.fit, strip, weights, rows),
+            None => self.fit = fitted(self.fit, strip, &strip.normal, weights, rows),
             Some((shading, search)) => {
-                let albedo = over_shading(strip, *shading, memory);
-                search.add(rows, |y| {
-                    statistics::luminances(&albedo, weights, &strip.mask, y)
-                });
-                memory.recycle([albedo.r, albedo.g, albedo.b]);
+                let bright = luminance_over(*shading, strip, &strip.normal, weights, memory);
+                search.add(rows, |y| statistics::covered(&bright, &strip.mask, y));
+                memory.recycle([bright]);
             }
         }
     }
@@ -107,19 +112,24 @@ fn bare(frame: &Frame) -> impl Fn(usize, usize) -> [f32; 3] + Sync + '_ {
     }
 }
 
-fn normal(frame: &Frame, x: usize, y: usize) -> [f32; 3] {
-    let n = &frame.normal;
-    [n.x.at(x, y), n.y.at(x, y), n.z.at(x, y)]
+fn vector(planes: &Vector3Planes, x: usize, y: usize) -> [f32; 3] {
+    [planes.x.at(x, y), planes.y.at(x, y), planes.z.at(x, y)]
 }
 
 /// `fit` with the pixels of some rows added.
-fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>) -> ShadingFit {
+fn fitted(
+    fit: ShadingFit,
+    frame: &Frame,
+    normal: &Vector3Planes,
+    weights: [f32; 3],
+    rows: Range<usize>,
+) -> ShadingFit {
     let (mask, bare) = (&frame.mask, bare(frame));
     let rows = rows.into_par_iter().map(|y| {
         let mut fit = ShadingFit::default();
         let covered = mask.row(y);
         for x in mask.span(y).filter(|&x| covered[x]) {
-            fit.add(normal(frame, x, y), luminance(bare(x, y), weights));
+            fit.add(vector(normal, x, y), luminance(bare(x, y), weights));
         }
         fit
     });
@@ -128,15 +138,24 @@ fn fitted(fit: ShadingFit, frame: &Frame, weights: [f32; 3], rows: Range<usize>)
     fits.into_iter().fold(fit, ShadingFit::merged)
 }
 
-/// The picture divided by a shading; white without one.
-fn over_shading(frame: &Frame, shading: Option<FittedShading>, memory: &Memory) -> ColorPlanes {
+/// The luminance of the picture divided by a shading; of white without one.
+fn luminance_over(
+    shading: Option<FittedShading>,
+    frame: &Frame,
+    normal: &Vector3Planes,
+    weights: [f32; 3],
+    memory: &Memory,
+) -> Plane {
     let bare = bare(frame);
-    let [r, g, b] = map_covered(&frame.mask, memory, |y| {
+    let [bright] = map_covered(&frame.mask, memory, |y| {
         let bare = &bare;
-        move |x| match shading {
-            Some(shading) => shading.under(normal(frame, x, y), bare(x, y)),
-            None => [1.0; 3],
+        move |x| {
+            let albedo = match shading {
+                Some(shading) => shading.under(vector(normal, x, y), bare(x, y)),
+                None => [1.0; 3],
+            };
+            [luminance(albedo, weights)]
         }
     });
-    ColorPlanes { r, g, b }
+    bright
 }

@@ -16,6 +16,13 @@ struct Piece {
     lane: usize,
 }
 
+/// The shape of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct RowShape<'a> {
+    pub(crate) normal: [&'a [f32]; 3],
+    pub(crate) curvature: &'a CurvatureRow,
+}
+
 /// A batch in progress.
 pub(crate) struct Batch {
     pieces: Vec<Piece>,
@@ -74,7 +81,7 @@ impl Batch {
     pub(crate) fn take_run(
         &mut self,
         scene: &Scene,
-        curvature: &CurvatureRow,
+        RowShape { normal, curvature }: RowShape,
         y: usize,
         mut columns: Range<usize>,
         mut full: impl FnMut(&mut Self),
@@ -83,7 +90,7 @@ impl Batch {
             let count = columns.len().min(BATCH - self.pixels.count);
             let piece = columns.start..columns.start + count;
             columns.start += count;
-            self.gather(scene, curvature, y, piece);
+            self.gather(scene, RowShape { normal, curvature }, y, piece);
             if self.pixels.count == BATCH {
                 full(self);
                 self.empty();
@@ -105,7 +112,13 @@ impl Batch {
     }
 
     /// Copies the samples of the pixels at `columns` of row `y` to the next lanes.
-    fn gather(&mut self, scene: &Scene, curvature: &CurvatureRow, y: usize, columns: Range<usize>) {
+    fn gather(
+        &mut self,
+        scene: &Scene,
+        RowShape { normal, curvature }: RowShape,
+        y: usize,
+        columns: Range<usize>,
+    ) {
         let lane = self.pixels.count;
         let lanes = lane..lane + columns.len();
         let copy_row = |to: &mut Lanes, from: &[f32]| {
@@ -113,10 +126,9 @@ impl Batch {
         };
         let copy = |to: &mut Lanes, from: &Plane| copy_row(to, from.row(y));
         let frame = scene.frame;
-        let [x_lanes, y_lanes, z_lanes] = &mut self.pixels.normal.vector;
-        copy(x_lanes, &frame.normal.x);
-        copy(y_lanes, &frame.normal.y);
-        copy(z_lanes, &frame.normal.z);
+        for (lanes, row) in self.pixels.normal.vector.iter_mut().zip(normal) {
+            copy_row(lanes, row);
+        }
         match scene.curvature {
             Some(Curvature::Hessian(_)) => {
                 for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {

@@ -20,10 +20,10 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::outcome::Shape;
-use crate::frame::{ColorPlanes, Frame, Projection, SightLines};
+use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
-use crate::light::relight::batch::Batch;
+use crate::light::relight::batch::{Batch, RowShape};
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
 use crate::light::relight::mirrors::Mirrors;
 use crate::light::relight::scene::Scene;
@@ -53,6 +53,8 @@ pub(crate) fn relight(run: &mut Run) {
         return;
     }
     run.outcome.environment_gain = around.gain();
+    let normals = run.normals.take();
+    let normal = normals.as_ref().unwrap_or(&frame.normal);
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
         run.copied_or(
             "",
@@ -60,7 +62,7 @@ pub(crate) fn relight(run: &mut Run) {
             "albedo-estimate",
             || match relighting.estimate {
                 Some(found) => found,
-                None => albedo::estimate(frame, weights, memory),
+                None => albedo::estimate(frame, normal, weights, memory),
             },
         )
     });
@@ -104,7 +106,7 @@ pub(crate) fn relight(run: &mut Run) {
         eye,
         tones: relighting.params.tones(),
     };
-    let color = run.timed("relight", || lit(&scene, memory));
+    let color = run.timed("relight", || lit(&scene, normals, memory));
     drop(scene);
     run.outcome.shape = shape;
     run.outcome.color = Some(color);
@@ -161,18 +163,28 @@ fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
     Some([columns.collect(), rows.collect()])
 }
 
-/// The lit picture; where uncovered the frame's own, or black.
-fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
+/// The lit picture, in the memory of `normals` that the frame no longer has; where uncovered the frame's own, or black.
+fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorPlanes {
     let mask = scene.lit;
     let width = mask.width();
     let simd = Simd::widest();
-    let mut planes = [(); 3].map(|()| memory.unwritten(mask));
+    let is_in_place = normals.is_some();
+    let mut planes = match normals {
+        Some(Vector3Planes { x, y, z }) => [x, y, z],
+        None => [(); 3].map(|()| memory.unwritten(mask)),
+    };
+    let own = &scene.frame.normal;
+    let own = [&own.x, &own.y, &own.z];
+    let row = || vec![0.0; width];
     let [r, g, b] = planes
         .each_mut()
         .map(|plane| plane.samples_mut().par_chunks_mut(width * ROWS_PER_TASK));
     r.zip(g).zip(b).enumerate().for_each_init(
-        || (Box::new(Batch::new()), CurvatureRow::new(width)),
-        |(batch, curvature), (task, ((r, g), b))| {
+        || {
+            let normal = [row(), row(), row()];
+            (Box::new(Batch::new()), CurvatureRow::new(width), normal)
+        },
+        |(batch, curvature, normal), (task, ((r, g), b))| {
             let first = task * ROWS_PER_TASK;
             let mut rows = [r, g, b];
             keep_uncovered(scene, first, &mut rows);
@@ -181,8 +193,20 @@ fn lit(scene: &Scene, memory: &Memory) -> ColorPlanes {
                 if let Some(made_of) = &scene.curvature {
                     curvature.make(made_of, scene.frame, y, simd);
                 }
+                if is_in_place {
+                    let of_row = (y - first) * width..(y - first + 1) * width;
+                    let copies = normal.iter_mut().zip(&rows);
+                    copies.for_each(|(copy, row)| copy.copy_from_slice(&row[of_row.clone()]));
+                }
+                let shape = RowShape {
+                    normal: match is_in_place {
+                        true => normal.each_ref().map(Vec::as_slice),
+                        false => own.map(|plane| plane.row(y)),
+                    },
+                    curvature,
+                };
                 for run in mask.runs(y) {
-                    batch.take_run(scene, curvature, y, run, |batch| {
+                    batch.take_run(scene, shape, y, run, |batch| {
                         simd.light_batch(batch, scene);
                         batch.scatter(&mut rows, first, width);
                     });

@@ -78,6 +78,8 @@ pub(crate) struct Relighting {
     pub grain: bool,
     /// Whether single lights are summed.
     pub sums: bool,
+    /// Whether lights are near the surface.
+    pub near: bool,
     /// Use of the environment.
     pub environment: EnvironmentUse,
     /// Number of lit spheres.
@@ -137,6 +139,7 @@ impl Relighting {
                 && params.material.tangent == Tangent::Curvature
                 && coat[0] != coat[1],
             sums,
+            near: kinds.points,
             environment,
             lit_spheres: kinds.lit_spheres,
             traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),

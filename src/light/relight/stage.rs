@@ -15,6 +15,10 @@ pub(crate) static RELIGHT: Stage = Stage {
     also_runs: |plan| plan.relighting.is_some(),
     takes: |plan| plan.relighting.as_ref().map_or_else(Vec::new, takes),
     reach_px: |_| RIM_REACH,
+    reads_depth: |plan| {
+        let relighting = plan.relighting.as_ref();
+        relighting.is_some_and(|lit| lit.near || lit.traced)
+    },
     name: "relight",
     steps: &[
         Step {

@@ -48,16 +48,6 @@ fn draw(run: &mut Run) {
     let kept = kept.and_then(|kept| kept.contours.copied(plan.key(CONTOURS.name)));
     let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));
     run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
-    if run.canvas.luminance.is_some() {
-        // For a large drawing nothing is held for long.
-        let shape = &mut run.outcome.shape;
-        let silhouette = match params.interior.is_some() {
-            true => None,
-            false => shape.silhouette.take(),
-        };
-        let weights = [silhouette, shape.crease.take()];
-        run.memory.recycle(weights.into_iter().flatten());
-    }
 }
 
 fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) {

@@ -2,7 +2,7 @@
 //! and brought back to pixels.
 
 use crate::engine::cpu::memory::Memory;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
@@ -25,13 +25,12 @@ pub(crate) fn stroke_fields(
     params: &FieldParams,
     directions: StrokeDirections,
     frame: &Frame,
-    conductance: &Plane,
+    patches: &Patches,
     given: Option<&[Vector2Planes]>,
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
-    let patches = Patches::new(frame, conductance, params.cell_px as usize);
-    let field = Field::new(plan, params, frame, &patches);
-    let cross = CrossKernel::new(&patches);
+    let field = Field::new(plan, params, frame, patches);
+    let cross = CrossKernel::new(patches);
     let forms = field.forms(&cross);
     let reach = field.reach();
     let wanted = directions.wanted();
@@ -46,7 +45,7 @@ pub(crate) fn stroke_fields(
             }
             field.settle(&mut led, order);
             let between = BetweenPatches {
-                patches: &patches,
+                patches,
                 mask: &frame.mask,
                 doubled: &led,
             };

@@ -250,6 +250,7 @@ mod tests {
     use crate::engine::inputs::Inputs;
     use crate::frame::{Camera, ColorPlanes, Plane, Projection};
     use crate::line::direction_field::cpu::stroke_fields;
+    use crate::line::direction_field::patches::Patches;
     use crate::params::{Fallback, LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, ToneFrom};
     use crate::product::Product;
@@ -316,8 +317,8 @@ mod tests {
         let found = found(runner, &plan, frame);
         assert!(found.further[0] <= found.further[1]);
         let (wanted, memory) = (line.directions, Memory::default());
-        let edges = &found.conductance;
-        let expected = stroke_fields(&plan, &line.field, wanted, frame, edges, None, &memory);
+        let patches = Patches::new(frame, &found.conductance, line.field.cell_px as usize);
+        let expected = stroke_fields(&plan, &line.field, wanted, frame, &patches, None, &memory);
         let (width, height) = (frame.mask.width(), frame.mask.height());
         let (mut sum, mut wide, mut count) = (0.0, 0, 0);
         for (found, expected) in found.planes.chunks(2).zip(&expected) {

@@ -2,6 +2,7 @@
 
 use crate::engine::cpu::run::Run;
 use crate::line::direction_field::cpu::stroke_fields;
+use crate::line::direction_field::patches::Patches;
 use crate::line::drawing::has_strokes;
 use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -44,15 +45,20 @@ fn find(run: &mut Run) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let canvas = std::mem::take(&mut run.canvas);
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let own = shape.conductance.as_ref();
-    let (drawn, conductance, given) = match &canvas.seen {
-        Some((seen, edges)) => (&seen.frame, &edges.conductance, Some(&seen.directions[..])),
-        None => (frame, own.expect("strokes stop at edges"), None),
-    };
+    let mut shape = std::mem::take(&mut run.outcome.shape);
+    let is_last = run.read_last.contains(&Product::Conductance);
     let make = || {
+        let own = shape.conductance.as_ref();
+        let (drawn, conductance, given) = match &canvas.seen {
+            Some((seen, edges)) => (&seen.frame, &edges.conductance, Some(&seen.directions[..])),
+            None => (frame, own.expect("strokes stop at edges"), None),
+        };
         let (field, wanted) = (&params.field, params.directions);
-        stroke_fields(plan, field, wanted, drawn, conductance, given, memory)
+        let patches = Patches::new(drawn, conductance, field.cell_px as usize);
+        if is_last {
+            memory.recycle(shape.conductance.take());
+        }
+        stroke_fields(plan, field, wanted, drawn, &patches, given, memory)
     };
     // Directions in mirrors and lenses are not cached.
     let directions = match plan.specular {

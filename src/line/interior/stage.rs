@@ -57,11 +57,6 @@ fn draw(run: &mut Run) {
     run.outcome.line_levels = layer.levels;
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
     run.canvas.interior = Some((covered, layer.lines));
-    if run.canvas.luminance.is_some() {
-        // For a large drawing nothing is held for long.
-        let silhouette = run.outcome.shape.silhouette.take();
-        run.memory.recycle(silhouette);
-    }
 }
 
 /// Draws while a device makes strokes: lines are followed from pixel to pixel, which a device cannot do. Edges are

@@ -61,13 +61,27 @@ pub(crate) struct Shown<'a> {
     pub(crate) params: &'a ToneParams,
 }
 
-/// The optical density, -ln of the share of light that is left, of the tone of every covered pixel, 0 elsewhere; and the
-/// levels that tones were fit to, as [`ToneLevels::Given`](crate::params::ToneLevels::Given) has them.
-pub(crate) fn densities(
-    shown: &Shown,
-    options: &RunOptions,
-    memory: &Memory,
-) -> (Plane, [f32; ToneLevels::COUNT]) {
+/// The optical density, -ln of the share of light that is left, of the tone of every cell.
+pub(crate) struct CellDensities {
+    grid: Grid,
+    density: Plane,
+    /// The levels that tones were fit to, as [`ToneLevels::Given`](crate::params::ToneLevels::Given) has them.
+    pub(crate) levels: [f32; ToneLevels::COUNT],
+}
+
+impl CellDensities {
+    /// The same of every covered pixel, 0 elsewhere.
+    pub(crate) fn of_pixels(&self, mask: &Mask, memory: &Memory) -> Plane {
+        let [pixels] = map_covered(mask, memory, |y| {
+            let row = self.grid.row(&self.density, y, mask);
+            move |x| [row[x]]
+        });
+        pixels
+    }
+}
+
+/// The density of the tone of what is shown.
+pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> CellDensities {
     let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
     let size = ((window.width() * window.height()) as f32).sqrt();
     let step = ((size / CELLS) as usize).max(1);
@@ -79,11 +93,11 @@ pub(crate) fn densities(
     };
     let seen = cells.seen(shown);
     let (density, levels) = cells.density(&seen, shown);
-    let [pixels] = map_covered(mask, memory, |y| {
-        let row = cells.grid.row(&density, y, mask);
-        move |x| [row[x]]
-    });
-    (pixels, levels)
+    CellDensities {
+        grid: cells.grid,
+        density,
+        levels,
+    }
 }
 
 /// The luminance of the surface in a row of the picture; 0 where it has none.
@@ -474,8 +488,10 @@ mod tests {
             to_key: key_light(),
             params: &params,
         };
-        let (densities, _) = densities(&shown, &RunOptions::default(), &Memory::default());
-        densities.map(|density| (-density / SEEN_GAMMA).exp())
+        let memory = Memory::default();
+        let density = densities(&shown, &RunOptions::default(), &memory);
+        let density = density.of_pixels(&shown.frame.mask, &memory);
+        density.map(|density| (-density / SEEN_GAMMA).exp())
     }
 
     /// A hemisphere that fills a square of this side, and nothing around it.
@@ -534,8 +550,10 @@ mod tests {
                 to_key: key_light(),
                 params: &params,
             };
-            let (density, levels) = densities(&shown, &options, &memory);
-            (density.map(|density| (-density / SEEN_GAMMA).exp()), levels)
+            let cells = densities(&shown, &options, &memory);
+            let density = cells.of_pixels(mask, &memory);
+            let tone = density.map(|density| (-density / SEEN_GAMMA).exp());
+            (tone, cells.levels)
         };
         let (whole, levels) = found(&mask, ToneLevels::Auto);
         let given = ToneLevels::Given(levels);

@@ -33,34 +33,33 @@ fn find(run: &mut Run) {
     let options = &run.runner.options;
     let params = plan.drawing.as_ref().expect("tones are of a drawing");
     let (gain, shape) = (run.gain(), std::mem::take(&mut run.outcome.shape));
-    let canvas = std::mem::take(&mut run.canvas);
+    let mut canvas = std::mem::take(&mut run.canvas);
     let made = run.outcome.color.take();
     let given = run
         .inputs
         .illumination
         .and_then(|light| light.directional.first());
     let there = "tones are planned with their shape";
-    let of = Shown {
-        frame,
-        conductance: shape.conductance.as_ref().expect(there),
-        silhouette: shape.silhouette.as_ref(),
-        curvature: (shape.trace.as_ref().expect(there), gain),
-        picture: shown(made.as_ref(), canvas.luminance.as_ref(), frame),
-        to_key: given.map_or_else(key_light, |light| light.to_light),
-        params: &params.tone,
-    };
     let (density, levels) = run.timed(SHAPE_TONE.name, || {
-        let (mut density, levels) = densities(&of, options, memory);
+        let of = Shown {
+            frame,
+            conductance: shape.conductance.as_ref().expect(there),
+            silhouette: shape.silhouette.as_ref(),
+            curvature: (shape.trace.as_ref().expect(there), gain),
+            picture: shown(made.as_ref(), canvas.luminance.as_ref(), frame),
+            to_key: given.map_or_else(key_light, |light| light.to_light),
+            params: &params.tone,
+        };
+        let cells = densities(&of, options, memory);
+        // Densities take its place.
+        memory.recycle(canvas.luminance.take());
+        let mut density = cells.of_pixels(&frame.mask, memory);
         leave_bare(&mut density, frame, params.tone.halo);
-        (density, levels)
+        (density, cells.levels)
     });
     run.outcome.tone_levels = Some(levels);
     run.outcome.shape = shape;
     run.outcome.color = made;
     run.canvas = canvas;
     run.canvas.density = Some(density);
-    if run.canvas.luminance.is_some() {
-        // For a large drawing nothing is held for long.
-        run.memory.recycle(run.outcome.shape.trace.take());
-    }
 }

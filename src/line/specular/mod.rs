@@ -11,6 +11,7 @@ pub(crate) use crate::line::specular::map_directions::DirectionCache;
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
 use crate::line::direction_field::cpu::stroke_fields;
+use crate::line::direction_field::patches::Patches;
 use crate::line::specular::hit_points::hit_pixels;
 use crate::line::specular::seen::{SeenPixel, seen_pixels};
 use crate::line::specular::tangents::Tangents;
@@ -45,9 +46,9 @@ pub(crate) fn seen_through(
     let wanted = params.directions.wanted();
     let behind = scene.behind.as_ref().map(|behind| {
         let (edges, _) = edges::edges_and_gradient(plan, behind, memory);
-        let conductance = &edges.conductance;
         let (field, directions) = (&params.field, params.directions);
-        stroke_fields(plan, field, directions, behind, conductance, None, memory)
+        let patches = Patches::new(behind, &edges.conductance, field.cell_px as usize);
+        stroke_fields(plan, field, directions, behind, &patches, None, memory)
     });
     let tangents = Tangents {
         tracer: &tracer,

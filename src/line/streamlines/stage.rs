@@ -13,6 +13,7 @@ use crate::product::Product;
 
 /// Strokes that are lines of their own ([JL]).
 pub(crate) static STREAMLINES: Stage = Stage {
+    takes: |_| vec![Product::Conductance],
     name: "streamlines",
     steps: &[Step {
         name: "streamlines",

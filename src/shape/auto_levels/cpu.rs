@@ -90,11 +90,18 @@ pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -
 
 /// The white level of a precomputed `luminance`.
 pub(crate) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
-    let covered = |y| {
-        let (row, covered) = (luminance.row(y), mask.row(y));
-        mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
-    };
-    white_of(percentile(mask.height(), WHITE_PERCENT, covered))
+    let samples = |y| covered(luminance, mask, y);
+    white_of(percentile(mask.height(), WHITE_PERCENT, samples))
+}
+
+/// The covered samples of a row.
+pub(crate) fn covered<'a>(
+    plane: &'a Plane,
+    mask: &'a Mask,
+    y: usize,
+) -> impl Iterator<Item = f32> + 'a {
+    let (row, covered) = (plane.row(y), mask.row(y));
+    mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
 }
 
 /// The luminance of the covered pixels of a row.

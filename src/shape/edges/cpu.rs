@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;
 use crate::product::Product;
@@ -14,6 +14,9 @@ use std::ops::Range;
 
 /// Rows per task: enough to make the cost of the two rows around them, whose logarithm it computes too, negligible.
 const ROWS: usize = 32;
+
+/// The same where slopes replace normals: fewer rows at borders of tasks, of which normals are copied first.
+const ROWS_IN_PLACE: usize = 64;
 
 /// Columns checked together for creases: most contain none.
 const BLOCK: usize = 64;
@@ -73,6 +76,53 @@ pub(crate) fn edges_with_weights(
     (edges, gradient)
 }
 
+/// [`edges_and_gradient`] without weights, in the memory of the normals and of their lengths, which `frame` no longer
+/// has.
+pub(crate) fn edges_in_place(
+    plan: &Plan,
+    frame: &Frame,
+    normal: Vector3Planes,
+    lengths: Option<Plane>,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
+    let (width, height) = (frame.mask.width(), frame.mask.height());
+    let has_lengths = lengths.is_some();
+    let mut conductance = lengths.unwrap_or_else(|| memory.plane(&frame.mask));
+    let Vector3Planes { mut x, mut y, z } = normal;
+    let sources = Sources::new(plan, frame);
+    let rows = |band: usize| [&x, &y].map(|plane| plane.row(band).to_vec());
+    let borders: Vec<_> = (ROWS_IN_PLACE..height)
+        .step_by(ROWS_IN_PLACE)
+        .map(|top| (rows(top - 1), rows(top)))
+        .collect();
+    let samples = ROWS_IN_PLACE * width;
+    let bands = (conductance.samples_mut().par_chunks_mut(samples))
+        .zip(x.samples_mut().par_chunks_mut(samples))
+        .zip(y.samples_mut().par_chunks_mut(samples));
+    bands.enumerate().for_each_init(
+        || Scratch::new(width),
+        |scratch, (i, ((conductance, x), y))| {
+            let mut band = BandInPlace {
+                top: ROWS_IN_PLACE * i,
+                conductance,
+                has_lengths,
+                normal: [x, y],
+                z: &z,
+                above: i.checked_sub(1).map(|i| &borders[i].0),
+                below: borders.get(i).map(|(_, below)| below),
+            };
+            sources.fill_in_place(&mut band, scratch);
+        },
+    );
+    memory.recycle([z]);
+    let weights = Weights {
+        silhouette: None,
+        crease: None,
+        conductance,
+    };
+    (weights, Vector2Planes { x, y })
+}
+
 /// Bands of an optional plane: `None` for each band if there is no plane.
 fn bands(plane: &mut Option<Plane>, height: usize) -> Vec<Option<&mut [f32]>> {
     match plane {
@@ -91,6 +141,25 @@ struct Band<'a> {
     crease: Option<&'a mut [f32]>,
     conductance: &'a mut [f32],
     gradient: [&'a mut [f32]; 2],
+}
+
+/// Rows of the first two components of normals, which become slopes, from row `top` on.
+struct BandInPlace<'a> {
+    top: usize,
+    /// The lengths of normals, if there are any.
+    conductance: &'a mut [f32],
+    has_lengths: bool,
+    normal: [&'a mut [f32]; 2],
+    z: &'a Plane,
+    /// The rows above and below these, within the picture.
+    above: Option<&'a [Vec<f32>; 2]>,
+    below: Option<&'a [Vec<f32>; 2]>,
+}
+
+/// The normals around a row, and their lengths in it.
+struct Given<'a> {
+    normals: NormalRows<'a>,
+    lengths: Option<&'a [f32]>,
 }
 
 /// Scratch rows of a thread.
@@ -154,25 +223,21 @@ impl<'a> Sources<'a> {
     fn fill(&self, band: &mut Band, scratch: &mut Scratch) {
         let width = self.frame.mask.width();
         let rows = band.conductance.len() / width;
+        let [gradient_x, gradient_y] = &mut band.gradient;
         for row in 0..rows {
             let y = band.top + row;
-            let columns = self.frame.mask.span(y);
             let of_row = row * width..(row + 1) * width;
+            let given = Given {
+                normals: NormalRows::around(&self.frame.normal, y),
+                lengths: self.frame.normal_length.as_ref().map(|plane| plane.row(y)),
+            };
             self.add_log_depth(y, row == 0, scratch);
-            if columns.is_empty() {
-                continue;
-            }
-            self.silhouette_row(y, &columns, scratch);
-            self.crease_row(y, &columns, scratch);
-            let part = row * width + columns.start..row * width + columns.end;
-            self.simd.conductance_row(
-                &mut band.conductance[part.clone()],
-                &scratch.silhouette[columns.clone()],
-                &scratch.crease[columns.clone()],
-                &self.frame.mask.row(y)[columns.clone()],
-            );
-            let [x, y_part] = &mut band.gradient;
-            self.gradient_row(y, columns, [&mut x[part.clone()], &mut y_part[part]]);
+            let slopes = [
+                &mut gradient_x[of_row.clone()],
+                &mut gradient_y[of_row.clone()],
+            ];
+            let conductance = &mut band.conductance[of_row.clone()];
+            self.fill_row(y, &given, conductance, slopes, scratch);
             for (plane, weights) in [
                 (&mut band.silhouette, &scratch.silhouette),
                 (&mut band.crease, &scratch.crease),
@@ -182,6 +247,76 @@ impl<'a> Sources<'a> {
                 }
             }
         }
+    }
+
+    /// Replaces normals by slopes, and their lengths by conductance, row by row.
+    fn fill_in_place(&self, band: &mut BandInPlace, scratch: &mut Scratch) {
+        let width = self.frame.mask.width();
+        let rows = band.conductance.len() / width;
+        let [x, y] = &mut band.normal;
+        // What the slopes of this row and of the one above were.
+        let mut here = [&x[..width], &y[..width]].map(<[f32]>::to_vec);
+        let mut above = band.above.unwrap_or(&here).clone();
+        let mut lengths = vec![0.0; width];
+        for row in 0..rows {
+            let at = band.top + row;
+            let (x, next_x) = x[row * width..].split_at_mut(width);
+            let (y, next_y) = y[row * width..].split_at_mut(width);
+            let conductance = &mut band.conductance[row * width..][..width];
+            here[0].copy_from_slice(x);
+            here[1].copy_from_slice(y);
+            lengths.copy_from_slice(conductance);
+            let below = match (row + 1 < rows, band.below) {
+                (true, _) => [&next_x[..width], &next_y[..width]],
+                (false, Some([x, y])) => [&x[..], y],
+                (false, None) => [&here[0][..], &here[1]],
+            };
+            let around = |k: usize| Rows {
+                above: &above[k],
+                at: &here[k],
+                below: below[k],
+            };
+            let given = Given {
+                normals: NormalRows {
+                    x: around(0),
+                    y: around(1),
+                    z: Rows::around(band.z, at),
+                },
+                lengths: band.has_lengths.then_some(&lengths),
+            };
+            self.add_log_depth(at, row == 0, scratch);
+            let span = self.frame.mask.span(at);
+            for out in [&mut *conductance, &mut *x, &mut *y] {
+                out[..span.start].fill(0.0);
+                out[span.end..].fill(0.0);
+            }
+            self.fill_row(at, &given, conductance, [x, y], scratch);
+            std::mem::swap(&mut above, &mut here);
+        }
+    }
+
+    /// Fills the span of row `y` of the outputs, and of the scratch rows of both edge weights.
+    fn fill_row(
+        &self,
+        y: usize,
+        given: &Given,
+        conductance: &mut [f32],
+        slopes: [&mut [f32]; 2],
+        scratch: &mut Scratch,
+    ) {
+        let columns = self.frame.mask.span(y);
+        if columns.is_empty() {
+            return;
+        }
+        self.silhouette_row(y, &columns, scratch);
+        self.crease_row(y, &columns, given, scratch);
+        self.simd.conductance_row(
+            &mut conductance[columns.clone()],
+            &scratch.silhouette[columns.clone()],
+            &scratch.crease[columns.clone()],
+            &self.frame.mask.row(y)[columns.clone()],
+        );
+        self.gradient_row(y, columns, given, slopes);
     }
 
     /// Ensures that the logarithm of depth around row `y` is in the scratch rows.
@@ -225,13 +360,12 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn crease_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
+    fn crease_row(&self, y: usize, columns: &Range<usize>, given: &Given, scratch: &mut Scratch) {
+        let Given { normals, lengths } = given;
         let covered = Rows::around(self.frame.mask.plane(), y);
-        let normals = NormalRows::around(&self.frame.normal, y);
-        let lengths = self.frame.normal_length.as_ref().map(|plane| plane.row(y));
         let least = &mut scratch.least_cosine;
         self.simd
-            .least_cosine_row(least, &normals, &covered, columns.clone());
+            .least_cosine_row(least, normals, &covered, columns.clone());
         scratch.crease[columns.clone()].fill(0.0);
         for start in columns.clone().step_by(BLOCK) {
             let block = start..(start + BLOCK).min(columns.end);
@@ -255,9 +389,14 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn gradient_row(&self, y: usize, columns: Range<usize>, out: [&mut [f32]; 2]) {
-        let normal = &self.frame.normal;
-        let normal = [&normal.x, &normal.y, &normal.z].map(|plane| &plane.row(y)[columns.clone()]);
+    fn gradient_row(&self, y: usize, columns: Range<usize>, given: &Given, out: [&mut [f32]; 2]) {
+        let NormalRows {
+            x: nx,
+            y: ny,
+            z: nz,
+        } = given.normals;
+        let normal = [nx, ny, nz].map(|rows| &rows.at[columns.clone()]);
+        let out = out.map(|row| &mut row[columns.clone()]);
         let covered = &self.frame.mask.row(y)[columns.clone()];
         let to_eye = (&self.to_eye.x[columns], self.to_eye.y[y]);
         self.simd
@@ -293,6 +432,38 @@ impl ToEye {
         Self {
             x: (0..frame.mask.width()).map(|x| at(x, 0).x).collect(),
             y: (0..frame.mask.height()).map(|y| at(0, y).y).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Mask;
+    use crate::params::ScalingParams;
+    use crate::plan::{Available, Goal};
+    use crate::report::scenes::Scene;
+
+    /// Three bands, the last of 22 rows; normals outside the mask, and rows and columns without any inside.
+    #[test]
+    fn slopes_in_the_memory_of_normals_are_the_same() {
+        let memory = Memory::default();
+        let mut frame = Scene::barriers(70, 150).frame;
+        frame.mask = Mask::new(Plane::from_fn(70, 150, |x, y| {
+            x > 3 && y.abs_diff(64) > 2 && y < 147 && x.abs_diff(30) + y.abs_diff(100) > 9
+        }));
+        let lengths = Plane::from_fn(70, 150, |x, y| 1.0 - 0.5 * ((x * y) % 7 / 6) as f32);
+        for lengths in [None, Some(lengths)] {
+            frame.normal_length = lengths.clone();
+            let (available, shape) = (Available::in_frame(&frame), ShapeParams::default());
+            let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default());
+            let plan = plan.unwrap();
+            let (expected, slopes) = edges_and_gradient(&plan, &frame, &memory);
+            assert!(expected.conductance.samples().contains(&1.0));
+            let normal = frame.normal.clone();
+            let (found, found_slopes) = edges_in_place(&plan, &frame, normal, lengths, &memory);
+            assert_eq!(found.conductance, expected.conductance);
+            assert_eq!(found_slopes, slopes);
         }
     }
 }
