@@ -245,14 +245,10 @@ fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync
     of_rows(plane, |y, row| {
         let mut column = plane.row(y).to_vec();
         for other in around(y, reach, plane.height()) {
-            for (sample, &other) in column.iter_mut().zip(plane.row(other)) {
-                *sample = of(*sample, other);
-            }
+            combine(&mut column, plane.row(other), &of);
         }
-        for (x, sample) in row.iter_mut().enumerate() {
-            let square = &column[around(x, reach, column.len())];
-            *sample = square.iter().copied().fold(column[x], &of);
-        }
+        row.copy_from_slice(&column);
+        along_row(row, &column, reach, &of);
     })
 }
 
@@ -267,13 +263,29 @@ fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
     of_rows(plane, |y, row| {
         let mut column = vec![0.0; row.len()];
         for other in around(y, reach, plane.height()) {
-            let samples = column.iter_mut().zip(plane.row(other));
-            samples.for_each(|(sum, sample)| *sum += sample);
+            combine(&mut column, plane.row(other), |sum, sample| sum + sample);
         }
-        for (x, sample) in row.iter_mut().enumerate() {
-            *sample = column[around(x, reach, column.len())].iter().sum();
-        }
+        along_row(row, &column, reach, |sum, sample| sum + sample);
     })
+}
+
+/// Combines every sample of a row with those of `column` around it, from left to right: all that are equally far away
+/// at a time, so that the compiler takes several pixels at once.
+fn along_row(row: &mut [f32], column: &[f32], reach: usize, of: impl Fn(f32, f32) -> f32) {
+    let after = |samples: usize| column.get(samples..).unwrap_or_default();
+    for left in (1..=reach.min(row.len())).rev() {
+        combine(&mut row[left..], column, &of);
+    }
+    for right in 0..=reach {
+        combine(row, after(right), &of);
+    }
+}
+
+/// Combines samples with others, as far as there are both.
+fn combine(samples: &mut [f32], others: &[f32], of: impl Fn(f32, f32) -> f32) {
+    for (sample, &other) in samples.iter_mut().zip(others) {
+        *sample = of(*sample, other);
+    }
 }
 
 /// A plane combined from the samples of two.
