@@ -65,7 +65,7 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
         return;
     }
     let longest = over_squares(&ended(lengths, mask), NORMALS_REACH, f32::max);
-    let mean = mean_of_covered(lengths, mask);
+    let mean = mean_of_covered(lengths, &covered_in_squares(mask));
     let lifted = of_rows(lengths, |y, row| {
         let squares = longest.row(y).iter().zip(mean.row(y));
         for ((sample, &length), (&longest, &mean)) in
@@ -88,7 +88,8 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     if !has_short_square(lengths, mask) {
         return None;
     }
-    let mean = |plane: &Plane| mean_of_covered(plane, mask);
+    let counts = covered_in_squares(mask);
+    let mean = |plane: &Plane| mean_of_covered(plane, &counts);
     let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
     let compared = of_two(&ended(lengths, mask), &around, |length, around| {
         length / around.max(f32::MIN_POSITIVE)
@@ -121,11 +122,17 @@ fn ended(lengths: &Plane, mask: &Mask) -> Plane {
     })
 }
 
-/// The mean over the covered pixels of the square around each pixel.
-fn mean_of_covered(plane: &Plane, mask: &Mask) -> Plane {
+/// The number of covered pixels in the square around each pixel.
+fn covered_in_squares(mask: &Mask) -> Plane {
     let covered = mask.plane().map(|c| f32::from(u8::from(c)));
-    let [sum, covered] = [plane, &covered].map(|plane| sum_over_squares(plane, NORMALS_REACH));
-    of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
+    sum_over_squares(&covered, NORMALS_REACH)
+}
+
+/// The mean over the covered pixels of the square around each pixel, given their number.
+fn mean_of_covered(plane: &Plane, counts: &Plane) -> Plane {
+    let mut mean = sum_over_squares(plane, NORMALS_REACH);
+    mean.each_row(|y, row| combine(row, counts.row(y), |sum, count| sum / count.max(1.0)));
+    mean
 }
 
 fn is_short(length: f32) -> bool {
