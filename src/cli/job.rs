@@ -511,9 +511,9 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Rows of layers that are made and written at a time: blocks enough for every thread.
+/// Rows in a band of layers, a block for every thread: one band is made while another is written.
 fn band_rows() -> usize {
-    32 * rayon::current_num_threads().clamp(2, 16)
+    16 * rayon::current_num_threads().clamp(2, 16)
 }
 
 /// How long the stages of a frame took.
