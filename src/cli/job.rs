@@ -358,7 +358,7 @@ impl<'a> Job<'a> {
         plan: &Plan,
         layers: &RowLayers,
         read: Duration,
-        channels: impl Fn(&LaidRows) -> Vec<OutputChannel<'_>>,
+        channels: impl Fn(&LaidRows) -> Vec<OutputChannel<'_>> + Sync,
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
         let (frame, args) = (&loaded.frame, &self.work.output);
@@ -366,8 +366,7 @@ impl<'a> Job<'a> {
             let mut timings = Timings::of(frame);
             timings.add("read", read);
             timings.add_all(&layers.outcome);
-            let start = Instant::now();
-            let mut making = Duration::ZERO;
+            let mut writing = Duration::ZERO;
             let height = frame.mask.height();
             let first = layers.rows(frame, &(0..height.min(1)))?;
             let attributes = attributes(&self.work, loaded, self.recipe(&chosen));
@@ -375,21 +374,33 @@ impl<'a> Job<'a> {
             let part = args.part(loaded, frame.data_window, &named, attributes);
             let said = args.write_exr(output, loaded, &part, |next| {
                 let bands = Strips::of_rows(band_rows(), height, 0);
-                bands.each().try_for_each(|(rows, _)| {
-                    let began = Instant::now();
-                    let laid = layers.rows(frame, &rows)?;
-                    timings.add_all(&laid.outcome);
-                    making += began.elapsed();
-                    let named = args.picked(channels(&laid))?;
-                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
-                    self.refuse(not_finite(plan, &laid.frame, &laid.outcome, &planes))?;
-                    next(&planes, laid.rows.clone())?;
-                    layers.recycle(laid);
-                    Ok(())
-                })
+                let mut bands = bands.each().map(|(rows, _)| rows);
+                let made = |rows: Option<Range<usize>>| {
+                    rows.map(|rows| layers.rows(frame, &rows)).transpose()
+                };
+                let mut laid = made(bands.next())?;
+                while let Some(rows) = laid {
+                    timings.add_all(&rows.outcome);
+                    let mut write = || {
+                        let began = Instant::now();
+                        let named = args.picked(channels(&rows))?;
+                        let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
+                        self.refuse(not_finite(plan, &rows.frame, &rows.outcome, &planes))?;
+                        next(&planes, rows.rows.clone())?;
+                        writing += began.elapsed();
+                        Ok(())
+                    };
+                    // The next rows are made while these are written: neither keeps all threads busy to its end.
+                    let following = bands.next();
+                    let (written, following) = rayon::join(&mut write, || made(following));
+                    written?;
+                    laid = following?;
+                    layers.recycle(rows);
+                }
+                Ok(())
             })?;
             self.say_all(&said);
-            timings.add("write", start.elapsed().saturating_sub(making));
+            timings.add("write", writing);
             self.write_timings(&timings)?;
             Ok(Whites::default())
         })?;
@@ -500,9 +511,9 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Rows of layers that are made and written at a time: blocks enough for every thread.
+/// Rows in a band of layers, a block for every thread: one band is made while another is written.
 fn band_rows() -> usize {
-    32 * rayon::current_num_threads().clamp(2, 16)
+    16 * rayon::current_num_threads().clamp(2, 16)
 }
 
 /// How long the stages of a frame took.

@@ -25,7 +25,7 @@ pub(super) struct ReadyOutput<'a> {
 }
 
 /// Writes rows of planes.
-pub(super) type NextRows<'w> = dyn FnMut(&[&Plane], Range<usize>) -> Result<()> + 'w;
+pub(super) type NextRows<'w> = dyn FnMut(&[&Plane], Range<usize>) -> Result<()> + Send + 'w;
 
 /// The attributes of the part with our results: the program, the recipe, and pixels per inch if a flag gives them or the
 /// size of a pixel on the subject.

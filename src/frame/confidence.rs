@@ -65,7 +65,7 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
         return;
     }
     let longest = over_squares(&ended(lengths, mask), NORMALS_REACH, f32::max);
-    let mean = mean_of_covered(lengths, mask);
+    let mean = mean_of_covered(lengths, &covered_in_squares(mask));
     let lifted = of_rows(lengths, |y, row| {
         let squares = longest.row(y).iter().zip(mean.row(y));
         for ((sample, &length), (&longest, &mean)) in
@@ -88,7 +88,8 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     if !has_short_square(lengths, mask) {
         return None;
     }
-    let mean = |plane: &Plane| mean_of_covered(plane, mask);
+    let counts = covered_in_squares(mask);
+    let mean = |plane: &Plane| mean_of_covered(plane, &counts);
     let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
     let compared = of_two(&ended(lengths, mask), &around, |length, around| {
         length / around.max(f32::MIN_POSITIVE)
@@ -121,11 +122,17 @@ fn ended(lengths: &Plane, mask: &Mask) -> Plane {
     })
 }
 
-/// The mean over the covered pixels of the square around each pixel.
-fn mean_of_covered(plane: &Plane, mask: &Mask) -> Plane {
+/// The number of covered pixels in the square around each pixel.
+fn covered_in_squares(mask: &Mask) -> Plane {
     let covered = mask.plane().map(|c| f32::from(u8::from(c)));
-    let [sum, covered] = [plane, &covered].map(|plane| sum_over_squares(plane, NORMALS_REACH));
-    of_two(&sum, &covered, |sum, covered| sum / covered.max(1.0))
+    sum_over_squares(&covered, NORMALS_REACH)
+}
+
+/// The mean over the covered pixels of the square around each pixel, given their number.
+fn mean_of_covered(plane: &Plane, counts: &Plane) -> Plane {
+    let mut mean = sum_over_squares(plane, NORMALS_REACH);
+    mean.each_row(|y, row| combine(row, counts.row(y), |sum, count| sum / count.max(1.0)));
+    mean
 }
 
 fn is_short(length: f32) -> bool {
@@ -245,14 +252,10 @@ fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync
     of_rows(plane, |y, row| {
         let mut column = plane.row(y).to_vec();
         for other in around(y, reach, plane.height()) {
-            for (sample, &other) in column.iter_mut().zip(plane.row(other)) {
-                *sample = of(*sample, other);
-            }
+            combine(&mut column, plane.row(other), &of);
         }
-        for (x, sample) in row.iter_mut().enumerate() {
-            let square = &column[around(x, reach, column.len())];
-            *sample = square.iter().copied().fold(column[x], &of);
-        }
+        row.copy_from_slice(&column);
+        along_row(row, &column, reach, &of);
     })
 }
 
@@ -267,13 +270,29 @@ fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
     of_rows(plane, |y, row| {
         let mut column = vec![0.0; row.len()];
         for other in around(y, reach, plane.height()) {
-            let samples = column.iter_mut().zip(plane.row(other));
-            samples.for_each(|(sum, sample)| *sum += sample);
+            combine(&mut column, plane.row(other), |sum, sample| sum + sample);
         }
-        for (x, sample) in row.iter_mut().enumerate() {
-            *sample = column[around(x, reach, column.len())].iter().sum();
-        }
+        along_row(row, &column, reach, |sum, sample| sum + sample);
     })
+}
+
+/// Combines every sample of a row with those of `column` around it, from left to right: all that are equally far away
+/// at a time, so that the compiler takes several pixels at once.
+fn along_row(row: &mut [f32], column: &[f32], reach: usize, of: impl Fn(f32, f32) -> f32) {
+    let after = |samples: usize| column.get(samples..).unwrap_or_default();
+    for left in (1..=reach.min(row.len())).rev() {
+        combine(&mut row[left..], column, &of);
+    }
+    for right in 0..=reach {
+        combine(row, after(right), &of);
+    }
+}
+
+/// Combines samples with others, as far as there are both.
+fn combine(samples: &mut [f32], others: &[f32], of: impl Fn(f32, f32) -> f32) {
+    for (sample, &other) in samples.iter_mut().zip(others) {
+        *sample = of(*sample, other);
+    }
 }
 
 /// A plane combined from the samples of two.

@@ -41,8 +41,8 @@ pub use plane::{
 pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
-pub(crate) use sight::PixelLines;
 pub use sight::SightLines;
+pub(crate) use sight::{PixelLines, direction_seen, line_of, point_on, step_by_normals};
 pub use space::OutOfRange;
 pub(crate) use space::check_place;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};

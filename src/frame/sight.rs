@@ -51,12 +51,7 @@ impl SightLines {
     /// The view-space point at picture position (`x`, `y`) and depth `depth`.
     #[inline]
     pub fn point(&self, x: f64, y: f64, depth: f64, kind: DepthKind) -> DVec3 {
-        let (start, line) = self.line(x, y);
-        let depth = match kind {
-            DepthKind::Ray => depth / line.length(),
-            DepthKind::Planar | DepthKind::Relative => depth,
-        };
-        start + depth * line
+        point_on(self.line(x, y), depth, kind)
     }
 
     /// The step from the surface seen at `from` with normal `here` to that seen at `to` with normal `there`, when only
@@ -67,22 +62,9 @@ impl SightLines {
     /// surface is seen from behind.
     #[inline]
     pub fn step(&self, from: DVec2, here: DVec3, to: DVec2, there: DVec3) -> Option<DVec3> {
-        let normal = here + there;
-        let ((start, line), (start_to, line_to)) =
-            (self.line(from.x, from.y), self.line(to.x, to.y));
-        let (facing, facing_to) = (normal.dot(line), normal.dot(line_to));
-        if !(facing < 0.0 && facing_to < 0.0) {
-            return None;
-        }
-        let offset = match self.projection {
-            // Depths 1 and d: normal . (d line_to - line) = 0.
-            Projection::Perspective { .. } => facing / facing_to * line_to - line,
-            Projection::Orthographic { .. } => {
-                let across = start_to - start;
-                across - normal.dot(across) / facing * line
-            }
-        };
-        offset.is_finite().then_some(offset)
+        let lines = [from, to].map(|at| self.line(at.x, at.y));
+        let (is_seen, step) = step_by_normals(self.is_perspective(), lines, here + there);
+        (is_seen && step.is_finite()).then_some(step)
     }
 
     /// The unit tangent of a surface with the normal `normal`, at any point of the sight line through (`x`, `y`), that
@@ -128,17 +110,59 @@ impl SightLines {
     #[inline]
     pub fn picture_direction(&self, x: f64, y: f64, tangent: DVec3) -> Option<DVec2> {
         let (_, line) = self.line(x, y);
-        // Moving along the sight line does not change the position: cancel z.
-        let across = (tangent + tangent.z * line).truncate();
-        let least = MIN_SEEN * MIN_SEEN * line.length_squared();
-        let is_seen = across.length_squared() > least;
-        is_seen.then(|| (across * DVec2::new(1.0, self.pixel_shape())).try_normalize())?
+        let (is_seen, direction) = direction_seen(line, self.pixel_shape(), tangent);
+        is_seen.then_some(direction)
     }
+
+    pub(crate) fn is_perspective(&self) -> bool {
+        matches!(self.projection, Projection::Perspective { .. })
+    }
+}
+
+/// The point at this depth on a sight line with its origin.
+#[inline(always)]
+pub(crate) fn point_on((start, line): (DVec3, DVec3), depth: f64, kind: DepthKind) -> DVec3 {
+    let depth = match kind {
+        DepthKind::Ray => depth / line.length(),
+        DepthKind::Planar | DepthKind::Relative => depth,
+    };
+    start + depth * line
+}
+
+/// [`SightLines::step`] between two sight lines with their origins, given the sum of both normals, and whether the
+/// surface is seen from the front. It may not be finite.
+#[inline(always)]
+pub(crate) fn step_by_normals(
+    is_perspective: bool,
+    [(start, line), (start_to, line_to)]: [(DVec3, DVec3); 2],
+    normals: DVec3,
+) -> (bool, DVec3) {
+    let (facing, facing_to) = (normals.dot(line), normals.dot(line_to));
+    let step = if is_perspective {
+        // Depths 1 and d: normals . (d line_to - line) = 0.
+        facing / facing_to * line_to - line
+    } else {
+        let across = start_to - start;
+        across - normals.dot(across) / facing * line
+    };
+    ((facing < 0.0) & (facing_to < 0.0), step)
+}
+
+/// [`SightLines::picture_direction`] on a sight line, and whether it is seen; else it means nothing.
+#[inline(always)]
+pub(crate) fn direction_seen(line: DVec3, pixel_shape: f64, tangent: DVec3) -> (bool, DVec2) {
+    // Moving along the sight line does not change the position: cancel z.
+    let across = (tangent + tangent.z * line).truncate();
+    let least = MIN_SEEN * MIN_SEEN * line.length_squared();
+    let scaled = across * DVec2::new(1.0, pixel_shape);
+    let over_length = scaled.length_recip();
+    let has_length = (over_length > 0.0) & (over_length < f64::INFINITY);
+    let is_seen = (across.length_squared() > least) & has_length;
+    (is_seen, scaled * over_length)
 }
 
 /// The sight lines through the middles of a frame's pixels. What belongs to a column or to a row is found once.
 pub(crate) struct PixelLines {
-    is_perspective: bool,
     /// x of the direction by column, and y by row; for parallel lines, of the origin.
     x: Vec<f64>,
     y: Vec<f64>,
@@ -147,31 +171,38 @@ pub(crate) struct PixelLines {
 impl PixelLines {
     /// The sight lines of a frame.
     pub(crate) fn new(sight: &SightLines, frame: &Frame) -> Self {
-        let is_perspective = matches!(sight.projection, Projection::Perspective { .. });
+        let is_perspective = sight.is_perspective();
         let varying = |x: usize, y: usize| {
             let at = frame.data_window.middle(x, y);
             let (start, line) = sight.line(at.x, at.y);
             if is_perspective { line } else { start }
         };
         Self {
-            is_perspective,
             x: (0..frame.mask.width()).map(|x| varying(x, 0).x).collect(),
             y: (0..frame.mask.height()).map(|y| varying(0, y).y).collect(),
         }
     }
 
-    /// [`SightLines::point`] at a pixel.
+    /// What distinguishes the sight lines of a column.
     #[inline]
-    pub(crate) fn point(&self, x: usize, y: usize, depth: f64, kind: DepthKind) -> DVec3 {
-        let (across, up) = (self.x[x], self.y[y]);
-        if !self.is_perspective {
-            return DVec3::new(across, up, -depth);
-        }
-        let line = DVec3::new(across, up, -1.0);
-        match kind {
-            DepthKind::Ray => depth / line.length() * line,
-            DepthKind::Planar | DepthKind::Relative => depth * line,
-        }
+    pub(crate) fn across(&self, x: usize) -> f64 {
+        self.x[x]
+    }
+
+    /// What distinguishes the sight lines of a row.
+    #[inline]
+    pub(crate) fn up(&self, y: usize) -> f64 {
+        self.y[y]
+    }
+}
+
+/// The sight line of a column and a row, as [`SightLines::line`] has it, from what distinguishes these.
+#[inline(always)]
+pub(crate) fn line_of(is_perspective: bool, across: f64, up: f64) -> (DVec3, DVec3) {
+    if is_perspective {
+        (DVec3::ZERO, DVec3::new(across, up, -1.0))
+    } else {
+        (DVec3::new(across, up, 0.0), DVec3::NEG_Z)
     }
 }
 
@@ -207,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_pixels_are_those_of_their_middles() {
+    fn lines_of_pixels_are_those_of_their_middles() {
         let parallel = SightLines::parallel(0.5).projection();
         for projection in [LENS, parallel] {
             let sight = SightLines::new(projection);
@@ -217,14 +248,8 @@ mod tests {
             );
             frame.data_window = Window::at(-2, 300, 5, 4);
             let lines = PixelLines::new(&sight, &frame);
-            for kind in [DepthKind::Planar, DepthKind::Ray] {
-                let expected = sight.point(1.5, 301.5, 7.3, kind);
-                assert_eq!(
-                    lines.point(3, 1, 7.3, kind),
-                    expected,
-                    "{projection:?}, {kind:?}"
-                );
-            }
+            let line = line_of(sight.is_perspective(), lines.across(3), lines.up(1));
+            assert_eq!(line, sight.line(1.5, 301.5), "{projection:?}");
         }
     }
 

@@ -106,8 +106,10 @@ pub(crate) use widened;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::DepthKind;
     use crate::light::layers::{LobeRow, TermScaling};
     use crate::line::direction_field::Weighted;
+    use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
@@ -179,6 +181,7 @@ mod tests {
         }
         results.extend(made_of_sky(simd, &gx, &gy));
         results.extend(made_of_light(simd, &gx, &gy));
+        results.extend(made_of_rays(simd));
         results
     }
 
@@ -281,6 +284,46 @@ mod tests {
         vec![
             luminance, toward, plain, scaled, group, out, red, green, blue,
         ]
+    }
+
+    /// Directions of curvature on sample pixels, for every way from pixels to points.
+    fn made_of_rays(simd: Simd) -> Vec<Vec<f32>> {
+        let lanes = |seed: u32| std::array::from_fn(|i| row(seed)[i]);
+        let places = |seed: u32, scale: f64| lanes(seed).map(|v: f32| scale * f64::from(v));
+        let pixels = |seed: u32, scale: f64| Pixels {
+            // Nearly one normal, at places a few pixels apart: most lanes have a direction.
+            normal: [lanes(seed), lanes(seed + 1), [4.0; LANES]].map(|c| c.map(|v| 0.2 * v)),
+            depth: lanes(seed + 2).map(|v: f32| 5.0 + 0.001 * v),
+            across: places(seed + 3, scale),
+            up: places(seed + 4, scale),
+            is_there: std::array::from_fn(|lane| u8::from(lane % 7 != seed as usize % 5)),
+        };
+        let kinds = [None, Some(DepthKind::Planar), Some(DepthKind::Ray)];
+        let ways = [(false, 1.0), (true, 0.01)].map(|way| kinds.map(|depth| (way, depth)));
+        let made = ways
+            .as_flattened()
+            .iter()
+            .map(|&((is_perspective, scale), depth)| {
+                let bundle = Bundle {
+                    here: pixels(40, scale),
+                    beside: [50, 61, 72, 83].map(|seed| pixels(seed, scale)),
+                    steps_px: [[2.0; LANES]; 2],
+                };
+                let source = PointSource {
+                    depth,
+                    is_perspective,
+                    pixel_shape: 1.25,
+                    normal_noise: 1e-7,
+                    offset_noise: 1e-8,
+                };
+                let mut found = Directions::default();
+                simd.larger_curvature_directions(&mut found, &bundle, &source);
+                let forms = found.forms.map(|form| form as u8 as f32);
+                let known = forms.iter().filter(|&&form| form > 0.0).count();
+                assert!(known > LANES / 2, "{known} of {LANES} at {depth:?}");
+                [found.x, found.y, forms].concat()
+            });
+        made.collect()
     }
 
     #[test]

@@ -15,10 +15,19 @@ use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::ops::Range;
 
 /// Uncompressed bytes that are worked on at one time, unless a single block has more.
 const BATCH_BYTES: usize = 32 << 20;
+
+/// A block is as large as its rows.
+const SIZED: &str = "a block has room for its rows";
+
+thread_local! {
+    /// A block before compression: fresh memory for each would cost as much as a pass over it.
+    static RAW: RefCell<Vec<u8>> = RefCell::default();
+}
 
 /// Compresses the rows of a part, block by block.
 ///
@@ -123,15 +132,19 @@ impl Encoder {
             .map(|block| {
                 let end = rows.min((block + 1) * self.block_rows);
                 let start = block * self.block_rows;
-                let mut raw = Vec::with_capacity((end - start) * self.row_bytes());
-                let mut clamped = Clamped::default();
-                if block == 0 {
-                    raw.extend_from_slice(&self.waiting);
-                    clamped = self.waiting_clamped;
-                }
                 let laid = start.max(waiting) - waiting..end - waiting;
-                clamped.add(self.lay_rows(strip, laid, &mut raw));
-                self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
+                let before = match block {
+                    0 => (&self.waiting[..], self.waiting_clamped),
+                    _ => (&[][..], Clamped::default()),
+                };
+                RAW.with_borrow_mut(|raw| {
+                    let raw = zip::sized(raw, (end - start) * self.row_bytes());
+                    let (given, rest) = raw.split_at_mut(before.0.len());
+                    given.copy_from_slice(before.0);
+                    let mut clamped = before.1;
+                    clamped.add(self.lay_rows(strip, laid, rest));
+                    self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
+                })
             })
             .collect();
 
@@ -141,7 +154,10 @@ impl Encoder {
             self.waiting_clamped = Clamped::default();
         }
         let laid = (complete * self.block_rows).clamp(waiting, rows);
-        let clamped = self.lay_rows(strip, laid - waiting..strip.rows.len(), &mut rest);
+        let laid = laid - waiting..strip.rows.len();
+        let given = rest.len();
+        rest.resize(given + laid.len() * self.row_bytes(), 0);
+        let clamped = self.lay_rows(strip, laid, &mut rest[given..]);
         self.waiting_clamped.add(clamped);
         self.waiting = rest;
         self.taken += strip.rows.len();
@@ -151,8 +167,8 @@ impl Encoder {
         Ok((first, bytes.collect()))
     }
 
-    /// Appends the rows `rows` of a strip in the layout of a block.
-    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, raw: &mut Vec<u8>) -> Clamped {
+    /// Lays the rows `rows` of a strip out in a block, of which they fill `raw`.
+    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, mut raw: &mut [u8]) -> Clamped {
         let mut clamped = Clamped::default();
         let mut halves = Vec::new();
         let width = self.header.layer_size.width();
@@ -162,7 +178,9 @@ impl Encoder {
                 match *source {
                     Source::Given(plane, sample_type) => {
                         let row = strip.planes[plane].row(strip.rows.start + y);
-                        let count = lay_samples(row, sample_type, &mut halves, raw);
+                        let bytes = channel.sample_type.bytes_per_sample();
+                        let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
+                        let count = lay_samples(row, sample_type, &mut halves, laid);
                         match self.is_dwa() && is_color(channel) {
                             true => clamped.colors += count,
                             false => clamped.others += count,
@@ -170,7 +188,8 @@ impl Encoder {
                     }
                     Source::Carried { before, bytes } => {
                         let row = &strip.kept[y * kept_bytes..][..kept_bytes];
-                        raw.extend_from_slice(&row[before * width..][..bytes * width]);
+                        let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
+                        laid.copy_from_slice(&row[before * width..][..bytes * width]);
                     }
                 }
             }
@@ -183,7 +202,7 @@ impl Encoder {
         &self,
         first_row: usize,
         rows: usize,
-        mut raw: Vec<u8>,
+        raw: &mut [u8],
         clamped: Clamped,
     ) -> Parsed<Encoded> {
         if !self.is_dwa() {
@@ -191,13 +210,13 @@ impl Encoder {
             let clamped = clamped.colors + clamped.others;
             return Ok(Encoded { bytes, clamped });
         }
-        let (count, largest) = self.clamp_colors(&mut raw, HALF_MAX);
-        let bytes = self.compressed(first_row, rows, raw.clone())?;
+        let (count, largest) = self.clamp_colors(raw, HALF_MAX);
+        let bytes = self.compressed(first_row, rows, raw)?;
         if largest <= DWA_SAFE || self.decodes_finite(first_row, rows, &bytes)? {
             let clamped = clamped.colors + clamped.others + count;
             return Ok(Encoded { bytes, clamped });
         }
-        let (count, _) = self.clamp_colors(&mut raw, DWA_SAFE);
+        let (count, _) = self.clamp_colors(raw, DWA_SAFE);
         Ok(Encoded {
             bytes: self.compressed(first_row, rows, raw)?,
             // Those that were clamped before are above this limit too.
@@ -273,19 +292,19 @@ impl Encoder {
         }
     }
 
-    fn compressed(&self, first_row: usize, rows: usize, raw: Vec<u8>) -> Parsed<Vec<u8>> {
+    fn compressed(&self, first_row: usize, rows: usize, raw: &[u8]) -> Parsed<Vec<u8>> {
         match self.header.compression {
-            Compression::Uncompressed if OWN_CODEC => return Ok(raw),
+            Compression::Uncompressed if OWN_CODEC => return Ok(raw.to_vec()),
             Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
                 let is_smooth = self.sources.iter().all(|s| matches!(s, Source::Given(..)));
-                return Ok(zip::compress(raw, is_smooth));
+                return Ok(zip::compress(raw, is_smooth).unwrap_or_else(|| raw.to_vec()));
             }
             _ => {}
         }
         let section = self.section(first_row, rows);
         let compress = || {
             let compression = self.header.compression;
-            compression.compress_image_section_to_le(&self.header, raw, section)
+            compression.compress_image_section_to_le(&self.header, raw.to_vec(), section)
         };
         match fenced(compress) {
             Some(bytes) => Ok(bytes?),
@@ -320,19 +339,12 @@ fn is_color(channel: &ChannelDescription) -> bool {
     dwa_spoils(&text_of_bytes(channel.name.as_slice()))
 }
 
-/// Appends a row of samples; returns the number of finite ones too large for their type.
-fn lay_samples(
-    row: &[f32],
-    sample_type: OutputType,
-    halves: &mut Vec<f16>,
-    raw: &mut Vec<u8>,
-) -> u64 {
-    let start = raw.len();
+/// Lays out a row of samples, which fills `raw`; returns the number of finite ones too large for their type.
+fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw: &mut [u8]) -> u64 {
     let mut clamped = 0;
     match sample_type {
         OutputType::Float => {
-            raw.resize(start + 4 * row.len(), 0);
-            for (to, v) in raw[start..].as_chunks_mut().0.iter_mut().zip(row) {
+            for (to, v) in raw.as_chunks_mut().0.iter_mut().zip(row) {
                 *to = v.to_ne_bytes();
             }
         }
@@ -346,8 +358,7 @@ fn lay_samples(
                     *half = f16::from_f32(clamped_to_half(v));
                 }
             }
-            raw.resize(start + 2 * row.len(), 0);
-            for (to, v) in raw[start..].as_chunks_mut().0.iter_mut().zip(halves.iter()) {
+            for (to, v) in raw.as_chunks_mut().0.iter_mut().zip(halves.iter()) {
                 *to = v.to_ne_bytes();
             }
         }

@@ -137,15 +137,12 @@ impl<'a> Field<'a> {
                 .setting
                 .sight
                 .step(here.at, here.normal, there.at, there.normal)?;
-            Some(NormalRay {
-                offset,
-                normal: there.normal,
-            })
+            Some(NormalRay::new(offset, there.normal))
         };
         let step_px = f64::from(self.params.cell_px);
         let sides = |before: &[u32], after: &[u32]| Sides {
-            before: ray(before),
-            after: ray(after),
+            before: ray(before).unwrap_or(NormalRay::NONE),
+            after: ray(after).unwrap_or(NormalRay::NONE),
             step_px,
         };
         let Patches { across, down, .. } = self.patches;

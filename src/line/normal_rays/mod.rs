@@ -9,30 +9,52 @@
 //! that do not depend on the unit of length, and by the noise of the samples. Practice: use only neighbours on the same
 //! surface, a few pixels away where normals are coarse.
 
+pub(crate) mod bundle;
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 pub(crate) mod setting;
 pub(crate) mod stage;
 
-use glam::{DVec2, DVec3};
+use glam::{BVec2, DVec2, DVec3};
 
 /// A normal ray beside the point looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NormalRay {
+    /// Whether there is one. A flag, so that loops over pixels have no branches.
+    pub is_there: bool,
     /// Vector to a point on the ray, in view space, in any unit of length.
     pub offset: DVec3,
     /// Direction of the ray: the normal there, of any length.
     pub normal: DVec3,
 }
 
+impl NormalRay {
+    /// No ray.
+    pub(crate) const NONE: Self = Self {
+        is_there: false,
+        offset: DVec3::ZERO,
+        normal: DVec3::ZERO,
+    };
+
+    /// The ray along `normal` at `offset`.
+    #[inline(always)]
+    pub(crate) fn new(offset: DVec3, normal: DVec3) -> Self {
+        Self {
+            is_there: true,
+            offset,
+            normal,
+        }
+    }
+}
+
 /// The rays on either side of a point along one axis of the picture, where they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sides {
     /// On the side of lesser x or y (y up).
-    pub before: Option<NormalRay>,
+    pub before: NormalRay,
     /// On the side of greater x or y.
-    pub after: Option<NormalRay>,
+    pub after: NormalRay,
     /// Distance in pixels.
     pub step_px: f64,
 }
@@ -52,6 +74,8 @@ pub(crate) struct Noise {
 /// The kind of a surface point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LocalShape {
+    /// Not known: an axis has no usable ray, or the surface is seen edge-on.
+    Unknown,
     /// The normal does not turn measurably: no direction.
     Planar,
     /// Equal curvature in all directions: no principal direction.
@@ -60,6 +84,14 @@ pub(crate) enum LocalShape {
     Parabolic,
     /// Two curvatures.
     General,
+}
+
+impl LocalShape {
+    /// Whether the larger curvature has a direction.
+    #[inline(always)]
+    pub(crate) fn has_direction(self) -> bool {
+        (self == Self::Parabolic) | (self == Self::General)
+    }
 }
 
 /// Principal curvatures of a surface, the larger in size first.
@@ -76,10 +108,7 @@ pub(crate) struct PrincipalCurvatures {
 impl PrincipalCurvatures {
     /// The direction of the curvature larger in size, if the point has one.
     pub(crate) fn direction(&self) -> Option<DVec3> {
-        match self.form {
-            LocalShape::Planar | LocalShape::Umbilic => None,
-            LocalShape::Parabolic | LocalShape::General => Some(self.directions[0]),
-        }
+        self.form.has_direction().then_some(self.directions[0])
     }
 }
 
@@ -111,43 +140,46 @@ pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
 
 /// Principal curvatures at a point with the normal `normal`, from the rays beside it along x and y.
 ///
-/// `None` if an axis has no usable ray, or the surface is seen edge-on. With rays on both sides of each axis the error
-/// is of second order in the step; a missing one is replaced by the point's own, at first order.
-#[inline]
+/// With rays on both sides of each axis the error is of second order in the step; a missing one is replaced by the
+/// point's own, at first order. There are no branches, so that loops over pixels widen; squares are compared and
+/// reciprocals shared, because divisions and roots take most of the time.
+#[inline(always)]
 pub(crate) fn principal_curvatures(
     normal: DVec3,
     [along_x, along_y]: [Sides; 2],
     noise: Noise,
-) -> Option<PrincipalCurvatures> {
-    let local = Local::at(normal)?;
-    let (x, y) = (local.difference(&along_x)?, local.difference(&along_y)?);
+) -> PrincipalCurvatures {
+    let (is_normal, local) = Local::at(normal);
+    let (x, y) = (local.difference(&along_x), local.difference(&along_y));
     let Slopes {
+        is_there,
         mean,
         half_difference,
         off,
         area,
         spread,
-    } = Slopes::of(&x, &y)?;
+    } = Slopes::of(&x, &y);
     let half_spread = DVec2::new(half_difference, off).length();
-    let found = [mean + half_spread, mean - half_spread];
-    let first = local.eigenvector(half_difference, off, half_spread);
-    let second = local.normal.cross(first);
-    let (curvatures, directions) = if mean >= 0.0 {
-        (found, [first, second])
-    } else {
-        ([found[1], found[0]], [second, first])
-    };
-    let turn = (x.slope.length() / x.samples).max(y.slope.length() / y.samples);
-    let sample_error = noise.normal + curvatures[0].abs() * noise.offset;
+    let is_greater_larger = mean >= 0.0;
+    let (greater, less) = (mean + half_spread, mean - half_spread);
+    let larger = if is_greater_larger { greater } else { less };
+    let lesser = if is_greater_larger { less } else { greater };
+    let axis = eigenvector(half_difference, off, half_spread);
+    let axis = DVec2::select(BVec2::splat(is_greater_larger), axis, axis.perp());
+    let sample_error = noise.normal + larger.abs() * noise.offset;
     // Each slope errs by sqrt(2) of a sample, and the half difference of two entries of S U^-1 by that
     // over sqrt(2), times the size of U^-1, which is sqrt(2) where U is the identity.
     let error = CERTAINTY * sample_error * (0.5 * spread).sqrt() / area.abs();
-    let [larger, lesser] = curvatures;
-    let form = if turn < PLANAR_TURN || larger.abs() <= error {
+    let is_planar = x.is_flat() & y.is_flat() | (larger.abs() <= error);
+    let is_umbilic = half_spread <= (UMBILIC * mean.abs()).max(error);
+    let is_parabolic = lesser.abs() < PARABOLIC * larger.abs();
+    let form = if !(is_normal & is_there) {
+        LocalShape::Unknown
+    } else if is_planar {
         LocalShape::Planar
-    } else if half_spread <= (UMBILIC * mean.abs()).max(error) {
+    } else if is_umbilic {
         LocalShape::Umbilic
-    } else if lesser.abs() < PARABOLIC * larger.abs() {
+    } else if is_parabolic {
         LocalShape::Parabolic
     } else {
         LocalShape::General
@@ -157,11 +189,11 @@ pub(crate) fn principal_curvatures(
     } else {
         lesser
     };
-    Some(PrincipalCurvatures {
+    PrincipalCurvatures {
         form,
         curvatures: [larger, lesser],
-        directions,
-    })
+        directions: [local.tangent(axis), local.tangent(axis.perp())],
+    }
 }
 
 /// Curvatures of a surface as one tensor, in the frame that coincides with the picture's when the normal is rotated to
@@ -176,7 +208,8 @@ pub(crate) struct CurvatureTensor {
 
 /// The tensor of curvature at a point with the unit normal `normal`, from the rays beside it along x and y.
 ///
-/// `None` as for [`principal_curvatures`], and where the normal points straight away from the viewer.
+/// `None` where an axis has no usable ray, the surface is seen edge-on, or the normal points straight away from the
+/// viewer.
 #[inline]
 pub(crate) fn curvature_tensor(
     normal: DVec3,
@@ -186,8 +219,8 @@ pub(crate) fn curvature_tensor(
         tangents: upright_tangents(normal)?,
         normal,
     };
-    let slopes = Slopes::of(&local.difference(&along_x)?, &local.difference(&along_y)?)?;
-    Some(CurvatureTensor {
+    let slopes = Slopes::of(&local.difference(&along_x), &local.difference(&along_y));
+    slopes.is_there.then_some(CurvatureTensor {
         mean: slopes.mean,
         deviator: DVec2::new(slopes.half_difference, slopes.off),
     })
@@ -204,6 +237,8 @@ pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
 
 /// M, made symmetric, and negated: its eigenvalues are the curvatures.
 pub(crate) struct Slopes {
+    /// Whether both axes have a usable ray and the surface is not seen edge-on.
+    pub(crate) is_there: bool,
     pub(crate) mean: f64,
     pub(crate) half_difference: f64,
     pub(crate) off: f64,
@@ -213,26 +248,25 @@ pub(crate) struct Slopes {
 }
 
 impl Slopes {
-    #[inline]
-    pub(crate) fn of(x: &Difference, y: &Difference) -> Option<Self> {
+    #[inline(always)]
+    pub(crate) fn of(x: &Difference, y: &Difference) -> Self {
         let (u, v) = (x.foot, y.foot);
         let area = u.perp_dot(v);
         let spread = u.length_squared() + v.length_squared();
         let is_square_on = area.abs() > MIN_SINE * spread;
-        if !is_square_on {
-            return None;
-        }
         // M U = S: the columns of U are feet, those of S slopes. Height above the tangent plane decreases where a ray
         // leans outward, so its second derivatives are -M.
-        let column_x = (y.slope * u.y - x.slope * v.y) / area;
-        let column_y = (x.slope * v.x - y.slope * u.x) / area;
-        Some(Self {
+        let over_area = 1.0 / area;
+        let column_x = (y.slope * u.y - x.slope * v.y) * over_area;
+        let column_y = (x.slope * v.x - y.slope * u.x) * over_area;
+        Self {
+            is_there: (x.samples > 0.0) & (y.samples > 0.0) & is_square_on,
             mean: 0.5 * (column_x.x + column_y.y),
             half_difference: 0.5 * (column_x.x - column_y.y),
             off: 0.5 * (column_x.y + column_y.x),
             area,
             spread,
-        })
+        }
     }
 }
 
@@ -242,66 +276,94 @@ pub(crate) struct Local {
     pub(crate) normal: DVec3,
 }
 
+/// Where a ray meets the plane of the point's tangents, and its slope there; both 0 without a ray.
+pub(crate) struct Foot {
+    pub(crate) is_there: bool,
+    pub(crate) foot: DVec2,
+    pub(crate) slope: DVec2,
+}
+
 /// Feet and slopes of two rays, one less the other, or of one ray in the point's own frame.
 pub(crate) struct Difference {
     pub(crate) foot: DVec2,
     pub(crate) slope: DVec2,
+    /// Pixels between both; 0 without any ray.
     pub(crate) samples: f64,
 }
 
-impl Local {
+impl Difference {
+    /// Whether the normal does not turn measurably.
     #[inline(always)]
-    fn at(normal: DVec3) -> Option<Self> {
-        let normal = normal.try_normalize()?;
+    fn is_flat(&self) -> bool {
+        let least = PLANAR_TURN * self.samples;
+        self.slope.length_squared() < least * least
+    }
+}
+
+impl Local {
+    /// The frame of a point with this normal, and whether it is one.
+    #[inline(always)]
+    fn at(normal: DVec3) -> (bool, Self) {
+        let over_length = normal.length_recip();
+        let normal = normal * over_length;
         let (a, b) = normal.any_orthonormal_pair();
-        Some(Self {
+        let local = Self {
             tangents: [a, b],
             normal,
-        })
+        };
+        ((over_length > 0.0) & (over_length < f64::INFINITY), local)
     }
 
-    /// Foot and slope of a ray; `None` if it leans too far.
+    /// Foot and slope of a ray; none if it leans too far.
     #[inline(always)]
-    pub(crate) fn ray(&self, ray: &NormalRay) -> Option<(DVec2, DVec2)> {
+    pub(crate) fn ray(&self, ray: &NormalRay) -> Foot {
         let along = |v: DVec3| DVec2::new(self.tangents[0].dot(v), self.tangents[1].dot(v));
         let (rise, up) = (self.normal.dot(ray.offset), self.normal.dot(ray.normal));
         let lean = along(ray.normal);
-        let leans_little = up > MIN_COSINE * (lean.length_squared() + up * up).sqrt();
-        let slope = lean / up;
+        let least_square = MIN_COSINE * MIN_COSINE * (lean.length_squared() + up * up);
+        let leans_little = (up > 0.0) & (up * up > least_square);
+        let slope = lean * (1.0 / up);
         let foot = along(ray.offset) - rise * slope;
-        (leans_little && foot.is_finite() && slope.is_finite()).then_some((foot, slope))
+        // A sum that is finite has no term that is not.
+        let sizes = foot.abs() + slope.abs();
+        let is_there = ray.is_there & leans_little & (sizes.x + sizes.y < f64::INFINITY);
+        let kept = |v: DVec2| DVec2::select(BVec2::splat(is_there), v, DVec2::ZERO);
+        Foot {
+            is_there,
+            foot: kept(foot),
+            slope: kept(slope),
+        }
     }
 
     /// Difference of the rays after and before; the point's own ray, all zero, replaces a missing one.
     #[inline(always)]
-    fn difference(&self, sides: &Sides) -> Option<Difference> {
-        let ray = |side: &Option<NormalRay>| side.as_ref().and_then(|ray| self.ray(ray));
-        let (before, after) = (ray(&sides.before), ray(&sides.after));
-        let samples =
-            sides.step_px * f64::from(u8::from(before.is_some()) + u8::from(after.is_some()));
-        if samples == 0.0 {
-            return None;
+    fn difference(&self, sides: &Sides) -> Difference {
+        let (before, after) = (self.ray(&sides.before), self.ray(&sides.after));
+        let steps = |side: &Foot| if side.is_there { sides.step_px } else { 0.0 };
+        Difference {
+            foot: after.foot - before.foot,
+            slope: after.slope - before.slope,
+            samples: steps(&before) + steps(&after),
         }
-        let own = (DVec2::ZERO, DVec2::ZERO);
-        let (before, after) = (before.unwrap_or(own), after.unwrap_or(own));
-        Some(Difference {
-            foot: after.0 - before.0,
-            slope: after.1 - before.1,
-            samples,
-        })
     }
 
-    /// The tangent that belongs to the larger eigenvalue of [m + d, o; o, m - d], q = |(d, o)|: along
-    /// (d + q, o) or (o, q - d), whichever does not cancel.
-    fn eigenvector(&self, d: f64, o: f64, q: f64) -> DVec3 {
-        let v = if d >= 0.0 {
-            DVec2::new(d + q, o)
-        } else {
-            DVec2::new(o, q - d)
-        };
-        let v = v.try_normalize().unwrap_or(DVec2::X);
-        self.tangents[0] * v.x + self.tangents[1] * v.y
+    /// The tangent with these coordinates.
+    #[inline(always)]
+    fn tangent(&self, at: DVec2) -> DVec3 {
+        self.tangents[0] * at.x + self.tangents[1] * at.y
     }
+}
+
+/// The unit eigenvector of the larger eigenvalue of [m + d, o; o, m - d], q = |(d, o)|: along (d + q, o) or (o, q - d),
+/// whichever does not cancel.
+#[inline(always)]
+fn eigenvector(d: f64, o: f64, q: f64) -> DVec2 {
+    let is_ahead = d >= 0.0;
+    let v = DVec2::new(
+        if is_ahead { d + q } else { o },
+        if is_ahead { o } else { q - d },
+    );
+    v * v.length_recip()
 }
 
 #[cfg(test)]
@@ -315,13 +377,14 @@ mod tests {
 
     /// Rays half a unit to each side of the origin on the height `(xx x^2 + 2 xy x y + yy y^2) / 2`, rotated by `turn`.
     fn sides_of([xx, xy, yy]: [f64; 3], turn: glam::DMat3) -> (DVec3, [Sides; 2]) {
-        let ray = |x: f64, y: f64| NormalRay {
-            offset: turn * DVec3::new(x, y, 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y)),
-            normal: turn * DVec3::new(-xx * x - xy * y, -xy * x - yy * y, 1.0),
+        let ray = |x: f64, y: f64| {
+            let height = 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y);
+            let normal = DVec3::new(-xx * x - xy * y, -xy * x - yy * y, 1.0);
+            NormalRay::new(turn * DVec3::new(x, y, height), turn * normal)
         };
         let sides = |x: f64, y: f64| Sides {
-            before: Some(ray(-x, -y)),
-            after: Some(ray(x, y)),
+            before: ray(-x, -y),
+            after: ray(x, y),
             step_px: 1.0,
         };
         (turn * DVec3::Z, [sides(0.5, 0.0), sides(0.0, 0.5)])
@@ -330,7 +393,7 @@ mod tests {
     fn curvatures(height: [f64; 3]) -> PrincipalCurvatures {
         let turn = glam::DMat3::from_rotation_x(0.7) * glam::DMat3::from_rotation_y(-0.4);
         let (normal, sides) = sides_of(height, turn);
-        let mut found = principal_curvatures(normal, sides, EXACT).unwrap();
+        let mut found = principal_curvatures(normal, sides, EXACT);
         found.directions = found.directions.map(|t| turn.transpose() * t);
         found
     }
@@ -356,17 +419,16 @@ mod tests {
     #[test]
     fn a_ball_is_exact_at_any_step() {
         // The rays of a ball of radius 2 meet in its middle: at 40 degrees to each side too.
-        let ray = |angle: f64, axis: DVec3| NormalRay {
-            offset: 2.0 * (angle.sin() * axis + (angle.cos() - 1.0) * DVec3::Z),
-            normal: angle.sin() * axis + angle.cos() * DVec3::Z,
+        let ray = |angle: f64, axis: DVec3| {
+            let normal = angle.sin() * axis + angle.cos() * DVec3::Z;
+            NormalRay::new(2.0 * (normal - DVec3::Z), normal)
         };
         let sides = |axis| Sides {
-            before: Some(ray(-0.7, axis)),
-            after: Some(ray(0.7, axis)),
+            before: ray(-0.7, axis),
+            after: ray(0.7, axis),
             step_px: 1.0,
         };
         let found = principal_curvatures(DVec3::Z, [sides(DVec3::X), sides(DVec3::Y)], EXACT);
-        let found = found.unwrap();
         assert_eq!(found.form, LocalShape::Umbilic);
         assert!(
             found.curvatures.iter().all(|k| (k + 0.5).abs() < 1e-12),
@@ -389,17 +451,11 @@ mod tests {
             let (normal, plain) = sides_of(height, glam::DMat3::IDENTITY);
             for unit in [1e-6, 1.0, 1e6] {
                 let scaled = plain.map(|sides| Sides {
-                    before: sides.before.map(|r| NormalRay {
-                        offset: r.offset * unit,
-                        ..r
-                    }),
-                    after: sides.after.map(|r| NormalRay {
-                        offset: r.offset * unit,
-                        ..r
-                    }),
+                    before: NormalRay::new(sides.before.offset * unit, sides.before.normal),
+                    after: NormalRay::new(sides.after.offset * unit, sides.after.normal),
                     ..sides
                 });
-                let found = principal_curvatures(normal, scaled, EXACT).unwrap();
+                let found = principal_curvatures(normal, scaled, EXACT);
                 assert_eq!(found.form, form, "{height:?} in units of {unit}: {found:?}");
             }
         }
@@ -415,7 +471,7 @@ mod tests {
                 normal: normal_noise,
                 offset: 0.0,
             };
-            principal_curvatures(normal, sides, noise).unwrap().form
+            principal_curvatures(normal, sides, noise).form
         };
         assert_eq!(form(1e-4), LocalShape::General);
         assert_eq!(form(4e-4), LocalShape::General);
@@ -427,20 +483,22 @@ mod tests {
     #[test]
     fn one_side_serves_and_none_does_not() {
         let (normal, mut sides) = sides_of([-0.02, 0.0, 0.005], glam::DMat3::IDENTITY);
-        sides[0].before = None;
-        let found = principal_curvatures(normal, sides, EXACT).unwrap();
+        sides[0].before = NormalRay::NONE;
+        let found = principal_curvatures(normal, sides, EXACT);
         assert!(
             (found.curvatures[0] / -0.02 - 1.0).abs() < 0.01,
             "{found:?}"
         );
-        sides[0].after = None;
-        assert_eq!(principal_curvatures(normal, sides, EXACT), None);
+        sides[0].after = NormalRay::NONE;
+        let found = principal_curvatures(normal, sides, EXACT);
+        assert_eq!(found.form, LocalShape::Unknown);
     }
 
     #[test]
     fn hostile_rays_give_nothing() {
         let (normal, sides) = sides_of([-0.02, 0.0, 0.005], glam::DMat3::IDENTITY);
-        assert_eq!(principal_curvatures(DVec3::ZERO, sides, EXACT), None);
+        let form = |normal, sides| principal_curvatures(normal, sides, EXACT).form;
+        assert_eq!(form(DVec3::ZERO, sides), LocalShape::Unknown);
         for (offset, lean) in [
             (DVec3::NAN, DVec3::Z),
             (DVec3::INFINITY, DVec3::Z),
@@ -449,18 +507,15 @@ mod tests {
             (DVec3::X, DVec3::NEG_Z),
             (DVec3::X, DVec3::X),
         ] {
-            let ray = Some(NormalRay {
-                offset,
-                normal: lean,
-            });
+            let ray = NormalRay::new(offset, lean);
             let bad = Sides {
                 before: ray,
                 after: ray,
                 step_px: 1.0,
             };
-            assert_eq!(principal_curvatures(normal, [bad, sides[1]], EXACT), None);
+            assert_eq!(form(normal, [bad, sides[1]]), LocalShape::Unknown);
         }
         // Both axes of the picture along one line of the surface.
-        assert_eq!(principal_curvatures(normal, [sides[0]; 2], EXACT), None);
+        assert_eq!(form(normal, [sides[0]; 2]), LocalShape::Unknown);
     }
 }

@@ -143,8 +143,9 @@ impl HitPoints<'_> {
             let offset = self.point(x, y)? - here;
             let goes_on = offset.length() < SURFACE_JUMP * step.length();
             let normal = self.normal(x, y).filter(|_| goes_on)?;
-            Some(NormalRay { offset, normal })
+            Some(NormalRay::new(offset, normal))
         };
+        let ray = |x, y, step| ray(x, y, step).unwrap_or(NormalRay::NONE);
         let sides = [
             Sides {
                 before: ray(x.wrapping_sub(1), y, right),
@@ -163,6 +164,6 @@ impl HitPoints<'_> {
             normal: offset / right.length().min(up.length()),
             offset,
         };
-        principal_curvatures(normal, sides, noise)?.direction()
+        principal_curvatures(normal, sides, noise).direction()
     }
 }

@@ -75,8 +75,8 @@ fn direction(map: &Surroundings, x: usize, y: usize) -> Option<DVec3> {
         beside(here, texel(map, x, y)?)
     };
     let sides = |before, after| Sides {
-        before: ray(before),
-        after: ray(after),
+        before: ray(before).unwrap_or(NormalRay::NONE),
+        after: ray(after).unwrap_or(NormalRay::NONE),
         step_px: 1.0,
     };
     let across = sides(
@@ -85,7 +85,7 @@ fn direction(map: &Surroundings, x: usize, y: usize) -> Option<DVec3> {
     );
     let below = Some((x, y + 1)).filter(|p| p.1 < height);
     let up = sides(below, y.checked_sub(1).map(|y| (x, y)));
-    principal_curvatures(here.1, [across, up], noise)?.direction()
+    principal_curvatures(here.1, [across, up], noise).direction()
 }
 
 /// The point, from the centre, and the normal of a texel.
@@ -101,10 +101,7 @@ fn beside(here: (DVec3, DVec3), there: (DVec3, DVec3)) -> Option<NormalRay> {
     let both = here.1 + there.1;
     let goes_on = both.dot(offset).abs() < OFF_SURFACE * both.length() * offset.length()
         && here.1.dot(there.1) > ALIKE;
-    goes_on.then_some(NormalRay {
-        offset,
-        normal: there.1,
-    })
+    goes_on.then_some(NormalRay::new(offset, there.1))
 }
 
 #[cfg(test)]

@@ -7,12 +7,15 @@
 
 #[cfg(feature = "libdeflate")]
 mod libdeflate;
+mod runs;
 #[cfg(not(feature = "libdeflate"))]
 mod zlib;
 
 use super::fault::{Fault, Parsed};
 #[cfg(feature = "libdeflate")]
 use libdeflate as zlib;
+use runs::Runs;
+use std::cell::RefCell;
 
 /// Undoes zlib. `into` must have the size of the block, which must have just that many bytes.
 pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
@@ -22,42 +25,84 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
     }
 }
 
-/// Compresses a block, of samples computed here alone or not; one that would not shrink is returned unchanged.
-pub(super) fn compress(raw: Vec<u8>, is_smooth: bool) -> Vec<u8> {
-    let mut bytes = vec![0; raw.len()];
-    let differences = differences(&raw);
-    let size = match is_smooth {
-        true => zlib::deflate_smooth(&differences, &mut bytes),
-        false => zlib::deflate(&differences, &mut bytes),
-    };
-    match size.filter(|&size| size < raw.len()) {
-        Some(size) => {
-            bytes.truncate(size);
-            bytes.shrink_to_fit();
-            bytes
-        }
-        None => raw,
-    }
+/// Bytes of each half of a block on which runs alone are tried, in its middle.
+const SAMPLE: usize = 8192;
+/// Runs are taken if they make the sample at most so many times as large.
+const MOST: f64 = 1.05;
+/// Smaller blocks are not worth trying.
+const LEAST_BLOCK: usize = 16 * SAMPLE;
+
+thread_local! {
+    static RUNS: RefCell<Runs> = RefCell::default();
+    /// The differences of a block and its compressed bytes: fresh memory would cost as much as a pass over it.
+    static BUFFERS: RefCell<[Vec<u8>; 2]> = RefCell::default();
 }
 
-/// The bytes of a block, an even number of them, sorted and differenced.
-fn differences(raw: &[u8]) -> Vec<u8> {
-    let mut differences = vec![0; raw.len()];
-    let (low, high) = differences.split_at_mut(raw.len() / 2);
+/// Compresses a block, of samples computed here alone or not; `None` if it would not shrink.
+pub(super) fn compress(raw: &[u8], is_smooth: bool) -> Option<Vec<u8>> {
+    BUFFERS.with_borrow_mut(|buffers| {
+        let [differences, bytes] = buffers.each_mut().map(|buffer| sized(buffer, raw.len()));
+        difference(raw, differences);
+        let size = match is_smooth {
+            true => deflate_smooth(differences, bytes),
+            false => zlib::deflate(differences, bytes),
+        };
+        let size = size.filter(|&size| size < raw.len())?;
+        Some(bytes[..size].to_vec())
+    })
+}
+
+/// Compresses samples computed here, which are smooth: looking for runs alone, where that finds as much. Strokes repeat
+/// themselves: by runs they would be half as large again.
+fn deflate_smooth(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
+    RUNS.with_borrow_mut(|runs| match runs_are_enough(runs, bytes, into) {
+        true => runs.deflate(bytes, into),
+        false => zlib::deflate(bytes, into),
+    })
+}
+
+/// Whether a sample of a block, of its low bytes and of its high ones, compresses as well by runs as by all repetitions.
+fn runs_are_enough(runs: &mut Runs, bytes: &[u8], into: &mut [u8]) -> bool {
+    if bytes.len() < LEAST_BLOCK {
+        return false;
+    }
+    let (low, high) = bytes.split_at(bytes.len() / 2);
+    let samples = [low, high].map(|half| &half[(half.len() - SAMPLE) / 2..][..SAMPLE]);
+    let sizes = samples.map(|sample| {
+        let by_runs = runs.deflate(sample, into);
+        [by_runs, zlib::deflate(sample, into)].map(|size| size.unwrap_or(SAMPLE))
+    });
+    let [by_runs, by_all] = [0, 1].map(|way| sizes[0][way] + sizes[1][way]);
+    by_runs as f64 <= MOST * by_all as f64
+}
+
+/// The first `count` bytes of a buffer that grows as needed, with anything in them.
+pub(super) fn sized(buffer: &mut Vec<u8>, count: usize) -> &mut [u8] {
+    if buffer.len() < count {
+        buffer.resize(count, 0);
+    }
+    &mut buffer[..count]
+}
+
+/// Sorts and differences the bytes of a block, an even number of them.
+fn difference(raw: &[u8], differences: &mut [u8]) {
     let (pairs, _) = raw.as_chunks::<2>();
+    let (Some(first), Some(last)) = (pairs.first(), pairs.last()) else {
+        return;
+    };
+    let (low, high) = differences.split_at_mut(pairs.len());
     let delta = |byte: u8, before: u8| byte.wrapping_sub(before).wrapping_add(128);
-    let after_first = low.iter_mut().zip(high.iter_mut()).skip(1);
-    let neighbours = pairs.iter().skip(1).zip(pairs);
-    for ((low, high), (now, before)) in after_first.zip(neighbours) {
-        *low = delta(now[0], before[0]);
-        *high = delta(now[1], before[1]);
-    }
     // The high bytes come after the last of the low ones.
-    if let (Some(first), Some(last)) = (pairs.first(), pairs.last()) {
-        low[0] = first[0];
-        high[0] = delta(first[1], last[0]);
+    (low[0], high[0]) = (first[0], delta(first[1], last[0]));
+    // Words split by shifts, without a branch, so that the compiler takes many at a time.
+    let count = pairs.len() - 1;
+    let (low, high) = (&mut low[1..][..count], &mut high[1..][..count]);
+    let (before, now) = (&pairs[..count], &pairs[1..][..count]);
+    for i in 0..count {
+        let [now, before] = [now[i], before[i]].map(u16::from_le_bytes);
+        low[i] = delta(now as u8, before as u8);
+        high[i] = delta((now >> 8) as u8, (before >> 8) as u8);
     }
-    differences
 }
 
 /// The pairs of bytes of a block whose zlib compression has been undone, from first to last.
@@ -172,12 +217,12 @@ mod tests {
         {
             let count = raw.len();
             let mut differences = vec![0; count];
-            let compressed = compress(raw.clone(), is_smooth);
-            if compressed.len() < count {
-                inflate(&compressed, &mut differences).unwrap();
-            } else {
-                assert_eq!(compressed, raw);
-                differences = super::differences(&raw);
+            match compress(&raw, is_smooth) {
+                Some(compressed) => {
+                    assert!(compressed.len() < count);
+                    inflate(&compressed, &mut differences).unwrap();
+                }
+                None => difference(&raw, &mut differences),
             }
             let mut words = vec![0; count / 2];
             Pairs::new(&differences).take(&mut words);
@@ -189,7 +234,8 @@ mod tests {
     #[test]
     fn pairs_may_be_passed_over() {
         let raw = bytes(2000);
-        let differences = differences(&raw);
+        let mut differences = vec![0; raw.len()];
+        difference(&raw, &mut differences);
         let mut pairs = Pairs::new(&differences);
         let mut next = 0;
         // Skipped and taken: none, few, odd, more than a lane holds.
@@ -212,7 +258,7 @@ mod tests {
     #[test]
     fn a_stream_of_another_size_is_damaged() {
         let raw = vec![0; 400];
-        let compressed = compress(raw, false);
+        let compressed = compress(&raw, false).unwrap();
         assert!(inflate(&compressed, &mut [0; 400]).is_ok());
         assert!(inflate(&compressed, &mut [0; 399]).is_err());
         assert!(inflate(&compressed, &mut [0; 401]).is_err());

@@ -353,13 +353,12 @@ fn normal_rays() -> Vec<Twin> {
                     normal: dvec(normal),
                 };
                 let ray = local.ray(&NormalRay {
+                    is_there: step.0,
                     offset: dvec(step.1),
                     normal: dvec(there),
                 });
-                match ray.filter(|_| step.0) {
-                    Some((foot, slope)) => (true, [foot, slope].map(|v| v.as_vec2().to_array())),
-                    None => (false, [[0.0; 2]; 2]),
-                }
+                let placed = [ray.foot, ray.slope].map(|v| v.as_vec2().to_array());
+                (ray.is_there, placed)
             }
         )
         .on(|words| {
@@ -384,19 +383,17 @@ fn normal_rays() -> Vec<Twin> {
                     let difference = |a: [f32; 2], b: [f32; 2]| {
                         DVec2::new(b[0].into(), b[1].into()) - DVec2::new(a[0].into(), a[1].into())
                     };
-                    (a.0 || b.0).then(|| Difference {
+                    Difference {
                         foot: difference(a.1, b.1),
                         slope: difference(a.2, b.2),
-                        samples: 1.0,
-                    })
-                };
-                let found = between(0, 1).zip(between(2, 3));
-                match found.and_then(|(x, y)| Slopes::of(&x, &y)) {
-                    Some(s) => {
-                        let all = [s.mean, s.half_difference, s.off, s.area, s.spread];
-                        (true, all.map(|v| v as f32))
+                        samples: f64::from(u8::from(a.0 || b.0)),
                     }
-                    None => (false, [UNSPECIFIED; 5]),
+                };
+                let s = Slopes::of(&between(0, 1), &between(2, 3));
+                let all = [s.mean, s.half_difference, s.off, s.area, s.spread];
+                match s.is_there {
+                    true => (true, all.map(|v| v as f32)),
+                    false => (false, [UNSPECIFIED; 5]),
                 }
             }
         )
