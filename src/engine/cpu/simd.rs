@@ -113,7 +113,7 @@ mod tests {
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
-    use crate::shape::diffusion::kernel::{Chunk, LANES, Sum, Sweep};
+    use crate::shape::diffusion::kernel::{self, Chunk, Sum, Sweep};
     use crate::shape::diffusion::{LEVELS, Update};
     use crate::shape::occlusion::Step;
 
@@ -187,6 +187,7 @@ mod tests {
 
     /// What the kernels of diffusion make of six sample rows: sweeps of four rows, then of one, and sums.
     fn swept(simd: Simd, update: Update) -> Vec<f32> {
+        const LANES: usize = kernel::LANES;
         const CHUNKS: usize = WIDTH / LANES;
         let mut seed = 40;
         let mut lanes = || {

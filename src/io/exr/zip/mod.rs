@@ -7,14 +7,12 @@
 
 #[cfg(feature = "libdeflate")]
 mod libdeflate;
-mod runs;
 #[cfg(not(feature = "libdeflate"))]
 mod zlib;
 
 use super::fault::{Fault, Parsed};
 #[cfg(feature = "libdeflate")]
 use libdeflate as zlib;
-use runs::Runs;
 use std::cell::RefCell;
 
 /// Undoes zlib. `into` must have the size of the block, which must have just that many bytes.
@@ -25,15 +23,7 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Parsed<()> {
     }
 }
 
-/// Bytes of each half of a block on which runs alone are tried, in its middle.
-const SAMPLE: usize = 8192;
-/// Runs are taken if they make the sample at most so many times as large.
-const MOST: f64 = 1.05;
-/// Smaller blocks are not worth trying.
-const LEAST_BLOCK: usize = 16 * SAMPLE;
-
 thread_local! {
-    static RUNS: RefCell<Runs> = RefCell::default();
     /// The differences of a block and its compressed bytes: fresh memory would cost as much as a pass over it.
     static BUFFERS: RefCell<[Vec<u8>; 2]> = RefCell::default();
 }
@@ -44,36 +34,12 @@ pub(super) fn compress(raw: &[u8], is_smooth: bool) -> Option<Vec<u8>> {
         let [differences, bytes] = buffers.each_mut().map(|buffer| sized(buffer, raw.len()));
         difference(raw, differences);
         let size = match is_smooth {
-            true => deflate_smooth(differences, bytes),
+            true => zlib::deflate_smooth(differences, bytes),
             false => zlib::deflate(differences, bytes),
         };
         let size = size.filter(|&size| size < raw.len())?;
         Some(bytes[..size].to_vec())
     })
-}
-
-/// Compresses samples computed here, which are smooth: looking for runs alone, where that finds as much. Strokes repeat
-/// themselves: by runs they would be half as large again.
-fn deflate_smooth(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
-    RUNS.with_borrow_mut(|runs| match runs_are_enough(runs, bytes, into) {
-        true => runs.deflate(bytes, into),
-        false => zlib::deflate(bytes, into),
-    })
-}
-
-/// Whether a sample of a block, of its low bytes and of its high ones, compresses as well by runs as by all repetitions.
-fn runs_are_enough(runs: &mut Runs, bytes: &[u8], into: &mut [u8]) -> bool {
-    if bytes.len() < LEAST_BLOCK {
-        return false;
-    }
-    let (low, high) = bytes.split_at(bytes.len() / 2);
-    let samples = [low, high].map(|half| &half[(half.len() - SAMPLE) / 2..][..SAMPLE]);
-    let sizes = samples.map(|sample| {
-        let by_runs = runs.deflate(sample, into);
-        [by_runs, zlib::deflate(sample, into)].map(|size| size.unwrap_or(SAMPLE))
-    });
-    let [by_runs, by_all] = [0, 1].map(|way| sizes[0][way] + sizes[1][way]);
-    by_runs as f64 <= MOST * by_all as f64
 }
 
 /// The first `count` bytes of a buffer that grows as needed, with anything in them.
