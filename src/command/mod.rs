@@ -27,6 +27,8 @@ pub(crate) mod relight_args;
 pub(crate) mod role_args;
 pub(crate) mod sequence;
 #[cfg(any(feature = "view", feature = "host"))]
+// Public where the feature `host` exports it.
+#[cfg_attr(not(feature = "host"), allow(unreachable_pub))]
 pub(crate) mod setting;
 pub(crate) mod shape;
 mod specular_args;

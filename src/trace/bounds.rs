@@ -64,3 +64,14 @@ pub(super) fn of_planes<'a>(planes: impl IntoIterator<Item = &'a TangentPlane>) 
 fn widen(bounds: &mut [f32; 2], [least, most]: [f32; 2]) {
     *bounds = [bounds[0].min(least), bounds[1].max(most)];
 }
+
+/// Vectors at random, with components from -1 to 1 (a linear congruential generator).
+#[cfg(test)]
+pub(super) fn vectors() -> impl FnMut() -> glam::DVec3 {
+    let mut state = 1_u32;
+    let mut random = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    move || glam::DVec3::from([(); 3].map(|()| 2.0 * random() - 1.0))
+}

@@ -109,7 +109,8 @@ impl<'a> DistanceMap<'a> {
             },
             |s| {
                 let plane = self.heaviest_plane(place(s).0).1;
-                let point = from + plane.crossed(&about_center) * ahead;
+                let point =
+                    from + plane.crossed(about_center.start, about_center.direction) * ahead;
                 point.dot(across).atan2(point.dot(toward)) / turn
             },
         );
@@ -303,18 +304,14 @@ fn bounds(planes: &[TangentPlane], width: usize, height: usize) -> Bounds {
 mod tests {
     use super::*;
     use crate::frame::map_direction;
+    use crate::trace::bounds::vectors;
     use glam::DMat3;
 
     #[test]
     fn bounds_change_no_hit() {
         // Surfaces at random, and holes between them: rays pass behind edges everywhere.
-        let mut state = 1_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 24)
-        };
+        let mut vector = vectors();
         for [width, height] in [[1, 1], [2, 1], [3, 2], [40, 20], [41, 23], [400, 200]] {
-            let mut vector = || DVec3::from([(); 3].map(|()| 2.0 * random() - 1.0));
             let (turn, center) = (vector(), vector());
             let map_from_world = DMat3::from_rotation_x(turn.x) * DMat3::from_rotation_z(turn.y);
             let points = Vector3Planes::from_fn(width, height, |x, y| {

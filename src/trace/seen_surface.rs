@@ -132,7 +132,8 @@ impl<'a> SeenSurface<'a> {
             |s| {
                 let crossed = || {
                     let (.., texels) = self.depth_at(way.place(s).0)?;
-                    let along = self.plane(&heaviest(&texels)).crossed(ray);
+                    let plane = self.plane(&heaviest(&texels));
+                    let along = plane.crossed(ray.start, ray.direction);
                     let point = ray.start + along * ray.direction;
                     self.visible.sight.projection().pixel_of(point)
                 };
@@ -394,16 +395,12 @@ fn inside([from, to]: [DVec2; 2], corner: DVec2, width: usize, height: usize) ->
 mod tests {
     use super::*;
     use crate::frame::{Mask, Vector3Planes, Window};
+    use crate::trace::bounds::vectors;
 
     #[test]
     fn bounds_change_no_hit() {
         // Surfaces at random, and holes between them: rays pass behind edges everywhere.
-        let mut state = 1_u32;
-        let mut random = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 24)
-        };
-        let mut vector = || DVec3::from([(); 3].map(|()| 2.0 * random() - 1.0));
+        let mut vector = vectors();
         for [width, height] in [[1, 1], [5, 1], [15, 17], [70, 50]] {
             let middle = [0.5 * width as f64 - 3.0, 0.5 * height as f64 + 7.0];
             let [cx, cy] = middle;

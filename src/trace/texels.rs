@@ -105,17 +105,17 @@ impl TangentPlane {
         (own > 0.0).then_some([own / FARTHEST, own * FARTHEST])
     }
 
-    /// How far along a ray the extended plane is; not finite without a surface or if both are parallel.
-    #[inline]
-    pub(super) fn crossed(&self, ray: &Ray) -> f64 {
+    /// How far along a `line` from `start` the extended plane is; not finite without a surface or if both are parallel.
+    #[inline(always)]
+    pub(super) fn crossed(&self, start: DVec3, line: DVec3) -> f64 {
         let normal = Vec3::from(self.normal).as_dvec3();
-        (f64::from(self.offset) - normal.dot(ray.start)) / normal.dot(ray.direction)
+        (f64::from(self.offset) - normal.dot(start)) / normal.dot(line)
     }
 
     /// Where a ray hits the extended plane, no nearer than `seen` and within its maximum extension; `None` without a
     /// surface.
     pub(super) fn continued(&self, ray: &Ray, seen: DVec3) -> Option<DVec3> {
-        let along = self.crossed(ray);
+        let along = self.crossed(ray.start, ray.direction);
         let point = ray.start + along * ray.direction;
         let (way, so_far) = (point.distance(ray.start), seen.distance(ray.start));
         let goes_on = self.own > 0.0 && along > 0.0 && way >= so_far;
@@ -126,9 +126,7 @@ impl TangentPlane {
     /// parallel to the plane. `None` without a surface.
     #[inline(always)]
     pub(super) fn along(&self, start: DVec3, line: DVec3) -> Option<f64> {
-        let normal = Vec3::from(self.normal).as_dvec3();
-        let own = f64::from(self.own);
-        let met = (f64::from(self.offset) - normal.dot(start)) / normal.dot(line);
+        let (met, own) = (self.crossed(start, line), f64::from(self.own));
         let is_near = FARTHEST * met > own && met < FARTHEST * own;
         (own > 0.0).then_some(if is_near { met } else { own })
     }

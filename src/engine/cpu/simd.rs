@@ -109,7 +109,7 @@ mod tests {
     use crate::frame::DepthKind;
     use crate::light::layers::{LobeRow, TermScaling};
     use crate::line::direction_field::Weighted;
-    use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
+    use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
@@ -289,6 +289,7 @@ mod tests {
 
     /// Directions of curvature on sample pixels, for every way from pixels to points.
     fn made_of_rays(simd: Simd) -> Vec<Vec<f32>> {
+        const LANES: usize = bundle::LANES;
         let lanes = |seed: u32| std::array::from_fn(|i| row(seed)[i]);
         let places = |seed: u32, scale: f64| lanes(seed).map(|v: f32| scale * f64::from(v));
         let pixels = |seed: u32, scale: f64| Pixels {

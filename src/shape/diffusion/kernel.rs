@@ -52,6 +52,35 @@ pub(crate) struct Sweep {
     pub(crate) weights: [f32; 2],
 }
 
+/// Calls a kernel compiled for an update, with sums or without.
+macro_rules! with_update {
+    ($sweep:ident, $is_without_sums:expr, $by:ident($($arg:expr),*)) => {
+        match ($sweep.update, $is_without_sums) {
+            (Update::Step(dt), true) => $by::<false>($($arg),*, step(dt)),
+            (Update::Step(dt), false) => $by::<true>($($arg),*, step(dt)),
+            (Update::First, true) => $by::<false>($($arg),*, first),
+            (Update::First, false) => $by::<true>($($arg),*, first),
+            (Update::Next, true) => $by::<false>($($arg),*, next),
+            (Update::Next, false) => $by::<true>($($arg),*, next),
+        }
+    };
+}
+
+#[inline(always)]
+fn step(dt: f32) -> impl Fn(f32, f32, f32) -> f32 {
+    move |g, lg, _| Update::Step(dt).updated(g, lg, 0.0)
+}
+
+#[inline(always)]
+fn first(g: f32, lg: f32, _: f32) -> f32 {
+    Update::First.updated(g, lg, 0.0)
+}
+
+#[inline(always)]
+fn next(g: f32, lg: f32, earlier: f32) -> f32 {
+    Update::Next.updated(g, lg, earlier)
+}
+
 /// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours,
 /// and its update; adds the weighted terms to `sums` unless these are empty.
 ///
@@ -81,14 +110,7 @@ pub(crate) fn sweep_row(
             row.step(i, &mut from_above, &below[i], &updated);
         }
     }
-    match (sweep.update, sums.is_empty()) {
-        (Update::Step(dt), true) => by::<false>(above, row, below, sums, sweep, step(dt)),
-        (Update::Step(dt), false) => by::<true>(above, row, below, sums, sweep, step(dt)),
-        (Update::First, true) => by::<false>(above, row, below, sums, sweep, first),
-        (Update::First, false) => by::<true>(above, row, below, sums, sweep, first),
-        (Update::Next, true) => by::<false>(above, row, below, sums, sweep, next),
-        (Update::Next, false) => by::<true>(above, row, below, sums, sweep, next),
-    }
+    with_update!(sweep, sums.is_empty(), by(above, row, below, sums, sweep));
 }
 
 /// [`sweep_row`] on four rows, top to bottom, between the rows above and below them.
@@ -123,14 +145,11 @@ pub(crate) fn sweep_rows(
             d.step(i, &mut from_above, &below[i], &updated);
         }
     }
-    match (sweep.update, sums[0].is_empty()) {
-        (Update::Step(dt), true) => by::<false>(above, rows, below, sums, sweep, step(dt)),
-        (Update::Step(dt), false) => by::<true>(above, rows, below, sums, sweep, step(dt)),
-        (Update::First, true) => by::<false>(above, rows, below, sums, sweep, first),
-        (Update::First, false) => by::<true>(above, rows, below, sums, sweep, first),
-        (Update::Next, true) => by::<false>(above, rows, below, sums, sweep, next),
-        (Update::Next, false) => by::<true>(above, rows, below, sums, sweep, next),
-    }
+    with_update!(
+        sweep,
+        sums[0].is_empty(),
+        by(above, rows, below, sums, sweep)
+    );
 }
 
 widened! {
@@ -148,21 +167,6 @@ widened! {
         sums: [&mut [Sum]; TOGETHER],
         sweep: Sweep,
     );
-}
-
-#[inline(always)]
-fn step(dt: f32) -> impl Fn(f32, f32, f32) -> f32 {
-    move |g, lg, _| Update::Step(dt).updated(g, lg, 0.0)
-}
-
-#[inline(always)]
-fn first(g: f32, lg: f32, _: f32) -> f32 {
-    Update::First.updated(g, lg, 0.0)
-}
-
-#[inline(always)]
-fn next(g: f32, lg: f32, earlier: f32) -> f32 {
-    Update::Next.updated(g, lg, earlier)
 }
 
 /// A row while it is swept, from left to right.

@@ -419,7 +419,7 @@ fn refill<T: Clone>(buffer: &mut Vec<T>, len: usize, value: T) {
 /// If they overlap.
 fn apart<T, const N: usize>(ring: &mut [T], parts: [Range<usize>; N]) -> [&mut [T]; N] {
     ring.get_disjoint_mut(parts)
-        .expect("a ring holds a row more than are swept together with their neighbours")
+        .expect("a ring holds all rows that are swept together, and their neighbours")
 }
 
 /// Copies samples into chunks, the first one to lane `at`.
