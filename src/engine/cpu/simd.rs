@@ -12,10 +12,10 @@ pub(crate) struct Simd(Level);
 pub(crate) enum Level {
     /// The baseline of the target.
     Baseline,
-    /// 256 bits.
+    /// 256 bits, with fused multiply-adds.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// 512 bits.
+    /// 512 bits, with fused multiply-adds.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -28,10 +28,12 @@ impl Simd {
         #[cfg(target_arch = "x86_64")]
         let levels = {
             let mut levels = vec![Self(Level::Baseline)];
-            if is_x86_feature_detected!("avx2") {
+            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            if has_avx2 {
                 levels.push(Self(Level::Avx2));
             }
-            if is_x86_feature_detected!("avx512f")
+            if has_avx2
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
@@ -67,35 +69,43 @@ impl Simd {
     }
 }
 
-/// Methods of [`Simd`] that call a row kernel compiled for its level. Kernels request one in their own file.
+impl Level {
+    /// Whether kernels may ask for fused multiply-adds: elsewhere each would be a call of a function.
+    pub(crate) const fn has_fma(self) -> bool {
+        !matches!(self, Self::Baseline)
+    }
+}
+
+/// Methods of [`Simd`] that call a row kernel compiled for its level. Kernels request one in their own file: those that
+/// are generic over a number of lanes by `<N>`, and over whether their level has fused multiply-adds by `<N, has_fma>`.
 macro_rules! widened {
-    ($(fn $name:ident($($arg:ident: $type:ty),* $(,)?);)*) => {
+    ($(fn $name:ident$(<$lanes:ident$(, $has_fma:ident)?>)?($($arg:ident: $type:ty),* $(,)?);)*) => {
         #[allow(
             unsafe_code,
             reason = "calling a function compiled for features that were just detected"
         )]
         impl $crate::engine::cpu::simd::Simd {$(
             #[inline]
-            pub(crate) fn $name(self, $($arg: $type),*) {
+            pub(crate) fn $name$(<const $lanes: usize>)?(self, $($arg: $type),*) {
                 use $crate::engine::cpu::simd::Level;
                 #[cfg(target_arch = "x86_64")]
-                #[target_feature(enable = "avx2")]
-                fn avx2($($arg: $type),*) {
-                    $name($($arg),*)
+                #[target_feature(enable = "avx2,fma")]
+                fn avx2$(<const $lanes: usize>)?($($arg: $type),*) {
+                    $name$(::<$lanes$(, { Level::Avx2.$has_fma() })?>)?($($arg),*)
                 }
                 #[cfg(target_arch = "x86_64")]
-                #[target_feature(enable = "avx512f,avx512vl,avx512bw,avx512dq")]
-                fn avx512($($arg: $type),*) {
-                    $name($($arg),*)
+                #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512bw,avx512dq")]
+                fn avx512$(<const $lanes: usize>)?($($arg: $type),*) {
+                    $name$(::<$lanes$(, { Level::Avx512.$has_fma() })?>)?($($arg),*)
                 }
                 match self.level() {
-                    Level::Baseline => $name($($arg),*),
+                    Level::Baseline => $name$(::<$lanes$(, { Level::Baseline.$has_fma() })?>)?($($arg),*),
                     // SAFETY: only `available` constructs this level, after detecting the features.
                     #[cfg(target_arch = "x86_64")]
-                    Level::Avx2 => unsafe { avx2($($arg),*) },
+                    Level::Avx2 => unsafe { avx2$(::<$lanes>)?($($arg),*) },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]
-                    Level::Avx512 => unsafe { avx512($($arg),*) },
+                    Level::Avx512 => unsafe { avx512$(::<$lanes>)?($($arg),*) },
                 }
             }
         )*}
@@ -113,7 +123,7 @@ mod tests {
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
-    use crate::shape::diffusion::kernel::{self, Chunk, Sum, Sweep};
+    use crate::shape::diffusion::kernel::{Chunk, Sum, Sweep};
     use crate::shape::diffusion::{LEVELS, Update};
     use crate::shape::occlusion::Step;
 
@@ -177,7 +187,7 @@ mod tests {
         simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
         results.push(sums.concat());
         for update in [Update::Step(0.2), Update::First, Update::Next] {
-            results.push(swept(simd, update));
+            results.extend([swept::<8>(simd, update), swept::<16>(simd, update)]);
         }
         results.extend(made_of_sky(simd, &gx, &gy));
         results.extend(made_of_light(simd, &gx, &gy));
@@ -186,24 +196,23 @@ mod tests {
     }
 
     /// What the kernels of diffusion make of six sample rows: sweeps of four rows, then of one, and sums.
-    fn swept(simd: Simd, update: Update) -> Vec<f32> {
-        const LANES: usize = kernel::LANES;
-        const CHUNKS: usize = WIDTH / LANES;
+    fn swept<const N: usize>(simd: Simd, update: Update) -> Vec<f32> {
+        let count = WIDTH / N;
         let mut seed = 40;
         let mut lanes = || {
             seed += 1;
-            row(seed).as_chunks().0[..CHUNKS].to_vec()
+            row(seed).as_chunks::<N>().0[..count].to_vec()
         };
-        let mut rows: [Vec<Chunk>; 6] = std::array::from_fn(|_| {
+        let mut rows: [Vec<Chunk<N>>; 6] = std::array::from_fn(|_| {
             let [even_x, even_y, odd_x, odd_y, left, above] = std::array::from_fn(|_| lanes());
             let chunk = |i| Chunk {
                 terms: [[even_x[i], even_y[i]], [odd_x[i], odd_y[i]]],
                 left: left[i],
                 above: above[i],
             };
-            (0..CHUNKS).map(chunk).collect()
+            (0..count).map(chunk).collect()
         });
-        let mut sums: [_; 4] = std::array::from_fn(|_| vec![Sum([[0.5; LANES]; 2]); CHUNKS]);
+        let mut sums: [_; 4] = std::array::from_fn(|_| vec![Sum([[0.5; N]; 2]); count]);
         let sweep = Sweep {
             update,
             from: 1,
@@ -217,14 +226,14 @@ mod tests {
         simd.sweep_row(above, at, below, &mut sums[0], again);
         simd.sweep_row(above, at, below, &mut [], sweep);
 
-        let levels: Vec<_> = (0..CHUNKS).map(|i| [(i % 8) as u16; LANES]).collect();
+        let levels: Vec<_> = (0..count).map(|i| [(i % 8) as u16; N]).collect();
         let weights = std::array::from_fn::<f32, LEVELS, _>(|i| 0.3 + i as f32);
         let few = weights.first_chunk().expect("there are more in all");
         let mut by_few = sums[1].clone();
         simd.add_terms_by_few_levels_row(&mut by_few, &rows[2], 0, &levels, [few, few]);
         simd.add_terms_by_level_row(&mut sums[1], &rows[2], 0, &levels, [&weights, &weights]);
         let numbers =
-            |sum: &[Sum]| -> Vec<f32> { sum.iter().flat_map(|sum| sum.0).flatten().collect() };
+            |sum: &[Sum<N>]| -> Vec<f32> { sum.iter().flat_map(|sum| sum.0).flatten().collect() };
         assert_eq!(numbers(&by_few), numbers(&sums[1]));
         simd.add_terms_row(&mut sums[2], &rows[3], 1, [0.7, -0.2]);
         let terms = rows.iter().flatten().flat_map(|chunk| chunk.terms);

@@ -129,11 +129,20 @@ fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Opti
             }
         }
     }
+    // Chunks as wide as the widest vectors; half as wide for the others, which would run out of registers.
+    match pass.simd.bits() {
+        512 => run_tiles::<16>(pass, tiling, results),
+        _ => run_tiles::<8>(pass, tiling, results),
+    }
+}
+
+/// Runs a pass over all tiles, in chunks of `N` pixels.
+fn run_tiles<const N: usize>(pass: &Pass, tiling: &Tiling, results: Vec<Results>) {
     tiling
         .tiles()
         .par_iter()
         .zip(results)
-        .for_each_init(WavefrontTile::default, |wave, (tile, mut results)| {
+        .for_each_init(WavefrontTile::<N>::default, |wave, (tile, mut results)| {
             wave.run(pass, tile, &mut results)
         });
 }

@@ -7,40 +7,37 @@
 use crate::engine::cpu::simd::widened;
 use crate::shape::diffusion::{Update, flux, through};
 
-/// Pixels of a chunk: wider vectors hold both components.
-pub(crate) const LANES: usize = 8;
-
 /// Rows that can be swept together.
 pub(crate) const TOGETHER: usize = 4;
 
-/// One value for each pixel of a chunk.
-pub(crate) type Lanes = [f32; LANES];
+/// One value for each pixel of a chunk of `N` pixels.
+pub(crate) type Lanes<const N: usize> = [f32; N];
 
 /// Neighbouring pixels of a row in flight.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Chunk {
+pub(crate) struct Chunk<const N: usize> {
     /// The last even and the last odd term, x and y of each.
-    pub(crate) terms: [[Lanes; 2]; 2],
+    pub(crate) terms: [[Lanes<N>; 2]; 2],
     /// Conductances of the faces left of the pixels.
-    pub(crate) left: Lanes,
+    pub(crate) left: Lanes<N>,
     /// Conductances of the faces above the pixels.
-    pub(crate) above: Lanes,
+    pub(crate) above: Lanes<N>,
 }
 
-impl Chunk {
+impl<const N: usize> Chunk<N> {
     /// Zeros behind closed faces.
     pub(crate) const EMPTY: Self = Self {
-        terms: [[[0.0; LANES]; 2]; 2],
-        left: [0.0; LANES],
-        above: [0.0; LANES],
+        terms: [[[0.0; N]; 2]; 2],
+        left: [0.0; N],
+        above: [0.0; N],
     };
 }
 
 /// x and y of a sum of terms, for the pixels of a chunk.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Sum(pub(crate) [Lanes; 2]);
+pub(crate) struct Sum<const N: usize>(pub(crate) [Lanes<N>; 2]);
 
 /// What a sweep computes.
 #[derive(Debug, Clone, Copy)]
@@ -56,12 +53,12 @@ pub(crate) struct Sweep {
 macro_rules! with_update {
     ($sweep:ident, $is_without_sums:expr, $by:ident($($arg:expr),*)) => {
         match ($sweep.update, $is_without_sums) {
-            (Update::Step(dt), true) => $by::<false>($($arg),*, step(dt)),
-            (Update::Step(dt), false) => $by::<true>($($arg),*, step(dt)),
-            (Update::First, true) => $by::<false>($($arg),*, first),
-            (Update::First, false) => $by::<true>($($arg),*, first),
-            (Update::Next, true) => $by::<false>($($arg),*, next),
-            (Update::Next, false) => $by::<true>($($arg),*, next),
+            (Update::Step(dt), true) => $by::<N, false>($($arg),*, step(dt)),
+            (Update::Step(dt), false) => $by::<N, true>($($arg),*, step(dt)),
+            (Update::First, true) => $by::<N, false>($($arg),*, first),
+            (Update::First, false) => $by::<N, true>($($arg),*, first),
+            (Update::Next, true) => $by::<N, false>($($arg),*, next::<HAS_FMA>),
+            (Update::Next, false) => $by::<N, true>($($arg),*, next::<HAS_FMA>),
         }
     };
 }
@@ -76,9 +73,14 @@ fn first(g: f32, lg: f32, _: f32) -> f32 {
     Update::First.updated(g, lg, 0.0)
 }
 
+/// [`Update::Next`]. Its factors are powers of two, so that only one sum is rounded in each of the two fused
+/// multiply-adds, as it is without them: the bits are the same.
 #[inline(always)]
-fn next(g: f32, lg: f32, earlier: f32) -> f32 {
-    Update::Next.updated(g, lg, earlier)
+fn next<const HAS_FMA: bool>(g: f32, lg: f32, earlier: f32) -> f32 {
+    match HAS_FMA {
+        true => (-0.5_f32).mul_add(lg, -2.0_f32.mul_add(g, earlier)),
+        false => Update::Next.updated(g, lg, earlier),
+    }
 }
 
 /// One row of the diffusion operator on both components of a field, `Lg = sum c_ij (g_j - g_i)` over the 4 neighbours,
@@ -86,25 +88,25 @@ fn next(g: f32, lg: f32, earlier: f32) -> f32 {
 ///
 /// All slices have the same chunks. The first and the last one are only read, as neighbours.
 #[inline(always)]
-pub(crate) fn sweep_row(
-    above: &[Chunk],
-    row: &mut [Chunk],
-    below: &[Chunk],
-    sums: &mut [Sum],
+pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
+    above: &[Chunk<N>],
+    row: &mut [Chunk<N>],
+    below: &[Chunk<N>],
+    sums: &mut [Sum<N>],
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const SUMMED: bool>(
-        above: &[Chunk],
-        row: &mut [Chunk],
-        below: &[Chunk],
-        sums: &mut [Sum],
+    fn by<const N: usize, const SUMMED: bool>(
+        above: &[Chunk<N>],
+        row: &mut [Chunk<N>],
+        below: &[Chunk<N>],
+        sums: &mut [Sum<N>],
         sweep: Sweep,
         updated: impl Fn(f32, f32, f32) -> f32,
     ) {
         let count = row.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut row = Row::<SUMMED>::new(row, sums, sweep, count);
+        let mut row = Row::<N, SUMMED>::new(row, sums, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = row.fluxes_from(i, &above[i]);
             row.step(i, &mut from_above, &below[i], &updated);
@@ -115,28 +117,28 @@ pub(crate) fn sweep_row(
 
 /// [`sweep_row`] on four rows, top to bottom, between the rows above and below them.
 #[inline(always)]
-pub(crate) fn sweep_rows(
-    above: &[Chunk],
-    rows: [&mut [Chunk]; TOGETHER],
-    below: &[Chunk],
-    sums: [&mut [Sum]; TOGETHER],
+pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
+    above: &[Chunk<N>],
+    rows: [&mut [Chunk<N>]; TOGETHER],
+    below: &[Chunk<N>],
+    sums: [&mut [Sum<N>]; TOGETHER],
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const SUMMED: bool>(
-        above: &[Chunk],
-        [a, b, c, d]: [&mut [Chunk]; TOGETHER],
-        below: &[Chunk],
-        [sum_a, sum_b, sum_c, sum_d]: [&mut [Sum]; TOGETHER],
+    fn by<const N: usize, const SUMMED: bool>(
+        above: &[Chunk<N>],
+        [a, b, c, d]: [&mut [Chunk<N>]; TOGETHER],
+        below: &[Chunk<N>],
+        [sum_a, sum_b, sum_c, sum_d]: [&mut [Sum<N>]; TOGETHER],
         sweep: Sweep,
         updated: impl Fn(f32, f32, f32) -> f32,
     ) {
         let count = a.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut a = Row::<SUMMED>::new(a, sum_a, sweep, count);
-        let mut b = Row::<SUMMED>::new(b, sum_b, sweep, count);
-        let mut c = Row::<SUMMED>::new(c, sum_c, sweep, count);
-        let mut d = Row::<SUMMED>::new(d, sum_d, sweep, count);
+        let mut a = Row::<N, SUMMED>::new(a, sum_a, sweep, count);
+        let mut b = Row::<N, SUMMED>::new(b, sum_b, sweep, count);
+        let mut c = Row::<N, SUMMED>::new(c, sum_c, sweep, count);
+        let mut d = Row::<N, SUMMED>::new(d, sum_d, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = a.fluxes_from(i, &above[i]);
             a.step(i, &mut from_above, &b.chunks[i], &updated);
@@ -153,35 +155,35 @@ pub(crate) fn sweep_rows(
 }
 
 widened! {
-    fn sweep_row(
-        above: &[Chunk],
-        row: &mut [Chunk],
-        below: &[Chunk],
-        sums: &mut [Sum],
+    fn sweep_row<N, has_fma>(
+        above: &[Chunk<N>],
+        row: &mut [Chunk<N>],
+        below: &[Chunk<N>],
+        sums: &mut [Sum<N>],
         sweep: Sweep,
     );
-    fn sweep_rows(
-        above: &[Chunk],
-        rows: [&mut [Chunk]; TOGETHER],
-        below: &[Chunk],
-        sums: [&mut [Sum]; TOGETHER],
+    fn sweep_rows<N, has_fma>(
+        above: &[Chunk<N>],
+        rows: [&mut [Chunk<N>]; TOGETHER],
+        below: &[Chunk<N>],
+        sums: [&mut [Sum<N>]; TOGETHER],
         sweep: Sweep,
     );
 }
 
 /// A row while it is swept, from left to right.
-struct Row<'a, const SUMMED: bool> {
-    chunks: &'a mut [Chunk],
-    sums: &'a mut [Sum],
+struct Row<'a, const N: usize, const SUMMED: bool> {
+    chunks: &'a mut [Chunk<N>],
+    sums: &'a mut [Sum<N>],
     sweep: Sweep,
     /// The fluxes from the west into the chunk that is next, of x and y.
-    from_west: (Lanes, Lanes),
+    from_west: (Lanes<N>, Lanes<N>),
 }
 
 // Both components are written out: kept in arrays, they would pass through memory.
-impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
+impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
     #[inline(always)]
-    fn new(chunks: &'a mut [Chunk], sums: &'a mut [Sum], sweep: Sweep, count: usize) -> Self {
+    fn new(chunks: &'a mut [Chunk<N>], sums: &'a mut [Sum<N>], sweep: Sweep, count: usize) -> Self {
         let from = sweep.from % 2;
         let from_west = match &chunks[..count] {
             [before, at, ..] => {
@@ -191,7 +193,7 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
                     fluxes_from_west(&before[1], &here[1], &at.left),
                 )
             }
-            _ => ([0.0; LANES], [0.0; LANES]),
+            _ => ([0.0; N], [0.0; N]),
         };
         Self {
             chunks: &mut chunks[..count],
@@ -203,7 +205,7 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
 
     /// The fluxes from the row above into chunk `i`.
     #[inline(always)]
-    fn fluxes_from(&self, i: usize, above: &Chunk) -> (Lanes, Lanes) {
+    fn fluxes_from(&self, i: usize, above: &Chunk<N>) -> (Lanes<N>, Lanes<N>) {
         let (at, from) = (&self.chunks[i], self.sweep.from);
         let (out_of, into) = (&above.terms[from], &at.terms[from]);
         (
@@ -217,8 +219,8 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
     fn step(
         &mut self,
         i: usize,
-        from_above: &mut (Lanes, Lanes),
-        below: &Chunk,
+        from_above: &mut (Lanes<N>, Lanes<N>),
+        below: &Chunk<N>,
         updated: &impl Fn(f32, f32, f32) -> f32,
     ) {
         let next = &self.chunks[i + 1];
@@ -250,11 +252,11 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
         &mut self,
         i: usize,
         c: usize,
-        (west, north): (Lanes, Lanes),
-        next: (&Lanes, &Lanes),
-        below: &Chunk,
+        (west, north): (Lanes<N>, Lanes<N>),
+        next: (&Lanes<N>, &Lanes<N>),
+        below: &Chunk<N>,
         updated: &impl Fn(f32, f32, f32) -> f32,
-    ) -> (Lanes, Lanes) {
+    ) -> (Lanes<N>, Lanes<N>) {
         let (from, to) = (self.sweep.from, 1 - self.sweep.from);
         let at = &mut self.chunks[i];
         let g = at.terms[from][c];
@@ -262,14 +264,14 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
         let east = shifted_left(&west, &past_east);
         let south = fluxes(&below.above, &g, &below.terms[from][c]);
         let mut made = at.terms[to][c];
-        for j in 0..LANES {
+        for j in 0..N {
             let lg = flux([west[j], -east[j], north[j], -south[j]]);
             made[j] = updated(g[j], lg, made[j]);
         }
         at.terms[to][c] = made;
         if SUMMED {
             let (sum, [of_read, of_made]) = (&mut self.sums[i].0[c], self.sweep.weights);
-            for j in 0..LANES {
+            for j in 0..N {
                 sum[j] += of_read * g[j] + of_made * made[j];
             }
         }
@@ -279,9 +281,9 @@ impl<'a, const SUMMED: bool> Row<'a, SUMMED> {
 
 /// The fluxes through faces, out of samples on one side into those on the other.
 #[inline(always)]
-fn fluxes(joined: &Lanes, out_of: &Lanes, into: &Lanes) -> Lanes {
-    let mut fluxes = [0.0; LANES];
-    for j in 0..LANES {
+fn fluxes<const N: usize>(joined: &Lanes<N>, out_of: &Lanes<N>, into: &Lanes<N>) -> Lanes<N> {
+    let mut fluxes = [0.0; N];
+    for j in 0..N {
         fluxes[j] = through(joined[j], out_of[j], into[j]);
     }
     fluxes
@@ -289,15 +291,20 @@ fn fluxes(joined: &Lanes, out_of: &Lanes, into: &Lanes) -> Lanes {
 
 /// The fluxes from the west into the samples `at`, right of the samples `before`.
 #[inline(always)]
-fn fluxes_from_west(before: &Lanes, at: &Lanes, left: &Lanes) -> Lanes {
-    let [.., last] = *before;
-    let [a, b, c, d, e, f, g, _] = *at;
-    fluxes(left, &[last, a, b, c, d, e, f, g], at)
+fn fluxes_from_west<const N: usize>(before: &Lanes<N>, at: &Lanes<N>, left: &Lanes<N>) -> Lanes<N> {
+    let mut west = [before[N - 1]; N];
+    for (to, from) in west[1..].iter_mut().zip(at) {
+        *to = *from;
+    }
+    fluxes(left, &west, at)
 }
 
 /// The values one place to the right of `at`, which `after` follows.
 #[inline(always)]
-fn shifted_left(at: &Lanes, after: &Lanes) -> Lanes {
-    let [_, a, b, c, d, e, f, g] = *at;
-    [a, b, c, d, e, f, g, after[0]]
+fn shifted_left<const N: usize>(at: &Lanes<N>, after: &Lanes<N>) -> Lanes<N> {
+    let mut shifted = [after[0]; N];
+    for (to, from) in shifted.iter_mut().zip(&at[1..]) {
+        *to = *from;
+    }
+    shifted
 }

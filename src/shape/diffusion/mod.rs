@@ -6,7 +6,7 @@
 //! and [`super::chebyshev`].
 
 use crate::engine::cpu::simd::widened;
-use kernel::{Chunk, LANES, Sum};
+use kernel::{Chunk, Sum};
 
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
@@ -59,12 +59,17 @@ pub(crate) fn flux(through: [f32; 4]) -> f32 {
 
 /// Adds two weighted terms of a recurrence to a row of a sum, first the one that the last sweep has read.
 #[inline(always)]
-pub(crate) fn add_terms_row(sums: &mut [Sum], row: &[Chunk], read: usize, weights: [f32; 2]) {
+pub(crate) fn add_terms_row<const N: usize>(
+    sums: &mut [Sum<N>],
+    row: &[Chunk<N>],
+    read: usize,
+    weights: [f32; 2],
+) {
     add_terms_by(sums, row, read, |_, _| weights);
 }
 
 widened! {
-    fn add_terms_row(sums: &mut [Sum], row: &[Chunk], read: usize, weights: [f32; 2]);
+    fn add_terms_row<N>(sums: &mut [Sum<N>], row: &[Chunk<N>], read: usize, weights: [f32; 2]);
 }
 
 /// Levels that importance is quantised to.
@@ -72,11 +77,11 @@ pub(crate) const LEVELS: usize = 1024;
 
 /// [`add_terms_row`] with weights by the level of the pixel.
 #[inline(always)]
-pub(crate) fn add_terms_by_level_row(
-    sums: &mut [Sum],
-    row: &[Chunk],
+pub(crate) fn add_terms_by_level_row<const N: usize>(
+    sums: &mut [Sum<N>],
+    row: &[Chunk<N>],
     read: usize,
-    levels: &[[u16; LANES]],
+    levels: &[[u16; N]],
     weights: [&[f32; LEVELS]; 2],
 ) {
     add_terms_by(sums, row, read, |i, j| {
@@ -86,11 +91,11 @@ pub(crate) fn add_terms_by_level_row(
 }
 
 widened! {
-    fn add_terms_by_level_row(
-        sums: &mut [Sum],
-        row: &[Chunk],
+    fn add_terms_by_level_row<N>(
+        sums: &mut [Sum<N>],
+        row: &[Chunk<N>],
         read: usize,
-        levels: &[[u16; LANES]],
+        levels: &[[u16; N]],
         weights: [&[f32; LEVELS]; 2],
     );
 }
@@ -100,11 +105,11 @@ pub(crate) const FEW_LEVELS: usize = 8;
 
 /// [`add_terms_by_level_row`] for few levels.
 #[inline(always)]
-pub(crate) fn add_terms_by_few_levels_row(
-    sums: &mut [Sum],
-    row: &[Chunk],
+pub(crate) fn add_terms_by_few_levels_row<const N: usize>(
+    sums: &mut [Sum<N>],
+    row: &[Chunk<N>],
     read: usize,
-    levels: &[[u16; LANES]],
+    levels: &[[u16; N]],
     weights: [&[f32; FEW_LEVELS]; 2],
 ) {
     // Copied, so that values are selected rather than addresses to load from.
@@ -116,11 +121,11 @@ pub(crate) fn add_terms_by_few_levels_row(
 }
 
 widened! {
-    fn add_terms_by_few_levels_row(
-        sums: &mut [Sum],
-        row: &[Chunk],
+    fn add_terms_by_few_levels_row<N>(
+        sums: &mut [Sum<N>],
+        row: &[Chunk<N>],
         read: usize,
-        levels: &[[u16; LANES]],
+        levels: &[[u16; N]],
         weights: [&[f32; FEW_LEVELS]; 2],
     );
 }
@@ -140,9 +145,9 @@ fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
 
 /// Adds terms with weights by chunk and lane, for the term read and for the one made.
 #[inline(always)]
-fn add_terms_by(
-    sums: &mut [Sum],
-    row: &[Chunk],
+fn add_terms_by<const N: usize>(
+    sums: &mut [Sum<N>],
+    row: &[Chunk<N>],
     read: usize,
     weights: impl Fn(usize, usize) -> [f32; 2],
 ) {
@@ -152,7 +157,7 @@ fn add_terms_by(
         let i = std::hint::black_box(i);
         let (of_read, of_made) = (row[i].terms[from], row[i].terms[to]);
         let (mut x, mut y) = (sum[0], sum[1]);
-        for j in 0..LANES {
+        for j in 0..N {
             let [first, second] = weights(i, j);
             x[j] += first * of_read[0][j] + second * of_made[0][j];
             y[j] += first * of_read[1][j] + second * of_made[1][j];

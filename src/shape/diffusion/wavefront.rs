@@ -8,13 +8,13 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
-use crate::shape::diffusion::kernel::{Chunk, LANES, Lanes, Sum, Sweep, TOGETHER};
+use crate::shape::diffusion::kernel::{Chunk, Lanes, Sum, Sweep, TOGETHER};
 use crate::shape::diffusion::tiles::Tile;
 use crate::shape::diffusion::{FEW_LEVELS, LEVELS, Update};
 use std::ops::Range;
 
-/// Rows of this many chunks lie whole pages of memory apart.
-const CHUNKS_OF_PAGES: usize = 64;
+/// Rows of this many pixels lie whole pages of memory apart.
+const PIXELS_OF_PAGES: usize = 512;
 
 /// A run of sweeps, and its starting state.
 #[derive(Debug)]
@@ -125,9 +125,9 @@ pub(crate) struct Results<'a> {
     pub(crate) earlier: Option<VectorRows<'a>>,
 }
 
-/// The rows in flight, in ring buffers.
+/// The rows in flight, in ring buffers, in chunks of `N` pixels.
 #[derive(Debug, Default)]
-pub(crate) struct WavefrontTile {
+pub(crate) struct WavefrontTile<const N: usize> {
     /// Columns left of the tile, in whole chunks.
     pad: usize,
     /// Chunks of a row.
@@ -135,11 +135,11 @@ pub(crate) struct WavefrontTile {
     /// Rows of a ring.
     in_flight: usize,
     /// The last two terms of every row and the conductances of its faces. A term overwrites the one two before it.
-    chunks: Vec<Chunk>,
+    chunks: Vec<Chunk<N>>,
     /// The sums, a ring for each.
-    sums: Vec<Vec<Sum>>,
+    sums: Vec<Vec<Sum<N>>>,
     /// The levels of the pixels, if weights depend on them.
-    levels: Vec<[u16; LANES]>,
+    levels: Vec<[u16; N]>,
     /// Conductances of two rows, by parity.
     open: [Vec<f32>; 2],
     /// Conductances of the faces left of and above the pixels of a row that enters.
@@ -147,7 +147,7 @@ pub(crate) struct WavefrontTile {
     above: Vec<f32>,
 }
 
-impl WavefrontTile {
+impl<const N: usize> WavefrontTile<N> {
     /// Runs `pass` over `tile`; stops early if the run is cancelled.
     pub(crate) fn run(&mut self, pass: &Pass, tile: &Tile, results: &mut Results) {
         let sweeps = pass.updates.len();
@@ -187,9 +187,9 @@ impl WavefrontTile {
 
     fn make_room(&mut self, pass: &Pass, columns: usize, sums: usize) {
         let sweeps = pass.updates.len();
-        self.pad = sweeps.next_multiple_of(LANES) + LANES;
-        self.stride = (self.pad + columns + sweeps).div_ceil(LANES) + 1;
-        if self.stride.is_multiple_of(CHUNKS_OF_PAGES) {
+        self.pad = sweeps.next_multiple_of(N) + N;
+        self.stride = (self.pad + columns + sweeps).div_ceil(N) + 1;
+        if (self.stride * N).is_multiple_of(PIXELS_OF_PAGES) {
             // Loads from one row would wait for stores to the next, and compete with it for places in the cache.
             self.stride += 1;
         }
@@ -198,14 +198,14 @@ impl WavefrontTile {
         refill(&mut self.chunks, ring, Chunk::EMPTY);
         self.sums.resize_with(sums, Default::default);
         for sum in &mut self.sums {
-            refill(sum, ring, Sum([[0.0; LANES]; 2]));
+            refill(sum, ring, Sum([[0.0; N]; 2]));
         }
         if let Weights::ByLevel { .. } = pass.weights {
-            refill(&mut self.levels, ring, [0; LANES]);
+            refill(&mut self.levels, ring, [0; N]);
         }
         let [even, odd] = &mut self.open;
         for row in [even, odd, &mut self.left, &mut self.above] {
-            refill(row, self.stride * LANES, 0.0);
+            refill(row, self.stride * N, 0.0);
         }
     }
 
@@ -261,7 +261,7 @@ impl WavefrontTile {
         }
         for (ring, rows) in self.sums.iter_mut().zip(&results.sums) {
             let sums = &mut ring[row.clone()];
-            sums.fill(Sum([[0.0; LANES]; 2]));
+            sums.fill(Sum([[0.0; N]; 2]));
             if pass.first_term > 0 {
                 for (c, rows) in rows.iter().enumerate() {
                     let samples = &rows[y - tile.rows.start];
@@ -292,8 +292,8 @@ impl WavefrontTile {
             return;
         }
         // With a neighbour at both ends.
-        let chunks = (first + self.pad - tile.columns.start) / LANES - 1
-            ..(last + self.pad - tile.columns.start).div_ceil(LANES) + 1;
+        let chunks = (first + self.pad - tile.columns.start) / N - 1
+            ..(last + self.pad - tile.columns.start).div_ceil(N) + 1;
         let added = pass.added_at(k);
         let weights = match (added, pass.weights) {
             (Some(added), Weights::Sums(all)) => added.of_sum(&all[0]),
@@ -380,8 +380,8 @@ impl WavefrontTile {
 
     /// Position of the tile's chunks of row `y` in a ring.
     fn tile_chunks(&self, y: usize, tile: &Tile) -> Range<usize> {
-        let start = self.row(y).start + self.pad / LANES;
-        start..start + tile.columns.len().div_ceil(LANES)
+        let start = self.row(y).start + self.pad / N;
+        start..start + tile.columns.len().div_ceil(N)
     }
 
     /// Outputs row `y`, which has passed all sweeps.
@@ -423,14 +423,19 @@ fn apart<T, const N: usize>(ring: &mut [T], parts: [Range<usize>; N]) -> [&mut [
 }
 
 /// Copies samples into chunks, the first one to lane `at`.
-fn place<T>(chunks: &mut [T], at: usize, samples: &[f32], lanes: impl Fn(&mut T) -> &mut Lanes) {
-    let to_whole = at.next_multiple_of(LANES) - at;
+fn place<T, const N: usize>(
+    chunks: &mut [T],
+    at: usize,
+    samples: &[f32],
+    lanes: impl Fn(&mut T) -> &mut Lanes<N>,
+) {
+    let to_whole = at.next_multiple_of(N) - at;
     let (head, rest) = samples.split_at(to_whole.min(samples.len()));
     if !head.is_empty() {
-        lanes(&mut chunks[at / LANES])[at % LANES..][..head.len()].copy_from_slice(head);
+        lanes(&mut chunks[at / N])[at % N..][..head.len()].copy_from_slice(head);
     }
     let (whole, tail) = rest.as_chunks();
-    let mut chunks = chunks[at.div_ceil(LANES)..].iter_mut();
+    let mut chunks = chunks[at.div_ceil(N)..].iter_mut();
     for (whole, chunk) in whole.iter().zip(&mut chunks) {
         *lanes(chunk) = *whole;
     }
@@ -441,8 +446,8 @@ fn place<T>(chunks: &mut [T], at: usize, samples: &[f32], lanes: impl Fn(&mut T)
 
 /// Copies a row out of chunks. Negative zeros become positive: their sign may come from beyond a closed face and so
 /// depend on the tile.
-fn take<T>(row: &mut [f32], chunks: &[T], lanes: impl Fn(&T) -> &Lanes) {
-    let (whole, tail) = row.as_chunks_mut::<LANES>();
+fn take<T, const N: usize>(row: &mut [f32], chunks: &[T], lanes: impl Fn(&T) -> &Lanes<N>) {
+    let (whole, tail) = row.as_chunks_mut::<N>();
     for (whole, chunk) in whole.iter_mut().zip(chunks) {
         *whole = lanes(chunk).map(|value| value + 0.0);
     }
