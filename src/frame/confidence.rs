@@ -4,7 +4,7 @@
 //! that of the surface hit by its first sample. At outlines the same holds for a pixel or two, so a pixel counts as
 //! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
-use super::{Frame, Mask, Plane, Vector3Planes};
+use super::{Frame, Mask, Plane, Vector3Planes, Window};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -64,23 +64,31 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
     if !has_short_square(lengths, mask) {
         return;
     }
-    let longest = over_squares(&ended(lengths, mask), NORMALS_REACH, f32::max);
-    let mean = mean_of_covered(lengths, &covered_in_squares(mask));
-    let lifted = of_rows(lengths, |y, row| {
-        let squares = longest.row(y).iter().zip(mean.row(y));
-        for ((sample, &length), (&longest, &mean)) in
-            row.iter_mut().zip(lengths.row(y)).zip(squares)
-        {
-            let fog = 1.0 - ramp(longest, FOG);
-            let compared = (length / mean.max(f32::MIN_POSITIVE)).min(1.0);
-            *sample = if fog > 0.0 {
-                length + fog * (compared - length)
-            } else {
-                length
-            };
+    let lifted = of_bands(lengths, NORMALS_REACH, |part| {
+        let (lengths, mask) = part.of(lengths, mask);
+        if !has_short_square(&lengths, &mask) {
+            return None;
         }
+        let longest = over_squares(&ended(&lengths, &mask), NORMALS_REACH, f32::max);
+        let mean = mean_of_covered(&lengths, &covered_in_squares(&mask));
+        Some(of_rows(&lengths, |y, row| {
+            let squares = longest.row(y).iter().zip(mean.row(y));
+            for ((sample, &length), (&longest, &mean)) in
+                row.iter_mut().zip(lengths.row(y)).zip(squares)
+            {
+                let fog = 1.0 - ramp(longest, FOG);
+                let compared = (length / mean.max(f32::MIN_POSITIVE)).min(1.0);
+                *sample = if fog > 0.0 {
+                    length + fog * (compared - length)
+                } else {
+                    length
+                };
+            }
+        }))
     });
-    *lengths = lifted;
+    for band in lifted {
+        band.write(lengths);
+    }
 }
 
 /// The confidence from the lengths of normals before normalisation.
@@ -88,28 +96,100 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     if !has_short_square(lengths, mask) {
         return None;
     }
-    let counts = covered_in_squares(mask);
-    let mean = |plane: &Plane| mean_of_covered(plane, &counts);
-    let around = over_squares(&mean(lengths), FOG_REACH, f32::max);
-    let compared = of_two(&ended(lengths, mask), &around, |length, around| {
-        length / around.max(f32::MIN_POSITIVE)
+    let found = of_bands(lengths, CONFIDENCE_REACH, |part| {
+        let (lengths, mask) = part.of(lengths, mask);
+        if !has_short_square(&lengths, &mask) {
+            return None;
+        }
+        let counts = covered_in_squares(&mask);
+        let mean = |plane: &Plane| mean_of_covered(plane, &counts);
+        let around = over_squares(&mean(&lengths), FOG_REACH, f32::max);
+        let compared = of_two(&ended(&lengths, &mask), &around, |length, around| {
+            length / around.max(f32::MIN_POSITIVE)
+        });
+        let longest = over_squares(&compared, NORMALS_REACH, f32::max);
+        if !longest.samples().iter().any(|&length| is_short(length)) {
+            return None;
+        }
+        let mixed = over_squares(&longest, NORMALS_REACH, f32::min);
+        let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(|plane| mean(&part.plane(plane)));
+        let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
+            sum + z * z
+        });
+        let deficit = of_two(&mixed, &squared, |length, squared| {
+            let lack = 1.0 - ramp(length, [LENGTHS[1], LENGTHS[0]]);
+            lack * ramp(1.0 - squared.sqrt(), SPREADS)
+        });
+        // The mean smooths away the corners of squares.
+        let mean = mean_over_squares(&deficit, NORMALS_REACH);
+        Some(mean.map(|deficit| 1.0 - deficit))
     });
-    let longest = over_squares(&compared, NORMALS_REACH, f32::max);
-    if !longest.samples().par_iter().any(|&length| is_short(length)) {
-        return None;
+    joined(lengths, &found)
+}
+
+/// Rows of a band, besides those around it that it is made from: so few that its planes stay in a core's cache.
+const BAND_ROWS: usize = 64;
+
+/// A band of the picture, and the part that it is made from.
+struct Part {
+    whole: Window,
+    band: Window,
+    around: Window,
+}
+
+impl Part {
+    fn plane<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
+        plane.crop(self.whole, self.around)
     }
-    let mixed = over_squares(&longest, NORMALS_REACH, f32::min);
-    let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(mean);
-    let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
-        sum + z * z
-    });
-    let deficit = of_two(&mixed, &squared, |length, squared| {
-        let lack = 1.0 - ramp(length, [LENGTHS[1], LENGTHS[0]]);
-        lack * ramp(1.0 - squared.sqrt(), SPREADS)
-    });
-    let is_mixed = deficit.samples().par_iter().any(|&deficit| deficit > 0.0);
-    // The mean smooths away the corners of squares.
-    is_mixed.then(|| mean_over_squares(&deficit, NORMALS_REACH).map(|deficit| 1.0 - deficit))
+
+    fn of(&self, plane: &Plane, mask: &Mask) -> (Plane, Mask) {
+        (self.plane(plane), mask.crop(self.whole, self.around))
+    }
+}
+
+/// A finished band.
+struct Band {
+    rows: Range<usize>,
+    plane: Plane,
+}
+
+impl Band {
+    fn write(&self, plane: &mut Plane) {
+        for (y, row) in self.rows.clone().enumerate() {
+            plane.row_mut(row).copy_from_slice(self.plane.row(y));
+        }
+    }
+}
+
+/// What `make` makes of the bands of a picture of the size of `like`, in parallel, each from the part within `reach`
+/// rows; without those of which it makes nothing.
+fn of_bands(like: &Plane, reach: usize, make: impl Fn(&Part) -> Option<Plane> + Sync) -> Vec<Band> {
+    let (width, height) = (like.width(), like.height());
+    let window = |rows: Range<usize>| Window::at(0, rows.start as i32, width, rows.len());
+    (0..height.div_ceil(BAND_ROWS))
+        .into_par_iter()
+        .filter_map(|i| {
+            let band = i * BAND_ROWS..((i + 1) * BAND_ROWS).min(height);
+            let around = band.start.saturating_sub(reach)..(band.end + reach).min(height);
+            let part = Part {
+                whole: window(0..height),
+                band: window(band.clone()),
+                around: window(around),
+            };
+            let plane = make(&part)?.crop(part.around, part.band);
+            Some(Band { rows: band, plane })
+        })
+        .collect()
+}
+
+/// The confidence of the whole picture, 1 outside `bands`; `None` if it is 1 everywhere.
+fn joined(like: &Plane, bands: &[Band]) -> Option<Plane> {
+    let is_mixed = |band: &Band| band.plane.samples().iter().any(|&sample| sample < 1.0);
+    bands.iter().any(is_mixed).then(|| {
+        let mut whole = Plane::filled(like.width(), like.height(), 1.0);
+        bands.iter().for_each(|band| band.write(&mut whole));
+        whole
+    })
 }
 
 /// Lengths as they end a square: pixels without surface do, like long normals.
@@ -130,9 +210,8 @@ fn covered_in_squares(mask: &Mask) -> Plane {
 
 /// The mean over the covered pixels of the square around each pixel, given their number.
 fn mean_of_covered(plane: &Plane, counts: &Plane) -> Plane {
-    let mut mean = sum_over_squares(plane, NORMALS_REACH);
-    mean.each_row(|y, row| combine(row, counts.row(y), |sum, count| sum / count.max(1.0)));
-    mean
+    let sum = sum_over_squares(plane, NORMALS_REACH);
+    of_two(&sum, counts, |sum, count| sum / count.max(1.0))
 }
 
 fn is_short(length: f32) -> bool {
@@ -166,11 +245,15 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     if !may_be_alone_together(depth, mask) {
         return None;
     }
-    let alone = of_rows(depth, |y, row| alone_in_row(depth, mask, y, row));
-    let share = mean_over_squares(&alone, DEPTHS_REACH);
-    let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
-    let any_is_mixed = share.samples().par_iter().any(is_mixed);
-    any_is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+    let found = of_bands(depth, DEPTHS_REACH + 1, |part| {
+        let (depth, mask) = part.of(depth, mask);
+        let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
+        let share = mean_over_squares(&alone, DEPTHS_REACH);
+        let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
+        let any_is_mixed = share.samples().iter().any(is_mixed);
+        any_is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+    });
+    joined(depth, &found)
 }
 
 /// Whether some square may hold enough isolated depths to count: every square lies within two by two tiles of its width,
@@ -248,7 +331,7 @@ fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
 }
 
 /// The minimum or maximum over the square around each pixel, cut off at the plane's border.
-fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
+fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32) -> Plane {
     of_rows(plane, |y, row| {
         let mut column = plane.row(y).to_vec();
         for other in around(y, reach, plane.height()) {
@@ -296,7 +379,7 @@ fn combine(samples: &mut [f32], others: &[f32], of: impl Fn(f32, f32) -> f32) {
 }
 
 /// A plane combined from the samples of two.
-fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32 + Sync) -> Plane {
+fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
     of_rows(a, |y, row| {
         for (sample, (&a, &b)) in row.iter_mut().zip(a.row(y).iter().zip(b.row(y))) {
             *sample = make(a, b);
@@ -310,9 +393,11 @@ fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
 }
 
 /// A plane of this size whose rows, initially zero, are filled by `make`.
-fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32]) + Sync) -> Plane {
+fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32])) -> Plane {
     let mut made = Plane::filled(like.width(), like.height(), 0.0);
-    made.each_row(make);
+    for y in 0..made.height() {
+        make(y, made.row_mut(y));
+    }
     made
 }
 
@@ -369,6 +454,30 @@ mod tests {
         assert!(difference.fold(0.0, f32::max) < 1e-5);
         // A far object in fog next to a near one, both flat.
         assert_eq!(of(&band, 0.0), None);
+    }
+
+    /// What is found of a pixel depends on what lies around it, not on where bands end.
+    #[test]
+    fn bands_do_not_show() {
+        let blur = |x: usize, y: usize| 0.75 + 0.25 * (0.13 * x as f32 + 0.07 * y as f32).sin();
+        let window = |y0, height| Window::at(0, y0, 40, height);
+        let all = lengths(40, 4 * BAND_ROWS, blur);
+        let found = of(&all, 8.0).unwrap();
+        let mut lifted = all.clone();
+        lift_out_of_fog(&mut lifted, &Mask::full(40, 4 * BAND_ROWS));
+        let (shifted, reach) = (37, CONFIDENCE_REACH as i32);
+        let part = all.crop(window(0, 4 * BAND_ROWS), window(shifted, 150));
+        let of_part = of(&part, 8.0).unwrap();
+        let mut lifted_part = part.clone();
+        lift_out_of_fog(&mut lifted_part, &Mask::full(40, 150));
+        // Rows of the part whose surroundings lie inside it too.
+        let inner = window(shifted + reach, 150 - 2 * CONFIDENCE_REACH);
+        let whole = |plane: &Plane| plane.crop(window(0, 4 * BAND_ROWS), inner);
+        let within = |plane: &Plane| plane.crop(window(shifted, 150), inner);
+        assert_eq!(whole(&found), within(&of_part));
+        assert_eq!(whole(&lifted), within(&lifted_part));
+        let mixed = found.samples().iter().filter(|&&sample| sample < 1.0);
+        assert!((1000..9000).contains(&mixed.count()));
     }
 
     /// Pictures of every small size, with random samples: a quick look finds what a look at every square finds.
