@@ -75,6 +75,77 @@ pub(super) struct Model {
     pub(super) principal: Vector2<f64>,
 }
 
+/// Samples whose derivatives are computed at a time.
+const LANES: usize = 8;
+
+/// Sums over samples, by lane: of the products of derivatives, on and below the diagonal, and of those with residuals.
+#[derive(Debug, Default)]
+struct Sums {
+    normal: [[[f64; LANES]; PARAMETERS]; PARAMETERS],
+    gradient: [[f64; LANES]; PARAMETERS],
+}
+
+impl Sums {
+    /// Adds [`LANES`] samples or fewer, each weighted by the threshold over its residual, at most 1.
+    fn add(&mut self, model: &Model, samples: &[Sample], threshold: f64) {
+        const ZERO: [f64; LANES] = [0.0; LANES];
+        let (mut weight, mut residual) = (ZERO, [ZERO; 2]);
+        let (mut turned, mut at, mut per_depth) = ([ZERO; 3], [ZERO; 2], ZERO);
+        for (i, sample) in samples.iter().enumerate() {
+            // Without a residual the weight stays 0.
+            let Some(r) = model.residual(sample) else {
+                continue;
+            };
+            let p = model.rotation * sample.point;
+            let w = 1.0 - model.convergence * p.z;
+            let image = (model.scale * p.xy() + model.shift) / w;
+            weight[i] = (threshold / r.norm()).min(1.0);
+            (residual[0][i], residual[1][i]) = (r.x, r.y);
+            (turned[0][i], turned[1][i], turned[2][i]) = (p.x, p.y, p.z);
+            (at[0][i], at[1][i], per_depth[i]) = (image.x, image.y, 1.0 / w);
+        }
+        // Derivatives of the two picture coordinates.
+        let mut by = [[ZERO; 2]; PARAMETERS];
+        for i in 0..LANES {
+            let [x, y, z] = [turned[0][i], turned[1][i], turned[2][i]];
+            let (per_depth, s) = (per_depth[i], model.scale * per_depth[i]);
+            let [u, v] = [at[0][i], at[1][i]];
+            // By depth; and by a small rotation omega, dp = omega x p.
+            let (uz, vz) = (
+                u * model.convergence * per_depth,
+                v * model.convergence * per_depth,
+            );
+            (by[0][0][i], by[0][1][i]) = (uz * y, vz * y - s * z);
+            (by[1][0][i], by[1][1][i]) = (s * z - uz * x, -vz * x);
+            (by[2][0][i], by[2][1][i]) = (-s * y, s * x);
+            (by[3][0][i], by[4][1][i]) = (per_depth, per_depth);
+            (by[5][0][i], by[5][1][i]) = (s * x, s * y);
+            (by[6][0][i], by[6][1][i]) = (u * z * per_depth, v * z * per_depth);
+            (by[7][0][i], by[8][1][i]) = (1.0, 1.0);
+        }
+        for row in 0..PARAMETERS {
+            let (mut u, mut v) = (ZERO, ZERO);
+            for i in 0..LANES {
+                (u[i], v[i]) = (weight[i] * by[row][0][i], weight[i] * by[row][1][i]);
+                self.gradient[row][i] += u[i] * residual[0][i] + v[i] * residual[1][i];
+            }
+            for (sum, by) in self.normal[row].iter_mut().zip(&by).take(row + 1) {
+                for i in 0..LANES {
+                    sum[i] += u[i] * by[0][i] + v[i] * by[1][i];
+                }
+            }
+        }
+    }
+}
+
+fn huber(error: f64, threshold: f64) -> f64 {
+    if error <= threshold {
+        0.5 * error * error
+    } else {
+        threshold * (error - 0.5 * threshold)
+    }
+}
+
 impl Model {
     pub(super) fn new(rotation: Matrix3<f64>, shift: Vector2<f64>, scale: f64, c: f64) -> Self {
         Self {
@@ -154,26 +225,6 @@ impl Model {
         samples.iter().map(share).sum::<f64>() / samples.len().max(1) as f64
     }
 
-    /// Derivatives of the two picture coordinates by the parameters.
-    fn jacobian(&self, sample: &Sample, free: Free) -> SMatrix<f64, 2, PARAMETERS> {
-        let p = self.rotation * sample.point;
-        let w = 1.0 - self.convergence * p.z;
-        let s = self.scale / w;
-        let at = (self.scale * p.xy() + self.shift) / w;
-        // Derivatives of the image position by depth and by a small rotation omega: dp = omega x p.
-        let (uz, vz) = (at.x * self.convergence / w, at.y * self.convergence / w);
-        let (x, y, z) = (p.x, p.y, p.z);
-        #[rustfmt::skip]
-        let mut j = SMatrix::<f64, 2, PARAMETERS>::from_row_slice(&[
-            uz * y,          s * z - uz * x, -s * y, 1.0 / w, 0.0,     s * x, at.x * z / w, 1.0, 0.0,
-            vz * y - s * z, -vz * x,          s * x, 0.0,     1.0 / w, s * y, at.y * z / w, 0.0, 1.0,
-        ]);
-        for column in free.count()..PARAMETERS {
-            j.column_mut(column).fill(0.0);
-        }
-        j
-    }
-
     fn moved(&self, step: &Step) -> Self {
         let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
         Self {
@@ -194,16 +245,17 @@ impl Model {
     }
 
     fn normal_equations(&self, samples: &[Sample], threshold: f64, free: Free) -> (Normal, Step) {
+        let mut sums = Sums::default();
+        for samples in samples.chunks(LANES) {
+            sums.add(self, samples, threshold);
+        }
         let (mut normal, mut gradient) = (Normal::zeros(), Step::zeros());
-        for sample in samples {
-            let Some(r) = self.residual(sample) else {
-                continue;
-            };
-            let weight = (threshold / r.norm()).min(1.0);
-            let j = self.jacobian(sample, free);
-            let weighted = j.transpose() * weight;
-            normal += weighted * j;
-            gradient += weighted * r;
+        for row in 0..free.count() {
+            gradient[row] = sums.gradient[row].iter().sum();
+            for column in 0..=row {
+                let sum: f64 = sums.normal[row][column].iter().sum();
+                (normal[(row, column)], normal[(column, row)]) = (sum, sum);
+            }
         }
         // Parameters that are held keep a row of their own.
         for i in free.count()..PARAMETERS {
@@ -285,14 +337,6 @@ impl Model {
     }
 }
 
-fn huber(error: f64, threshold: f64) -> f64 {
-    if error <= threshold {
-        0.5 * error * error
-    } else {
-        threshold * (error - 0.5 * threshold)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -306,15 +350,26 @@ mod tests {
             point: Vector3::new(0.4, -0.7, 0.9),
             seen: Vector2::new(3.0, 4.0),
         };
-        let exact = model.jacobian(&sample, Free::Shifted);
-        for i in 0..PARAMETERS {
+        let ahead_of = |i: usize, by: f64| {
             let mut step = Step::zeros();
-            step[i] = 1e-6;
-            let ahead = model.moved(&step).residual(&sample).unwrap();
-            let behind = model.moved(&-step).residual(&sample).unwrap();
-            let slope = (ahead - behind) / 2e-6;
-            let off = (slope - exact.column(i)).norm();
-            assert!(off < 1e-5 * slope.norm().max(1.0), "parameter {i}: {off}");
+            step[i] = by;
+            model.moved(&step).residual(&sample).unwrap()
+        };
+        let slopes: Vec<Vector2<f64>> = (0..PARAMETERS)
+            .map(|i| (ahead_of(i, 1e-6) - ahead_of(i, -1e-6)) / 2e-6)
+            .collect();
+        // One sample of weight 1 has the products of its derivatives, and these times its residual.
+        let (normal, gradient) = model.normal_equations(&[sample], f64::INFINITY, Free::Shifted);
+        let residual = model.residual(&sample).unwrap();
+        for (i, a) in slopes.iter().enumerate() {
+            let off = (gradient[i] - a.dot(&residual)).abs();
+            let size = (a.norm() * residual.norm()).max(1.0);
+            assert!(off < 1e-5 * size, "parameter {i}: {off}");
+            for (k, b) in slopes.iter().enumerate() {
+                let off = (normal[(i, k)] - a.dot(b)).abs();
+                let size = (a.norm() * b.norm()).max(1.0);
+                assert!(off < 1e-5 * size, "parameters {i} and {k}: {off}");
+            }
         }
     }
 }

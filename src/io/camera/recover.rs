@@ -19,6 +19,7 @@ use super::samples::{Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 /// Fewer samples than this are refused.
 const FEWEST: usize = 24;
@@ -428,16 +429,14 @@ fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
 /// The best of the models once each is polished.
 fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit> {
     let (_, axes) = principal_axes(samples);
-    let mut polished: Vec<Model> = Vec::new();
-    for model in models {
+    let polished = models.par_iter().flat_map_iter(|model| {
         let model = model.polished(samples, free, 4);
-        polished.push(model);
         // A plane has the same image for an eye in front of it and a reversed one behind it.
-        if model.convergence < 0.0 {
-            polished.push(model.facing_plane(&axes).polished(samples, free, 4));
-        }
-    }
-    let ranked = ranked(polished, samples);
+        let facing =
+            (model.convergence < 0.0).then(|| model.facing_plane(&axes).polished(samples, free, 4));
+        std::iter::once(model).chain(facing)
+    });
+    let ranked = ranked(polished.collect(), samples);
     let &(least, first) = ranked.first()?;
     let as_good = |(unexplained, m): &(f64, Model)| {
         m.convergence >= 0.0 && *unexplained <= 1.05 * least + 1e-6
