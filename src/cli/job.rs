@@ -343,7 +343,7 @@ impl<'a> Job<'a> {
             );
             let part = args.part(loaded, window, &channels, attributes);
             let said = args.write_exr(output, loaded, &part, |next| {
-                next(&results, 0..window.height())
+                next(&results, 0..window.height(), &mut || ())
             })?;
             self.say_all(&said);
             Ok(Whites::default())
@@ -381,20 +381,17 @@ impl<'a> Job<'a> {
                 let mut laid = made(bands.next())?;
                 while let Some(rows) = laid {
                     timings.add_all(&rows.outcome);
-                    let mut write = || {
-                        let began = Instant::now();
-                        let named = args.picked(channels(&rows))?;
-                        let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
-                        self.refuse(not_finite(plan, &rows.frame, &rows.outcome, &planes))?;
-                        next(&planes, rows.rows.clone())?;
-                        writing += began.elapsed();
-                        Ok(())
-                    };
+                    let began = Instant::now();
+                    let named = args.picked(channels(&rows))?;
+                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
+                    self.refuse(not_finite(plan, &rows.frame, &rows.outcome, &planes))?;
                     // The next rows are made while these are written: neither keeps all threads busy to its end.
-                    let following = bands.next();
-                    let (written, following) = rayon::join(&mut write, || made(following));
-                    written?;
-                    laid = following?;
+                    let (following, mut made_meanwhile) = (bands.next(), Ok(None));
+                    next(&planes, rows.rows.clone(), &mut || {
+                        made_meanwhile = made(following.clone());
+                    })?;
+                    writing += began.elapsed();
+                    laid = made_meanwhile?;
                     layers.recycle(rows);
                 }
                 Ok(())

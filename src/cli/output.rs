@@ -25,7 +25,8 @@ pub(super) struct ReadyOutput<'a> {
 }
 
 /// Writes rows of planes.
-pub(super) type NextRows<'w> = dyn FnMut(&[&Plane], Range<usize>) -> Result<()> + Send + 'w;
+pub(super) type NextRows<'w> =
+    dyn FnMut(&[&Plane], Range<usize>, &mut (dyn FnMut() + Send)) -> Result<()> + Send + 'w;
 
 /// The attributes of the part with our results: the program, the recipe, and pixels per inch if a flag gives them or the
 /// size of a pixel on the subject.
@@ -194,7 +195,7 @@ impl OutputArgs {
         let mut said = Vec::new();
         write_atomically(path, replace, |w| {
             let (mut writer, warnings) = self.part_writer(loaded, w, path, part)?;
-            each(&mut |planes, rows| writer.push(planes, rows))?;
+            each(&mut |planes, rows, beside| writer.push_beside(planes, rows, beside))?;
             said = warnings;
             said.extend(self.clamped(writer.finish()?));
             Ok(())

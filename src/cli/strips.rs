@@ -441,7 +441,7 @@ fn write_exr<W: StripWork>(
             let channels = args.picked(source.work.channels(job, strip, outcome))?;
             let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
             job.refuse(not_finite(plan, &strip.frame, outcome, &planes))?;
-            next(&planes, rows)
+            next(&planes, rows, &mut || ())
         })
     })?;
     warnings.iter().for_each(|warning| job.warn(warning));

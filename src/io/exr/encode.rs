@@ -17,6 +17,7 @@ use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// Uncompressed bytes that are worked on at one time, unless a single block has more.
 const BATCH_BYTES: usize = 32 << 20;
@@ -119,7 +120,13 @@ impl Encoder {
     }
 
     /// Takes at least one row, and returns the index of the first completed block, and the bytes of all completed ones.
-    pub(super) fn take(&mut self, strip: &Strip) -> Parsed<(usize, Vec<Vec<u8>>)> {
+    ///
+    /// `beside` is done once, as threads run out of blocks.
+    pub(super) fn take(
+        &mut self,
+        strip: &Strip,
+        beside: &mut (dyn FnMut() + Send),
+    ) -> Parsed<(usize, Vec<Vec<u8>>)> {
         let waiting = self.waiting_rows();
         let first = self.taken / self.block_rows;
         let rows = waiting + strip.rows.len();
@@ -127,24 +134,35 @@ impl Encoder {
             true => rows.div_ceil(self.block_rows),
             false => rows / self.block_rows,
         };
-        let blocks: Vec<Parsed<Encoded>> = (0..complete)
+        let encoded = |block: usize| {
+            let end = rows.min((block + 1) * self.block_rows);
+            let start = block * self.block_rows;
+            let laid = start.max(waiting) - waiting..end - waiting;
+            let before = match block {
+                0 => (&self.waiting[..], self.waiting_clamped),
+                _ => (&[][..], Clamped::default()),
+            };
+            RAW.with_borrow_mut(|raw| {
+                let raw = zip::sized(raw, (end - start) * self.row_bytes());
+                let (given, rest) = raw.split_at_mut(before.0.len());
+                given.copy_from_slice(before.0);
+                let mut clamped = before.1;
+                clamped.add(self.lay_rows(strip, laid, rest));
+                self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
+            })
+        };
+        let beside = Mutex::new(beside);
+        // What is beside comes last: a thread that steals work takes the first half of what is left.
+        let blocks: Vec<Parsed<Encoded>> = (0..complete + 1)
             .into_par_iter()
-            .map(|block| {
-                let end = rows.min((block + 1) * self.block_rows);
-                let start = block * self.block_rows;
-                let laid = start.max(waiting) - waiting..end - waiting;
-                let before = match block {
-                    0 => (&self.waiting[..], self.waiting_clamped),
-                    _ => (&[][..], Clamped::default()),
-                };
-                RAW.with_borrow_mut(|raw| {
-                    let raw = zip::sized(raw, (end - start) * self.row_bytes());
-                    let (given, rest) = raw.split_at_mut(before.0.len());
-                    given.copy_from_slice(before.0);
-                    let mut clamped = before.1;
-                    clamped.add(self.lay_rows(strip, laid, rest));
-                    self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
-                })
+            .with_max_len(1)
+            .filter_map(|block| {
+                if block < complete {
+                    return Some(encoded(block));
+                }
+                let mut beside = beside.lock().unwrap_or_else(PoisonError::into_inner);
+                beside();
+                None
             })
             .collect();
 
@@ -351,8 +369,9 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
         OutputType::Half => {
             halves.resize(row.len(), f16::ZERO);
             halves.convert_from_f32_slice(row);
-            // Rare: finite samples that became infinite.
-            if halves.iter().any(|half| half.is_infinite()) {
+            // Rare: finite samples that became infinite. All are looked at, many at a time.
+            let is_infinite = |any, half: &f16| any | half.is_infinite();
+            if halves.iter().fold(false, is_infinite) {
                 for (half, &v) in halves.iter_mut().zip(row) {
                     clamped += u64::from(v.is_finite() && half.is_infinite());
                     *half = f16::from_f32(clamped_to_half(v));

@@ -155,6 +155,16 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     /// If there are more or fewer planes than channels, if one is not as wide as the data window or
     /// lacks some of the rows, or if there are more rows than the data window has left.
     pub fn push(&mut self, planes: &[&Plane], rows: Range<usize>) -> Result<()> {
+        self.push_beside(planes, rows, &mut || ())
+    }
+
+    /// [`PartWriter::push`] of at least one row. `beside` is done once, by threads that have none of the rows to compress.
+    pub(crate) fn push_beside(
+        &mut self,
+        planes: &[&Plane],
+        rows: Range<usize>,
+        beside: &mut (dyn FnMut() + Send),
+    ) -> Result<()> {
         assert_eq!(planes.len(), self.planes, "one plane for each channel");
         for plane in planes {
             let fits = plane.width() == self.width && rows.end <= plane.height();
@@ -164,22 +174,29 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             rows.len() <= self.encoder.missing(),
             "more rows than the data window has"
         );
-        let mut next = rows.start;
+        let (mut next, mut nothing) = (rows.start, || ());
+        let mut beside = beside;
         while next < rows.end {
             let rows = next..rows.end.min(next + self.encoder.batch_rows());
             next = rows.end;
-            self.write_strip(planes, rows)?;
+            self.write_strip(planes, rows, beside)?;
+            beside = &mut nothing;
         }
         Ok(())
     }
 
-    fn write_strip(&mut self, planes: &[&Plane], rows: Range<usize>) -> Result<()> {
+    fn write_strip(
+        &mut self,
+        planes: &[&Plane],
+        rows: Range<usize>,
+        beside: &mut (dyn FnMut() + Send),
+    ) -> Result<()> {
         let taken = self.encoder.taken();
         let kept = match &mut self.kept {
             Some(part) => part.rows(&(taken..taken + rows.len()))?,
             None => &[],
         };
-        let blocks = self.encoder.take(&Strip { planes, rows, kept });
+        let blocks = self.encoder.take(&Strip { planes, rows, kept }, beside);
         let (first, blocks) = blocks.map_err(|fault| fault.at(&self.target))?;
         for (block, bytes) in (first..).zip(blocks) {
             let y = self.top + (block * self.encoder.block_rows()) as i32;
