@@ -30,7 +30,7 @@ impl Default for RunOptions {
                 width: size(2048),
                 height: size(640),
             },
-            sweeps_per_pass: size(32),
+            sweeps_per_pass: size(64),
         }
     }
 }

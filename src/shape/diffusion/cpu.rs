@@ -11,6 +11,12 @@ use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, WavefrontTil
 use crate::shape::diffusion::{FEW_LEVELS, Update};
 use rayon::prelude::*;
 
+/// Rows of a tile for each sweep of a pass: with more sweeps the rim of tiles, which their neighbours compute as well,
+/// would take longer than another pass.
+const ROWS_PER_SWEEP: usize = 8;
+/// Sweeps of a pass over the lowest tiles: with fewer, planes would be read and written too often.
+const SHALLOW: usize = 32;
+
 /// The gradient after all sweeps, at every scale read out.
 ///
 /// Sweeps are grouped into passes; a pass hands the last two terms of the recurrence and the sums so far to the next.
@@ -36,7 +42,10 @@ pub(crate) fn diffusion(
         },
         _ => Weights::None,
     };
-    let passes = updates.len().div_ceil(options.sweeps_per_pass.get());
+    let deepest = (size.height.get() / ROWS_PER_SWEEP).max(SHALLOW);
+    let passes = updates
+        .len()
+        .div_ceil(options.sweeps_per_pass.get().min(deepest));
     let per_pass = updates.len().div_ceil(passes.max(1)).max(1);
     let is_expansion = sweeps.recurrence == Recurrence::Chebyshev;
 
