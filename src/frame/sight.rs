@@ -114,6 +114,14 @@ impl SightLines {
         is_seen.then_some(direction)
     }
 
+    /// What distinguishes the sight line through a position, as [`line_of`] takes it.
+    #[inline]
+    pub(crate) fn across_and_up(&self, x: f64, y: f64) -> [f64; 2] {
+        let (start, line) = self.line(x, y);
+        let varying = if self.is_perspective() { line } else { start };
+        [varying.x, varying.y]
+    }
+
     pub(crate) fn is_perspective(&self) -> bool {
         matches!(self.projection, Projection::Perspective { .. })
     }
@@ -171,15 +179,13 @@ pub(crate) struct PixelLines {
 impl PixelLines {
     /// The sight lines of a frame.
     pub(crate) fn new(sight: &SightLines, frame: &Frame) -> Self {
-        let is_perspective = sight.is_perspective();
         let varying = |x: usize, y: usize| {
             let at = frame.data_window.middle(x, y);
-            let (start, line) = sight.line(at.x, at.y);
-            if is_perspective { line } else { start }
+            sight.across_and_up(at.x, at.y)
         };
         Self {
-            x: (0..frame.mask.width()).map(|x| varying(x, 0).x).collect(),
-            y: (0..frame.mask.height()).map(|y| varying(0, y).y).collect(),
+            x: (0..frame.mask.width()).map(|x| varying(x, 0)[0]).collect(),
+            y: (0..frame.mask.height()).map(|y| varying(0, y)[1]).collect(),
         }
     }
 

@@ -9,17 +9,14 @@ pub(super) struct Point {
     pub(super) line: u32,
     /// Index in its line, counted from the seed.
     pub(super) index: i32,
-    /// The point of its cell that came before.
+    /// The point of its cell that came before, as [`Placed::last`] has it.
     before: u32,
 }
-
-/// No point.
-const NONE: u32 = u32::MAX;
 
 /// The points placed so far.
 pub(super) struct Placed {
     points: Vec<Point>,
-    /// The last point of every cell.
+    /// The last point of every cell, counted from 1, or 0: memory of zeros is mapped only where points are.
     last: Vec<u32>,
     size: [usize; 2],
     side: f32,
@@ -33,7 +30,7 @@ impl Placed {
         let size = size.map(|length| (length as f32 / side) as usize + 1);
         Self {
             points: Vec::new(),
-            last: vec![NONE; size[0] * size[1]],
+            last: vec![0; size[0] * size[1]],
             size,
             side,
             per_px: side.recip(),
@@ -65,7 +62,7 @@ impl Placed {
 
     #[inline]
     pub(super) fn add(&mut self, at: Vec2, line: u32, index: i32) {
-        let number = self.points.len() as u32;
+        let number = self.points.len() as u32 + 1;
         let before = std::mem::replace(self.last(at), number);
         self.points.push(Point {
             at,
@@ -84,6 +81,12 @@ impl Placed {
         }
     }
 
+    /// The point of this number, counted from 1.
+    #[inline]
+    fn point(&self, number: u32) -> Option<&Point> {
+        self.points.get((number as usize).wrapping_sub(1))
+    }
+
     /// Number of points.
     pub(super) fn count(&self) -> usize {
         self.points.len()
@@ -100,7 +103,7 @@ impl Placed {
             let row = y * self.size[0];
             for &newest in &self.last[row + first..=row + last] {
                 let mut number = newest;
-                while let Some(point) = self.points.get(number as usize) {
+                while let Some(point) = self.point(number) {
                     if point.at.distance_squared(at) < square && counts(point) {
                         found = true;
                         return false;
@@ -124,14 +127,14 @@ impl Placed {
         let mut points = Vec::with_capacity(self.points.len());
         let mut starts = Vec::with_capacity(self.last.len() + 1);
         for &newest in &self.last {
-            starts.push(points.len());
+            starts.push(points.len() as u32);
             let mut number = newest;
-            while let Some(point) = self.points.get(number as usize) {
+            while let Some(point) = self.point(number) {
                 points.push((point.at, point.line));
                 number = point.before;
             }
         }
-        starts.push(points.len());
+        starts.push(points.len() as u32);
         PointsByCell {
             placed: self,
             points,
@@ -145,7 +148,7 @@ pub(super) struct PointsByCell<'a> {
     placed: &'a Placed,
     points: Vec<(Vec2, u32)>,
     /// The first point of every cell, and the number of points.
-    starts: Vec<usize>,
+    starts: Vec<u32>,
 }
 
 impl PointsByCell<'_> {
@@ -203,7 +206,7 @@ impl PointsByCell<'_> {
         let row = y * self.placed.size[0];
         let reach = reach + ROUNDING * self.placed.side;
         let [first, last] = [-reach, reach].map(|d| row + self.placed.column(at.x + d));
-        &self.points[self.starts[first]..self.starts[last + 1]]
+        &self.points[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
 }
 

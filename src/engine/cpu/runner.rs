@@ -120,7 +120,7 @@ pub(crate) fn taken_by(
 }
 
 impl Run<'_> {
-    /// [`Run::go_through`]; products of the shape are recycled after the last of the stages that takes them.
+    /// [`Run::go_through`]; products of the shape are recycled where none of the stages to come takes them.
     ///
     /// # Errors
     /// As [`Run::go_through`].
@@ -132,12 +132,14 @@ impl Run<'_> {
         let planned = stages.into_iter().filter(|stage| plan.has(stage));
         let planned: Vec<_> = planned.collect();
         for (i, stage) in planned.iter().enumerate() {
-            let later = taken_by(planned[i + 1..].iter().copied(), plan);
+            let [now, later] =
+                [i, i + 1].map(|first| taken_by(planned[first..].iter().copied(), plan));
+            self.memory.recycle(self.outcome.shape.take_others(&now));
             self.read_last = (stage.takes)(plan);
             self.read_last.retain(|product| !later.contains(product));
             self.go_through([*stage])?;
-            self.memory.recycle(self.outcome.shape.take_others(&later));
         }
+        self.memory.recycle(self.outcome.shape.take_others(&[]));
         Ok(())
     }
 

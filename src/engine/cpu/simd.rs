@@ -118,7 +118,8 @@ mod tests {
     use super::*;
     use crate::frame::DepthKind;
     use crate::light::layers::{LobeRow, TermScaling};
-    use crate::line::direction_field::Weighted;
+    use crate::line::direction_field::Both;
+    use crate::line::direction_field::forms::{self, Lanes, Neighbourhoods, PatchSource, Tensors};
     use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
@@ -179,19 +180,25 @@ mod tests {
 
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);
-        let chain: Vec<Weighted> = (0..WIDTH)
-            .map(|i| [gx[0][i], gy[0][i], gx[1][i], 1.0])
-            .collect();
+        let value = |row: usize, i| [gx[row][i], gy[row][i], gx[row + 1][i], 1.0];
+        let chain: Vec<Both> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
         let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();
-        let mut sums = vec![[0.0; 4]; WIDTH];
+        let mut sums = vec![[[0.0; 4]; 2]; WIDTH];
         simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
-        results.push(sums.concat());
+        results.push(sums.concat().concat());
+        let [mut x, mut y] = [(); 2].map(|()| vec![0.0; 4 * (WIDTH - 2)]);
+        let [own, beside]: [Vec<[f32; 2]>; 2] =
+            [0, 1].map(|r| (0..WIDTH).map(|i| [gx[r][i], gy[r][i]]).collect());
+        let places = [-0.375, -0.125, 0.125, 0.375];
+        simd.spread_row(&mut x, &mut y, &own, &beside, 0.125, &places);
+        results.extend([x, y]);
         for update in [Update::Step(0.2), Update::First, Update::Next] {
             results.extend([swept::<8>(simd, update), swept::<16>(simd, update)]);
         }
         results.extend(made_of_sky(simd, &gx, &gy));
         results.extend(made_of_light(simd, &gx, &gy));
         results.extend(made_of_rays(simd));
+        results.extend(made_of_patches(simd));
         results
     }
 
@@ -335,6 +342,36 @@ mod tests {
                 [found.x, found.y, forms].concat()
             });
         made.collect()
+    }
+
+    /// Tensors of patches in perspective, and in parallel lines.
+    fn made_of_patches(simd: Simd) -> Vec<Vec<f32>> {
+        let lanes = |seed: u32, scale: f64| {
+            std::array::from_fn::<f64, { forms::LANES }, _>(|i| scale * f64::from(row(seed)[i]))
+        };
+        // Nearly one normal, at places a few pixels apart: most lanes have a tensor.
+        let patches = |seed: u32| Lanes {
+            normal: [lanes(seed, 0.2), lanes(seed + 1, 0.2), [0.8; forms::LANES]],
+            line: [lanes(seed + 2, 0.01), lanes(seed + 3, 0.01)],
+            is_there: std::array::from_fn(|lane| u8::from(lane % 7 != seed as usize % 5)),
+        };
+        let around = Neighbourhoods {
+            here: patches(90),
+            beside: [96, 102, 108, 114].map(patches),
+        };
+        let made = [false, true].map(|is_perspective| {
+            let source = PatchSource {
+                is_perspective,
+                step_px: 4.0,
+                pixels: 800.0,
+            };
+            let mut found = Tensors::default();
+            simd.patch_tensors(&mut found, &around, &source);
+            let known = found.mean.iter().filter(|&&mean| mean != 0.0).count();
+            assert!(known > forms::LANES / 2, "{known}");
+            [found.x, found.y, found.mean].concat()
+        });
+        made.to_vec()
     }
 
     #[test]

@@ -36,8 +36,8 @@ pub(crate) struct Begun {
 
 impl Runner {
     /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes normals and depth of a
-    /// large frame. A large frame drawn in its own light takes half the memory: its picture is consumed, and the outcome
-    /// holds the drawing and the automatic choices, not the shape.
+    /// large frame. The outcome of a drawing holds this and the automatic choices, not the shape; a large frame drawn in
+    /// its own light takes half the memory: its picture is consumed.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -51,11 +51,21 @@ impl Runner {
         if makes_picture_alone(plan) {
             return self.make_picture(plan, frame, inputs, watch, LARGE);
         }
-        if !(is_larger(frame, LARGE) && plan.drawing.is_some() && goes_in_bands(plan)) {
+        if plan.drawing.is_none() {
             return self.execute_watched(plan, frame, inputs, watch, None);
         }
         inputs.check(plan, frame)?;
-        self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS)
+        if is_larger(frame, LARGE) && goes_in_bands(plan) {
+            return self.draw_in_bands(plan, frame, inputs, watch, BAND_ROWS);
+        }
+        let memory = &self.memory.for_run(watch.token());
+        let mut run = Run {
+            memory,
+            watch,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through(SHAPE.into_iter().chain(PICTURE))?;
+        run.draw()
     }
 
     /// The picture; without edges and slopes, once no curvature is computed from them. Normals and depth of a large frame
@@ -203,7 +213,7 @@ impl Runner {
         frame.normal_length = None;
         watch.check()?;
         let memory = &self.memory.for_run(watch.token());
-        let mut run = Run {
+        let run = Run {
             memory,
             watch,
             outcome,
@@ -213,11 +223,7 @@ impl Runner {
             },
             ..Run::new(self, plan, frame, inputs)
         };
-        run.go_through_once(DRAWING)?;
-        Ok(Outcome {
-            shape: Shape::default(),
-            ..run.outcome
-        })
+        run.draw()
     }
 
     /// Edges and the trace of a frame, band by band.
@@ -243,6 +249,17 @@ impl Runner {
         };
         let made = strips.run(frame, find, |planes| self.memory.recycle(planes))?;
         Ok(Outcome { gain: None, ..made })
+    }
+}
+
+impl Run<'_> {
+    /// The drawing of a shape, and the automatic choices, without the shape.
+    fn draw(mut self) -> Result<Outcome> {
+        self.go_through_once(DRAWING)?;
+        Ok(Outcome {
+            shape: Shape::default(),
+            ..self.outcome
+        })
     }
 }
 

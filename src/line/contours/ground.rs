@@ -4,6 +4,7 @@ use crate::frame::Frame;
 use crate::line::contours::network::{End, Line};
 use crate::params::ContourParams;
 use glam::Vec2;
+use std::num::NonZeroU32;
 use std::ops::Range;
 
 /// Positions of drawn silhouettes, for other lines to end at and to keep away from.
@@ -13,8 +14,8 @@ pub(crate) struct Ground {
     /// Smallest distance of creases, in pixels.
     room: usize,
     places: Vec<Place>,
-    /// The number of the last place in each pixel.
-    last: Vec<u32>,
+    /// The last place in each pixel, counted from 1: memory of zeros is mapped only where places are.
+    last: Vec<Option<NonZeroU32>>,
     /// Whether a pixel is too close to a silhouette for a crease.
     taken: Vec<bool>,
 }
@@ -26,11 +27,8 @@ struct Place {
     /// The number of the line's point that is there or before it.
     index: usize,
     /// The place of its pixel that came before.
-    before: u32,
+    before: Option<NonZeroU32>,
 }
-
-/// No place.
-const NONE: u32 = u32::MAX;
 
 /// Places of a line are no farther apart, in pixels, so that those of a piece are in its pixels or beside them.
 const APART: f32 = 1.5;
@@ -79,7 +77,7 @@ impl Ground {
             height,
             room,
             places: Vec::new(),
-            last: vec![NONE; width * height],
+            last: vec![None; width * height],
             taken: vec![false; width * height],
         };
         for (line, points) in lines.enumerate() {
@@ -96,7 +94,8 @@ impl Ground {
     }
 
     fn add(&mut self, at: Vec2, line: usize, index: usize) {
-        let (pixel, number) = (self.pixel(at), self.places.len() as u32);
+        let pixel = self.pixel(at);
+        let number = NonZeroU32::new(self.places.len() as u32 + 1);
         let before = std::mem::replace(&mut self.last[pixel], number);
         self.places.push(Place {
             at,
@@ -142,12 +141,10 @@ impl Ground {
         let both = |a: &Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
         let (columns, rows) = (both(&columns, &more_columns), both(&rows, &more_rows));
         let pixels = rows.flat_map(move |y| columns.clone().map(move |x| y * self.width + x));
-        pixels.flat_map(|pixel| {
-            let last = Some(self.last[pixel]).filter(|&number| number != NONE);
-            std::iter::successors(last, |&number| {
-                Some(self.places[number as usize].before).filter(|&number| number != NONE)
-            })
-            .map(|number| number as usize)
+        pixels.flat_map(move |pixel| {
+            let index = |number: NonZeroU32| number.get() as usize - 1;
+            let before = move |&number: &NonZeroU32| self.places[index(number)].before;
+            std::iter::successors(self.last[pixel], before).map(index)
         })
     }
 

@@ -116,11 +116,18 @@ impl Field<'_> {
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
                 let (tx, ty) = (self.directions.x.row(y), self.directions.y.row(y));
+                let (covered, span) = (mask.row(y), mask.span(y));
                 let mut found = Vec::new();
-                for run in mask.runs(y) {
-                    let pixels = run.clone().zip(tx[run.clone()].iter().zip(&ty[run]));
-                    let lacking = pixels.filter(|(_, (tx, ty))| **tx == 0.0 && **ty == 0.0);
-                    found.extend(lacking.map(|(x, _)| (y * self.width + x) as Pixel));
+                for start in span.clone().step_by(SCANNED) {
+                    let part = start..(start + SCANNED).min(span.end);
+                    let lacks = |(tx, ty): (&f32, &f32)| (*tx == 0.0) & (*ty == 0.0);
+                    let directions = || tx[part.clone()].iter().zip(&ty[part.clone()]);
+                    // Without branches, for hardly any pixel lacks one.
+                    if directions().fold(false, |any, t| any | lacks(t)) {
+                        let pixels = part.clone().zip(directions());
+                        let lacking = pixels.filter(|&(x, t)| covered[x] && lacks(t));
+                        found.extend(lacking.map(|(x, _)| (y * self.width + x) as Pixel));
+                    }
                 }
                 found
             })
@@ -210,3 +217,6 @@ impl Field<'_> {
 
 /// Fewest pixels per task.
 const PIXELS_PER_TASK: usize = 1024;
+
+/// Pixels looked at together for those without a direction.
+const SCANNED: usize = 32;

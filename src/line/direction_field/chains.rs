@@ -1,7 +1,7 @@
 //! Chains: patches in a line, each continuing in the next. Averages are taken along them.
 
 use crate::engine::cpu::simd::Simd;
-use crate::line::direction_field::Weighted;
+use crate::line::direction_field::Both;
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -51,7 +51,7 @@ impl PatchChains {
     }
 
     /// The sums along every chain, in the order of the chains.
-    fn sum(&self, sums: &mut [Weighted], values: &[Weighted], reach: &[f32]) {
+    fn sum(&self, sums: &mut [Both], values: &[Both], reach: &[f32]) {
         let mut rest = sums;
         let mut parts = Vec::with_capacity(self.tasks.len());
         for task in &self.tasks {
@@ -95,19 +95,23 @@ impl CrossKernel {
     }
 
     /// Replaces values by their means around each patch, along both axes up to `reach`, in patches: pass after pass.
-    pub(crate) fn average(&self, values: &mut [Weighted], reach: &[f32], passes: u32) {
-        let [mut across, mut down] = [(); 2].map(|()| vec![[0.0; 4]; values.len()]);
+    pub(crate) fn average(&self, values: &mut [Both], reach: &[f32], passes: u32) {
+        let [mut across, mut down] = [(); 2].map(|()| vec![[[0.0; 4]; 2]; values.len()]);
         for _ in 0..passes {
             rayon::join(
                 || self.across.sum(&mut across, values, reach),
                 || self.down.sum(&mut down, values, reach),
             );
-            let mean = |(i, value): (usize, &mut Weighted)| {
+            let mean = |(i, value): (usize, &mut Both)| {
                 let a = &across[self.across.place[i] as usize];
                 let b = &down[self.down.place[i] as usize];
-                // The patch itself is in both.
-                let weights = a[3] + b[3] - 1.0;
-                *value = std::array::from_fn(|c| (a[c] + b[c] - value[c]) / weights);
+                for f in 0..2 {
+                    // The patch itself is in both.
+                    let weights = a[f][3] + b[f][3] - 1.0;
+                    for c in 0..4 {
+                        value[f][c] = (a[f][c] + b[f][c] - value[f][c]) / weights;
+                    }
+                }
             };
             values
                 .par_iter_mut()

@@ -2,16 +2,18 @@
 //! and brought back to pixels.
 
 use crate::engine::cpu::memory::Memory;
+use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
+use crate::line::direction_field::forms::{LANES, Lanes, Neighbourhoods, PatchSource, Tensors};
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
-use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
-use crate::line::normal_rays::{NormalRay, Sides, curvature_tensor, upright_tangents};
+use crate::line::direction_field::{Both, CurvatureTensor, Weighted, calm, doubled};
+use crate::line::normal_rays::upright_tangents;
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use crate::quantile::quantile;
@@ -34,12 +36,12 @@ pub(crate) fn stroke_fields(
     let forms = field.forms(&cross);
     let reach = field.reach();
     let wanted = directions.wanted();
-    let families = [0, 1].into_iter().filter(|&f| wanted[f]);
-    families
-        .enumerate()
-        .map(|(order, family)| {
-            let found = field.doubled(&forms, family, order);
-            let mut led = field.calmed(found, &cross, &reach);
+    let families: Vec<usize> = [0, 1].into_iter().filter(|&f| wanted[f]).collect();
+    let found = field.doubled(&forms, &families);
+    let calmed = field.calmed(found, &cross, &reach);
+    (0..families.len())
+        .map(|order| {
+            let mut led: Vec<[f32; 2]> = calmed.iter().map(|both| both[order]).collect();
             if let Some(given) = given {
                 field.follow(&mut led, &given[order]);
             }
@@ -115,95 +117,128 @@ impl<'a> Field<'a> {
         all.iter().map(|p| reach(p.depth)).collect()
     }
 
-    /// The curvature of every patch, averaged nearby.
-    fn forms(&self, cross: &CrossKernel) -> Vec<Weighted> {
-        let all = &self.patches.all;
-        let mut forms: Vec<Weighted> = (0..all.len())
-            .into_par_iter()
+    /// The curvature of every patch, per pixel, averaged nearby.
+    fn forms(&self, cross: &CrossKernel) -> Vec<Both> {
+        let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
+        let source = PatchSource {
+            is_perspective: sight.is_perspective(),
+            step_px: self.params.cell_px.into(),
+            pixels: self.setting.pixels,
+        };
+        let lines: Vec<[f64; 2]> = all
+            .par_iter()
             .with_min_len(PATCHES_PER_TASK)
-            .map(|i| self.form(i).unwrap_or(NO_FORM))
+            .map(|patch| sight.across_and_up(patch.at.x, patch.at.y))
             .collect();
+        let mut forms = vec![[NO_FORM; 2]; all.len()];
+        let tasks = forms.par_chunks_mut(PATCHES_PER_TASK).enumerate();
+        tasks.for_each_init(
+            || (Neighbourhoods::default(), Tensors::default()),
+            |(around, found), (task, forms)| {
+                for (i, forms) in forms.chunks_mut(LANES).enumerate() {
+                    for lane in 0..forms.len() {
+                        let patch = task * PATCHES_PER_TASK + i * LANES + lane;
+                        self.look_around(around, lane, patch, &lines);
+                    }
+                    simd.patch_tensors(found, around, &source);
+                    for (lane, [form, _]) in forms.iter_mut().enumerate() {
+                        *form = [found.x[lane], found.y[lane], found.mean[lane], 1.0];
+                    }
+                }
+            },
+        );
         let reach = vec![FORM_REACH * self.setting.cells; all.len()];
         cross.average(&mut forms, &reach, 1);
         forms
     }
 
-    /// The tensor of curvature of a patch, per pixel, from the patches around it.
-    fn form(&self, i: usize) -> Option<Weighted> {
-        let here = &self.patches.all[i];
-        let ray = |links: &[u32]| {
-            let there: &Patch = self.patches.all.get(links[i] as usize)?;
-            let offset = self
-                .setting
-                .sight
-                .step(here.at, here.normal, there.at, there.normal)?;
-            Some(NormalRay::new(offset, there.normal))
+    /// Takes a patch and those beside it into a lane.
+    #[inline]
+    fn look_around(
+        &self,
+        around: &mut Neighbourhoods,
+        lane: usize,
+        patch: usize,
+        lines: &[[f64; 2]],
+    ) {
+        let Patches {
+            all, across, down, ..
+        } = self.patches;
+        let take = |lanes: &mut Lanes, i: usize| {
+            lanes.is_there[lane] = u8::from(i < all.len());
+            if let (Some(patch), Some(line)) = (all.get(i), lines.get(i)) {
+                for (axis, &n) in lanes.normal.iter_mut().zip(patch.normal.as_ref()) {
+                    axis[lane] = n;
+                }
+                (lanes.line[0][lane], lanes.line[1][lane]) = (line[0], line[1]);
+            }
         };
-        let step_px = f64::from(self.params.cell_px);
-        let sides = |before: &[u32], after: &[u32]| Sides {
-            before: ray(before).unwrap_or(NormalRay::NONE),
-            after: ray(after).unwrap_or(NormalRay::NONE),
-            step_px,
-        };
-        let Patches { across, down, .. } = self.patches;
+        take(&mut around.here, patch);
         // Rows run down, y up.
-        let sides = [
-            sides(&across.before, &across.after),
-            sides(&down.after, &down.before),
-        ];
-        let tensor = curvature_tensor(here.normal, sides)?;
-        let [x, y] = (tensor.deviator / self.setting.pixels).to_array();
-        let found = [x, y, tensor.mean / self.setting.pixels, 1.0].map(|v| v as f32);
-        found.iter().all(|v| v.is_finite()).then_some(found)
+        let beside = [&across.before, &across.after, &down.after, &down.before];
+        for (lanes, links) in around.beside.iter_mut().zip(beside) {
+            take(lanes, links[patch] as usize);
+        }
     }
 
-    /// The directions of patches, of the larger curvature in family 0, of the lesser in 1: see [`calm`].
-    fn doubled(&self, forms: &[Weighted], family: usize, order: usize) -> Vec<Weighted> {
+    /// The directions of patches, of the larger curvature in family 0, of the lesser in 1, in the order of `families`: see
+    /// [`calm`].
+    fn doubled(&self, forms: &[Both], families: &[usize]) -> Vec<Both> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
-            .map(|(patch, &[x, y, mean, _])| {
+            .map(|(patch, &[[x, y, mean, _], _])| {
                 let form = CurvatureTensor {
                     deviator: DVec2::new(x.into(), y.into()),
                     mean: mean.into(),
                 };
-                let own = self.direction(patch, &form, family).unwrap_or_default();
-                let fallback = self.fallback(patch.at, patch.normal, order);
-                let (sure, flat) = (own.length(), form.flatness(self.setting.doubt) as f32);
-                let sum = own + flat * doubled(fallback);
-                [sum.x, sum.y, sure + flat, 1.0]
+                let directions = self.directions(patch, &form).unwrap_or_default();
+                let flat = form.flatness(self.setting.doubt) as f32;
+                let mut found = [NO_FORM; 2];
+                for (order, &family) in families.iter().enumerate() {
+                    let own = directions[family];
+                    let fallback = self.fallback(patch.at, patch.normal, order);
+                    let sum = own + flat * doubled(fallback);
+                    found[order] = [sum.x, sum.y, own.length() + flat, 1.0];
+                }
+                found
             })
             .collect()
     }
 
-    /// Twice the angle of a patch's own direction, with its confidence as length.
-    fn direction(&self, patch: &Patch, form: &CurvatureTensor, family: usize) -> Option<Vec2> {
+    /// Twice the angles of a patch's own directions, of both families, with their confidence as length.
+    fn directions(&self, patch: &Patch, form: &CurvatureTensor) -> Option<[Vec2; 2]> {
         let larger = form.larger()?;
-        let axis = if family == 0 { larger } else { larger.perp() };
         let [a, b] = upright_tangents(patch.normal)?;
-        let tangent = axis.x * a + axis.y * b;
         let [x, y] = patch.at.to_array();
-        let seen = self.setting.sight.picture_direction(x, y, tangent)?;
         let facing = (self.setting.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
         let sure = form.confidence(self.setting.doubt) * facing.powi(2);
-        Some(sure as f32 * doubled(seen.as_vec2()))
+        let direction = |axis: DVec2| {
+            let tangent = axis.x * a + axis.y * b;
+            let seen = self.setting.sight.picture_direction(x, y, tangent)?;
+            Some(sure as f32 * doubled(seen.as_vec2()))
+        };
+        Some([larger, larger.perp()].map(|axis| direction(axis).unwrap_or_default()))
     }
 
     /// Directions averaged in several passes; where they disagree, their surroundings lead.
     fn calmed(
         &self,
-        mut found: Vec<Weighted>,
+        mut found: Vec<Both>,
         cross: &CrossKernel,
         reach: &[f32],
-    ) -> Vec<[f32; 2]> {
+    ) -> Vec<[[f32; 2]; 2]> {
         cross.average(&mut found, reach, self.params.passes);
         if self.params.passes == 0 {
-            return found.iter().map(|&[x, y, ..]| [x, y]).collect();
+            let own = found.iter();
+            return own.map(|both| both.map(|[x, y, ..]| [x, y])).collect();
         }
         let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
         let mut around = found.clone();
         cross.average(&mut around, &wide, SURROUNDING_PASSES);
         let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
-        pairs.map(|(&own, &around)| calm(own, around)).collect()
+        pairs
+            .map(|(own, around)| [calm(own[0], around[0]), calm(own[1], around[1])])
+            .collect()
     }
 
     /// Replaces the direction of a patch by the mean of its `given` directions, if there are any.

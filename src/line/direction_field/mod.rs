@@ -12,6 +12,7 @@
 pub(crate) mod between_patches;
 pub(crate) mod chains;
 pub(crate) mod cpu;
+pub(crate) mod forms;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
 #[cfg(feature = "gpu")]
@@ -150,8 +151,11 @@ pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
 /// 0.8 for directions spread evenly over 65 degrees, 0.2 over 150.
 pub(crate) const AGREE: Range<f32> = 0.2..0.8;
 
-/// Three components and a weight of 1, the values summed along chains.
+/// Three components and a weight of 1.
 pub(crate) type Weighted = [f32; 4];
+
+/// The values of a patch in two fields, which are averaged together.
+pub(crate) type Both = [Weighted; 2];
 
 /// Sums along a chain of values around each one, weighted by `1 - distance / reach` (Eq. 7's w_s), including the value
 /// itself with weight 1. `reach` is more than 0.
@@ -160,24 +164,30 @@ pub(crate) type Weighted = [f32; 4];
 /// reach.
 #[inline(always)]
 pub(crate) fn sums_along(
-    sums: &mut [Weighted],
-    chain: &[Weighted],
+    sums: &mut [Both],
+    chain: &[Both],
     reach: &[f32],
-    scratch: &mut Vec<[[f64; 4]; 2]>,
+    scratch: &mut Vec<[[[f64; 4]; 2]; 2]>,
 ) {
     // Prefix sums of the values, and of each times its position.
     scratch.clear();
-    scratch.push([[0.0; 4]; 2]);
-    let [mut sum, mut moment] = [[0.0; 4]; 2];
-    for (i, value) in chain.iter().enumerate() {
-        for c in 0..4 {
-            let value = f64::from(value[c]);
-            sum[c] += value;
-            moment[c] += i as f64 * value;
+    scratch.resize(chain.len() + 1, [[[0.0; 4]; 2]; 2]);
+    let mut until = [[[0.0; 4]; 2]; 2];
+    let mut place = 0.0;
+    for (next, value) in scratch[1..].iter_mut().zip(chain) {
+        for f in 0..2 {
+            for c in 0..4 {
+                let value = f64::from(value[f][c]);
+                until[0][f][c] += value;
+                until[1][f][c] += place * value;
+            }
         }
-        scratch.push([sum, moment]);
+        *next = until;
+        place += 1.0;
     }
-    let last = chain.len() - 1;
+    let (until, last) = (&scratch[..], chain.len() - 1);
+    // Counted, so that the compiler widens the loops over components, not this one, which would gather.
+    let mut place = 0.0;
     for (i, ((sum, value), &reach)) in sums.iter_mut().zip(chain).zip(reach).enumerate() {
         let reach = f64::from(reach);
         let slope = reach.recip();
@@ -185,25 +195,28 @@ pub(crate) fn sums_along(
         let whole = reach as usize;
         let far = whole - usize::from(whole > 0 && whole as f64 == reach);
         let (back, ahead) = (far.min(i), far.min(last - i));
-        let [before, here, after, end] =
-            [i - back, i, i + 1, i + 1 + ahead].map(|place| &scratch[place]);
-        let tilt = slope * i as f64;
-        for c in 0..4 {
-            let rising =
-                (1.0 - tilt) * (here[0][c] - before[0][c]) + slope * (here[1][c] - before[1][c]);
-            let falling =
-                (1.0 + tilt) * (end[0][c] - after[0][c]) - slope * (end[1][c] - after[1][c]);
-            sum[c] = (f64::from(value[c]) + (rising + falling)) as f32;
+        let (before, here) = (&until[i - back], &until[i]);
+        let (after, end) = (&until[i + 1], &until[i + 1 + ahead]);
+        let tilt = slope * place;
+        place += 1.0;
+        for f in 0..2 {
+            for c in 0..4 {
+                let rising = (1.0 - tilt) * (here[0][f][c] - before[0][f][c])
+                    + slope * (here[1][f][c] - before[1][f][c]);
+                let falling = (1.0 + tilt) * (end[0][f][c] - after[0][f][c])
+                    - slope * (end[1][f][c] - after[1][f][c]);
+                sum[f][c] = (f64::from(value[f][c]) + (rising + falling)) as f32;
+            }
         }
     }
 }
 
 widened! {
     fn sums_along(
-        sums: &mut [Weighted],
-        chain: &[Weighted],
+        sums: &mut [Both],
+        chain: &[Both],
         reach: &[f32],
-        scratch: &mut Vec<[[f64; 4]; 2]>,
+        scratch: &mut Vec<[[[f64; 4]; 2]; 2]>,
     );
 }
 
@@ -285,10 +298,13 @@ mod tests {
     fn sums_are_those_of_the_weights() {
         let values: Vec<f32> = (0..40).map(|i| ((i * i) % 17) as f32 - 8.0).collect();
         for reach in [0.5, 1.0, 1.5, 2.0, 6.0, 7.3, 100.0_f32] {
-            let chain: Vec<_> = values.iter().map(|&v| [v, 2.0 * v, 0.0, 1.0]).collect();
-            let mut sums = vec![[0.0; 4]; 40];
+            let chain: Vec<Both> = values
+                .iter()
+                .map(|&v| [[v, 2.0 * v, 0.0, 1.0], [0.0, 0.0, -v, 1.0]])
+                .collect();
+            let mut sums = vec![[[0.0; 4]; 2]; 40];
             sums_along(&mut sums, &chain, &[reach; 40], &mut Vec::new());
-            for (i, sum) in sums.iter().enumerate() {
+            for (i, [sum, other]) in sums.iter().enumerate() {
                 let weight = |j: usize| (1.0 - i.abs_diff(j) as f32 / reach).max(0.0);
                 let expected: f32 = (0..40).map(|j| weight(j) * values[j]).sum();
                 let expected_weights: f32 = (0..40).map(weight).sum();
@@ -298,6 +314,7 @@ mod tests {
                 );
                 assert!((sum[1] - 2.0 * expected).abs() < 2e-3);
                 assert!((sum[3] - expected_weights).abs() < 1e-4);
+                assert!((other[2] + expected).abs() < 1e-3);
             }
         }
     }

@@ -114,7 +114,6 @@ pub(crate) struct Patches {
 impl Patches {
     pub(crate) fn new(frame: &Frame, conductance: &Plane, cell_px: usize) -> Self {
         let grid = Grid::new(frame, cell_px);
-        let width = grid.size[0];
         let mut labels = vec![0; frame.mask.plane().samples().len()];
         let found: Vec<(Vec<u32>, Vec<Patch>)> = grid
             .bands(&mut labels)
@@ -143,29 +142,80 @@ impl Patches {
         for (_, patches) in &found {
             all.extend_from_slice(patches);
         }
-        let label = |x: usize, y: usize| labels[y * width + x];
-        let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..grid.rows)
-            .into_par_iter()
-            .map(|row| pairs_of(&grid, &first, row, &label))
-            .collect();
-        let [across, down] = [0, 1].map(|axis| {
-            let pairs = pairs.iter().flat_map(|p| &p[axis]);
-            Links::new(all.len(), pairs.copied())
-        });
-        Self {
+        let mut patches = Self {
+            across: Links::new(all.len(), []),
+            down: Links::new(all.len(), []),
             grid,
             all,
             first,
             labels,
-            across,
-            down,
-        }
+        };
+        let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..patches.grid.rows)
+            .into_par_iter()
+            .map(|row| patches.pairs(row))
+            .collect();
+        [patches.across, patches.down] = [0, 1].map(|axis| {
+            let pairs = pairs.iter().flat_map(|p| &p[axis]);
+            Links::new(patches.all.len(), pairs.copied())
+        });
+        patches
     }
 
     /// The patches of a cell.
     pub(crate) fn of_cell(&self, column: usize, row: usize) -> Range<usize> {
         let cell = row * self.grid.columns + column;
         self.first[cell] as usize..self.first[cell + 1] as usize
+    }
+
+    /// Whether a cell is one patch, whole.
+    pub(crate) fn is_whole(&self, column: usize, row: usize) -> bool {
+        let patches = self.of_cell(column, row);
+        patches.len() == 1
+            && usize::from(self.all[patches.start].pixels) == self.grid.cell_px.pow(2)
+    }
+
+    /// Linked pairs of patches between the cells of a row and those to their right, and below.
+    fn pairs(&self, row: usize) -> [Vec<(u32, u32)>; 2] {
+        let Self { grid, labels, .. } = self;
+        let label = |x: usize, y: usize| labels[y * grid.size[0] + x];
+        let mut pairs = [Vec::new(), Vec::new()];
+        let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
+        let ys = grid.y_pixels(row);
+        for column in 0..grid.columns {
+            let own = self.of_cell(column, row);
+            if own.is_empty() {
+                continue;
+            }
+            let xs = grid.x_pixels(column);
+            let is_whole = self.is_whole(column, row);
+            let sides = [(column + 1, row), (column, row + 1)];
+            for (axis, (column, row)) in sides.into_iter().enumerate() {
+                if column >= grid.columns || row >= grid.rows {
+                    continue;
+                }
+                let next = self.of_cell(column, row).start as u32;
+                let mut pair = |a, b| {
+                    pairs[axis].push((own.start as u32 + u32::from(a), next + u32::from(b)));
+                };
+                if is_whole && self.is_whole(column, row) {
+                    pair(0, 0);
+                    continue;
+                }
+                let length = if axis == 0 {
+                    for (i, y) in ys.clone().enumerate() {
+                        (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
+                    }
+                    ys.len()
+                } else {
+                    for (i, x) in xs.clone().enumerate() {
+                        (a[i], b[i]) = (label(x, ys.end - 1), label(x, ys.end));
+                    }
+                    xs.len()
+                };
+                joined(&a[..length], &b[..length], pair);
+            }
+        }
+        pairs
     }
 
     /// The patch that a pixel belongs to, if any.
@@ -190,7 +240,7 @@ impl Patches {
 }
 
 impl Links {
-    fn new(count: usize, pairs: impl Iterator<Item = (u32, u32)>) -> Self {
+    fn new(count: usize, pairs: impl IntoIterator<Item = (u32, u32)>) -> Self {
         let mut links = Self {
             before: vec![NONE; count],
             after: vec![NONE; count],
@@ -201,42 +251,6 @@ impl Links {
         }
         links
     }
-}
-
-/// Linked pairs of patches between the cells of a row and those to their right, and below.
-fn pairs_of(
-    grid: &Grid,
-    first: &[u32],
-    row: usize,
-    label: &impl Fn(usize, usize) -> u8,
-) -> [Vec<(u32, u32)>; 2] {
-    let mut pairs = [Vec::new(), Vec::new()];
-    let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
-    let ys = grid.y_pixels(row);
-    for column in 0..grid.columns {
-        let xs = grid.x_pixels(column);
-        let cell = row * grid.columns + column;
-        if first[cell] == first[cell + 1] {
-            continue;
-        }
-        if column + 1 < grid.columns {
-            for (i, y) in ys.clone().enumerate() {
-                (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
-            }
-            let pair =
-                |a, b| pairs[0].push((first[cell] + u32::from(a), first[cell + 1] + u32::from(b)));
-            joined(&a[..ys.len()], &b[..ys.len()], pair);
-        }
-        if row + 1 < grid.rows {
-            for (i, x) in xs.clone().enumerate() {
-                (a[i], b[i]) = (label(x, ys.end - 1), label(x, ys.end));
-            }
-            let below = first[cell + grid.columns];
-            let pair = |a, b| pairs[1].push((first[cell] + u32::from(a), below + u32::from(b)));
-            joined(&a[..xs.len()], &b[..xs.len()], pair);
-        }
-    }
-    pairs
 }
 
 struct RowOfCells<'a> {
@@ -256,20 +270,28 @@ impl RowOfCells<'_> {
         let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
         let least = self.conductance_across(&ys, f32::min);
         let most = self.conductance_across(&ys, f32::max);
-        for column in 0..self.grid.columns {
+        let is_closed = |column: &usize| {
+            let most = &most[self.grid.x_pixels(*column)];
+            most.iter().all(|&c| c <= OPEN)
+        };
+        let mut columns = 0..self.grid.columns;
+        while let Some(column) = columns.next() {
             let xs = self.grid.x_pixels(column);
+            if is_closed(&column) {
+                let end = columns.find(|c| !is_closed(c)).unwrap_or(columns.end);
+                counts.resize(end, 0);
+                let closed = xs.start..self.grid.x_pixels(end - 1).end;
+                for row in labels.chunks_mut(width) {
+                    row[closed.clone()].fill(NO_PATCH);
+                }
+                columns.start = end;
+                continue;
+            }
             let size = xs.len() * ys.len();
             let is_open = least[xs.clone()].iter().all(|&c| c > OPEN);
             if is_open && size == self.grid.cell_px.pow(2) {
                 counts.push(1);
                 patches.push(self.whole(&xs, &ys));
-                continue;
-            }
-            if most[xs.clone()].iter().all(|&c| c <= OPEN) {
-                counts.push(0);
-                for row in labels.chunks_mut(width) {
-                    row[xs.clone()].fill(NO_PATCH);
-                }
                 continue;
             }
             let (open, own) = (&mut open[..size], &mut own[..size]);

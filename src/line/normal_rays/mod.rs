@@ -196,43 +196,20 @@ pub(crate) fn principal_curvatures(
     }
 }
 
-/// Curvatures of a surface as one tensor, in the frame that coincides with the picture's when the normal is rotated to
-/// the viewer by the shortest way: frames of neighbours are nearly equal, so tensors can be averaged.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CurvatureTensor {
-    /// Mean of the principal curvatures, per unit of length; convex is negative.
-    pub mean: f64,
-    /// Half their difference, toward twice the angle of the larger one's direction.
-    pub deviator: DVec2,
-}
-
-/// The tensor of curvature at a point with the unit normal `normal`, from the rays beside it along x and y.
-///
-/// `None` where an axis has no usable ray, the surface is seen edge-on, or the normal points straight away from the
-/// viewer.
-#[inline]
-pub(crate) fn curvature_tensor(
-    normal: DVec3,
-    [along_x, along_y]: [Sides; 2],
-) -> Option<CurvatureTensor> {
-    let local = Local {
-        tangents: upright_tangents(normal)?,
-        normal,
-    };
-    let slopes = Slopes::of(&local.difference(&along_x), &local.difference(&along_y));
-    slopes.is_there.then_some(CurvatureTensor {
-        mean: slopes.mean,
-        deviator: DVec2::new(slopes.half_difference, slopes.off),
-    })
-}
-
 /// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way;
 /// `None` if it points straight away.
 #[inline]
 pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
+    let (faces, tangents) = upright(normal);
+    faces.then_some(tangents)
+}
+
+/// The same, and whether there are any; else they mean nothing.
+#[inline(always)]
+pub(crate) fn upright(normal: DVec3) -> (bool, [DVec3; 2]) {
     let both = normal + DVec3::Z;
-    let faces = both.z > MIN_UPRIGHT;
-    faces.then(|| [DVec3::X, DVec3::Y].map(|axis| axis - axis.dot(normal) / both.z * both))
+    let tangent = |axis: DVec3| axis - axis.dot(normal) / both.z * both;
+    (both.z > MIN_UPRIGHT, [tangent(DVec3::X), tangent(DVec3::Y)])
 }
 
 /// M, made symmetric, and negated: its eigenvalues are the curvatures.
@@ -337,7 +314,7 @@ impl Local {
 
     /// Difference of the rays after and before; the point's own ray, all zero, replaces a missing one.
     #[inline(always)]
-    fn difference(&self, sides: &Sides) -> Difference {
+    pub(crate) fn difference(&self, sides: &Sides) -> Difference {
         let (before, after) = (self.ray(&sides.before), self.ray(&sides.after));
         let steps = |side: &Foot| if side.is_there { sides.step_px } else { 0.0 };
         Difference {

@@ -25,15 +25,14 @@ pub(super) fn leave_bare(densities: &mut Plane, frame: &Frame, factor: f32) {
     rows.for_each_init(
         || vec![0.0; width],
         |column, (y, row)| {
-            column.copy_from_slice(nearest.row(y));
+            let span = frame.mask.span(y);
+            let column = &mut column[span.clone()];
+            column.copy_from_slice(&nearest.row(y)[span.clone()]);
             for other in y.saturating_sub(reach)..(y + reach + 1).min(depth.height()) {
-                let nearest = nearest.row(other);
-                column
-                    .iter_mut()
-                    .zip(nearest)
-                    .for_each(|(least, d)| *least = least.min(*d));
+                keep_least(column, &nearest.row(other)[span.clone()]);
             }
-            for ((density, least), depth) in row.iter_mut().zip(&*column).zip(depth.row(y)) {
+            let depths = &depth.row(y)[span.clone()];
+            for ((density, least), depth) in row[span].iter_mut().zip(&*column).zip(depths) {
                 // NaN depth is behind nothing.
                 if *least < BEFORE * depth {
                     *density = 0.0;
@@ -41,6 +40,14 @@ pub(super) fn leave_bare(densities: &mut Plane, frame: &Frame, factor: f32) {
             }
         },
     );
+}
+
+/// Replaces samples by others that are less; NaN is not.
+fn keep_least(samples: &mut [f32], others: &[f32]) {
+    for (least, &other) in samples.iter_mut().zip(others) {
+        // Unlike `f32::min` one instruction, as only `other` may be NaN.
+        *least = if other < *least { other } else { *least };
+    }
 }
 
 /// The least depth within this reach along rows; infinite where nothing is covered.
@@ -56,9 +63,10 @@ fn nearest_across(frame: &Frame, depth: &Plane, reach: usize) -> Plane {
             for run in frame.mask.runs(y) {
                 beyond[reach..][run.clone()].copy_from_slice(&depth.row(y)[run]);
             }
-            for shifted in beyond.windows(width) {
-                let samples = row.iter_mut().zip(shifted);
-                samples.for_each(|(least, depth)| *least = least.min(*depth));
+            let span = frame.mask.span(y);
+            let near = span.start.saturating_sub(reach)..(span.end + reach).min(width);
+            for shift in 0..=2 * reach {
+                keep_least(&mut row[near.clone()], &beyond[shift..][near.clone()]);
             }
         },
     );

@@ -108,6 +108,9 @@ const MOST_TURN: f32 = 0.9;
 /// or perspective makes it clearly less.
 const CARRIED_ROOM: f32 = 0.6;
 
+/// Points that there is room for when a line is begun: few are longer.
+const USUAL: usize = 64;
+
 /// Points of a line from one to the next that others are started beside.
 const SEEDS: usize = 3;
 
@@ -140,12 +143,14 @@ pub(crate) fn streamlines(
     }
     drawer.lead_on();
     drawer.fill();
+    let drawn = std::mem::take(&mut drawer.lines);
     let placed = drawer.placed.by_cell();
-    let drawn = drawer.lines.par_iter().enumerate();
     let mut lines: Vec<Streamline> = drawn
+        .into_par_iter()
+        .enumerate()
         .map(|(number, points)| Streamline {
-            widths: drawer.widths(number as u32, points, &placed),
-            points: points.clone(),
+            widths: drawer.widths(number as u32, &points, &placed),
+            points,
             crosses: false,
         })
         .collect();
@@ -246,25 +251,20 @@ impl Drawer<'_> {
         for number in 0..self.lines.len() {
             let [behind, ahead] = self.seeds[number].points;
             let mut points = std::mem::take(&mut self.lines[number]);
-            let last = points.len() - 1;
+            let (count, last) = (points.len(), points.len() - 1);
             let line = number as u32;
-            let on = self.half_line(
-                points[last],
-                (points[last] - points[last - 1]).normalize(),
-                line,
-                1,
-                ahead + 1..=half,
-            );
-            let back = self.half_line(
-                points[0],
-                (points[0] - points[1]).normalize(),
-                line,
-                -1,
-                behind + 1..=half,
-            );
-            self.seeds[number].points = [behind + back.len() as i32, ahead + on.len() as i32];
-            points.splice(0..0, back.into_iter().rev());
-            points.extend(on);
+            let [on, back] = [
+                (points[last], points[last] - points[last - 1]),
+                (points[0], points[0] - points[1]),
+            ]
+            .map(|(end, along)| (end, along.normalize()));
+            self.half_line(&mut points, on, line, 1, ahead + 1..=half);
+            let on = points.len() - count;
+            points.reverse();
+            self.half_line(&mut points, back, line, -1, behind + 1..=half);
+            points.reverse();
+            let back = points.len() - count - on;
+            self.seeds[number].points = [behind + back as i32, ahead + on as i32];
             self.lines[number] = points;
         }
     }
@@ -287,11 +287,12 @@ impl Drawer<'_> {
         let (number, before) = (self.lines.len() as u32, self.placed.count());
         self.placed.add(seed, number, 0);
         let step = self.step;
-        let mut points = self.half_line(seed, -along, number, -1, 1..=behind);
+        let mut points = Vec::with_capacity(USUAL);
+        self.half_line(&mut points, (seed, -along), number, -1, 1..=behind);
         let behind = points.len();
         points.reverse();
         points.push(seed);
-        points.extend(self.half_line(seed, along, number, 1, 1..=ahead));
+        self.half_line(&mut points, (seed, along), number, 1, 1..=ahead);
         if step * (points.len() - 1) as f32 >= self.tool.shortest() {
             let ahead = points.len() - 1 - behind;
             self.lines.push(points);
@@ -309,17 +310,17 @@ impl Drawer<'_> {
         None
     }
 
-    /// The points from `from` on, up to a number of steps, numbered by `side`, until the line may go no farther.
+    /// Adds the points from one on, in its direction, up to a number of steps, numbered by `side`, until the line may go no
+    /// farther.
     fn half_line(
         &mut self,
-        from: Vec2,
-        mut ahead: Vec2,
+        points: &mut Vec<Vec2>,
+        (mut at, mut ahead): (Vec2, Vec2),
         line: u32,
         side: i32,
         steps: RangeInclusive<i32>,
-    ) -> Vec<Vec2> {
-        let mut points = Vec::new();
-        let (mut at, mut on_edge) = (from, 0.0);
+    ) {
+        let mut on_edge = 0.0;
         let length = self.step;
         for step in steps {
             let middle = self.direction(at + 0.5 * length * ahead, ahead);
@@ -350,7 +351,6 @@ impl Drawer<'_> {
             points.push(next);
             (at, ahead) = (next, along);
         }
-        points
     }
 
     /// The ink wanted at a place, if it can be drawn.
@@ -367,22 +367,29 @@ impl Drawer<'_> {
         let corner = (at - 0.5).map(floor);
         let share = at - 0.5 - corner;
         let ink = self.wanted.ink;
+        let (inks, field) = (ink.samples(), self.field);
+        let (tx, ty) = (field.x.samples(), field.y.samples());
         let (left, top) = (corner.x as i32, corner.y as i32);
         let across = [1.0 - share.x, 1.0 - (1.0 - share.x)];
         let down = [1.0 - share.y, 1.0 - (1.0 - share.y)];
         let mut sum = Vec2::ZERO;
         // Beyond the paper, numbers less than 0 become large ones.
-        for (y, down) in (top..).map(|y| y as usize).zip(down) {
+        for (row, down) in [0, 1].into_iter().zip(down) {
+            let y = (top + row) as usize;
             if y >= ink.height() {
                 continue;
             }
-            let (inks, tx, ty) = (ink.row(y), self.field.x.row(y), self.field.y.row(y));
-            for (x, across) in (left..).map(|x| x as usize).zip(across) {
-                let inked = inks.get(x).filter(|&&ink| ink >= self.least_ink);
-                if inked.is_none() {
+            for (column, across) in [0, 1].into_iter().zip(across) {
+                let x = (left + column) as usize;
+                if x >= ink.width() {
                     continue;
                 }
-                let t = Vec2::new(tx[x], -ty[x]);
+                let i = y * ink.width() + x;
+                let is_inked = inks[i] >= self.least_ink;
+                if !is_inked {
+                    continue;
+                }
+                let t = Vec2::new(tx[i], -ty[i]);
                 let weight = across * down;
                 let weight = if t.dot(ahead) < 0.0 { -weight } else { weight };
                 sum += weight * t;

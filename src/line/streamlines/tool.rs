@@ -56,7 +56,7 @@ const WIDEST: f32 = 4.0;
 const LEVELS: usize = 8;
 
 /// Least side of a cell of points, in pixels.
-const LEAST_SIDE: f32 = 2.0;
+const LEAST_SIDE: f32 = 3.0;
 
 impl Tool {
     /// The tool of such strokes.
