@@ -291,7 +291,8 @@ impl Pixels {
         let [xx, xy, yy] = &mut self.unwarp;
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
-            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], alpha).inverse();
+            // The warp of the opposite strength.
+            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
             (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
             square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
             square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);
