@@ -1,4 +1,4 @@
-//! `atan`, `atan2` and `tan`, over the ranges needed for warping light and for look-ups.
+//! `atan` and `atan2`, over the ranges needed for warping light and for look-ups.
 
 use super::{polynomial, select};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -35,14 +35,6 @@ pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     select(x < 0.0, PI - angle, angle).copysign(y)
 }
 
-/// The tangent of `x` radians for |x| up to pi/4 (an eighth of a turn); 1.1 ulp. Beyond that the error grows fast,
-/// without a pole at pi/2. Keeps the sign of 0; NaN gives NaN.
-#[inline(always)]
-pub(crate) fn tan_to_eighth_turn(x: f32) -> f32 {
-    let square = x * x;
-    x + square * x * polynomial(square, TAN)
-}
-
 /// Boundaries between the forms of `atan`: tan(pi/8) and its reciprocal.
 pub(crate) const TAN_EIGHTH_PI: f32 = 0.414_213_57;
 pub(crate) const COT_EIGHTH_PI: f32 = 2.414_213_7;
@@ -57,17 +49,6 @@ pub(crate) const ATAN: [f32; 5] = [
     -0.142_443_91,
     0.105_991_736,
     -0.060_900_714,
-];
-
-/// Coefficients of (tan(x) - x) / x^3 in powers of x^2, for |x| up to pi/4; 2^-29 relative to tan(x).
-pub(crate) const TAN: [f32; 7] = [
-    0.333_333_5,
-    0.133_326_75,
-    0.054_058_913,
-    0.021_286_21,
-    0.010_827_441,
-    9.824_462e-5,
-    0.004_372_701,
 ];
 
 #[cfg(test)]
@@ -101,15 +82,6 @@ mod tests {
             assert_eq!(atan(x), x);
         }
         assert!(atan(f32::NAN).is_nan());
-    }
-
-    #[test]
-    fn tan_is_within_its_error_up_to_an_eighth_of_a_turn() {
-        let tan = f64::tan;
-        assert_within(1.1, sweep(0.0, FRAC_PI_4), tan_to_eighth_turn, tan);
-        assert_within(1.1, sweep(-0.0, -FRAC_PI_4), tan_to_eighth_turn, tan);
-        assert_eq!(tan_to_eighth_turn(-0.0).to_bits(), (-0.0_f32).to_bits());
-        assert!(tan_to_eighth_turn(f32::NAN).is_nan());
     }
 
     #[test]

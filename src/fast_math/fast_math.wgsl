@@ -73,12 +73,6 @@ fn atan_of(x: f32) -> f32 {
     return copysign(whole + (small + t), x);
 }
 
-// The tangent of x, for |x| up to pi/4.
-fn tan_to_eighth_turn(x: f32) -> f32 {
-    let square = x * x;
-    return x + square * x * polynomial_tan(square);
-}
-
 // The angle, -pi to pi, of the vector (x, y) from the x axis; 0 for a zero vector.
 fn atan2_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);

@@ -13,7 +13,6 @@ pub(crate) mod circular;
 pub(crate) mod exponential;
 mod rows;
 
-pub(crate) use circular::tan_to_eighth_turn;
 pub(crate) use circular::{atan, atan2};
 pub(crate) use exponential::{exp, exp_to_normal, ln, ln_of_normal, pow, tanh};
 pub(crate) use rows::Function;
@@ -36,7 +35,7 @@ pub(crate) fn power_of_two(n: i32) -> f32 {
 
 /// One of two values: both are computed, so that no branch is needed.
 #[inline(always)]
-fn select(condition: bool, yes: f32, no: f32) -> f32 {
+pub(crate) fn select(condition: bool, yes: f32, no: f32) -> f32 {
     if condition { yes } else { no }
 }
 

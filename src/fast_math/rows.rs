@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::simd::widened;
 
-use super::{atan, exp, ln, pow, tan_to_eighth_turn, tanh};
+use super::{atan, exp, ln, pow, tanh};
 
 /// A function of this module.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,8 +15,6 @@ pub(crate) enum Function {
     Tanh,
     /// [`atan`].
     Atan,
-    /// `tan_to_eighth_turn`.
-    Tan,
     /// [`pow`] with this exponent.
     Pow(f32),
 }
@@ -29,7 +27,6 @@ pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
         Function::Ln => map(out, x, ln),
         Function::Tanh => map(out, x, tanh),
         Function::Atan => map(out, x, atan),
-        Function::Tan => map(out, x, tan_to_eighth_turn),
         Function::Pow(exponent) => map(out, x, |x| pow(x, exponent)),
     }
 }

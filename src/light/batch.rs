@@ -1,6 +1,7 @@
 //! A batch of covered pixels and their light-independent samples, component by component, so that loops over a batch
 //! vectorise.
 
+use super::cosines::scalar_product;
 use super::light_warping::{MOST_BRIGHTENED, Warp};
 use super::radiance_scaling::ScalingCurve;
 
@@ -30,7 +31,7 @@ pub(crate) struct Pixels {
     pub count: usize,
     /// Unit normals.
     pub normal: Axis,
-    /// Cone of their normals.
+    /// Box around their normals.
     pub facing: Facing,
     /// Unit directions to the eye; along z unless set otherwise.
     pub to_eye: Axis,
@@ -108,13 +109,12 @@ impl CoatLanes {
     };
 }
 
-/// A cone containing all normals of a batch.
+/// A box containing all normals of a batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Facing {
-    axis: [f32; 3],
-    /// Sine and cosine of the half angle; a sine above 1 means unknown.
-    sine: f32,
-    cosine: f32,
+    middle: [f32; 3],
+    /// From the middle to the faces.
+    reach: [f32; 3],
 }
 
 /// Pixels of a batch for which a direction is above the surface.
@@ -129,55 +129,40 @@ pub(crate) enum Above {
 }
 
 impl Facing {
-    /// The cone that contains every normal.
+    /// The box that contains every normal.
     pub(crate) const ANYWHERE: Self = Self {
-        axis: [0.0, 0.0, 1.0],
-        sine: 2.0,
-        cosine: 0.0,
+        middle: [0.0; 3],
+        reach: [1.0; 3],
     };
 
-    /// Margin of the cone for rounding, as a sine.
-    const MARGIN: f32 = 1e-4;
+    /// Margin of cosines for rounding.
+    const MARGIN: f32 = 1e-5;
 
     /// Cosines above this are never limited by [`MOST_BRIGHTENED`], since no cosine exceeds 1.
     const HIGH: f32 = 1.0 / MOST_BRIGHTENED + Self::MARGIN;
 
-    /// The cone about the mean of the first `count` normals.
+    /// The box around the first `count` normals.
     #[inline(always)]
     pub(crate) fn of(normals: &Vectors, count: usize) -> Self {
-        let [x, y, z] = normals;
-        let sum = [sum(&x[..count]), sum(&y[..count]), sum(&z[..count])];
-        let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
-        if !(length > 0.0 && length.is_finite()) {
-            return Self::ANYWHERE;
+        let (mut middle, mut reach) = ([0.0; 3], [0.0; 3]);
+        for ((middle, reach), values) in middle.iter_mut().zip(&mut reach).zip(normals) {
+            let values = &values[..count];
+            let (low, high) = (first(values, |a, b| a < b), first(values, |a, b| a > b));
+            *middle = 0.5 * (low + high);
+            *reach = 0.5 * (high - low);
         }
-        let axis = [sum[0] / length, sum[1] / length, sum[2] / length];
-        let mut cosines = [1.0; BATCH];
-        for i in 0..count {
-            cosines[i] = axis[0] * x[i] + axis[1] * y[i] + axis[2] * z[i];
-        }
-        let cosine = least(&cosines);
-        match cosine > 0.0 {
-            true => Self {
-                axis,
-                sine: (1.0 - cosine * cosine).max(0.0).sqrt() + Self::MARGIN,
-                cosine,
-            },
-            false => Self::ANYWHERE,
-        }
+        Self { middle, reach }
     }
 
     /// For which pixels a unit direction is above the surface.
     #[inline]
     pub(crate) fn above(&self, direction: [f32; 3]) -> Above {
-        let [x, y, z] = self.axis;
-        let cosine = x * direction[0] + y * direction[1] + z * direction[2];
-        let aside = (1.0 - cosine * cosine).max(0.0).sqrt();
-        // The smallest cosine with any normal of the cone; a direction at least 90 degrees from all of them.
-        let least = cosine * self.cosine - aside * self.sine;
-        if cosine <= -self.sine {
+        let middle = scalar_product(self.middle, direction);
+        let [x, y, z] = direction;
+        let reach = scalar_product(self.reach, [x.abs(), y.abs(), z.abs()]);
+        if middle + reach <= -Self::MARGIN {
             Above::Nowhere
-        } else if least >= Self::HIGH {
+        } else if middle - reach >= Self::HIGH {
             Above::Everywhere
         } else {
             Above::Somewhere
@@ -188,35 +173,26 @@ impl Facing {
 /// Independent partial results, where the order of operations does not matter.
 const SIDE_BY_SIDE: usize = 16;
 
-/// The sum, by several partial sums.
+/// The value that comes before all others.
 #[inline(always)]
-fn sum(values: &[f32]) -> f32 {
-    let mut sums = [0.0; SIDE_BY_SIDE];
+fn first(values: &[f32], is_before: impl Fn(f32, f32) -> bool) -> f32 {
+    let mut found = [values[0]; SIDE_BY_SIDE];
     let (chunks, rest) = values.as_chunks::<SIDE_BY_SIDE>();
+    let sooner = |a: f32, b: f32| if is_before(b, a) { b } else { a };
     for chunk in chunks {
         for i in 0..SIDE_BY_SIDE {
-            sums[i] += chunk[i];
+            found[i] = sooner(found[i], chunk[i]);
         }
     }
-    sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
-}
-
-/// The minimum of a batch; NaN counts as smallest.
-#[inline(always)]
-fn least(values: &Lanes) -> f32 {
-    let mut least = [f32::MAX; SIDE_BY_SIDE];
-    for chunk in values.as_chunks::<SIDE_BY_SIDE>().0 {
-        for i in 0..SIDE_BY_SIDE {
-            least[i] = if chunk[i] >= least[i] {
-                least[i]
-            } else {
-                chunk[i]
-            };
+    for (found, &value) in found.iter_mut().zip(rest) {
+        *found = sooner(*found, value);
+    }
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            found[i] = sooner(found[i], found[i + half]);
         }
     }
-    least
-        .iter()
-        .fold(f32::MAX, |a, &b| if b >= a { a } else { b })
+    found[0]
 }
 
 const ZERO: Lanes = [0.0; BATCH];
@@ -291,7 +267,8 @@ impl Pixels {
         let [xx, xy, yy] = &mut self.unwarp;
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
-            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], alpha).inverse();
+            // The warp of the opposite strength.
+            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
             (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
             square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
             square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);
@@ -305,5 +282,49 @@ impl Pixels {
 impl Default for Pixels {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions all around: a spiral from -z to z.
+    fn spiral(count: usize) -> impl Iterator<Item = [f32; 3]> {
+        (0..count).map(move |i| {
+            let z = (2 * i + 1) as f32 / count as f32 - 1.0;
+            let (angle, across) = (2.4 * i as f32, (1.0 - z * z).sqrt());
+            [across * angle.cos(), across * angle.sin(), z]
+        })
+    }
+
+    #[test]
+    fn a_direction_is_above_what_it_is_said_to_be() {
+        // A batch that is not full: the other lanes say nothing.
+        for axis in spiral(40) {
+            let mut normals = Axis::NONE;
+            let near = |i: usize, k: usize| axis[k] + 0.2 * (0.7 * i as f32 + k as f32).sin();
+            let count = 101;
+            for i in 0..count {
+                let n = [near(i, 0), near(i, 1), near(i, 2)];
+                let length = scalar_product(n, n).sqrt();
+                normals.set(i, n.map(|c| c / length));
+            }
+            let facing = Facing::of(&normals.vector, count);
+            for direction in spiral(500) {
+                let cosines = (0..count).map(|i| scalar_product(normals.at(i), direction));
+                let (least, most) = cosines.fold((1.0_f32, -1.0_f32), |(least, most), c| {
+                    (least.min(c), most.max(c))
+                });
+                match facing.above(direction) {
+                    Above::Nowhere => assert!(most <= 0.0, "{most}"),
+                    Above::Everywhere => assert!(least * MOST_BRIGHTENED >= 1.0, "{least}"),
+                    Above::Somewhere => {}
+                }
+            }
+            // The normals are within asin(0.2 sqrt 3), 20 degrees, of the axis.
+            assert_eq!(facing.above(axis), Above::Everywhere);
+            assert_eq!(facing.above(axis.map(|a| -a)), Above::Nowhere);
+        }
     }
 }

@@ -15,7 +15,8 @@
 //! from [`Warp::direction`] of h, with its intensity times [`Warp::jacobian`] at h. Half vectors of lights do not
 //! depend on the pixel.
 
-use crate::fast_math::{atan, exp, ln, tan_to_eighth_turn};
+use crate::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI};
+use crate::fast_math::{exp, ln, polynomial, select};
 
 /// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
 /// scales stereographic coordinates along its direction, at warping strength `alpha`.
@@ -26,11 +27,31 @@ use crate::fast_math::{atan, exp, ln, tan_to_eighth_turn};
 #[inline(always)]
 pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     let x = alpha * k;
-    let x = if x.is_nan() { 0.0 } else { x };
-    // The tangent of a sum, as tan(pi/4) is 1.
-    let t = tan_to_eighth_turn(atan(x) * (1.0 / 6.0));
-    (1.0 + t) / (1.0 - t)
+    let size = if x.is_nan() { 0.0 } else { x.abs() };
+    // atan |x| is atan y plus atan of infinity, 1 or 0, whichever makes y smallest.
+    let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
+    let above = select(steep, -1.0, select(middle, size - 1.0, size));
+    let below = select(steep, size, select(middle, size + 1.0, 1.0));
+    let y = above / below;
+    let whole = select(steep, LARGEST_FACTOR, select(middle, FACTOR_OF_1, 1.0));
+    // The tangent of a sum of angles: that of the factor there, and a sixth of atan y.
+    let t = y * polynomial(y * y, SIXTH);
+    let (more, less) = (whole + t, 1.0 - whole * t);
+    select(x < 0.0, less, more) / select(x < 0.0, more, less)
 }
+
+/// The factor of 1, tan(7 pi/24), and that of infinity, the square root of 3.
+pub(crate) const FACTOR_OF_1: f32 = 1.303_225_4;
+pub(crate) const LARGEST_FACTOR: f32 = 1.732_050_8;
+
+/// Coefficients of tan(atan(y) / 6) / y in powers of y^2, for |y| up to tan(pi/8); 2^-25.8 relative to it.
+pub(crate) const SIXTH: [f32; 5] = [
+    0.166_666_66,
+    -0.054_011_524,
+    0.031_767_994,
+    -0.021_730_65,
+    0.012_416_046,
+];
 
 /// Upper bound of a light's unwarped cosine, as a multiple of its cosine as given.
 ///

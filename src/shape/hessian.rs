@@ -111,7 +111,7 @@ widened! {
 }
 
 /// Columns checked together: without edges around them they need no fit.
-const BLOCK: usize = 64;
+const BLOCK: usize = 128;
 
 /// Some columns of the rows around a row.
 struct Block<'a> {

@@ -517,7 +517,6 @@ fn elementary_functions_are_within_what_they_promise() {
         ("ln", 1.0),
         ("tanh", 2.5),
         ("atan", 1.93),
-        ("tan", 1.1),
         ("pow 2.2", 1.03),
     ];
     assert_eq!(rows.len(), promised.len());

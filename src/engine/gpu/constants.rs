@@ -1,8 +1,9 @@
 //! Workgroup sizes, indices of chosen numbers, and the constants that every kernel takes from Rust.
 
 use crate::engine::gpu::wgsl::Number;
-use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN, TAN_EIGHTH_PI};
+use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN_EIGHTH_PI};
 use crate::fast_math::exponential::{EXP, LN, LN2_HIGH, LN2_LOW};
+use crate::light::light_warping::SIXTH;
 use std::f32::consts;
 use std::fmt::Write;
 
@@ -78,7 +79,7 @@ pub(crate) fn constants() -> String {
     add_polynomial(&mut text, "exp", &EXP);
     add_polynomial(&mut text, "ln", &LN);
     add_polynomial(&mut text, "atan", &ATAN);
-    add_polynomial(&mut text, "tan", &TAN);
+    add_polynomial(&mut text, "sixth", &SIXTH);
     text
 }
 

@@ -117,7 +117,9 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
             "../light_warping.wgsl",
             [
                 ("LARGEST_ENTRY", F32(light_warping::LARGEST)),
-                ("MAX_CONTRAST_EXPONENT", F32(light_warping::MAX_EXPONENT))
+                ("MAX_CONTRAST_EXPONENT", F32(light_warping::MAX_EXPONENT)),
+                ("FACTOR_OF_1", F32(light_warping::FACTOR_OF_1)),
+                ("LARGEST_FACTOR", F32(light_warping::LARGEST_FACTOR))
             ]
         ),
         wgsl!("../sum/pixel.wgsl"),

@@ -96,8 +96,8 @@ pub(crate) fn relight(run: &mut Run) {
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
-        lights: illumination.directional.iter().map(Directed::of).collect(),
-        around_lights: around.lights().iter().map(Directed::of).collect(),
+        lights: Directed::all(&illumination.directional),
+        around_lights: Directed::all(around.lights()),
         points: &illumination.points,
         sight: SightLines::of(frame),
         around,

@@ -112,7 +112,7 @@ fn prepare(i: u32, column: u32, row: u32) {
         pixel.hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
     }
     if WARPS {
-        pixel.unwarp = warp_inverse(warp_of(pixel.hessian, params.warp * chosen[GAIN]));
+        pixel.unwarp = warp_of(pixel.hessian, -params.warp * chosen[GAIN]);
         let xx = pixel.unwarp.x;
         let xy = pixel.unwarp.y;
         let yy = pixel.unwarp.z;

@@ -21,8 +21,8 @@ use crate::shape::curvature::mapped_curvature;
 /// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
 
-/// Number of lights from which computing the batch's normal cone pays off.
-const WORTH_A_CONE: usize = 4;
+/// Number of lights from which computing the box of the batch's normals pays off.
+const WORTH_A_BOX: usize = 4;
 
 /// Lights the pixels of a batch.
 #[inline(always)]
@@ -79,7 +79,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     let around = &scene.around;
     let lights = scene.lights.len() + scene.around_lights.len();
     let directions = lights + around.even_directions().len();
-    if directions >= WORTH_A_CONE {
+    if directions >= WORTH_A_BOX {
         let pixels = &mut batch.pixels;
         pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
     }

@@ -32,8 +32,15 @@ pub(crate) struct Directed {
 const FLATTEST: f32 = 1e-6;
 
 impl Directed {
+    /// All lights, those nearest to the viewer's direction first: neighbours are above the same surfaces.
+    pub(crate) fn all(lights: &[DirectionalLight]) -> Vec<Self> {
+        let mut lights: Vec<Self> = lights.iter().map(Self::of).collect();
+        lights.sort_by(|a, b| b.direction[2].total_cmp(&a.direction[2]));
+        lights
+    }
+
     /// The light, prepared.
-    pub(crate) fn of(light: &DirectionalLight) -> Self {
+    fn of(light: &DirectionalLight) -> Self {
         let (direction, intensity) = (light.to_light.to_array(), light.intensity);
         let half = half_vector(direction);
         let per_z = 1.0 / half[2].max(FLATTEST);

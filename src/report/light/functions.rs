@@ -51,7 +51,6 @@ pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
         Extent::Full => (4_000_000, Duration::from_millis(60)),
         Extent::Quick => (120_000, Duration::from_millis(4)),
     };
-    let quarter = std::f32::consts::FRAC_PI_4;
     let power = Function::Pow(EXPONENT);
     let std_power = |x: f32| x.powf(EXPONENT);
     let exact_power = |x: f64| x.powf(EXPONENT.into());
@@ -63,13 +62,6 @@ pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
         row("ln", [1e-37, 1e38], Function::Ln, f32::ln, f64::ln),
         row("tanh", [-10.0, 10.0], Function::Tanh, f32::tanh, f64::tanh),
         row("atan", [-1e9, 1e9], Function::Atan, f32::atan, f64::atan),
-        row(
-            "tan",
-            [-quarter, quarter],
-            Function::Tan,
-            f32::tan,
-            f64::tan,
-        ),
         row("pow 2.2", [1e-16, 1e16], power, std_power, exact_power),
     ]
 }

@@ -4,7 +4,7 @@ use super::domains::*;
 use super::twin::{Tolerance, Twin};
 use super::words::UNSPECIFIED;
 use crate::engine::cpu::percentile::{key_of, value_of};
-use crate::fast_math::circular::{ATAN, TAN};
+use crate::fast_math::circular::ATAN;
 use crate::fast_math::exponential::{EXP, LN, split_exp};
 use crate::fast_math::{self, polynomial, power_of_two};
 use crate::frame::luminance;
@@ -18,7 +18,7 @@ use crate::light::environment::equirectangular_position;
 use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
 use crate::light::layers::{TermScaling, changed, limited};
 use crate::light::light_warping::{
-    MOST_BRIGHTENED, Warp, bounded_entry, contrast, half_vector, scale_factor,
+    MOST_BRIGHTENED, SIXTH, Warp, bounded_entry, contrast, half_vector, scale_factor,
 };
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;

@@ -30,10 +30,10 @@ fn elementary() -> Vec<Twin> {
             |x: f32| polynomial(x, ATAN)
         ),
         twin!(
-            polynomial_tan,
-            fast_math::polynomial::<7>,
+            polynomial_sixth,
+            fast_math::polynomial::<5>,
             RELIGHT,
-            |x: f32| polynomial(x, TAN)
+            |x: f32| polynomial(x, SIXTH)
         ),
         twin!(power_of_two, power_of_two, RELIGHT, |n: i32| power_of_two(
             n
@@ -59,12 +59,6 @@ fn elementary() -> Vec<Twin> {
         twin!(atan2_of, fast_math::atan2, RELIGHT, |y: f32, x: f32| {
             fast_math::atan2(y, x)
         }),
-        twin!(
-            tan_to_eighth_turn,
-            fast_math::tan_to_eighth_turn,
-            RELIGHT,
-            |x: f32| { fast_math::tan_to_eighth_turn(x) }
-        ),
         // The library's version is within one ulp; this one rounds a ratio, a square, a root and a product.
         twin!(hypot, f32::hypot, CURVATURES, |a: f32, b: f32| a.hypot(b))
             .on(bounded)
