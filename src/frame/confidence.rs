@@ -64,7 +64,7 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
     if !has_short_square(lengths, mask) {
         return;
     }
-    let lifted = of_bands(lengths, NORMALS_REACH, |part| {
+    let lifted = of_tiles(lengths, NORMALS_REACH, |part| {
         let (lengths, mask) = part.of(lengths, mask);
         if !has_short_square(&lengths, &mask) {
             return None;
@@ -86,8 +86,8 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
             }
         }))
     });
-    for band in lifted {
-        band.write(lengths);
+    for made in lifted {
+        made.write(lengths);
     }
 }
 
@@ -96,7 +96,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     if !has_short_square(lengths, mask) {
         return None;
     }
-    let found = of_bands(lengths, CONFIDENCE_REACH, |part| {
+    let found = of_tiles(lengths, CONFIDENCE_REACH, |part| {
         let (lengths, mask) = part.of(lengths, mask);
         if !has_short_square(&lengths, &mask) {
             return None;
@@ -127,13 +127,14 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     joined(lengths, &found)
 }
 
-/// Rows of a band, besides those around it that it is made from: so few that its planes stay in a core's cache.
-const BAND_ROWS: usize = 64;
+/// Columns and rows of a tile, besides those around it that it is made from: so few that its planes stay in a core's
+/// cache, and that many show no short normals.
+const TILE: [usize; 2] = [256, 64];
 
-/// A band of the picture, and the part that it is made from.
+/// A tile of the picture, and the part that it is made from.
 struct Part {
     whole: Window,
-    band: Window,
+    tile: Window,
     around: Window,
 }
 
@@ -147,47 +148,58 @@ impl Part {
     }
 }
 
-/// A finished band.
-struct Band {
-    rows: Range<usize>,
+/// A finished tile.
+struct Made {
+    tile: Window,
     plane: Plane,
 }
 
-impl Band {
-    fn write(&self, plane: &mut Plane) {
-        for (y, row) in self.rows.clone().enumerate() {
-            plane.row_mut(row).copy_from_slice(self.plane.row(y));
+impl Made {
+    fn write(&self, whole: &mut Plane) {
+        let columns = self.tile.x0 as usize..self.tile.x1 as usize;
+        for (y, row) in (self.tile.y0 as usize..).zip(0..self.plane.height()) {
+            whole.row_mut(y)[columns.clone()].copy_from_slice(self.plane.row(row));
         }
     }
 }
 
-/// What `make` makes of the bands of a picture of the size of `like`, in parallel, each from the part within `reach`
-/// rows; without those of which it makes nothing.
-fn of_bands(like: &Plane, reach: usize, make: impl Fn(&Part) -> Option<Plane> + Sync) -> Vec<Band> {
+/// What `make` makes of the tiles of a picture of the size of `like`, in parallel, each from the part within `reach`
+/// pixels; without those of which it makes nothing.
+fn of_tiles(like: &Plane, reach: usize, make: impl Fn(&Part) -> Option<Plane> + Sync) -> Vec<Made> {
     let (width, height) = (like.width(), like.height());
-    let window = |rows: Range<usize>| Window::at(0, rows.start as i32, width, rows.len());
-    (0..height.div_ceil(BAND_ROWS))
+    let whole = Window::from_size(width, height);
+    let [across, down] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])];
+    (0..across * down)
         .into_par_iter()
         .filter_map(|i| {
-            let band = i * BAND_ROWS..((i + 1) * BAND_ROWS).min(height);
-            let around = band.start.saturating_sub(reach)..(band.end + reach).min(height);
-            let part = Part {
-                whole: window(0..height),
-                band: window(band.clone()),
-                around: window(around),
+            let within = |reach: usize| {
+                let span = |place: usize, side: usize, length: usize| {
+                    let (start, end) = (place * side, (place + 1) * side);
+                    start.saturating_sub(reach)..(end + reach).min(length)
+                };
+                let columns = span(i % across, TILE[0], width);
+                let rows = span(i / across, TILE[1], height);
+                let (x, y) = (columns.start as i32, rows.start as i32);
+                Window::at(x, y, columns.len(), rows.len())
             };
-            let plane = make(&part)?.crop(part.around, part.band);
-            Some(Band { rows: band, plane })
+            let part = Part {
+                whole,
+                tile: within(0),
+                around: within(reach),
+            };
+            let plane = make(&part)?.crop(part.around, part.tile);
+            let tile = part.tile;
+            Some(Made { tile, plane })
         })
         .collect()
 }
 
-/// The confidence of the whole picture, 1 outside `bands`; `None` if it is 1 everywhere.
-fn joined(like: &Plane, bands: &[Band]) -> Option<Plane> {
-    let is_mixed = |band: &Band| band.plane.samples().iter().any(|&sample| sample < 1.0);
-    bands.iter().any(is_mixed).then(|| {
+/// The confidence of the whole picture, 1 outside `tiles`; `None` if it is 1 everywhere.
+fn joined(like: &Plane, tiles: &[Made]) -> Option<Plane> {
+    let is_mixed = |made: &Made| made.plane.samples().iter().any(|&sample| sample < 1.0);
+    tiles.iter().any(is_mixed).then(|| {
         let mut whole = Plane::filled(like.width(), like.height(), 1.0);
-        bands.iter().for_each(|band| band.write(&mut whole));
+        tiles.iter().for_each(|made| made.write(&mut whole));
         whole
     })
 }
@@ -245,7 +257,7 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     if !may_be_alone_together(depth, mask) {
         return None;
     }
-    let found = of_bands(depth, DEPTHS_REACH + 1, |part| {
+    let found = of_tiles(depth, DEPTHS_REACH + 1, |part| {
         let (depth, mask) = part.of(depth, mask);
         let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
         let share = mean_over_squares(&alone, DEPTHS_REACH);
@@ -456,28 +468,39 @@ mod tests {
         assert_eq!(of(&band, 0.0), None);
     }
 
-    /// What is found of a pixel depends on what lies around it, not on where bands end.
+    /// What is found of a pixel depends on what lies around it, not on where tiles end.
     #[test]
-    fn bands_do_not_show() {
+    fn tiles_do_not_show() {
         let blur = |x: usize, y: usize| 0.75 + 0.25 * (0.13 * x as f32 + 0.07 * y as f32).sin();
-        let window = |y0, height| Window::at(0, y0, 40, height);
-        let all = lengths(40, 4 * BAND_ROWS, blur);
-        let found = of(&all, 8.0).unwrap();
-        let mut lifted = all.clone();
-        lift_out_of_fog(&mut lifted, &Mask::full(40, 4 * BAND_ROWS));
-        let (shifted, reach) = (37, CONFIDENCE_REACH as i32);
-        let part = all.crop(window(0, 4 * BAND_ROWS), window(shifted, 150));
-        let of_part = of(&part, 8.0).unwrap();
-        let mut lifted_part = part.clone();
-        lift_out_of_fog(&mut lifted_part, &Mask::full(40, 150));
-        // Rows of the part whose surroundings lie inside it too.
-        let inner = window(shifted + reach, 150 - 2 * CONFIDENCE_REACH);
-        let whole = |plane: &Plane| plane.crop(window(0, 4 * BAND_ROWS), inner);
-        let within = |plane: &Plane| plane.crop(window(shifted, 150), inner);
-        assert_eq!(whole(&found), within(&of_part));
-        assert_eq!(whole(&lifted), within(&lifted_part));
-        let mixed = found.samples().iter().filter(|&&sample| sample < 1.0);
-        assert!((1000..9000).contains(&mixed.count()));
+        let whole = Window::from_size(TILE[0] + 60, 3 * TILE[1]);
+        let part = Window::at(29, 37, TILE[0] + 20, 2 * TILE[1]);
+        let reach = CONFIDENCE_REACH as i32;
+        // What lies in the part with all around it.
+        let inner = Window {
+            x0: part.x0 + reach,
+            y0: part.y0 + reach,
+            x1: part.x1 - reach,
+            y1: part.y1 - reach,
+        };
+        let found = |window: Window| {
+            let (width, height) = (window.width(), window.height());
+            let (x, y) = (window.x0 as usize, window.y0 as usize);
+            let lengths = lengths(width, height, |i, j| blur(x + i, y + j));
+            let mask = Mask::full(width, height);
+            let normal = Vector3Planes::from_fn(width, height, |i, _| {
+                let (sin, cos) = (0.1 * (x + i) as f64).sin_cos();
+                DVec3::new(sin, 0.0, cos)
+            });
+            let mut lifted = lengths.clone();
+            lift_out_of_fog(&mut lifted, &mask);
+            assert_ne!(lifted, lengths);
+            let confidence = of_normals(&lengths, &normal, &mask).unwrap();
+            [confidence, lifted].map(|plane| plane.crop(window, inner))
+        };
+        let in_whole = found(whole);
+        assert_eq!(in_whole, found(part));
+        let mixed = in_whole[0].samples().iter().filter(|&&sample| sample < 1.0);
+        assert!(mixed.count() > 1000);
     }
 
     /// Pictures of every small size, with random samples: a quick look finds what a look at every square finds.
