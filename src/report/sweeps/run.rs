@@ -37,7 +37,7 @@ pub(crate) fn threads(frame: &Frame, shape: ShapeParams, effort: Effort) -> Resu
 /// Sides in pixels of the square tiles tried besides the default and the whole frame.
 const TILE_SIDES: [usize; 3] = [64, 256, 512];
 /// Sweeps per pass tried besides the default.
-const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 64];
+const SWEEPS_PER_PASS: [usize; 3] = [8, 16, 32];
 
 /// Runs `frame` with tiles of several sizes, then with several numbers of sweeps per pass, at the largest of `scales`
 /// within the limit on sweeps: a few sweeps take only one pass. The default comes first.
