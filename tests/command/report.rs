@@ -338,7 +338,7 @@ fn ways_of_running_change_no_bit() {
     assert!(tiles[0].as_str().unwrap().ends_with(", default"));
     // The bust is 480 by 360: a tile of 512 would be all of it once more.
     assert_eq!(tiles[1..], ["64x64", "256x256", "480x360"]);
-    assert_eq!(values("sweeps per pass"), ["32, default", "8", "16", "64"]);
+    assert_eq!(values("sweeps per pass"), ["64, default", "8", "16", "32"]);
     for run in [of("tile"), of("sweeps per pass")].concat() {
         assert_eq!(run["scale"], "sigma 20 px", "{run}");
     }
