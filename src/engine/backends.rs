@@ -173,7 +173,7 @@ impl Engine {
 
     /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. A picture leaves out edges and slopes
     /// that it no longer takes; of a large frame it consumes normals and depth, unless rays meet the surface. The
-    /// outcome of a drawing holds this and the automatic choices, not the shape; a large frame drawn in its own light takes
+    /// outcome of a drawing is that and the automatic choices, without the shape; a large frame drawn in its own light takes
     /// half the memory: the picture is consumed.
     ///
     /// # Errors

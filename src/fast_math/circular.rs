@@ -1,4 +1,4 @@
-//! `atan` and `atan2`, over the ranges needed for warping light and for look-ups.
+//! `atan` and `atan2`, for look-ups.
 
 use super::{polynomial, select};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};

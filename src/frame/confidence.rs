@@ -4,7 +4,8 @@
 //! that of the surface hit by its first sample. At outlines the same holds for a pixel or two, so a pixel counts as
 //! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
-use super::{Frame, Mask, Plane, Vector3Planes, Window};
+use super::tiled::{Made, of_tiles};
+use super::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -87,7 +88,7 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
         }))
     });
     for made in lifted {
-        made.write(lengths);
+        made.write_to(lengths);
     }
 }
 
@@ -127,79 +128,12 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
     joined(lengths, &found)
 }
 
-/// Columns and rows of a tile, besides those around it that it is made from: so few that its planes stay in a core's
-/// cache, and that many show no short normals.
-const TILE: [usize; 2] = [256, 64];
-
-/// A tile of the picture, and the part that it is made from.
-struct Part {
-    whole: Window,
-    tile: Window,
-    around: Window,
-}
-
-impl Part {
-    fn plane<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
-        plane.crop(self.whole, self.around)
-    }
-
-    fn of(&self, plane: &Plane, mask: &Mask) -> (Plane, Mask) {
-        (self.plane(plane), mask.crop(self.whole, self.around))
-    }
-}
-
-/// A finished tile.
-struct Made {
-    tile: Window,
-    plane: Plane,
-}
-
-impl Made {
-    fn write(&self, whole: &mut Plane) {
-        let columns = self.tile.x0 as usize..self.tile.x1 as usize;
-        for (y, row) in (self.tile.y0 as usize..).zip(0..self.plane.height()) {
-            whole.row_mut(y)[columns.clone()].copy_from_slice(self.plane.row(row));
-        }
-    }
-}
-
-/// What `make` makes of the tiles of a picture of the size of `like`, in parallel, each from the part within `reach`
-/// pixels; without those of which it makes nothing.
-fn of_tiles(like: &Plane, reach: usize, make: impl Fn(&Part) -> Option<Plane> + Sync) -> Vec<Made> {
-    let (width, height) = (like.width(), like.height());
-    let whole = Window::from_size(width, height);
-    let [across, down] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])];
-    (0..across * down)
-        .into_par_iter()
-        .filter_map(|i| {
-            let within = |reach: usize| {
-                let span = |place: usize, side: usize, length: usize| {
-                    let (start, end) = (place * side, (place + 1) * side);
-                    start.saturating_sub(reach)..(end + reach).min(length)
-                };
-                let columns = span(i % across, TILE[0], width);
-                let rows = span(i / across, TILE[1], height);
-                let (x, y) = (columns.start as i32, rows.start as i32);
-                Window::at(x, y, columns.len(), rows.len())
-            };
-            let part = Part {
-                whole,
-                tile: within(0),
-                around: within(reach),
-            };
-            let plane = make(&part)?.crop(part.around, part.tile);
-            let tile = part.tile;
-            Some(Made { tile, plane })
-        })
-        .collect()
-}
-
 /// The confidence of the whole picture, 1 outside `tiles`; `None` if it is 1 everywhere.
 fn joined(like: &Plane, tiles: &[Made]) -> Option<Plane> {
     let is_mixed = |made: &Made| made.plane.samples().iter().any(|&sample| sample < 1.0);
     tiles.iter().any(is_mixed).then(|| {
         let mut whole = Plane::filled(like.width(), like.height(), 1.0);
-        tiles.iter().for_each(|made| made.write(&mut whole));
+        tiles.iter().for_each(|made| made.write_to(&mut whole));
         whole
     })
 }
@@ -416,6 +350,8 @@ fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32])) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Window;
+    use crate::frame::tiled::TILE;
     use glam::DVec3;
 
     fn lengths(width: usize, height: usize, length: impl Fn(usize, usize) -> f32) -> Plane {

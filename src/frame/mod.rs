@@ -21,6 +21,7 @@ mod specular;
 mod steps;
 mod strength;
 mod surroundings;
+mod tiled;
 mod unrounded;
 mod window;
 

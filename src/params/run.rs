@@ -18,7 +18,7 @@ pub struct RunOptions {
     /// Size of diffusion tiles.
     pub tile: TileSize,
     /// Maximum number of diffusion sweeps over a tile before its neighbours are read again. Fewer read and write the
-    /// frame more often; more waste work on the border and overflow the cache.
+    /// frame more often; more waste work on the border, so that low tiles take at most 32.
     pub sweeps_per_pass: NonZeroUsize,
 }
 

@@ -1,7 +1,7 @@
 //! Row kernels compiled for vectors wider than the baseline's, chosen at run time.
 //!
 //! The compiler widens the same loops; it neither reorders nor contracts floating-point operations, so every level
-//! gives the same bits.
+//! gives the same bits. A kernel that asks for fused multiply-adds takes those that round as two operations do.
 
 /// Vector extensions of this machine. Only [`Simd::available`] constructs one, for features it has detected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

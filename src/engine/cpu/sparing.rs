@@ -36,7 +36,7 @@ pub(crate) struct Begun {
 
 impl Runner {
     /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes normals and depth of a
-    /// large frame. The outcome of a drawing holds this and the automatic choices, not the shape; a large frame drawn in
+    /// large frame. The outcome of a drawing is that and the automatic choices, without the shape; a large frame drawn in
     /// its own light takes half the memory: its picture is consumed.
     ///
     /// # Errors
