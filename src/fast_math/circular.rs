@@ -7,17 +7,24 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 /// gives NaN.
 #[inline(always)]
 pub(crate) fn atan(x: f32) -> f32 {
-    // atan x is atan t plus atan of infinity, 1 or 0, whichever makes t smallest.
     let size = x.abs();
     let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
-    let above = select(steep, -1.0, select(middle, size - 1.0, size));
-    let below = select(steep, size, select(middle, size + 1.0, 1.0));
-    let t = above / below;
+    let t = rest_of_tangent(size);
     let whole = select(steep, FRAC_PI_2, select(middle, FRAC_PI_4, 0.0));
     let lost = select(steep, PI_2_LOW, select(middle, 0.5 * PI_2_LOW, 0.0));
     let square = t * t;
     let small = square * t * polynomial(square, ATAN) + lost;
     (whole + (small + t)).copysign(x)
+}
+
+/// The t whose arc tangent is left of that of `size`, 0 or more, without that of infinity, 1 or 0, whichever makes t
+/// smallest: at most tan(pi/8) in magnitude.
+#[inline(always)]
+pub(crate) fn rest_of_tangent(size: f32) -> f32 {
+    let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
+    let above = select(steep, -1.0, select(middle, size - 1.0, size));
+    let below = select(steep, size, select(middle, size + 1.0, 1.0));
+    above / below
 }
 
 /// The angle in radians, -pi to pi, of the vector (`x`, `y`) from the x axis; 4e-7 absolute.

@@ -58,14 +58,20 @@ fn tanh_of(x: f32) -> f32 {
     return copysign(q / (q + 2.0), x);
 }
 
-fn atan_of(x: f32) -> f32 {
-    // atan x is atan t plus atan of infinity, 1 or 0, whichever makes t smallest.
-    let size = abs(x);
+// The t whose arc tangent is left of that of size without that of infinity, 1 or 0.
+fn rest_of_tangent(size: f32) -> f32 {
     let steep = size > COT_EIGHTH_PI;
     let middle = size > TAN_EIGHTH_PI;
     let above = select(select(size, size - 1.0, middle), -1.0, steep);
     let below = select(select(1.0, size + 1.0, middle), size, steep);
-    let t = above / below;
+    return above / below;
+}
+
+fn atan_of(x: f32) -> f32 {
+    let size = abs(x);
+    let steep = size > COT_EIGHTH_PI;
+    let middle = size > TAN_EIGHTH_PI;
+    let t = rest_of_tangent(size);
     let whole = select(select(0.0, FRAC_PI_4, middle), FRAC_PI_2, steep);
     let lost = select(select(0.0, 0.5 * PI_2_LOW, middle), PI_2_LOW, steep);
     let square = t * t;

@@ -15,7 +15,7 @@
 //! from [`Warp::direction`] of h, with its intensity times [`Warp::jacobian`] at h. Half vectors of lights do not
 //! depend on the pixel.
 
-use crate::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI};
+use crate::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI, rest_of_tangent};
 use crate::fast_math::{exp, ln, polynomial, select};
 
 /// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
@@ -28,11 +28,8 @@ use crate::fast_math::{exp, ln, polynomial, select};
 pub fn scale_factor(k: f32, alpha: f32) -> f32 {
     let x = alpha * k;
     let size = if x.is_nan() { 0.0 } else { x.abs() };
-    // atan |x| is atan y plus atan of infinity, 1 or 0, whichever makes y smallest.
     let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
-    let above = select(steep, -1.0, select(middle, size - 1.0, size));
-    let below = select(steep, size, select(middle, size + 1.0, 1.0));
-    let y = above / below;
+    let y = rest_of_tangent(size);
     let whole = select(steep, LARGEST_FACTOR, select(middle, FACTOR_OF_1, 1.0));
     // The tangent of a sum of angles: that of the factor there, and a sixth of atan y.
     let t = y * polynomial(y * y, SIXTH);

@@ -6,12 +6,9 @@ fn scale_factor(k: f32, alpha: f32) -> f32 {
     let product = alpha * k;
     let x = select(clamp(product, -F32_MAX, F32_MAX), 0.0, is_nan(product));
     let size = abs(x);
-    // atan |x| is atan y plus atan of infinity, 1 or 0, whichever makes y smallest.
     let steep = size > COT_EIGHTH_PI;
     let middle = size > TAN_EIGHTH_PI;
-    let above = select(size, size - 1.0, middle);
-    let below = select(1.0, size + 1.0, middle);
-    let y = select(above, -1.0, steep) / select(below, size, steep);
+    let y = rest_of_tangent(size);
     let whole = select(select(1.0, FACTOR_OF_1, middle), LARGEST_FACTOR, steep);
     // The tangent of a sum of angles: that of the factor there, and a sixth of atan y.
     let t = y * polynomial_sixth(y * y);

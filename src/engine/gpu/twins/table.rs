@@ -4,7 +4,7 @@ use super::domains::*;
 use super::twin::{Tolerance, Twin};
 use super::words::UNSPECIFIED;
 use crate::engine::cpu::percentile::{key_of, value_of};
-use crate::fast_math::circular::ATAN;
+use crate::fast_math::circular::{ATAN, rest_of_tangent};
 use crate::fast_math::exponential::{EXP, LN, split_exp};
 use crate::fast_math::{self, polynomial, power_of_two};
 use crate::frame::luminance;

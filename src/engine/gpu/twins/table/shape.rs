@@ -53,6 +53,9 @@ fn elementary() -> Vec<Twin> {
             x
         ))
         .on(no_nan),
+        twin!(rest_of_tangent, rest_of_tangent, RELIGHT, |size: f32| {
+            rest_of_tangent(size)
+        }),
         twin!(atan_of, fast_math::atan, RELIGHT, |x: f32| fast_math::atan(
             x
         )),
