@@ -24,8 +24,3 @@ pub(super) fn inflate(compressed: &[u8], into: &mut [u8]) -> Option<usize> {
 pub(super) fn deflate(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
     DEFLATE.with_borrow_mut(|deflate| deflate.zlib_compress(bytes, into).ok())
 }
-
-/// The same for samples computed here.
-pub(super) fn deflate_smooth(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
-    deflate(bytes, into)
-}

@@ -7,6 +7,7 @@
 
 #[cfg(feature = "libdeflate")]
 mod libdeflate;
+mod runs;
 #[cfg(not(feature = "libdeflate"))]
 mod zlib;
 
@@ -34,7 +35,7 @@ pub(super) fn compress(raw: &[u8], is_smooth: bool) -> Option<Vec<u8>> {
         let [differences, bytes] = buffers.each_mut().map(|buffer| sized(buffer, raw.len()));
         difference(raw, differences);
         let size = match is_smooth {
-            true => zlib::deflate_smooth(differences, bytes),
+            true => runs::deflate(differences, bytes),
             false => zlib::deflate(differences, bytes),
         };
         let size = size.filter(|&size| size < raw.len())?;
