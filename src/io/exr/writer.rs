@@ -79,8 +79,18 @@ pub struct PartWriter<'a, W> {
     width: usize,
     planes: usize,
     encoder: Encoder,
+    /// Blocks that wait to be written, while the next ones are compressed.
+    waiting: Vec<Block>,
     /// The part that is added to.
     kept: Option<InputRows<'a>>,
+}
+
+/// A compressed block of rows.
+struct Block {
+    index: usize,
+    /// Its first row.
+    top: i32,
+    bytes: Vec<u8>,
 }
 
 impl<'a, W: Write + Seek> PartWriter<'a, W> {
@@ -144,6 +154,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             width: part.data_window.width(),
             planes: ready.planes,
             encoder: Encoder::new(ready),
+            waiting: Vec::new(),
             kept: None,
         }
     }
@@ -196,13 +207,22 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             Some(part) => part.rows(&(taken..taken + rows.len()))?,
             None => &[],
         };
-        let blocks = self.encoder.take(&Strip { planes, rows, kept }, beside);
-        let (first, blocks) = blocks.map_err(|fault| fault.at(&self.target))?;
-        for (block, bytes) in (first..).zip(blocks) {
-            let y = self.top + (block * self.encoder.block_rows()) as i32;
-            let written = self.out.chunk(self.index, block, &[y], &bytes);
-            written.map_err(Error::io(&self.target, "write"))?;
-        }
+        let strip = Strip { planes, rows, kept };
+        let (encoder, out) = (&mut self.encoder, &mut self.out);
+        let (waiting, mut compressed) = (std::mem::take(&mut self.waiting), None);
+        let written = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| compressed = Some(encoder.take(&strip, beside)));
+            write_blocks(out, self.index, waiting)
+        });
+        written.map_err(Error::io(&self.target, "write"))?;
+        let compressed = compressed.expect("a scope ends after all that it spawned");
+        let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
+        let placed = |(index, bytes)| Block {
+            index,
+            top: self.top + (index * self.encoder.block_rows()) as i32,
+            bytes,
+        };
+        self.waiting = (first..).zip(blocks).map(placed).collect();
         Ok(())
     }
 
@@ -211,9 +231,10 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ///
     /// # Panics
     /// If rows are missing.
-    pub fn finish(self) -> Result<u64> {
+    pub fn finish(mut self) -> Result<u64> {
         assert_eq!(self.encoder.missing(), 0, "rows are missing");
-        let finished = self.out.finish();
+        let written = write_blocks(&mut self.out, self.index, self.waiting);
+        let finished = written.and_then(|()| self.out.finish());
         finished.map_err(Error::io(&self.target, "write"))?;
         Ok(self.encoder.clamped())
     }
@@ -225,4 +246,14 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         self.push(&planes, 0..height)?;
         self.finish()
     }
+}
+
+/// Writes blocks of the part with this index.
+fn write_blocks(
+    out: &mut ChunkSink<impl Write + Seek>,
+    part: usize,
+    blocks: Vec<Block>,
+) -> std::io::Result<()> {
+    let mut blocks = blocks.into_iter();
+    blocks.try_for_each(|Block { index, top, bytes }| out.chunk(part, index, &[top], &bytes))
 }
