@@ -5,7 +5,7 @@
 
 use super::depth::is_distance;
 use super::normals::MIN_LENGTH;
-use super::{Plane, Vector3Planes};
+use super::{MOST_ROWS_PER_TASK, Plane, Vector3Planes};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -48,6 +48,7 @@ pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     for _ in 0..PASSES {
         let found: Vec<_> = (1..depth.height().saturating_sub(1))
             .into_par_iter()
+            .with_max_len(MOST_ROWS_PER_TASK)
             .flat_map_iter(|y| holes_in_row(depth, normal, y))
             .collect();
         if found.is_empty() {

@@ -36,6 +36,7 @@ pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::CurvaturePlanes;
+pub(crate) use plane::MOST_ROWS_PER_TASK;
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };

@@ -6,6 +6,10 @@ use ndarray::{ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// Most rows of a task: with longer ones, as rayon makes them where all threads are busy, one thread is left alone with
+/// the last.
+pub(crate) const MOST_ROWS_PER_TASK: usize = 16;
+
 /// One quantity over a rectangle of pixels: row-major, rows contiguous, rows running down.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plane<T = f32> {
@@ -236,13 +240,14 @@ pub(crate) fn each_row_of<const N: usize>(
             row.try_into().ok()
         })
         .collect();
-    let rows = rows.into_par_iter().enumerate();
-    rows.for_each(|(y, rows)| work(y, rows));
+    let rows = rows.into_par_iter().with_max_len(MOST_ROWS_PER_TASK);
+    rows.enumerate().for_each(|(y, rows)| work(y, rows));
 }
 
 /// Not generic in `work`, so that rayon is compiled once per sample type.
 fn in_parallel<T: Send>(samples: &mut [T], width: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
-    let rows = samples.par_chunks_mut(width.max(1)).enumerate();
+    let rows = samples.par_chunks_mut(width.max(1));
+    let rows = rows.with_max_len(MOST_ROWS_PER_TASK).enumerate();
     rows.for_each(|(y, row)| work(y, row));
 }
 

@@ -54,6 +54,7 @@ pub(super) fn of_tiles(
     let [across, down] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])];
     (0..across * down)
         .into_par_iter()
+        .with_max_len(1)
         .filter_map(|i| {
             let within = |reach: usize| {
                 let span = |place: usize, side: usize, length: usize| {

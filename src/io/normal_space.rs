@@ -13,7 +13,8 @@ use super::camera::median;
 use super::inputs::Flip;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
-use std::cell::OnceCell;
+use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Pixels that the judgement looks at, about.
 const WANTED: usize = 8_000;
@@ -139,7 +140,7 @@ pub(super) struct NormalSamples<'a> {
     mask: &'a Mask,
     position: Option<&'a Vector3Planes>,
     depth: Option<&'a Plane>,
-    list: OnceCell<Vec<NormalSample>>,
+    list: OnceLock<Vec<NormalSample>>,
 }
 
 /// A unit normal as stored, and the surface around it.
@@ -182,7 +183,7 @@ impl<'a> NormalSamples<'a> {
             mask,
             position,
             depth,
-            list: OnceCell::new(),
+            list: OnceLock::new(),
         }
     }
 
@@ -227,7 +228,8 @@ impl<'a> NormalSamples<'a> {
                 shape: self.shape(x, y),
             })
         };
-        self.mask.sample(WANTED).filter_map(sample).collect()
+        let places: Vec<_> = self.mask.sample(WANTED).collect();
+        places.into_par_iter().filter_map(sample).collect()
     }
 
     /// The gradient of depth on the picture, y up, where it is clear of rounding and of edges.

@@ -44,24 +44,25 @@ impl Memory {
 
     /// A plane of the size of `mask`, 0 outside it. Samples inside are undefined until written.
     pub(crate) fn plane(&self, mask: &Mask) -> Plane {
-        let (width, height) = (mask.width(), mask.height());
-        let Some(mut samples) = self.spare_of(width * height) else {
-            return Plane::filled(width, height, 0.0);
-        };
-        if mask.count() < samples.len() {
-            samples
-                .par_chunks_mut(1 << 16)
-                .for_each(|part| part.fill(0.0));
+        let (mut plane, is_zero) = self.any_plane(mask);
+        if !is_zero && mask.count() < plane.samples().len() {
+            let parts = plane.samples_mut().par_chunks_mut(1 << 16);
+            parts.for_each(|part| part.fill(0.0));
         }
-        Plane::from_samples(width, height, samples)
+        plane
     }
 
     /// A plane of the size of `mask`. All samples are undefined until written.
     pub(crate) fn unwritten(&self, mask: &Mask) -> Plane {
+        self.any_plane(mask).0
+    }
+
+    /// A plane of the size of `mask`, and whether it is 0 everywhere: else all samples are undefined until written.
+    pub(crate) fn any_plane(&self, mask: &Mask) -> (Plane, bool) {
         let (width, height) = (mask.width(), mask.height());
         match self.spare_of(width * height) {
-            Some(samples) => Plane::from_samples(width, height, samples),
-            None => Plane::filled(width, height, 0.0),
+            Some(samples) => (Plane::from_samples(width, height, samples), false),
+            None => (Plane::filled(width, height, 0.0), true),
         }
     }
 

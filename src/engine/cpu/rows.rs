@@ -1,7 +1,7 @@
 //! Passes over the frame: rows in parallel, skipping columns without surface.
 
 use crate::engine::cpu::memory::Memory;
-use crate::frame::{Mask, Plane};
+use crate::frame::{MOST_ROWS_PER_TASK, Mask, Plane};
 use rayon::prelude::*;
 
 /// Minimum number of rows per task, to be worth scheduling.
@@ -30,15 +30,27 @@ pub(crate) fn map_rows<const N: usize>(
     memory: &Memory,
     fill: impl Fn(usize, [&mut [f32]; N]) + Sync,
 ) -> [Plane; N] {
-    let mut planes = [(); N].map(|()| memory.plane(mask));
-    each_row(&mut planes, mask, memory, &fill);
+    let found = [(); N].map(|()| memory.any_plane(mask));
+    let is_full = mask.count() == mask.width() * mask.height();
+    let are_blank = found.each_ref().map(|(_, is_zero)| is_full || *is_zero);
+    let mut planes = found.map(|(plane, _)| plane);
+    each_row(&mut planes, memory, &|y, mut rows| {
+        // Just before they are filled, rows are in a core's cache.
+        for (row, is_blank) in rows.iter_mut().zip(are_blank) {
+            if !is_blank {
+                row.fill(0.0);
+            }
+        }
+        if !mask.span(y).is_empty() {
+            fill(y, rows);
+        }
+    });
     planes
 }
 
 /// Rayon's part of [`map_rows`], compiled once for all fill functions.
 fn each_row<const N: usize>(
     planes: &mut [Plane; N],
-    mask: &Mask,
     memory: &Memory,
     fill: &(dyn Fn(usize, [&mut [f32]; N]) + Sync),
 ) {
@@ -46,7 +58,8 @@ fn each_row<const N: usize>(
         .into_par_iter()
         .enumerate()
         .with_min_len(ROWS_PER_TASK)
-        .filter(|(y, _)| !mask.span(*y).is_empty() && !memory.is_cancelled())
+        .with_max_len(MOST_ROWS_PER_TASK)
+        .filter(|_| !memory.is_cancelled())
         .for_each(|(y, rows)| fill(y, rows));
 }
 

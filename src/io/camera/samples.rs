@@ -3,6 +3,7 @@
 use crate::frame::{Mask, Vector3Planes, Window};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
 const WANTED: usize = 6_000;
@@ -102,7 +103,7 @@ pub(super) fn gather(
     let half = is_half(&candidates);
     let quantum = quantum(&candidates, half);
     let smooth: Vec<_> = candidates
-        .iter()
+        .par_iter()
         .filter(|(x, y, _)| layer.is_smooth(*x as isize, *y as isize, quantum))
         .copied()
         .collect();
@@ -125,11 +126,12 @@ type Candidate = (usize, usize, Vector3<f64>);
 
 /// Covered pixels with a position.
 fn candidates(layer: &Layer) -> Vec<Candidate> {
-    layer
-        .mask
-        .sample(CANDIDATES)
-        .filter_map(|(x, y)| Some((x, y, layer.at(x as isize, y as isize)?)))
-        .collect()
+    let places: Vec<_> = layer.mask.sample(CANDIDATES).collect();
+    let found = places.into_par_iter().filter_map(|(x, y)| {
+        let position = layer.at(x as isize, y as isize)?;
+        Some((x, y, position))
+    });
+    found.collect()
 }
 
 /// At most `count` elements, evenly spread over the list.

@@ -60,7 +60,7 @@ pub(crate) fn edges_with_weights(
         .zip(edges.conductance.samples_mut().par_chunks_mut(ROWS * width))
         .zip(gradient.x.samples_mut().par_chunks_mut(ROWS * width))
         .zip(gradient.y.samples_mut().par_chunks_mut(ROWS * width));
-    bands.enumerate().for_each_init(
+    bands.with_max_len(1).enumerate().for_each_init(
         || Scratch::new(width),
         |scratch, (i, ((((silhouette, crease), conductance), x), y))| {
             let mut band = Band {
