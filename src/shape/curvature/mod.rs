@@ -13,8 +13,16 @@ use crate::fast_math::tanh;
 #[inline(always)]
 pub fn principal_curvatures([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let mean = 0.5 * (xx + yy);
-    let spread = (0.5 * (xx - yy)).hypot(xy);
+    let spread = spread(0.5 * (xx - yy), xy) as f32;
     [mean + spread, mean - spread]
+}
+
+/// Half the difference of the principal curvatures, from half that of the diagonal, and xy: in double precision no square
+/// overflows or vanishes.
+#[inline(always)]
+fn spread(half_difference: f32, xy: f32) -> f64 {
+    let [c, s] = [half_difference, xy].map(f64::from);
+    (c * c + s * s).sqrt()
 }
 
 /// Unit direction (x right, y up, opposites being equal) of the larger principal curvature by magnitude; zero if both
@@ -22,17 +30,21 @@ pub fn principal_curvatures([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
 #[inline(always)]
 pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let (half_difference, mean) = (0.5 * (xx - yy), 0.5 * (xx + yy));
-    let spread = half_difference.hypot(xy);
-    if spread <= UMBILIC * mean.abs() || spread == 0.0 {
+    let spread = spread(half_difference, xy);
+    if spread <= f64::from(UMBILIC * mean.abs()) || spread == 0.0 {
         return [0.0, 0.0];
     }
-    let angle_u = 0.5 * xy.atan2(half_difference);
-    let angle = if mean >= 0.0 {
-        angle_u
-    } else {
-        angle_u + std::f32::consts::FRAC_PI_2
-    };
-    [angle.cos(), angle.sin()]
+    // Half the angle of (half_difference, xy): cos^2 = (1 + cos 2a) / 2 gives the larger of sine and cosine, sin 2a the
+    // other.
+    let [cosine, sine] = [half_difference, xy].map(|v| f64::from(v) / spread);
+    let larger = (0.5 * (1.0 + cosine.abs())).sqrt();
+    let lesser = 0.5 * sine / larger;
+    let [x, y] = match cosine >= 0.0 {
+        true => [larger, lesser],
+        false => [lesser.abs(), larger.copysign(sine)],
+    }
+    .map(|v| v as f32);
+    if mean >= 0.0 { [x, y] } else { [-y, x] }
 }
 
 /// Relative difference of the principal curvatures below which a point is umbilic: a few roundings
