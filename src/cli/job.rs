@@ -375,20 +375,23 @@ impl<'a> Job<'a> {
             let said = args.write_exr(output, loaded, &part, |next| {
                 let bands = Strips::of_rows(band_rows(), height, 0);
                 let mut bands = bands.each().map(|(rows, _)| rows);
-                let made = |rows: Option<Range<usize>>| {
-                    rows.map(|rows| layers.rows(frame, &rows)).transpose()
+                let made = |rows: Range<usize>| {
+                    let laid = layers.rows(frame, &rows)?;
+                    let named = args.picked(channels(&laid))?;
+                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
+                    self.refuse(not_finite(plan, &laid.frame, &laid.outcome, &planes))?;
+                    Ok(laid)
                 };
-                let mut laid = made(bands.next())?;
+                let mut laid = bands.next().map(made).transpose()?;
                 while let Some(rows) = laid {
                     timings.add_all(&rows.outcome);
                     let began = Instant::now();
                     let named = args.picked(channels(&rows))?;
                     let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
-                    self.refuse(not_finite(plan, &rows.frame, &rows.outcome, &planes))?;
                     // The next rows are made while these are written: neither keeps all threads busy to its end.
                     let (following, mut made_meanwhile) = (bands.next(), Ok(None));
                     next(&planes, rows.rows.clone(), &mut || {
-                        made_meanwhile = made(following.clone());
+                        made_meanwhile = following.clone().map(made).transpose();
                     })?;
                     writing += began.elapsed();
                     laid = made_meanwhile?;
