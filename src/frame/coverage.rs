@@ -89,9 +89,11 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 }
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
-    for (sample, &covered) in depth.samples_mut().iter_mut().zip(mask.plane().samples()) {
-        *sample = if covered { *sample } else { 0.0 };
-    }
+    depth.each_row(|y, row| {
+        for (sample, &covered) in row.iter_mut().zip(mask.row(y)) {
+            *sample = if covered { *sample } else { 0.0 };
+        }
+    });
 }
 
 /// The plane, if it is not constant: alpha that is 1 everywhere shows no edge.
