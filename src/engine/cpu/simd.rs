@@ -118,7 +118,7 @@ mod tests {
     use super::*;
     use crate::frame::DepthKind;
     use crate::light::layers::{LobeRow, TermScaling};
-    use crate::line::direction_field::Both;
+    use crate::line::direction_field::Weighted;
     use crate::line::direction_field::forms::{self, Lanes, Neighbourhoods, PatchSource, Tensors};
     use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
     use crate::params::SoftThreshold;
@@ -181,16 +181,16 @@ mod tests {
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);
         let value = |row: usize, i| [gx[row][i], gy[row][i], gx[row + 1][i], 1.0];
-        let chain: Vec<Both> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
+        let chain: Vec<[Weighted; 2]> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
         let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();
         let mut sums = vec![[[0.0; 4]; 2]; WIDTH];
         simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
         results.push(sums.concat().concat());
         let [mut x, mut y] = [(); 2].map(|()| vec![0.0; 4 * (WIDTH - 2)]);
-        let [own, beside]: [Vec<[f32; 2]>; 2] =
-            [0, 1].map(|r| (0..WIDTH).map(|i| [gx[r][i], gy[r][i]]).collect());
+        let [own, beside]: [Vec<[[f32; 2]; 1]>; 2] =
+            [0, 1].map(|r| (0..WIDTH).map(|i| [[gx[r][i], gy[r][i]]]).collect());
         let places = [-0.375, -0.125, 0.125, 0.375];
-        simd.spread_row(&mut x, &mut y, &own, &beside, 0.125, &places);
+        simd.spread_row(&mut [[&mut x, &mut y]], &own, &beside, 0.125, &places);
         results.extend([x, y]);
         for update in [Update::Step(0.2), Update::First, Update::Next] {
             results.extend([swept::<8>(simd, update), swept::<16>(simd, update)]);
