@@ -121,6 +121,7 @@ mod tests {
     use crate::line::direction_field::Weighted;
     use crate::line::direction_field::forms::{self, Lanes, Neighbourhoods, PatchSource, Tensors};
     use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
+    use crate::line::specular::map_directions::{self, LargerTangents};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
@@ -199,6 +200,7 @@ mod tests {
         results.extend(made_of_light(simd, &gx, &gy));
         results.extend(made_of_rays(simd));
         results.extend(made_of_patches(simd));
+        results.extend(made_of_texels(simd));
         results
     }
 
@@ -372,6 +374,36 @@ mod tests {
             [found.x, found.y, found.mean].concat()
         });
         made.to_vec()
+    }
+
+    /// Tangents on a wall with small bumps, one unit from texel to texel.
+    fn made_of_texels(simd: Simd) -> Vec<Vec<f32>> {
+        let texels = |seed: u32, [x, y]: [f32; 2]| {
+            let middles = [x, y, 9.0, 0.0, 0.0, 1.0];
+            let components = std::array::from_fn(|k| {
+                let bumps = row(seed + k as u32);
+                std::array::from_fn(|lane| middles[k] + 0.1 * bumps[lane])
+            });
+            map_directions::Lanes {
+                components,
+                is_there: std::array::from_fn(|lane| u8::from(lane % 7 != seed as usize % 5)),
+            }
+        };
+        let bundle = map_directions::Bundle {
+            here: texels(120, [0.0; 2]),
+            beside: [
+                [texels(126, [-1.0, 0.0]), texels(132, [1.0, 0.0])],
+                [texels(138, [0.0, -1.0]), texels(144, [0.0, 1.0])],
+            ],
+        };
+        let mut found = LargerTangents::default();
+        simd.larger_curvature_tangents(&mut found, &bundle, 1e-7);
+        let known = found.components[0].iter().filter(|&&x| x != 0.0).count();
+        assert!(known > map_directions::LANES / 2, "{known}");
+        let forms = found.forms.map(|form| form as u8 as f32);
+        let mut made = found.components.map(Vec::from).to_vec();
+        made.push(forms.into());
+        made
     }
 
     #[test]
