@@ -16,37 +16,28 @@ pub(crate) fn label_cell(open: &[bool], labels: &mut [u8], width: usize) -> usiz
         labels.fill(0);
         return usize::from(!open.is_empty());
     }
+    // Pixels as bits, row by row.
+    let with = |bits: u64, i: usize| bits | 1 << i;
+    let mut left = (0..open.len()).filter(|&i| open[i]).fold(0, with);
+    let first_column = (0..open.len()).step_by(width).fold(0, with);
+    let last_column = first_column << (width - 1);
     let mut count = 0;
-    let mut waiting = [0_u8; MAX_CELL_PX * MAX_CELL_PX];
-    for first in 0..open.len() {
-        if !open[first] || labels[first] != NO_PATCH {
-            continue;
+    while left != 0 {
+        let first = left & left.wrapping_neg();
+        let (mut patch, mut before) = (first, 0);
+        while patch != before {
+            before = patch;
+            let across = (patch << 1 & !first_column) | (patch >> 1 & !last_column);
+            patch |= (across | patch << width | patch >> width) & left;
         }
-        let label = count as u8;
+        left &= !patch;
+        while patch != 0 {
+            labels[patch.trailing_zeros() as usize] = count;
+            patch &= patch - 1;
+        }
         count += 1;
-        labels[first] = label;
-        waiting[0] = first as u8;
-        let mut left = 1;
-        while left > 0 {
-            left -= 1;
-            let i = usize::from(waiting[left]);
-            let column = i % width;
-            let sides = [
-                (column > 0).then(|| i - 1),
-                (column + 1 < width).then_some(i + 1),
-                i.checked_sub(width),
-                (i + width < open.len()).then_some(i + width),
-            ];
-            for side in sides.into_iter().flatten() {
-                if open[side] && labels[side] == NO_PATCH {
-                    labels[side] = label;
-                    waiting[left] = side as u8;
-                    left += 1;
-                }
-            }
-        }
     }
-    count
+    usize::from(count)
 }
 
 /// Pairs of patches that continue across the side between two neighbouring cells; `first` and `second` are labels along

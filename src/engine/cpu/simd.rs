@@ -118,9 +118,10 @@ mod tests {
     use super::*;
     use crate::frame::DepthKind;
     use crate::light::layers::{LobeRow, TermScaling};
-    use crate::line::direction_field::Both;
+    use crate::line::direction_field::Weighted;
     use crate::line::direction_field::forms::{self, Lanes, Neighbourhoods, PatchSource, Tensors};
     use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
+    use crate::line::specular::map_directions::{self, LargerTangents};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
     use crate::shape::crease::NormalRows;
@@ -181,16 +182,16 @@ mod tests {
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);
         let value = |row: usize, i| [gx[row][i], gy[row][i], gx[row + 1][i], 1.0];
-        let chain: Vec<Both> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
+        let chain: Vec<[Weighted; 2]> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
         let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();
         let mut sums = vec![[[0.0; 4]; 2]; WIDTH];
         simd.sums_along(&mut sums, &chain, &reach[..WIDTH], &mut Vec::new());
         results.push(sums.concat().concat());
         let [mut x, mut y] = [(); 2].map(|()| vec![0.0; 4 * (WIDTH - 2)]);
-        let [own, beside]: [Vec<[f32; 2]>; 2] =
-            [0, 1].map(|r| (0..WIDTH).map(|i| [gx[r][i], gy[r][i]]).collect());
+        let [own, beside]: [Vec<[[f32; 2]; 1]>; 2] =
+            [0, 1].map(|r| (0..WIDTH).map(|i| [[gx[r][i], gy[r][i]]]).collect());
         let places = [-0.375, -0.125, 0.125, 0.375];
-        simd.spread_row(&mut x, &mut y, &own, &beside, 0.125, &places);
+        simd.spread_row(&mut [[&mut x, &mut y]], &own, &beside, 0.125, &places);
         results.extend([x, y]);
         for update in [Update::Step(0.2), Update::First, Update::Next] {
             results.extend([swept::<8>(simd, update), swept::<16>(simd, update)]);
@@ -199,6 +200,7 @@ mod tests {
         results.extend(made_of_light(simd, &gx, &gy));
         results.extend(made_of_rays(simd));
         results.extend(made_of_patches(simd));
+        results.extend(made_of_texels(simd));
         results
     }
 
@@ -372,6 +374,36 @@ mod tests {
             [found.x, found.y, found.mean].concat()
         });
         made.to_vec()
+    }
+
+    /// Tangents on a wall with small bumps, one unit from texel to texel.
+    fn made_of_texels(simd: Simd) -> Vec<Vec<f32>> {
+        let texels = |seed: u32, [x, y]: [f32; 2]| {
+            let middles = [x, y, 9.0, 0.0, 0.0, 1.0];
+            let components = std::array::from_fn(|k| {
+                let bumps = row(seed + k as u32);
+                std::array::from_fn(|lane| middles[k] + 0.1 * bumps[lane])
+            });
+            map_directions::Lanes {
+                components,
+                is_there: std::array::from_fn(|lane| u8::from(lane % 7 != seed as usize % 5)),
+            }
+        };
+        let bundle = map_directions::Bundle {
+            here: texels(120, [0.0; 2]),
+            beside: [
+                [texels(126, [-1.0, 0.0]), texels(132, [1.0, 0.0])],
+                [texels(138, [0.0, -1.0]), texels(144, [0.0, 1.0])],
+            ],
+        };
+        let mut found = LargerTangents::default();
+        simd.larger_curvature_tangents(&mut found, &bundle, 1e-7);
+        let known = found.components[0].iter().filter(|&&x| x != 0.0).count();
+        assert!(known > map_directions::LANES / 2, "{known}");
+        let forms = found.forms.map(|form| form as u8 as f32);
+        let mut made = found.components.map(Vec::from).to_vec();
+        made.push(forms.into());
+        made
     }
 
     #[test]

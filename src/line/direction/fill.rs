@@ -65,18 +65,33 @@ pub(crate) fn fill(
     field.fix(&closed, fixed);
 }
 
-/// Fills in every covered pixel whose direction is 0 from any neighbours, wave after wave, up to [`REST_REACH_PX`];
-/// with the `fixed` direction beyond.
+/// Fills in the pixels `lacking` a direction from any neighbours, wave after wave, up to [`REST_REACH_PX`]; with the
+/// `fixed` direction beyond.
 pub(crate) fn fill_rest(
     directions: &mut Vector2Planes,
-    mask: &Mask,
+    lacking: &[Pixel],
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
-    let width = mask.width();
+    let width = directions.x.width();
     let mut field = Field { directions, width };
-    let lacking = field.lacking(mask);
-    field.spread(REST_REACH_PX, &lacking, |_, _| 1.0, |_, mean, _| mean);
-    field.fix(&lacking, |i| fixed(i % width, i / width));
+    field.spread(REST_REACH_PX, lacking, |_, _| 1.0, |_, mean, _| mean);
+    field.fix(lacking, |i| fixed(i % width, i / width));
+}
+
+/// Appends the covered pixels of row `y` whose direction is 0.
+pub(crate) fn lacking_of_row(found: &mut Vec<Pixel>, mask: &Mask, y: usize, [tx, ty]: [&[f32]; 2]) {
+    let (covered, span) = (mask.row(y), mask.span(y));
+    for start in span.clone().step_by(SCANNED) {
+        let part = start..(start + SCANNED).min(span.end);
+        let lacks = |(tx, ty): (&f32, &f32)| (*tx == 0.0) & (*ty == 0.0);
+        let directions = || tx[part.clone()].iter().zip(&ty[part.clone()]);
+        // Without branches, for hardly any pixel lacks one.
+        if directions().fold(false, |any, t| any | lacks(t)) {
+            let pixels = part.clone().zip(directions());
+            let lacking = pixels.filter(|&(x, t)| covered[x] && lacks(t));
+            found.extend(lacking.map(|(x, _)| (y * mask.width() + x) as Pixel));
+        }
+    }
 }
 
 /// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
@@ -87,7 +102,7 @@ pub(crate) struct Parts<'a> {
 }
 
 /// The number of a pixel, row by row: lists of them are as long as pictures.
-type Pixel = u32;
+pub(crate) type Pixel = u32;
 
 struct Field<'a> {
     directions: &'a mut Vector2Planes,
@@ -115,20 +130,9 @@ impl Field<'_> {
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
-                let (tx, ty) = (self.directions.x.row(y), self.directions.y.row(y));
-                let (covered, span) = (mask.row(y), mask.span(y));
+                let row = [&self.directions.x, &self.directions.y].map(|plane| plane.row(y));
                 let mut found = Vec::new();
-                for start in span.clone().step_by(SCANNED) {
-                    let part = start..(start + SCANNED).min(span.end);
-                    let lacks = |(tx, ty): (&f32, &f32)| (*tx == 0.0) & (*ty == 0.0);
-                    let directions = || tx[part.clone()].iter().zip(&ty[part.clone()]);
-                    // Without branches, for hardly any pixel lacks one.
-                    if directions().fold(false, |any, t| any | lacks(t)) {
-                        let pixels = part.clone().zip(directions());
-                        let lacking = pixels.filter(|&(x, t)| covered[x] && lacks(t));
-                        found.extend(lacking.map(|(x, _)| (y * self.width + x) as Pixel));
-                    }
-                }
+                lacking_of_row(&mut found, mask, y, row);
                 found
             })
             .collect();
@@ -219,4 +223,4 @@ impl Field<'_> {
 const PIXELS_PER_TASK: usize = 1024;
 
 /// Pixels looked at together for those without a direction.
-const SCANNED: usize = 32;
+const SCANNED: usize = 16;

@@ -3,45 +3,76 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Mask, Vector2Planes};
+use crate::line::direction::fill::{Pixel, lacking_of_row};
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Directions of patches, as twice their angles, to be interpolated to pixels.
-pub(crate) struct BetweenPatches<'a> {
+/// Directions of patches in `N` fields, as twice their angles, to be interpolated to pixels.
+pub(crate) struct BetweenPatches<'a, const N: usize> {
     pub(crate) patches: &'a Patches,
     pub(crate) mask: &'a Mask,
-    pub(crate) doubled: &'a [[f32; 2]],
+    pub(crate) doubled: &'a [[[f32; 2]; N]],
 }
 
-impl BetweenPatches<'_> {
-    /// Directions of pixels, interpolated between those of the surrounding patches; 0 without a patch.
-    pub(crate) fn all(&self, memory: &Memory) -> Vector2Planes {
+/// The rows of pixels in a row of cells: x and y of each field.
+type Band<'a, const N: usize> = [[&'a mut [f32]; 2]; N];
+
+impl<const N: usize> BetweenPatches<'_, N> {
+    /// Directions of pixels, interpolated between those of the surrounding patches, and the covered pixels without one,
+    /// where it is 0.
+    pub(crate) fn all(&self, memory: &Memory) -> ([Vector2Planes; N], [Vec<Pixel>; N]) {
         let grid = &self.patches.grid;
+        let mut found = [(); N].map(|()| Vector2Planes {
+            x: memory.unwritten(self.mask),
+            y: memory.unwritten(self.mask),
+        });
+        let mut bands = found.each_mut().map(|field| {
+            let planes = [field.x.samples_mut(), field.y.samples_mut()];
+            planes.map(|samples| grid.bands(samples).into_iter())
+        });
+        let mut next = || {
+            bands.each_mut().map(|field| {
+                let parts = field.each_mut().map(Iterator::next);
+                parts.map(|part| part.expect("one for each row of cells"))
+            })
+        };
+        let bands: Vec<Band<N>> = (0..grid.rows).map(|_| next()).collect();
         let simd = Simd::widest();
-        let [x, y] = [(); 2].map(|()| memory.unwritten(self.mask));
-        let mut found = Vector2Planes { x, y };
-        let width = found.x.width();
-        let (x, y) = (found.x.samples_mut(), found.y.samples_mut());
-        grid.bands(x)
+        let lacking: Vec<[Vec<Pixel>; N]> = bands
             .into_par_iter()
-            .zip(grid.bands(y))
             .enumerate()
-            .for_each(|(row, (x, y))| {
-                let mut from = 0;
-                for run in self.regular_runs(row) {
-                    self.fill_cells(from..run.start, row, [x, y]);
-                    from = run.end;
-                    self.fill_regular(run, row, simd, [x, y]);
-                }
-                self.fill_cells(from..grid.columns, row, [x, y]);
-                for (i, (x, y)) in x.chunks_mut(width).zip(y.chunks_mut(width)).enumerate() {
-                    let span = self.mask.span(grid.y_pixels(row).start + i);
-                    simd.halve_row(&mut x[span.clone()], &mut y[span]);
-                }
-            });
-        found
+            .map(|(row, band)| self.fill_band(row, band, simd))
+            .collect();
+        let lacking = std::array::from_fn(|field| {
+            let rows = lacking.iter().flat_map(|lacking| &lacking[field]);
+            rows.copied().collect()
+        });
+        (found, lacking)
+    }
+
+    /// The directions in a row of cells, and the covered pixels without one.
+    fn fill_band(&self, row: usize, mut band: Band<N>, simd: Simd) -> [Vec<Pixel>; N] {
+        let Patches { grid, .. } = self.patches;
+        let mut from = 0;
+        for run in self.regular_runs(row) {
+            self.fill_cells(from..run.start, row, &mut band);
+            from = run.end;
+            self.fill_regular(run, row, simd, &mut band);
+        }
+        self.fill_cells(from..grid.columns, row, &mut band);
+        let width = self.mask.width();
+        band.map(|[x, y]| {
+            let mut lacking = Vec::new();
+            let rows = x.chunks_mut(width).zip(y.chunks_mut(width));
+            for (py, (x, y)) in grid.y_pixels(row).zip(rows) {
+                let span = self.mask.span(py);
+                simd.halve_row(&mut x[span.clone()], &mut y[span]);
+                lacking_of_row(&mut lacking, self.mask, py, [x, y]);
+            }
+            lacking
+        })
     }
 
     /// The runs of cells of the usual side in a row that are one whole patch each, as are all the cells around them.
@@ -51,10 +82,10 @@ impl BetweenPatches<'_> {
         if grid.four_across().is_none() || row == 0 || row + 1 >= grid.rows {
             return runs;
         }
+        let rows = [row - 1, row, row + 1].map(|row| self.patches.whole(row));
         let mut start = 0;
         for column in 0..=grid.columns {
-            let is_whole = column < grid.columns
-                && (row - 1..=row + 1).all(|row| self.patches.is_whole(column, row));
+            let is_whole = column < grid.columns && rows.iter().all(|row| row[column]);
             if !is_whole {
                 // Those at both ends have others beside them.
                 if column > start + 2 {
@@ -67,7 +98,7 @@ impl BetweenPatches<'_> {
     }
 
     /// The pixels of a regular run of cells, in the rows of their band.
-    fn fill_regular(&self, run: Range<usize>, row: usize, simd: Simd, [x, y]: [&mut [f32]; 2]) {
+    fn fill_regular(&self, run: Range<usize>, row: usize, simd: Simd, band: &mut Band<N>) {
         let Patches { grid, .. } = self.patches;
         let Some(places) = grid.four_across() else {
             return;
@@ -79,54 +110,61 @@ impl BetweenPatches<'_> {
         };
         let [above, own, below] = [row - 1, row, row + 1].map(patches);
         let xs = grid.x_pixels(run.start).start..grid.x_pixels(run.end - 1).end;
-        for (i, py) in grid.y_pixels(row).enumerate() {
-            let down = grid.place(1, py);
+        for (i, &down) in grid.places(1, &grid.y_pixels(row)).iter().enumerate() {
             let beside = if down < 0.0 { above } else { below };
             let start = i * self.mask.width();
             let pixels = start + xs.start..start + xs.end;
-            let (x, y) = (&mut x[pixels.clone()], &mut y[pixels]);
-            simd.spread_row(x, y, own, beside, down, &places);
+            let mut out = band.each_mut().map(|field| {
+                let rows = field.each_mut();
+                rows.map(|row| &mut row[pixels.clone()])
+            });
+            simd.spread_row(&mut out, own, beside, down, &places);
         }
     }
 
     /// The pixels of any cells in these columns, in the rows of their band.
-    fn fill_cells(&self, columns: Range<usize>, row: usize, [x, y]: [&mut [f32]; 2]) {
+    fn fill_cells(&self, columns: Range<usize>, row: usize, band: &mut Band<N>) {
         if columns.is_empty() {
             return;
         }
         let Patches { grid, labels, .. } = self.patches;
         let width = self.mask.width();
         let ys = grid.y_pixels(row);
+        let downs = grid.places(1, &ys);
         let all = grid.x_pixels(columns.start).start..grid.x_pixels(columns.end - 1).end;
-        for i in 0..ys.len() {
-            x[i * width..][all.clone()].fill(0.0);
-            y[i * width..][all.clone()].fill(0.0);
+        for samples in band.iter_mut().flatten() {
+            for row in samples.chunks_mut(width) {
+                row[all.clone()].fill(0.0);
+            }
         }
         for column in columns {
             let xs = grid.x_pixels(column);
+            let acrosses = grid.places(0, &xs);
             for (label, patch) in self.patches.of_cell(column, row).enumerate() {
-                // Mapping arrays is not inlined.
-                let mut around = [Vec2::ZERO; 9];
-                for (mean, [a, b]) in around.iter_mut().zip(self.around(patch)) {
-                    *mean = 0.5 * (Vec2::from(self.doubled[a]) + Vec2::from(self.doubled[b]));
-                }
-                for (i, py) in ys.clone().enumerate() {
-                    let v = grid.place(1, py);
-                    let between = |c: usize| {
-                        let beside = if v < 0.0 { around[c] } else { around[c + 6] };
-                        around[c + 3] + v.abs() * (beside - around[c + 3])
-                    };
-                    let (left, here, right) = (between(0), between(1), between(2));
-                    let steps = [left - here, right - here];
-                    let pixels = x[i * width..][xs.clone()]
-                        .iter_mut()
-                        .zip(&mut y[i * width..][xs.clone()]);
-                    let labels = &labels[py * width..][xs.clone()];
-                    for ((px, (x, y)), &own) in xs.clone().zip(pixels).zip(labels) {
-                        let u = grid.place(0, px);
-                        if usize::from(own) == label {
-                            let z = here + u.abs() * steps[usize::from(u >= 0.0)];
-                            (*x, *y) = (z.x, z.y);
+                let pairs = self.around(patch);
+                for (field, [x, y]) in band.iter_mut().enumerate() {
+                    // Mapping arrays is not inlined.
+                    let mut around = [Vec2::ZERO; 9];
+                    for (mean, pair) in around.iter_mut().zip(pairs) {
+                        let [a, b] = pair.map(|i| Vec2::from(self.doubled[i][field]));
+                        *mean = 0.5 * (a + b);
+                    }
+                    for (i, (py, &v)) in ys.clone().zip(downs).enumerate() {
+                        let between = |c: usize| {
+                            let beside = if v < 0.0 { around[c] } else { around[c + 6] };
+                            around[c + 3] + v.abs() * (beside - around[c + 3])
+                        };
+                        let (left, here, right) = (between(0), between(1), between(2));
+                        let steps = [left - here, right - here];
+                        let pixels = x[i * width..][xs.clone()]
+                            .iter_mut()
+                            .zip(&mut y[i * width..][xs.clone()]);
+                        let labels = &labels[py * width..][xs.clone()];
+                        for ((&u, (x, y)), &own) in acrosses.iter().zip(pixels).zip(labels) {
+                            if usize::from(own) == label {
+                                let z = here + u.abs() * steps[usize::from(u >= 0.0)];
+                                (*x, *y) = (z.x, z.y);
+                            }
                         }
                     }
                 }
@@ -175,38 +213,38 @@ impl BetweenPatches<'_> {
 /// A row of pixels in whole cells of four, between the directions of these cells, one more at both ends, and of those
 /// `beside` them, above or below; `down` is the place of the row in its cells, and `places` are those of the columns.
 #[inline(always)]
-fn spread_row(
-    x: &mut [f32],
-    y: &mut [f32],
-    own: &[[f32; 2]],
-    beside: &[[f32; 2]],
+fn spread_row<const N: usize>(
+    out: &mut [[&mut [f32]; 2]; N],
+    own: &[[[f32; 2]; N]],
+    beside: &[[[f32; 2]; N]],
     down: f32,
     places: &[f32; 4],
 ) {
-    let between = |i: usize| {
-        let ([ax, ay], [bx, by]) = (own[i], beside[i]);
-        let share = down.abs();
-        [ax + share * (bx - ax), ay + share * (by - ay)]
-    };
-    let (x, y) = (x.as_chunks_mut::<4>().0, y.as_chunks_mut::<4>().0);
-    let (mut left, mut here) = (between(0), between(1));
-    for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
-        let right = between(i + 2);
-        for k in 0..4 {
-            let side = if k < 2 { left } else { right };
-            x[k] = here[0] + places[k].abs() * (side[0] - here[0]);
-            y[k] = here[1] + places[k].abs() * (side[1] - here[1]);
+    for (field, [x, y]) in out.iter_mut().enumerate() {
+        let between = |i: usize| {
+            let ([ax, ay], [bx, by]) = (own[i][field], beside[i][field]);
+            let share = down.abs();
+            [ax + share * (bx - ax), ay + share * (by - ay)]
+        };
+        let (x, y) = (x.as_chunks_mut::<4>().0, y.as_chunks_mut::<4>().0);
+        let (mut left, mut here) = (between(0), between(1));
+        for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
+            let right = between(i + 2);
+            for k in 0..4 {
+                let side = if k < 2 { left } else { right };
+                x[k] = here[0] + places[k].abs() * (side[0] - here[0]);
+                y[k] = here[1] + places[k].abs() * (side[1] - here[1]);
+            }
+            (left, here) = (here, right);
         }
-        (left, here) = (here, right);
     }
 }
 
 widened! {
-    fn spread_row(
-        x: &mut [f32],
-        y: &mut [f32],
-        own: &[[f32; 2]],
-        beside: &[[f32; 2]],
+    fn spread_row<N>(
+        out: &mut [[&mut [f32]; 2]; N],
+        own: &[[[f32; 2]; N]],
+        beside: &[[[f32; 2]; N]],
         down: f32,
         places: &[f32; 4],
     );

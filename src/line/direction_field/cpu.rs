@@ -12,7 +12,7 @@ use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
-use crate::line::direction_field::{Both, CurvatureTensor, Weighted, calm, doubled};
+use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
 use crate::line::normal_rays::upright_tangents;
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
@@ -32,33 +32,11 @@ pub(crate) fn stroke_fields(
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
     let field = Field::new(plan, params, frame, patches);
-    let cross = CrossKernel::new(patches);
-    let forms = field.forms(&cross);
-    let reach = field.reach();
-    let wanted = directions.wanted();
-    let families: Vec<usize> = [0, 1].into_iter().filter(|&f| wanted[f]).collect();
-    let found = field.doubled(&forms, &families);
-    let calmed = field.calmed(found, &cross, &reach);
-    (0..families.len())
-        .map(|order| {
-            let mut led: Vec<[f32; 2]> = calmed.iter().map(|both| both[order]).collect();
-            if let Some(given) = given {
-                field.follow(&mut led, &given[order]);
-            }
-            field.settle(&mut led, order);
-            let between = BetweenPatches {
-                patches,
-                mask: &frame.mask,
-                doubled: &led,
-            };
-            let mut found = between.all(memory);
-            fill_rest(&mut found, &frame.mask, |x, y| {
-                let at = frame.data_window.middle(x, y);
-                field.fallback(at, frame.normal.at(x, y), order)
-            });
-            found
-        })
-        .collect()
+    match directions {
+        StrokeDirections::Max => field.found([0], given, memory).into(),
+        StrokeDirections::Min => field.found([1], given, memory).into(),
+        StrokeDirections::Both => field.found([0, 1], given, memory).into(),
+    }
 }
 
 struct Field<'a> {
@@ -81,6 +59,36 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// The fields of these families: 0 follows the larger curvature, 1 the lesser.
+    fn found<const N: usize>(
+        &self,
+        families: [usize; N],
+        given: Option<&[Vector2Planes]>,
+        memory: &Memory,
+    ) -> [Vector2Planes; N] {
+        let cross = CrossKernel::new(self.patches);
+        let forms = self.forms(&cross);
+        let mut led = self.calmed(self.doubled(&forms, families), &cross);
+        for (order, given) in given.into_iter().flatten().enumerate() {
+            self.follow(&mut led, given, order);
+        }
+        self.settle(&mut led);
+        let between = BetweenPatches {
+            patches: self.patches,
+            mask: &self.frame.mask,
+            doubled: &led,
+        };
+        let (mut found, lacking) = between.all(memory);
+        let each = found.par_iter_mut().zip(&lacking).enumerate();
+        each.for_each(|(order, (found, lacking))| {
+            fill_rest(found, lacking, |x, y| {
+                let at = self.frame.data_window.middle(x, y);
+                self.fallback(at, self.frame.normal.at(x, y), order)
+            });
+        });
+        found
+    }
+
     /// The fallback at a place in the picture, of the first field made or the second.
     fn fallback(&self, at: DVec2, normal: DVec3, order: usize) -> Vec2 {
         let Some(own) = &self.frame.stroke_fallback else {
@@ -100,14 +108,13 @@ impl<'a> Field<'a> {
     fn reach(&self) -> Vec<f32> {
         let radius = self.params.radius_px * self.setting.cells;
         let all = &self.patches.all;
+        if !self.setting.is_by_depth {
+            return vec![radius; all.len()];
+        }
         let is_known = |depth: f32| depth > 0.0 && depth.is_finite();
-        let mut depths: Vec<f32> = all
-            .iter()
-            .map(|p| p.depth)
-            .filter(|&d| is_known(d))
-            .collect();
-        let median = quantile(&mut depths, 0.5, f32::total_cmp);
-        let Some(median) = median.filter(|_| self.setting.is_by_depth) else {
+        let depths = all.iter().map(|p| p.depth);
+        let mut depths: Vec<f32> = depths.filter(|&d| is_known(d)).collect();
+        let Some(median) = quantile(&mut depths, 0.5, f32::total_cmp) else {
             return vec![radius; all.len()];
         };
         let reach = |depth: f32| match is_known(depth) {
@@ -118,7 +125,7 @@ impl<'a> Field<'a> {
     }
 
     /// The curvature of every patch, per pixel, averaged nearby.
-    fn forms(&self, cross: &CrossKernel) -> Vec<Both> {
+    fn forms(&self, cross: &CrossKernel) -> Vec<[Weighted; 1]> {
         let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
         let source = PatchSource {
             is_perspective: sight.is_perspective(),
@@ -130,7 +137,7 @@ impl<'a> Field<'a> {
             .with_min_len(PATCHES_PER_TASK)
             .map(|patch| sight.across_and_up(patch.at.x, patch.at.y))
             .collect();
-        let mut forms = vec![[NO_FORM; 2]; all.len()];
+        let mut forms = vec![[NO_FORM]; all.len()];
         let tasks = forms.par_chunks_mut(PATCHES_PER_TASK).enumerate();
         tasks.for_each_init(
             || (Neighbourhoods::default(), Tensors::default()),
@@ -141,7 +148,7 @@ impl<'a> Field<'a> {
                         self.look_around(around, lane, patch, &lines);
                     }
                     simd.patch_tensors(found, around, &source);
-                    for (lane, [form, _]) in forms.iter_mut().enumerate() {
+                    for (lane, [form]) in forms.iter_mut().enumerate() {
                         *form = [found.x[lane], found.y[lane], found.mean[lane], 1.0];
                     }
                 }
@@ -183,19 +190,23 @@ impl<'a> Field<'a> {
 
     /// The directions of patches, of the larger curvature in family 0, of the lesser in 1, in the order of `families`: see
     /// [`calm`].
-    fn doubled(&self, forms: &[Both], families: &[usize]) -> Vec<Both> {
+    fn doubled<const N: usize>(
+        &self,
+        forms: &[[Weighted; 1]],
+        families: [usize; N],
+    ) -> Vec<[Weighted; N]> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
         all.zip(forms)
-            .map(|(patch, &[[x, y, mean, _], _])| {
+            .map(|(patch, &[[x, y, mean, _]])| {
                 let form = CurvatureTensor {
                     deviator: DVec2::new(x.into(), y.into()),
                     mean: mean.into(),
                 };
-                let directions = self.directions(patch, &form).unwrap_or_default();
+                let directions = self.directions(patch, &form, families);
+                let directions = directions.unwrap_or([Vec2::ZERO; N]);
                 let flat = form.flatness(self.setting.doubt) as f32;
-                let mut found = [NO_FORM; 2];
-                for (order, &family) in families.iter().enumerate() {
-                    let own = directions[family];
+                let mut found = [NO_FORM; N];
+                for (order, own) in directions.into_iter().enumerate() {
                     let fallback = self.fallback(patch.at, patch.normal, order);
                     let sum = own + flat * doubled(fallback);
                     found[order] = [sum.x, sum.y, own.length() + flat, 1.0];
@@ -205,8 +216,13 @@ impl<'a> Field<'a> {
             .collect()
     }
 
-    /// Twice the angles of a patch's own directions, of both families, with their confidence as length.
-    fn directions(&self, patch: &Patch, form: &CurvatureTensor) -> Option<[Vec2; 2]> {
+    /// Twice the angles of a patch's own directions, of these families, with their confidence as length.
+    fn directions<const N: usize>(
+        &self,
+        patch: &Patch,
+        form: &CurvatureTensor,
+        families: [usize; N],
+    ) -> Option<[Vec2; N]> {
         let larger = form.larger()?;
         let [a, b] = upright_tangents(patch.normal)?;
         let [x, y] = patch.at.to_array();
@@ -217,32 +233,40 @@ impl<'a> Field<'a> {
             let seen = self.setting.sight.picture_direction(x, y, tangent)?;
             Some(sure as f32 * doubled(seen.as_vec2()))
         };
-        Some([larger, larger.perp()].map(|axis| direction(axis).unwrap_or_default()))
+        let axes = [larger, larger.perp()];
+        Some(families.map(|family| direction(axes[family]).unwrap_or_default()))
     }
 
     /// Directions averaged in several passes; where they disagree, their surroundings lead.
-    fn calmed(
+    fn calmed<const N: usize>(
         &self,
-        mut found: Vec<Both>,
+        mut found: Vec<[Weighted; N]>,
         cross: &CrossKernel,
-        reach: &[f32],
-    ) -> Vec<[[f32; 2]; 2]> {
-        cross.average(&mut found, reach, self.params.passes);
+    ) -> Vec<[[f32; 2]; N]> {
+        let mut reach = self.reach();
+        cross.average(&mut found, &reach, self.params.passes);
         if self.params.passes == 0 {
             let own = found.iter();
-            return own.map(|both| both.map(|[x, y, ..]| [x, y])).collect();
+            return own.map(|own| own.map(|[x, y, ..]| [x, y])).collect();
         }
-        let wide: Vec<f32> = reach.iter().map(|r| SURROUNDINGS * r).collect();
+        for reach in &mut reach {
+            *reach *= SURROUNDINGS;
+        }
         let mut around = found.clone();
-        cross.average(&mut around, &wide, SURROUNDING_PASSES);
+        cross.average(&mut around, &reach, SURROUNDING_PASSES);
         let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
         pairs
-            .map(|(own, around)| [calm(own[0], around[0]), calm(own[1], around[1])])
+            .map(|(own, around)| std::array::from_fn(|f| calm(own[f], around[f])))
             .collect()
     }
 
-    /// Replaces the direction of a patch by the mean of its `given` directions, if there are any.
-    fn follow(&self, doubled_directions: &mut [[f32; 2]], given: &Vector2Planes) {
+    /// Replaces the direction of a patch by the mean of its `given` directions of one field, if there are any.
+    fn follow<const N: usize>(
+        &self,
+        doubled_directions: &mut [[[f32; 2]; N]],
+        given: &Vector2Planes,
+        order: usize,
+    ) {
         let mut sums = vec![Vec3::ZERO; doubled_directions.len()];
         let mask = &self.frame.mask;
         for y in 0..mask.height() {
@@ -258,22 +282,28 @@ impl<'a> Field<'a> {
         }
         for (own, sum) in doubled_directions.iter_mut().zip(sums) {
             if sum.z > 0.0 {
-                *own = (sum.truncate() / sum.z).to_array();
+                own[order] = (sum.truncate() / sum.z).to_array();
             }
         }
     }
 
     /// Adds the fallback, and makes everything unit; specks become 0.
-    fn settle(&self, doubled_directions: &mut [[f32; 2]], order: usize) {
-        let settle = |(i, z): (usize, &mut [f32; 2])| {
+    fn settle<const N: usize>(&self, doubled_directions: &mut [[[f32; 2]; N]]) {
+        let settle = |(i, directions): (usize, &mut [[f32; 2]; N])| {
+            if self.patches.is_speck(i) {
+                *directions = [[0.0; 2]; N];
+                return;
+            }
             let patch = &self.patches.all[i];
-            let last = doubled(self.fallback(patch.at, patch.normal, order));
-            let own = Vec2::from(*z);
-            let sum = own + FALLBACK * (1.0 - own.length() / FREE).max(0.0) * last;
-            *z = match self.patches.is_speck(i) {
-                true => [0.0; 2],
-                false => sum.try_normalize().unwrap_or(last).to_array(),
-            };
+            for (order, z) in directions.iter_mut().enumerate() {
+                let last = || doubled(self.fallback(patch.at, patch.normal, order));
+                let mut sum = Vec2::from(*z);
+                let share = 1.0 - sum.length() / FREE;
+                if share > 0.0 {
+                    sum += FALLBACK * share * last();
+                }
+                *z = sum.try_normalize().unwrap_or_else(last).to_array();
+            }
         };
         doubled_directions
             .par_iter_mut()

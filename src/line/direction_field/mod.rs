@@ -154,69 +154,63 @@ pub(crate) const AGREE: Range<f32> = 0.2..0.8;
 /// Three components and a weight of 1.
 pub(crate) type Weighted = [f32; 4];
 
-/// The values of a patch in two fields, which are averaged together.
-pub(crate) type Both = [Weighted; 2];
-
 /// Sums along a chain of values around each one, weighted by `1 - distance / reach` (Eq. 7's w_s), including the value
-/// itself with weight 1. `reach` is more than 0.
+/// itself with weight 1. A value is of `N` fields; `reach` is more than 0.
 ///
-/// Prefix sums of the values, and of the values times their positions, give any such sum in constant time for any
-/// reach.
+/// With G(t) the sum of the values before place t, each times its distance from there, the sum around place i up to r is
+/// (G(i + r) - 2 G(i) + G(i - r)) / r. Between places G is linear, so that any reach takes the same time.
 #[inline(always)]
-pub(crate) fn sums_along(
-    sums: &mut [Both],
-    chain: &[Both],
+pub(crate) fn sums_along<const N: usize>(
+    sums: &mut [[Weighted; N]],
+    chain: &[[Weighted; N]],
     reach: &[f32],
-    scratch: &mut Vec<[[[f64; 4]; 2]; 2]>,
+    scratch: &mut Vec<[[f64; 4]; N]>,
 ) {
-    // Prefix sums of the values, and of each times its position.
     scratch.clear();
-    scratch.resize(chain.len() + 1, [[[0.0; 4]; 2]; 2]);
-    let mut until = [[[0.0; 4]; 2]; 2];
-    let mut place = 0.0;
+    scratch.resize(chain.len() + 1, [[0.0; 4]; N]);
+    let [mut sum, mut moment] = [[[0.0; 4]; N]; 2];
     for (next, value) in scratch[1..].iter_mut().zip(chain) {
-        for f in 0..2 {
+        for f in 0..N {
             for c in 0..4 {
-                let value = f64::from(value[f][c]);
-                until[0][f][c] += value;
-                until[1][f][c] += place * value;
+                sum[f][c] += f64::from(value[f][c]);
+                moment[f][c] += sum[f][c];
             }
         }
-        *next = until;
-        place += 1.0;
+        *next = moment;
     }
-    let (until, last) = (&scratch[..], chain.len() - 1);
+    let (moments, end) = (&scratch[..], chain.len());
     // Counted, so that the compiler widens the loops over components, not this one, which would gather.
-    let mut place = 0.0;
-    for (i, ((sum, value), &reach)) in sums.iter_mut().zip(chain).zip(reach).enumerate() {
+    let mut to_end = end as f64;
+    for (i, ((out, &reach), here)) in sums.iter_mut().zip(reach).zip(moments).enumerate() {
         let reach = f64::from(reach);
-        let slope = reach.recip();
-        // The last place whose weight is above 0.
-        let whole = reach as usize;
-        let far = whole - usize::from(whole > 0 && whole as f64 == reach);
-        let (back, ahead) = (far.min(i), far.min(last - i));
-        let (before, here) = (&until[i - back], &until[i]);
-        let (after, end) = (&until[i + 1], &until[i + 1 + ahead]);
-        let tilt = slope * place;
-        place += 1.0;
-        for f in 0..2 {
+        let whole = (reach as u32) as usize;
+        let [before, after] = [i.saturating_sub(whole), i + whole].map(|at| at.min(end));
+        let (near, near_end) = (&moments[before], &moments[after]);
+        let (far, far_end) = (
+            &moments[before.saturating_sub(1)],
+            &moments[(after + 1).min(end)],
+        );
+        // Before the chain G is 0, and beyond its end it rises by the sum of all values.
+        let beyond = (reach - to_end).max(0.0);
+        to_end -= 1.0;
+        let (slope, rest) = (reach.recip(), reach - whole as f64);
+        for f in 0..N {
             for c in 0..4 {
-                let rising = (1.0 - tilt) * (here[0][f][c] - before[0][f][c])
-                    + slope * (here[1][f][c] - before[1][f][c]);
-                let falling = (1.0 + tilt) * (end[0][f][c] - after[0][f][c])
-                    - slope * (end[1][f][c] - after[1][f][c]);
-                sum[f][c] = (f64::from(value[f][c]) + (rising + falling)) as f32;
+                let both = near[f][c] + near_end[f][c];
+                let further = far[f][c] + far_end[f][c] - both;
+                let curve = both + rest * further + beyond * sum[f][c] - 2.0 * here[f][c];
+                out[f][c] = (slope * curve) as f32;
             }
         }
     }
 }
 
 widened! {
-    fn sums_along(
-        sums: &mut [Both],
-        chain: &[Both],
+    fn sums_along<N>(
+        sums: &mut [[Weighted; N]],
+        chain: &[[Weighted; N]],
         reach: &[f32],
-        scratch: &mut Vec<[[[f64; 4]; 2]; 2]>,
+        scratch: &mut Vec<[[f64; 4]; N]>,
     );
 }
 
@@ -298,7 +292,7 @@ mod tests {
     fn sums_are_those_of_the_weights() {
         let values: Vec<f32> = (0..40).map(|i| ((i * i) % 17) as f32 - 8.0).collect();
         for reach in [0.5, 1.0, 1.5, 2.0, 6.0, 7.3, 100.0_f32] {
-            let chain: Vec<Both> = values
+            let chain: Vec<[Weighted; 2]> = values
                 .iter()
                 .map(|&v| [[v, 2.0 * v, 0.0, 1.0], [0.0, 0.0, -v, 1.0]])
                 .collect();

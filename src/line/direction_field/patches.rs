@@ -76,9 +76,10 @@ impl Grid {
         self.pixels(1, row)
     }
 
-    /// Offset of a pixel's centre from that of its cell, in cells, -1/2..1/2.
-    pub(crate) fn place(&self, axis: usize, pixel: usize) -> f32 {
-        self.places[(pixel + self.cut[axis]) % self.cell_px]
+    /// Offsets of the centres of pixels of one cell from that of the cell, in cells, -1/2..1/2.
+    pub(crate) fn places(&self, axis: usize, pixels: &Range<usize>) -> &[f32] {
+        let first = (pixels.start + self.cut[axis]) % self.cell_px;
+        &self.places[first..first + pixels.len()]
     }
 
     /// The places of the pixels across a cell of the usual four, the first two left of its middle.
@@ -105,6 +106,8 @@ pub(crate) struct Patches {
     pub(crate) all: Vec<Patch>,
     /// The first patch of each cell, and the total number of patches.
     first: Vec<u32>,
+    /// Whether each cell is one patch, whole.
+    whole: Vec<bool>,
     /// Which patch of its cell a pixel belongs to.
     pub(crate) labels: Vec<u8>,
     pub(crate) across: Links,
@@ -142,12 +145,18 @@ impl Patches {
         for (_, patches) in &found {
             all.extend_from_slice(patches);
         }
+        let full = cell_px.pow(2);
+        let is_whole = |cell: &[u32]| {
+            cell[1] == cell[0] + 1 && usize::from(all[cell[0] as usize].pixels) == full
+        };
+        let whole = first.windows(2).map(is_whole).collect();
         let mut patches = Self {
             across: Links::new(all.len(), []),
             down: Links::new(all.len(), []),
             grid,
             all,
             first,
+            whole,
             labels,
         };
         let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..patches.grid.rows)
@@ -167,18 +176,16 @@ impl Patches {
         self.first[cell] as usize..self.first[cell + 1] as usize
     }
 
-    /// Whether a cell is one patch, whole.
-    pub(crate) fn is_whole(&self, column: usize, row: usize) -> bool {
-        let patches = self.of_cell(column, row);
-        patches.len() == 1
-            && usize::from(self.all[patches.start].pixels) == self.grid.cell_px.pow(2)
+    /// Whether each cell of a row is one patch, whole.
+    pub(crate) fn whole(&self, row: usize) -> &[bool] {
+        &self.whole[row * self.grid.columns..][..self.grid.columns]
     }
 
     /// Linked pairs of patches between the cells of a row and those to their right, and below.
     fn pairs(&self, row: usize) -> [Vec<(u32, u32)>; 2] {
         let Self { grid, labels, .. } = self;
         let label = |x: usize, y: usize| labels[y * grid.size[0] + x];
-        let mut pairs = [Vec::new(), Vec::new()];
+        let mut pairs = [(); 2].map(|()| Vec::with_capacity(grid.columns));
         let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
         let ys = grid.y_pixels(row);
         for column in 0..grid.columns {
@@ -186,21 +193,21 @@ impl Patches {
             if own.is_empty() {
                 continue;
             }
-            let xs = grid.x_pixels(column);
-            let is_whole = self.is_whole(column, row);
+            let is_whole = self.whole(row)[column];
             let sides = [(column + 1, row), (column, row + 1)];
-            for (axis, (column, row)) in sides.into_iter().enumerate() {
-                if column >= grid.columns || row >= grid.rows {
+            for (axis, (to_column, to_row)) in sides.into_iter().enumerate() {
+                if to_column >= grid.columns || to_row >= grid.rows {
                     continue;
                 }
-                let next = self.of_cell(column, row).start as u32;
+                let next = self.of_cell(to_column, to_row).start as u32;
                 let mut pair = |a, b| {
                     pairs[axis].push((own.start as u32 + u32::from(a), next + u32::from(b)));
                 };
-                if is_whole && self.is_whole(column, row) {
+                if is_whole && self.whole(to_row)[to_column] {
                     pair(0, 0);
                     continue;
                 }
+                let xs = grid.x_pixels(column);
                 let length = if axis == 0 {
                     for (i, y) in ys.clone().enumerate() {
                         (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
@@ -232,10 +239,9 @@ impl Patches {
 
     /// Whether a patch is a speck: a few pixels enclosed by edges, a sign of noise.
     pub(crate) fn is_speck(&self, i: usize) -> bool {
-        let alone = [&self.across, &self.down]
-            .iter()
-            .all(|links| links.before[i] == NONE && links.after[i] == NONE);
-        alone && 2 * usize::from(self.all[i].pixels) < self.grid.cell_px.pow(2)
+        let links = [&self.across, &self.down];
+        2 * usize::from(self.all[i].pixels) < self.grid.cell_px.pow(2)
+            && links.map(|l| [l.before[i], l.after[i]]) == [[NONE; 2]; 2]
     }
 }
 
@@ -267,18 +273,22 @@ impl RowOfCells<'_> {
         let ys = self.grid.y_pixels(self.row);
         let mut open = [false; MAX_CELL_PX * MAX_CELL_PX];
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
-        let (mut counts, mut patches) = (Vec::with_capacity(self.grid.columns), Vec::new());
-        let least = self.conductance_across(&ys, f32::min);
-        let most = self.conductance_across(&ys, f32::max);
-        let is_closed = |column: &usize| {
-            let most = &most[self.grid.x_pixels(*column)];
-            most.iter().all(|&c| c <= OPEN)
+        let mut counts = Vec::with_capacity(self.grid.columns);
+        let mut patches = Vec::with_capacity(self.grid.columns);
+        let counts_open = self.open_across(&ys);
+        let open_in = |column: usize| {
+            let columns = &counts_open[self.grid.x_pixels(column)];
+            columns
+                .iter()
+                .map(|&count| usize::from(count))
+                .sum::<usize>()
         };
         let mut columns = 0..self.grid.columns;
         while let Some(column) = columns.next() {
             let xs = self.grid.x_pixels(column);
-            if is_closed(&column) {
-                let end = columns.find(|c| !is_closed(c)).unwrap_or(columns.end);
+            let count_open = open_in(column);
+            if count_open == 0 {
+                let end = columns.find(|&c| open_in(c) > 0).unwrap_or(columns.end);
                 counts.resize(end, 0);
                 let closed = xs.start..self.grid.x_pixels(end - 1).end;
                 for row in labels.chunks_mut(width) {
@@ -288,8 +298,7 @@ impl RowOfCells<'_> {
                 continue;
             }
             let size = xs.len() * ys.len();
-            let is_open = least[xs.clone()].iter().all(|&c| c > OPEN);
-            if is_open && size == self.grid.cell_px.pow(2) {
+            if count_open == self.grid.cell_px.pow(2) {
                 counts.push(1);
                 patches.push(self.whole(&xs, &ys));
                 continue;
@@ -312,46 +321,63 @@ impl RowOfCells<'_> {
         (counts, patches)
     }
 
-    /// The least or the most conductance of each column of pixels within the row of cells.
-    fn conductance_across(&self, ys: &Range<usize>, fold: impl Fn(f32, f32) -> f32) -> Vec<f32> {
-        let mut folded = self.conductance.row(ys.start).to_vec();
-        for y in ys.clone().skip(1) {
-            for (folded, &c) in folded.iter_mut().zip(self.conductance.row(y)) {
-                *folded = fold(*folded, c);
+    /// The number of open pixels of each column of pixels within the row of cells.
+    fn open_across(&self, ys: &Range<usize>) -> Vec<u8> {
+        let mut counts = vec![0; self.grid.size[0]];
+        for y in ys.clone() {
+            for (count, &c) in counts.iter_mut().zip(self.conductance.row(y)) {
+                *count += u8::from(c > OPEN);
             }
         }
-        folded
+        counts
     }
 
     /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would be below the surface.
     fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let margin = self.grid.cell_px / 4;
-        let inner = |r: &Range<usize>| r.start + margin..r.end - margin;
-        let mut middle = Middle::default();
-        for y in inner(ys) {
-            for x in inner(xs) {
-                middle.add(self.frame, x, y);
+        let [columns, rows] = [xs, ys].map(|r| r.start + margin..r.end - margin);
+        let width = self.grid.size[0];
+        let sum = |plane: &Plane| {
+            let mut sum = 0.0;
+            for y in rows.clone() {
+                for &sample in &plane.samples()[y * width..][columns.clone()] {
+                    sum += f64::from(sample);
+                }
             }
-        }
+            sum
+        };
+        let n = &self.frame.normal;
+        let count = (columns.len() * rows.len()) as f64;
+        let at = [xs, ys].map(|pixels| 0.5 * (pixels.start + pixels.end) as f64);
+        let middle = Middle {
+            normal: DVec3::new(sum(&n.x), sum(&n.y), sum(&n.z)),
+            at: count * DVec2::from(at),
+            depth: self.frame.depth.as_ref().map_or(0.0, sum),
+            count,
+        };
         middle.patch(self.frame, self.grid.cell_px.pow(2))
     }
 
     /// The patch of a part of a cell, likewise.
     fn patch(&self, labels: &[u8], label: u8, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
-        let places = || {
-            let inside = labels.iter().enumerate().filter(|(_, l)| **l == label);
-            inside.map(|(i, _)| (xs.start + i % xs.len(), ys.start + i / xs.len()))
-        };
-        let pixels = places().count();
-        let sum = places().fold([0, 0], |[sx, sy], (x, y)| [sx + x, sy + y]);
-        let off = |(x, y): (usize, usize)| {
+        let mut places = [(0, 0); MAX_CELL_PX * MAX_CELL_PX];
+        let (mut pixels, mut sum) = (0, [0, 0]);
+        for (y, row) in ys.clone().zip(labels.chunks(xs.len())) {
+            for (x, _) in xs.clone().zip(row).filter(|(_, l)| **l == label) {
+                places[pixels] = (x, y);
+                pixels += 1;
+                sum = [sum[0] + x, sum[1] + y];
+            }
+        }
+        let places = &places[..pixels];
+        let off = |&(x, y): &(usize, usize)| {
             let square = |sum: usize, p: usize| sum.abs_diff(p * pixels).pow(2);
             square(sum[0], x) + square(sum[1], y)
         };
-        let least = places().map(off).min().unwrap_or(0);
+        let least = places.iter().map(off).min().unwrap_or(0);
         // All equally near ones: one of two would prefer a side.
         let mut middle = Middle::default();
-        for (x, y) in places().filter(|&p| off(p) == least) {
+        for &(x, y) in places.iter().filter(|p| off(p) == least) {
             middle.add(self.frame, x, y);
         }
         middle.patch(self.frame, pixels)

@@ -1,9 +1,11 @@
 //! Directions of curvature on the surroundings, texel by texel.
 
+use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Plane, Surroundings, Vector3Planes};
-use crate::line::normal_rays::{Noise, NormalRay, Sides, principal_curvatures};
+use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The directions on the surroundings of the last run, since a sequence has the same ones throughout.
@@ -44,64 +46,179 @@ const ALIKE: f64 = 0.5;
 /// Rounding of an f32 of size 1, as a deviation.
 const ROUNDING: f64 = 0.577 * f32::EPSILON as f64 / 2.0;
 
+/// Texels that are looked at together.
+pub(crate) const LANES: usize = 32;
+
 /// Unit tangents of the curvature larger in size; 0 on planes, on balls and where nothing is.
 fn directions(surroundings: &Surroundings) -> Vector3Planes {
     let (width, height) = (surroundings.width(), surroundings.height());
-    let rows: Vec<Vec<DVec3>> = (0..height)
-        .into_par_iter()
-        .map(|y| {
-            (0..width)
-                .map(|x| direction(surroundings, x, y).unwrap_or(DVec3::ZERO))
-                .collect()
-        })
-        .collect();
-    let plane = |k: usize| Plane::from_fn(width, height, |x, y| rows[y][x][k] as f32);
-    Vector3Planes {
-        x: plane(0),
-        y: plane(1),
-        z: plane(2),
+    let normal_noise = f64::from(surroundings.normal_rounding).max(ROUNDING);
+    let simd = Simd::widest();
+    let [mut x, mut y, mut z] = [(); 3].map(|()| Plane::filled(width, height, 0.0));
+    let rows = |plane| Plane::samples_mut(plane).par_chunks_mut(width);
+    let rows = rows(&mut x).zip(rows(&mut y)).zip(rows(&mut z));
+    rows.enumerate().for_each(|(row, ((x, y), z))| {
+        let [above, own, below] = [row.checked_sub(1), Some(row), Some(row + 1)]
+            .map(|row| RowOfMap::new(surroundings, row));
+        let mut found = LargerTangents::default();
+        for from in (0..width).step_by(LANES) {
+            let bundle = Bundle {
+                here: own.lanes(from, 0),
+                beside: [
+                    [own.lanes(from, -1), own.lanes(from, 1)],
+                    [below.lanes(from, 0), above.lanes(from, 0)],
+                ],
+            };
+            simd.larger_curvature_tangents(&mut found, &bundle, normal_noise);
+            let to = (from + LANES).min(width);
+            for (row, found) in [&mut *x, &mut *y, &mut *z]
+                .into_iter()
+                .zip(&found.components)
+            {
+                row[from..to].copy_from_slice(&found[..to - from]);
+            }
+        }
+    });
+    Vector3Planes { x, y, z }
+}
+
+/// A row of the map. Beyond both ends it goes on around the map, and then there is nothing.
+struct RowOfMap {
+    /// The components of points, from the centre, and of normals.
+    components: [Vec<f32>; 6],
+    is_there: Vec<u8>,
+}
+
+impl RowOfMap {
+    /// The row, or one of nothing.
+    fn new(map: &Surroundings, row: Option<usize>) -> Self {
+        let width = map.width();
+        let row = row.filter(|&row| row < map.height());
+        let (p, n) = (&map.points, &map.normal);
+        let components = [&p.x, &p.y, &p.z, &n.x, &n.y, &n.z].map(|plane| {
+            let mut around = vec![0.0; width.next_multiple_of(LANES) + 2];
+            if let Some(row) = row {
+                let own = plane.row(row);
+                around[1..=width].copy_from_slice(own);
+                (around[0], around[width + 1]) = (own[width - 1], own[0]);
+            }
+            around
+        });
+        let is_some =
+            |x: usize, vector: Range<usize>| components[vector].iter().any(|c| c[x] != 0.0);
+        let is_there = |x| u8::from(is_some(x, 0..3) && is_some(x, 3..6));
+        Self {
+            is_there: (0..components[0].len()).map(is_there).collect(),
+            components,
+        }
+    }
+
+    /// The texels from one on, moved aside by -1 to 1.
+    fn lanes(&self, from: usize, aside: isize) -> Lanes {
+        let first = (from + 1).wrapping_add_signed(aside);
+        let mut lanes = Lanes {
+            components: [[0.0; LANES]; 6],
+            is_there: [0; LANES],
+        };
+        for (lanes, row) in lanes.components.iter_mut().zip(&self.components) {
+            lanes.copy_from_slice(&row[first..][..LANES]);
+        }
+        lanes
+            .is_there
+            .copy_from_slice(&self.is_there[first..][..LANES]);
+        lanes
     }
 }
 
-fn direction(map: &Surroundings, x: usize, y: usize) -> Option<DVec3> {
-    let here = texel(map, x, y)?;
-    let noise = Noise {
-        normal: f64::from(map.normal_rounding).max(ROUNDING),
-        offset: ROUNDING * here.0.length(),
-    };
-    let (width, height) = (map.width(), map.height());
-    let ray = |to: Option<(usize, usize)>| {
-        let (x, y) = to?;
-        beside(here, texel(map, x, y)?)
-    };
-    let sides = |before, after| Sides {
-        before: ray(before).unwrap_or(NormalRay::NONE),
-        after: ray(after).unwrap_or(NormalRay::NONE),
-        step_px: 1.0,
-    };
-    let across = sides(
-        Some(((x + width - 1) % width, y)),
-        Some(((x + 1) % width, y)),
-    );
-    let below = Some((x, y + 1)).filter(|p| p.1 < height);
-    let up = sides(below, y.checked_sub(1).map(|y| (x, y)));
-    principal_curvatures(here.1, [across, up], noise).direction()
+/// Texels of a row of the map, one in each lane.
+pub(crate) struct Lanes {
+    /// The components of points, from the centre, and of normals.
+    pub(crate) components: [[f32; LANES]; 6],
+    /// 1 for a texel with a surface, 0 for none.
+    pub(crate) is_there: [u8; LANES],
 }
 
-/// The point, from the centre, and the normal of a texel.
-fn texel(map: &Surroundings, x: usize, y: usize) -> Option<(DVec3, DVec3)> {
-    let (point, normal) = (map.point_at(x, y), map.normal_at(x, y));
-    let is_there = point != DVec3::ZERO && normal != DVec3::ZERO;
-    is_there.then_some((point, normal))
+/// Texels with those beside each: left and right, below and above.
+pub(crate) struct Bundle {
+    pub(crate) here: Lanes,
+    pub(crate) beside: [[Lanes; 2]; 2],
 }
 
-/// The normal ray of a neighbour, if it is on the same surface.
-fn beside(here: (DVec3, DVec3), there: (DVec3, DVec3)) -> Option<NormalRay> {
-    let offset = there.0 - here.0;
-    let both = here.1 + there.1;
-    let goes_on = both.dot(offset).abs() < OFF_SURFACE * both.length() * offset.length()
-        && here.1.dot(there.1) > ALIKE;
-    goes_on.then_some(NormalRay::new(offset, there.1))
+/// A tangent in each lane, or 0.
+pub(crate) struct LargerTangents {
+    pub(crate) components: [[f32; LANES]; 3],
+    pub(crate) forms: [LocalShape; LANES],
+}
+
+impl Default for LargerTangents {
+    fn default() -> Self {
+        Self {
+            components: [[0.0; LANES]; 3],
+            forms: [LocalShape::Unknown; LANES],
+        }
+    }
+}
+
+impl Lanes {
+    /// The point and the normal of a texel.
+    #[inline(always)]
+    fn at(&self, lane: usize) -> (DVec3, DVec3) {
+        let [px, py, pz, nx, ny, nz] = &self.components;
+        let vector = |x: f32, y: f32, z: f32| DVec3::new(x.into(), y.into(), z.into());
+        (
+            vector(px[lane], py[lane], pz[lane]),
+            vector(nx[lane], ny[lane], nz[lane]),
+        )
+    }
+
+    /// The normal ray in a lane, seen from `here`, if both are on the same surface.
+    #[inline(always)]
+    fn ray(&self, lane: usize, here: (DVec3, DVec3)) -> NormalRay {
+        let there = self.at(lane);
+        let offset = there.0 - here.0;
+        let both = here.1 + there.1;
+        let goes_on = (both.dot(offset).abs() < OFF_SURFACE * both.length() * offset.length())
+            & (here.1.dot(there.1) > ALIKE);
+        NormalRay {
+            is_there: goes_on & (self.is_there[lane] != 0),
+            offset,
+            normal: there.1,
+        }
+    }
+}
+
+/// Tangents of the larger curvature at all lanes. Flags are bytes and forms are kept: else the loop has branches, and stays
+/// scalar.
+#[inline(always)]
+pub(crate) fn larger_curvature_tangents(
+    out: &mut LargerTangents,
+    bundle: &Bundle,
+    normal_noise: f64,
+) {
+    for lane in 0..LANES {
+        let here = bundle.here.at(lane);
+        let sides = |[before, after]: &[Lanes; 2]| Sides {
+            before: before.ray(lane, here),
+            after: after.ray(lane, here),
+            step_px: 1.0,
+        };
+        let [across, up] = &bundle.beside;
+        let noise = Noise {
+            normal: normal_noise,
+            offset: ROUNDING * here.0.length(),
+        };
+        let found = principal_curvatures(here.1, [sides(across), sides(up)], noise);
+        let is_known = found.form.has_direction() & (bundle.here.is_there[lane] != 0);
+        let [x, y, z] = found.directions[0].to_array();
+        out.components[0][lane] = if is_known { x as f32 } else { 0.0 };
+        out.components[1][lane] = if is_known { y as f32 } else { 0.0 };
+        out.components[2][lane] = if is_known { z as f32 } else { 0.0 };
+        out.forms[lane] = found.form;
+    }
+}
+
+widened! {
+    fn larger_curvature_tangents(out: &mut LargerTangents, bundle: &Bundle, normal_noise: f64);
 }
 
 #[cfg(test)]
