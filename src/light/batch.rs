@@ -2,7 +2,7 @@
 //! vectorise.
 
 use super::cosines::scalar_product;
-use super::light_warping::{MOST_BRIGHTENED, Warp};
+use super::light_warping::{Bend, MOST_BRIGHTENED, factor};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes fit the first-level cache.
@@ -267,8 +267,22 @@ impl Pixels {
         let [xx, xy, yy] = &mut self.unwarp;
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
-            // The warp of the opposite strength.
-            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            // The inverse is the warp of the opposite strength.
+            let bend = Bend::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            [xx[i], xy[i], yy[i]] = bend.turn;
+            [square_xx[i], square_yy[i]] = bend.principal;
+        }
+        for lanes in [&mut *square_xx, &mut *square_yy] {
+            for x in lanes {
+                *x = factor(*x);
+            }
+        }
+        for i in 0..BATCH {
+            let bend = Bend {
+                principal: [square_xx[i], square_yy[i]],
+                turn: [xx[i], xy[i], yy[i]],
+            };
+            let inverse = bend.warp();
             (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
             square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
             square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);
