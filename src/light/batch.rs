@@ -8,7 +8,8 @@ use super::radiance_scaling::ScalingCurve;
 /// Pixels of a batch. All its planes fit the first-level cache.
 pub(crate) const BATCH: usize = 128;
 
-/// One number per pixel of a batch.
+/// One number per pixel of a batch. Structs of these start at an address that every vector divides, and have other
+/// fields last: a load across the border of two cache lines takes twice the time.
 pub(crate) type Lanes = [f32; BATCH];
 
 /// One vector per pixel of a batch.
@@ -17,6 +18,7 @@ pub(crate) type Vectors = [Lanes; 3];
 /// A vector per pixel, and its image under the inverse of the warp: the two inputs of its dot product with an unwarped
 /// direction.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Axis {
     /// The vector.
     pub vector: Vectors,
@@ -26,13 +28,10 @@ pub(crate) struct Axis {
 
 /// The pixels of a batch.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub(crate) struct Pixels {
-    /// Number of lanes in use; the others hold arbitrary finite numbers.
-    pub count: usize,
     /// Unit normals.
     pub normal: Axis,
-    /// Box around their normals.
-    pub facing: Facing,
     /// Unit directions to the eye; along z unless set otherwise.
     pub to_eye: Axis,
     /// The directions to the eye mirrored at the normal, for Phong's lobe.
@@ -55,10 +54,15 @@ pub(crate) struct Pixels {
     pub curves: [CurveLanes; 3],
     /// Index of the curve of ambient, diffuse and specular light: terms of equal magnitude share one.
     pub curve_of: [usize; 3],
+    /// Number of lanes in use; the others hold arbitrary finite numbers.
+    pub count: usize,
+    /// Box around their normals.
+    pub facing: Facing,
 }
 
 /// Scaling curves of a batch.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct CurveLanes {
     /// See [`ScalingCurve::dark`].
     pub dark: Lanes,
@@ -92,6 +96,7 @@ impl CurveLanes {
 
 /// The eye of every pixel as the lobes of a coated surface see it.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(crate) struct CoatLanes {
     /// The components of the direction to the eye along the grain and across it.
     pub eye: [Lanes; 2],
