@@ -2,13 +2,14 @@
 //! vectorise.
 
 use super::cosines::scalar_product;
-use super::light_warping::{MOST_BRIGHTENED, Warp};
+use super::light_warping::{Bend, MOST_BRIGHTENED, factor};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes fit the first-level cache.
 pub(crate) const BATCH: usize = 128;
 
-/// One number per pixel of a batch.
+/// One number per pixel of a batch. Structs of these start at an address that every vector divides, and have other
+/// fields last: a load across the border of two cache lines takes twice the time.
 pub(crate) type Lanes = [f32; BATCH];
 
 /// One vector per pixel of a batch.
@@ -17,6 +18,7 @@ pub(crate) type Vectors = [Lanes; 3];
 /// A vector per pixel, and its image under the inverse of the warp: the two inputs of its dot product with an unwarped
 /// direction.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Axis {
     /// The vector.
     pub vector: Vectors,
@@ -26,13 +28,10 @@ pub(crate) struct Axis {
 
 /// The pixels of a batch.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub(crate) struct Pixels {
-    /// Number of lanes in use; the others hold arbitrary finite numbers.
-    pub count: usize,
     /// Unit normals.
     pub normal: Axis,
-    /// Box around their normals.
-    pub facing: Facing,
     /// Unit directions to the eye; along z unless set otherwise.
     pub to_eye: Axis,
     /// The directions to the eye mirrored at the normal, for Phong's lobe.
@@ -55,10 +54,15 @@ pub(crate) struct Pixels {
     pub curves: [CurveLanes; 3],
     /// Index of the curve of ambient, diffuse and specular light: terms of equal magnitude share one.
     pub curve_of: [usize; 3],
+    /// Number of lanes in use; the others hold arbitrary finite numbers.
+    pub count: usize,
+    /// Box around their normals.
+    pub facing: Facing,
 }
 
 /// Scaling curves of a batch.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct CurveLanes {
     /// See [`ScalingCurve::dark`].
     pub dark: Lanes,
@@ -92,6 +96,7 @@ impl CurveLanes {
 
 /// The eye of every pixel as the lobes of a coated surface see it.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(crate) struct CoatLanes {
     /// The components of the direction to the eye along the grain and across it.
     pub eye: [Lanes; 2],
@@ -267,8 +272,22 @@ impl Pixels {
         let [xx, xy, yy] = &mut self.unwarp;
         let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
-            // The warp of the opposite strength.
-            let inverse = Warp::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            // The inverse is the warp of the opposite strength.
+            let bend = Bend::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            [xx[i], xy[i], yy[i]] = bend.turn;
+            [square_xx[i], square_yy[i]] = bend.principal;
+        }
+        for lanes in [&mut *square_xx, &mut *square_yy] {
+            for x in lanes {
+                *x = factor(*x);
+            }
+        }
+        for i in 0..BATCH {
+            let bend = Bend {
+                principal: [square_xx[i], square_yy[i]],
+                turn: [xx[i], xy[i], yy[i]],
+            };
+            let inverse = bend.warp();
             (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
             square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
             square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);

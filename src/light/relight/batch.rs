@@ -24,8 +24,8 @@ pub(crate) struct RowShape<'a> {
 }
 
 /// A batch in progress.
+#[repr(C, align(64))]
 pub(crate) struct Batch {
-    pieces: Vec<Piece>,
     pub(crate) pixels: Pixels,
     pub(crate) sum: LightSum,
     /// Trace of the Hessian.
@@ -51,6 +51,7 @@ pub(crate) struct Batch {
     pub(crate) looked_up: [Lanes; 3],
     /// Resulting colours.
     pub(crate) shown: [Lanes; 3],
+    pieces: Vec<Piece>,
 }
 
 const ZERO: Lanes = [0.0; BATCH];

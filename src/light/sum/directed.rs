@@ -162,14 +162,11 @@ impl GroupLobes {
                 sums.specular[2][i],
             ];
             for (terms, color) in terms.iter().zip(&colors) {
-                let term = terms.diffuse[i];
                 for k in 0..3 {
-                    diffuse[k] += term * color[k];
-                }
-                if GLOSSY {
-                    let term = term * terms.specular[i];
-                    for k in 0..3 {
-                        specular[k] += term * color[k];
+                    let light = terms.diffuse[i] * color[k];
+                    diffuse[k] += light;
+                    if GLOSSY {
+                        specular[k] += light * terms.specular[i];
                     }
                 }
             }

@@ -44,15 +44,15 @@ impl Exponent {
 #[inline(always)]
 fn raise_to_whole(base: &mut Lanes, exponent: u32) {
     let digits = u32::BITS - exponent.leading_zeros();
-    for few in base.as_chunks_mut::<32>().0 {
-        let (once, mut raised) = (*few, *few);
+    for few in base.as_chunks_mut::<64>().0 {
+        let mut raised = *few;
         for digit in (0..digits - 1).rev() {
             for x in &mut raised {
                 *x *= *x;
             }
             if exponent >> digit & 1 == 1 {
-                for i in 0..32 {
-                    raised[i] *= once[i];
+                for (raised, once) in raised.iter_mut().zip(&*few) {
+                    *raised *= once;
                 }
             }
         }

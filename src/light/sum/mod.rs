@@ -25,8 +25,12 @@ use terms::{Arriving, Scratch, Terms};
 /// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
 const GROUP: usize = 4;
 
+/// Lights that are tried before any of them is added: tests between sums wait for what these store.
+const AT_ONCE: usize = 64;
+
 /// Light reflected from a batch.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(crate) struct Sums {
     /// Red, green and blue of diffusely reflected light, of albedo 1.
     pub diffuse: [Lanes; 3],
@@ -99,23 +103,29 @@ impl LightSum {
     /// Adds lights of one direction each.
     #[inline(always)]
     pub(crate) fn add_directed(&mut self, pixels: &Pixels, shading: &Shading, lights: &[Directed]) {
-        let mut lights = lights.iter();
-        loop {
-            // The next few that reach any of the pixels.
-            let (mut count, mut above) = (0, [Above::Everywhere; GROUP]);
-            while count < GROUP
-                && let Some(light) = lights.next()
-            {
-                above[count] = pixels.facing.above(light.direction);
-                if above[count] != Above::Nowhere {
-                    self.group[count] = *light;
-                    count += 1;
+        for some in lights.chunks(AT_ONCE) {
+            let mut tried = [Above::Nowhere; AT_ONCE];
+            for (tried, light) in tried.iter_mut().zip(some) {
+                *tried = pixels.facing.above(light.direction);
+            }
+            let mut found = some.iter().zip(tried);
+            loop {
+                // The next few that reach any of the pixels.
+                let (mut count, mut above) = (0, [Above::Everywhere; GROUP]);
+                while count < GROUP
+                    && let Some((light, tried)) = found.next()
+                {
+                    above[count] = tried;
+                    if tried != Above::Nowhere {
+                        self.group[count] = *light;
+                        count += 1;
+                    }
                 }
+                if count == 0 {
+                    break;
+                }
+                self.add_group(pixels, shading, &above[..count]);
             }
-            if count == 0 {
-                return;
-            }
-            self.add_group(pixels, shading, &above[..count]);
         }
     }
 

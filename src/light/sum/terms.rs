@@ -15,6 +15,7 @@ pub(crate) const SHORTEST: f32 = 1e-12;
 
 /// The contribution of one light at every pixel, without its colour.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Terms {
     pub(super) diffuse: Lanes,
     pub(super) specular: Lanes,
@@ -22,6 +23,7 @@ pub(super) struct Terms {
 
 /// Inputs of the terms of one light.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 pub(super) struct Scratch {
     /// Jacobian (without the pixel's factor) and attenuation; 0 if the light is below the surface.
     weight: Lanes,
