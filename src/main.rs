@@ -4,8 +4,8 @@ fn main() {
     std::process::exit(relievo::cli::run());
 }
 
-/// Planes in huge pages, where Linux leaves that to programs: mapped in pages of 4 kB, fresh memory takes a tenth to a
-/// third of a command's processor time.
+/// Planes in huge pages, where Linux leaves that to programs: to map fresh memory in pages of 4 kB takes a tenth of a
+/// command's processor time.
 #[cfg(target_os = "linux")]
 mod memory {
     use rustix::mm::{Advice, madvise};
