@@ -67,8 +67,8 @@ pub fn add_channels(
 
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
-/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call;
-/// memory holds no more than those and the blocks being compressed.
+/// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call, and
+/// blocks are written during the next call or at the end; memory holds no more than those and the blocks being compressed.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,
