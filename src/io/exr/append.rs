@@ -15,7 +15,7 @@ const TILED: u32 = 1 << 9;
 /// Name of the only part of a file that gave it none.
 const FIRST_NAME: &str = "main";
 
-/// Starts a copy of `input` with `part` added: everything but the samples of that part is written.
+/// Starts a copy of `input` with `part` added: its header is written, and no pixels yet.
 pub(super) fn start_append<'w, W: Write + Seek>(
     input: &ExrFile,
     w: &'w mut W,
@@ -41,8 +41,7 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     };
     let start = w.stream_position().map_err(failed)?;
     let head = header_bytes(flags, &parts);
-    let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
-    copy_chunks(input, &mut out, target, None)?;
+    let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
     Ok((out, ready))
 }
 

@@ -1,6 +1,5 @@
 //! Adding channels to a part of a copy of a file.
 
-use super::append::copy_chunks;
 use super::attributes::Attributes;
 use super::chunks::ChunkReader;
 use super::decode::Rows;
@@ -34,8 +33,8 @@ pub struct Merged {
     pub warnings: Vec<String>,
 }
 
-/// Starts a copy of `input` in which the part at index `part` also has the channels of `added`:
-/// everything but the samples of that part is written.
+/// Starts a copy of `input` in which the part at index `part` also has the channels of `added`: its header is written,
+/// and no pixels yet.
 pub(super) fn start_merge<'w, W: Write + Seek>(
     input: &ExrFile,
     part: usize,
@@ -74,8 +73,7 @@ pub(super) fn start_merge<'w, W: Write + Seek>(
     let failed = |source| Error::io(target, "write")(source);
     let start = w.stream_position().map_err(failed)?;
     let head = header_bytes(flags, &parts);
-    let mut out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
-    copy_chunks(input, &mut out, target, Some(part))?;
+    let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
     let merged = Merged {
         channels: names,
         warnings,

@@ -1,7 +1,7 @@
 //! Writing a part, whole or strip by strip.
 
 use super::ExrFile;
-use super::append::start_append;
+use super::append::{copy_chunks, start_append};
 use super::encode::{Encoder, Strip};
 use super::header::header_bytes;
 use super::merge::{InputRows, Merged, start_merge};
@@ -69,6 +69,7 @@ pub fn add_channels(
 ///
 /// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call, and
 /// blocks are written during the next call or at the end; memory holds no more than those and the blocks being compressed.
+/// A file that is added to is copied during the first call, which tells if it is damaged.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,
@@ -79,6 +80,8 @@ pub struct PartWriter<'a, W> {
     width: usize,
     planes: usize,
     encoder: Encoder,
+    /// The file to copy, without the part with this index, while the first blocks are compressed.
+    copied: Option<(&'a ExrFile, Option<usize>)>,
     /// Blocks that wait to be written, while the next ones are compressed.
     waiting: Vec<Block>,
     /// The part that is added to.
@@ -111,13 +114,15 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     /// Starts a copy of `input` with this part added, as [`append_part`] does. `target` is only named
     /// in errors.
     pub fn append(
-        input: &ExrFile,
+        input: &'a ExrFile,
         w: &'a mut W,
         target: &Path,
         part: &PartDescription,
     ) -> Result<Self> {
         let (out, ready) = start_append(input, w, target, part)?;
-        Ok(Self::new(out, target, input.parts.len(), part, &ready))
+        let mut writer = Self::new(out, target, input.parts.len(), part, &ready);
+        writer.copied = Some((input, None));
+        Ok(writer)
     }
 
     /// Starts a copy of `input` in which the part at index `part` also has these channels, as
@@ -134,6 +139,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ) -> Result<(Self, Merged)> {
         let (out, ready, merged) = start_merge(input, part, w, target, added)?;
         let mut writer = Self::new(out, target, part, added, &ready);
+        writer.copied = Some((input, Some(part)));
         let kept = InputRows::open(input, part, writer.encoder.batch_rows());
         writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
         Ok((writer, merged))
@@ -154,6 +160,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             width: part.data_window.width(),
             planes: ready.planes,
             encoder: Encoder::new(ready),
+            copied: None,
             waiting: Vec::new(),
             kept: None,
         }
@@ -209,12 +216,15 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         };
         let strip = Strip { planes, rows, kept };
         let (encoder, out) = (&mut self.encoder, &mut self.out);
-        let (waiting, mut compressed) = (std::mem::take(&mut self.waiting), None);
-        let written = rayon::in_place_scope(|scope| {
+        let (copied, waiting) = (self.copied.take(), std::mem::take(&mut self.waiting));
+        let mut compressed = None;
+        rayon::in_place_scope(|scope| {
             scope.spawn(|_| compressed = Some(encoder.take(&strip, beside)));
-            write_blocks(out, self.index, waiting)
-        });
-        written.map_err(Error::io(&self.target, "write"))?;
+            if let Some((input, without)) = copied {
+                copy_chunks(input, out, &self.target, without)?;
+            }
+            write_blocks(out, self.index, waiting).map_err(Error::io(&self.target, "write"))
+        })?;
         let compressed = compressed.expect("a scope ends after all that it spawned");
         let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
         let placed = |(index, bytes)| Block {

@@ -33,10 +33,14 @@ pub fn write_atomically(
     let failed = |source| Error::io(path, "write")(source);
     let target = Target::of(path, replace).map_err(failed)?;
     let temporary = Temporary::beside(&target.path).map_err(failed)?;
-    let mut buffered = BufWriter::new(temporary.writer().map_err(failed)?);
-    write(&mut buffered)?;
-    buffered.flush().map_err(failed)?;
-    drop(buffered); // some systems rename no open file
+    let file = temporary.writer().map_err(failed)?;
+    let written = temporary.synced_meanwhile(move || {
+        let mut buffered = BufWriter::new(file);
+        write(&mut buffered)?;
+        // Dropped with it: some systems rename no open file.
+        buffered.flush().map_err(failed)
+    });
+    written.map_err(failed)??;
     let replaces = replace != Replace::Never;
     let published = temporary.publish(&target.path, replaces, target.permissions);
     published.map_err(|error| match error.kind() {

@@ -4,8 +4,11 @@ use super::target::directory_of;
 use crate::io::open::open_input;
 use std::fs::{self, File, Permissions};
 use std::io;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, SystemTime};
 use tempfile::TempPath;
 
@@ -18,6 +21,10 @@ fn prefix_of_host() -> String {
     let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
     format!(".relievo-{host}-")
 }
+
+/// Bytes that are worth bringing to disk before a file is whole, and how often it is looked at whether there are as many.
+const WORTH_SYNCING: u64 = 4 << 20;
+const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
 
 /// A temporary file that is younger may get its lock any moment.
 const JUST_MADE: Duration = Duration::from_secs(2);
@@ -48,6 +55,34 @@ impl Temporary {
     /// Another handle of the file, to write through.
     pub(super) fn writer(&self) -> io::Result<File> {
         self.file.try_clone()
+    }
+
+    /// Writes it by `write`, while what is written is brought to disk: little is left to wait for once it is whole.
+    ///
+    /// # Errors
+    /// Those of the disk: the system tells each of them only once.
+    pub(super) fn synced_meanwhile<T>(&self, write: impl FnOnce() -> T) -> io::Result<T> {
+        thread::scope(|scope| {
+            let (goes_on, is_whole) = mpsc::channel::<()>();
+            let syncing = scope.spawn(move || self.sync_until(&is_whole));
+            let written = write();
+            drop(goes_on);
+            let synced = syncing.join().unwrap_or_else(|panic| resume_unwind(panic));
+            synced.map(|()| written)
+        })
+    }
+
+    /// Brings what is written to disk, some at a time, until the other end of the channel is gone.
+    fn sync_until(&self, is_whole: &Receiver<()>) -> io::Result<()> {
+        let mut synced = 0;
+        while is_whole.recv_timeout(BETWEEN_LOOKS) == Err(RecvTimeoutError::Timeout) {
+            let written = self.file.metadata()?.len();
+            if written >= synced + WORTH_SYNCING {
+                self.file.sync_data()?;
+                synced = written;
+            }
+        }
+        Ok(())
     }
 
     /// Gives the file, which is whole, the name `target` and these permissions, in place of an older file if `replaces`.
