@@ -1,6 +1,7 @@
 //! Mapping of light to the range of a display.
 
 use crate::frame::ColorPlanes;
+use std::ops::Range;
 
 /// Light above this value is compressed: 0.906 of a display's range by the sRGB curve.
 const KNEE: f64 = 0.8;
@@ -52,6 +53,23 @@ impl<'a> Display<'a> {
 }
 
 impl Shown<'_> {
+    /// Whether it surely leaves opaque pixels of a row as they are, which have these samples.
+    #[inline]
+    pub(super) fn leaves(&self, color: [&[f32]; 3], y: usize, columns: Range<usize>) -> bool {
+        // Rounding to single precision does not decide.
+        let is_dark = |row: &[f32]| are_up_to(row, 0.99 * KNEE as f32);
+        self.gain == 1.0
+            && match self.bright {
+                Bright::Clipped => true,
+                Bright::Compressed => color.into_iter().all(is_dark),
+                Bright::ChangedFrom(ColorPlanes { r, g, b }) => {
+                    let before = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);
+                    color.into_iter().all(is_dark)
+                        && before.into_iter().all(|row| are_up_to(row, 1.0))
+                }
+            }
+    }
+
     /// The displayed colour of the pixel at `x`, `y`: `straight` divides a colour by alpha.
     #[inline]
     pub(super) fn pixel(
@@ -79,6 +97,12 @@ impl Shown<'_> {
         let factor = compressed(brightest, knee) / brightest;
         color.map(|v| factor * v)
     }
+}
+
+/// Whether all numbers are at most `most`; none is NaN then.
+fn are_up_to(row: &[f32], most: f32) -> bool {
+    // Without a branch, so that the compiler takes many at a time.
+    row.iter().fold(true, |all, &v| all & (v <= most))
 }
 
 /// Brightness `m` above the knee, so that it stays below white: a hyperbola whose slope at the knee is 1.

@@ -1,12 +1,13 @@
 //! Samples in the layout of picture files, gathered by rows and encoded at once.
 
-use super::codes::{code, straight};
+use super::codes::{SRGB_8, SrgbCodes, code, straight};
+use super::display::Shown;
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
 use super::scale_bar::Bar;
 use super::stored::{self, Stored};
 use crate::error::{Error, Result};
-use crate::frame::Plane;
+use crate::frame::{MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};
 use crate::params::ScaleBar;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
@@ -295,6 +296,9 @@ fn finite(v: f32) -> f32 {
     if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) }
 }
 
+/// Pixels that are looked at together: most are empty, or opaque and dark enough to be shown as they are.
+const GROUP: usize = 16;
+
 /// Rows of a picture to be stored as codes up to `max`.
 pub(super) struct Part<'a> {
     pub(super) picture: &'a Picture<'a>,
@@ -314,7 +318,8 @@ impl Part<'_> {
         let (width, before) = (self.picture.color.r.width(), samples.len());
         samples.resize(before + width * channels * self.rows.len(), T::default());
         let rows = samples[before..].par_chunks_mut((width * channels).max(1));
-        rows.zip(self.rows.clone())
+        rows.with_max_len(MOST_ROWS_PER_TASK)
+            .zip(self.rows.clone())
             .for_each(|(row, y)| match channels {
                 1 => {
                     let samples = self.picture.color.r.row(y);
@@ -334,22 +339,68 @@ impl Part<'_> {
         y: usize,
         stored: impl Fn(u16) -> T,
     ) {
-        let ([r, g, b], max) = (self.picture.primaries(), self.max);
-        let (transform, shown) = (self.picture.transform, self.picture.shown());
-        let color = r.row(y).iter().zip(g.row(y)).zip(b.row(y));
+        let color = self.picture.primaries().map(|plane| plane.row(y));
+        let (shown, looked_up) = (self.picture.shown(), self.looked_up());
         let (pixels, _) = row.as_chunks_mut::<N>();
-        for (x, (pixel, ((&r, &g), &b))) in pixels.iter_mut().zip(color).enumerate() {
-            let color = [r, g, b].map(f64::from);
-            let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
-            let (mut color, stored_alpha) = straight(color, alpha, max);
-            if let Some(shown) = shown {
-                color = shown.pixel(color, [x, y], |color| straight(color, alpha, max).0);
-            }
-            let [r, g, b] = color.map(|v| code(v, transform, max));
-            let alpha = stored_alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
-            for (to, code) in pixel.iter_mut().zip([r, g, b, alpha]) {
-                *to = stored(code);
+        for (group, pixels) in pixels.chunks_mut(GROUP).enumerate() {
+            let columns = group * GROUP..group * GROUP + pixels.len();
+            let group = color.map(|row| &row[columns.clone()]);
+            if self.are_empty(group, y, columns.clone()) {
+                pixels.as_flattened_mut().fill(stored(0));
+            } else if let Some(codes) = looked_up
+                && self.are_plain(group, shown, y, columns.clone())
+            {
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    let [r, g, b] = group.map(|row| codes.code_of_single(row[x]).into());
+                    let codes = [r, g, b, self.max as u16];
+                    *pixel = std::array::from_fn(|i| stored(codes[i]));
+                }
+            } else {
+                for (x, pixel) in columns.zip(pixels) {
+                    let codes = self.pixel([x, y], shown);
+                    *pixel = std::array::from_fn(|i| stored(codes[i]));
+                }
             }
         }
+    }
+
+    /// The codes of samples that are opaque and shown as they are, if there is a table of them.
+    fn looked_up(&self) -> Option<&'static SrgbCodes> {
+        let has_table = self.picture.transform == ViewTransform::Srgb && self.max == max_code(8);
+        has_table.then(|| &*SRGB_8)
+    }
+
+    /// Whether these columns of a row have neither colour nor alpha.
+    fn are_empty(&self, color: [&[f32]; 3], y: usize, columns: Range<usize>) -> bool {
+        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns]);
+        let are_zero = |row: &[f32]| row.iter().fold(true, |all, &v| all & (v == 0.0));
+        alpha.is_some_and(are_zero) && color.into_iter().all(are_zero)
+    }
+
+    /// Whether these columns of a row surely are opaque and shown as they are.
+    fn are_plain(
+        &self,
+        color: [&[f32]; 3],
+        shown: Option<Shown>,
+        y: usize,
+        columns: Range<usize>,
+    ) -> bool {
+        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns.clone()]);
+        let is_opaque = alpha.is_none_or(|row| row.iter().fold(true, |all, &a| all & (a == 1.0)));
+        is_opaque && shown.is_none_or(|shown| shown.leaves(color, y, columns))
+    }
+
+    /// Red, green, blue and alpha of a pixel, as codes.
+    fn pixel(&self, [x, y]: [usize; 2], shown: Option<Shown>) -> [u16; 4] {
+        let (transform, max) = (self.picture.transform, self.max);
+        let color = self.picture.primaries().map(|plane| plane.at(x, y).into());
+        let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
+        let (mut color, stored_alpha) = straight(color, alpha, max);
+        if let Some(shown) = shown {
+            color = shown.pixel(color, [x, y], |color| straight(color, alpha, max).0);
+        }
+        let [r, g, b] = color.map(|v| code(v, transform, max));
+        let alpha = stored_alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
+        [r, g, b, alpha]
     }
 }

@@ -24,10 +24,7 @@ pub(crate) use whites::Whites;
 
 use super::photo::max_code;
 use crate::error::Result;
-use crate::frame::Plane;
-use codes::SRGB_8;
 use gathered::Part;
-use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
 
@@ -75,10 +72,6 @@ pub fn write_picture_as(
 /// # Panics
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
-    let is_srgb = picture.transform == ViewTransform::Srgb;
-    if picture.alpha.is_none() && is_srgb && picture.shown().is_none() {
-        return opaque_pixels(picture.primaries());
-    }
     let part = Part {
         picture,
         alpha: picture.alpha,
@@ -90,27 +83,11 @@ pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
     samples.as_chunks::<4>().0.to_vec()
 }
 
-/// The most frequent case, many times a second for a window.
-fn opaque_pixels(color: [&Plane; 3]) -> Vec<[u8; 4]> {
-    let width = color[0].width();
-    let mut pixels = vec![[0; 4]; color[0].samples().len()];
-    let rows = pixels.par_chunks_mut(width.max(1)).with_min_len(8);
-    let codes = &*SRGB_8;
-    rows.enumerate().for_each(|(y, row)| {
-        let [r, g, b] = color.map(|plane| &plane.row(y)[..row.len()]);
-        for (x, pixel) in row.iter_mut().enumerate() {
-            let [r, g, b] = [r[x], g[x], b[x]].map(|v| codes.code_of_single(v));
-            *pixel = [r, g, b, 255];
-        }
-    });
-    pixels
-}
-
 #[cfg(test)]
 mod tests {
-    use super::codes::computed_code;
+    use super::codes::{SRGB_8, computed_code};
     use super::*;
-    use crate::frame::ColorPlanes;
+    use crate::frame::{ColorPlanes, Plane};
     use crate::io::photo::Photo;
     use std::io::Cursor;
 
@@ -276,6 +253,62 @@ mod tests {
             assert_eq!(photo.channels[0].samples(), [1.0, 0.0, 1.0, 0.0]);
             for (stored, expected) in stored.samples().iter().zip([0.5, 0.0, 0.25, 1.0]) {
                 assert!((stored - expected).abs() < 1e-5, "{stored} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_that_are_stored_together_are_as_if_alone() {
+        // Empty; opaque and dark; beside one that is not opaque; up to beyond white; and numbers without a meaning.
+        let odd = [f32::NAN, f32::INFINITY, -1.0, -0.0];
+        let sample = |i: usize| match i {
+            0..16 => 0.0,
+            16..48 => 0.024 * (i - 16) as f32,
+            48..96 => 0.03 * (i - 48) as f32,
+            _ => odd[i % 4],
+        };
+        let color = grey(100, 1, (0..100).map(sample).collect());
+        let before = grey(100, 1, (0..100).map(|i| sample(99 - i)).collect());
+        let alpha = (0..100).map(|i| match i {
+            0..16 => 0.0,
+            40 => 0.5,
+            _ => 1.0,
+        });
+        let alpha = Plane::from_samples(100, 1, alpha.collect());
+        let single = |plane: &Plane, x: usize| Plane::filled(1, 1, plane.at(x, 0));
+        let brights = [
+            Bright::Clipped,
+            Bright::Compressed,
+            Bright::ChangedFrom(&before),
+        ];
+        for (bright, exposure) in brights.into_iter().flat_map(|b| [(b, 0.0), (b, 0.5)]) {
+            for alpha in [None, Some(&alpha)] {
+                let picture = Picture {
+                    color: &color,
+                    alpha,
+                    grey: false,
+                    bits: 8,
+                    dpi: None,
+                    transform: ViewTransform::Srgb,
+                    display: Display { exposure, bright },
+                };
+                let together = pixels(&picture);
+                for (x, together) in together.into_iter().enumerate() {
+                    let color = grey(1, 1, vec![color.r.at(x, 0)]);
+                    let before = grey(1, 1, vec![before.r.at(x, 0)]);
+                    let alpha = alpha.map(|alpha| single(alpha, x));
+                    let bright = match bright {
+                        Bright::ChangedFrom(_) => Bright::ChangedFrom(&before),
+                        other => other,
+                    };
+                    let alone = pixels(&Picture {
+                        color: &color,
+                        alpha: alpha.as_ref(),
+                        display: Display { exposure, bright },
+                        ..picture
+                    });
+                    assert_eq!(alone, [together], "{x} {bright:?}");
+                }
             }
         }
     }

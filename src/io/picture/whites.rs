@@ -3,10 +3,16 @@
 use super::codes::straight;
 use super::display::{Bright, WHITE, largest};
 use super::format::Picture;
-use crate::frame::{ColorPlanes, Mask};
+use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
 use crate::io::photo::max_code;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// A little less than [`WHITE`]: rounding to single precision misses nothing white.
+const LEAST: f32 = 0.9954;
+
+/// Pixels that are looked at together: few of most pictures are white.
+const GROUP: usize = 16;
 
 /// Numbers of surface pixels that are white in some channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -34,31 +40,53 @@ impl Whites {
         };
         let shown = display.shown();
         let gain = display.exposure.exp2();
+        let count_at = |x: usize, y: usize| {
+            let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
+            let straight = |color| straight(color, alpha, max_code(8)).0;
+            let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
+            let of = |color: &ColorPlanes| straight(color.at(x, y).map(f64::from));
+            let after = of(color);
+            let after = shown.map_or(after, |shown| shown.pixel(after, [x, y], straight));
+            Self {
+                count: is_white(after),
+                before: before.map_or(0, |before| {
+                    is_white(of(before).map(|v| f64::from(gain) * v))
+                }),
+                of: 0,
+            }
+        };
+        // A colour whose largest channel is no brighter than white is not made white.
+        let planes = [Some(*color), before].into_iter().flatten();
+        let planes: Vec<_> = planes
+            .flat_map(|ColorPlanes { r, g, b }| [r, g, b])
+            .collect();
+        let may_be_white = |y: usize, columns: Range<usize>| {
+            let alpha = alpha.map(|alpha| &alpha.row(y)[columns.clone()]);
+            let rows = planes.iter().map(|plane| &plane.row(y)[columns.clone()]);
+            // Without a branch, so that the compiler takes many at a time.
+            let is_bright = |row: &[f32]| match alpha {
+                None => row.iter().fold(false, |any, &v| any | (gain * v >= LEAST)),
+                Some(alpha) => row.iter().zip(alpha).fold(false, |any, (&v, &alpha)| {
+                    any | (gain * v >= LEAST * alpha) | (alpha <= 0.0)
+                }),
+            };
+            rows.into_iter().any(is_bright)
+        };
         let of_row = |y: usize| {
             let mut whites = Self::default();
-            for x in mask.runs(y).flatten() {
-                let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
-                // A colour whose largest channel is no brighter than white is not made white.
-                let least = WHITE as f32 * alpha.map_or(1.0, |alpha| alpha as f32);
-                let may_be_white =
-                    |color: [f32; 3]| gain * color.into_iter().fold(0.0, f32::max) >= least;
-                let straight = |color| straight(color, alpha, max_code(8)).0;
-                let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
-                let of = |color: &ColorPlanes| color.at(x, y);
-                whites.of += 1;
-                if may_be_white(of(color)) {
-                    let color = straight(of(color).map(f64::from));
-                    whites.count +=
-                        is_white(shown.map_or(color, |shown| shown.pixel(color, [x, y], straight)));
-                }
-                if let Some(before) = before.map(of).filter(|&before| may_be_white(before)) {
-                    let before = straight(before.map(f64::from));
-                    whites.before += is_white(before.map(|v| f64::from(gain) * v));
+            for run in mask.runs(y) {
+                whites.of += run.len();
+                for start in run.clone().step_by(GROUP) {
+                    let group = start..run.end.min(start + GROUP);
+                    if may_be_white(y, group.clone()) {
+                        whites = group.map(|x| count_at(x, y)).fold(whites, Self::with);
+                    }
                 }
             }
             whites
         };
         rows.into_par_iter()
+            .with_max_len(MOST_ROWS_PER_TASK)
             .map(of_row)
             .reduce(Self::default, Self::with)
     }
