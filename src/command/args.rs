@@ -149,8 +149,9 @@ pub(crate) struct OutputArgs {
     /// default.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) write: Vec<String>,
-    /// EXR: compression of the written part; --layers channels keeps that of the input.
-    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "zip", value_parser = one_of(OutputCompression::ALL.map(|kind| (kind, kind.name()))))]
+    /// EXR: compression of the written part; auto is zip, in the way that suits the samples. --layers channels keeps that of
+    /// the input.
+    #[arg(hide_short_help = true, long, value_name = "HOW", default_value = "auto", value_parser = one_of(compressions()))]
     pub(crate) compression: OutputCompression,
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
@@ -167,6 +168,14 @@ pub(crate) struct OutputArgs {
     /// Replace write-protected files too.
     #[arg(hide_short_help = true, long)]
     pub(crate) force: bool,
+}
+
+/// Compressions by name.
+fn compressions() -> impl Iterator<Item = (OutputCompression, &'static str)> {
+    let named = OutputCompression::ALL.map(|kind| (kind, kind.name()));
+    [(OutputCompression::default(), "auto")]
+        .into_iter()
+        .chain(named)
 }
 
 /// Names of sample types.

@@ -236,9 +236,10 @@ fn results_alone_hold_the_same_layers() {
     let rounded = plane(&beside, 1, "curvature.kappa").map(|v| half::f16::from_f32(v).to_f32());
     assert_eq!(bits(&plane(&half, 0, "curvature.kappa")), bits(&rounded));
 
-    let flags = ["--layers", "results"];
+    let flags = ["--layers", "results", "--compression", "auto"];
     let picture = open(&desk.make("enhance", &gears, "picture.exr", &flags));
     assert_eq!(names(&picture, 0), ["A", "B", "G", "R"]);
+    assert_eq!(picture.parts[0].compression, "zip");
 }
 
 #[test]
