@@ -1,4 +1,4 @@
-//! Quantiles of a list of values. Whole planes use histograms instead, with the same rank.
+//! Quantiles of a list of values.
 
 use std::cmp::Ordering;
 

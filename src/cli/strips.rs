@@ -408,17 +408,20 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
     let Some(mut search) = StripSearch::new(plan, source.whole) else {
         return Ok(StripChoice::default());
     };
-    let looks = search.looks();
-    let bar = strips_bar(&job.work.run, "looking", looks * source.strips.count());
-    for look in 0..looks {
+    let count = source.strips.count();
+    let bar = strips_bar(&job.work.run, "looking", StripSearch::USUAL_LOOKS * count);
+    for look in 1.. {
+        if look > StripSearch::USUAL_LOOKS {
+            bar.inc_length(count as u64);
+        }
         for (takes, rows) in source.strips.each() {
             let (loaded, plan) = source.load(takes)?;
             let runner = source.work.runner();
             source.timed("look", || search.look(runner, &plan, &loaded.frame, rows))?;
             bar.inc(1);
         }
-        if look + 1 < looks {
-            search.next_look();
+        if !search.next_look() {
+            break;
         }
     }
     bar.finish_and_clear();

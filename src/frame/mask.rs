@@ -1,6 +1,6 @@
 //! The mask: where samples exist.
 
-use super::sampling::one_in;
+use super::sampling::{Lattice, one_in};
 use crate::frame::{Plane, Window};
 use std::ops::Range;
 
@@ -85,17 +85,7 @@ impl Mask {
     /// About `wanted` covered pixels, evenly spread over the picture and the same at every call; all of them, row by row,
     /// if there are no more.
     pub(crate) fn sample(&self, wanted: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let seen = |span: &&Range<usize>| !span.is_empty();
-        let rows = match self.spans.iter().position(|span| !span.is_empty()) {
-            Some(first) => {
-                let below = self.spans.iter().rev().take_while(|span| span.is_empty());
-                first..self.spans.len() - below.count()
-            }
-            None => 0..0,
-        };
-        let spans = || self.spans.iter().filter(seen);
-        let columns = spans().map(|span| span.start).min().unwrap_or(0)
-            ..spans().map(|span| span.end).max().unwrap_or(0);
+        let Extent { columns, rows, .. } = Extent::of(self);
         let area = self.count as f64 / wanted.max(1) as f64;
         one_in(area, columns, rows).filter(|&(x, y)| self.at(x, y))
     }
@@ -113,6 +103,50 @@ impl Mask {
     /// The part of the mask inside `part`, where the mask itself covers `whole`.
     pub fn crop(&self, whole: Window, part: Window) -> Mask {
         Mask::new(self.covered.crop(whole, part))
+    }
+}
+
+/// The covered pixels of a picture, known as a whole or some rows at a time: the least window that holds them, and how
+/// many they are.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Extent {
+    columns: Range<usize>,
+    rows: Range<usize>,
+    count: usize,
+}
+
+impl Extent {
+    pub(crate) fn of(mask: &Mask) -> Self {
+        let mut extent = Self::default();
+        extent.spans(mask, 0..mask.height(), 0);
+        extent.count = mask.count;
+        extent
+    }
+
+    /// Adds the rows `rows` of a strip whose first row is row `top` of the picture; strips come from top to bottom.
+    pub(crate) fn add(&mut self, mask: &Mask, rows: Range<usize>, top: usize) {
+        let covered = |y| mask.row(y).iter().filter(|&&covered| covered).count();
+        self.count += rows.clone().map(covered).sum::<usize>();
+        self.spans(mask, rows, top);
+    }
+
+    fn spans(&mut self, mask: &Mask, rows: Range<usize>, top: usize) {
+        for y in rows {
+            let span = mask.span(y);
+            if span.is_empty() {
+                continue;
+            }
+            if self.rows.is_empty() {
+                (self.columns, self.rows) = (span.clone(), top + y..top + y);
+            }
+            self.columns = self.columns.start.min(span.start)..self.columns.end.max(span.end);
+            self.rows.end = top + y + 1;
+        }
+    }
+
+    /// A lattice over it that takes a bounded number of its pixels.
+    pub(crate) fn lattice(&self) -> Lattice {
+        Lattice::of(self.columns.clone(), self.rows.clone(), self.count)
     }
 }
 
@@ -167,6 +201,35 @@ mod tests {
             }
         }
         assert_eq!(Mask::new(Plane::filled(5, 1, false)).runs(0).count(), 0);
+    }
+
+    #[test]
+    fn the_extent_is_the_same_from_strips() {
+        let mask = Mask::new(Plane::from_fn(9, 8, |x, y| {
+            (2..5).contains(&y) && x == y + 1
+        }));
+        let whole = Extent::of(&mask);
+        let expected = Extent {
+            columns: 3..6,
+            rows: 2..5,
+            count: 3,
+        };
+        assert_eq!(whole, expected);
+        let mut strips = Extent::default();
+        let window = Window::from_size(9, 8);
+        for (takes, gives) in [(0..4, 0..3), (2..8, 1..6)] {
+            let part = Window {
+                y0: takes.start as i32,
+                y1: takes.end as i32,
+                ..window
+            };
+            strips.add(&mask.crop(window, part), gives, takes.start);
+        }
+        assert_eq!(strips, whole);
+        assert_eq!(
+            Extent::of(&Mask::new(Plane::filled(5, 2, false))),
+            Extent::default()
+        );
     }
 
     #[test]

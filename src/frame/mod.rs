@@ -33,6 +33,7 @@ pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
 pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
+pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::CurvaturePlanes;

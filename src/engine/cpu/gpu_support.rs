@@ -11,7 +11,7 @@ use crate::params::ScalingParams;
 /// The albedo estimated from a frame's picture.
 pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
     let (weights, memory) = (frame.luminance_weights(), Memory::default());
-    let found = albedo::estimate(frame, &frame.normal, weights, &memory);
+    let found = albedo::estimate(frame, &frame.normal, weights);
     albedo::by_estimate(frame, &found, &memory)
 }
 

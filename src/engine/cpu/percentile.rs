@@ -1,284 +1,233 @@
-//! Percentiles of many values, without sorting or copying all of them: exactly the values that sorting would give.
+//! Percentiles of what is seen in a picture, from a bounded sample of its pixels: exact for small pictures, and within
+//! 1 % for large ones.
 //!
-//! Some rows show about where a percentile lies; a pass over all counts what is below, and collects what is near. Where
-//! it lies elsewhere, or where values come a few rows at a time, histograms find it: floats have the order of their bits,
-//! once negative ones are flipped, so one over the upper half of the bits finds the bin that holds the value, and one over
-//! the lower half within that bin finds the value. Counts are integers, independent of the number of threads.
+//! If too few of the sampled values count, such as curvature in a picture of walls, a second look at more pixels
+//! replaces the first. A picture that comes some rows at a time gives the same as the whole.
 
+use crate::frame::sampling::{Lattice, finer_side};
+use crate::frame::{Extent, Mask};
+use crate::quantile::quantile;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bins of a histogram over half the bits.
-const BINS: usize = 1 << 16;
+/// Rows of the sample that are worth a task.
+const ROWS_PER_TASK: usize = 32;
 
-/// Rows that show about where a percentile lies, and how far off it may be, in percent.
-const SAMPLED_ROWS: usize = 64;
-const MARGIN: u32 = 3;
-
-/// One in this many values, at most, is collected.
-const MOST_WITHIN: usize = 6;
-
-/// The value below which `percent` of the finite values lie; `None` if there are none. `row(y)` gives the values of row
-/// `y` and is called a few times.
-pub(crate) fn percentile<Values: Iterator<Item = f32>>(
-    height: usize,
+/// About the value below which `percent` of the finite values of covered pixels lie; `None` if there are none.
+/// `value(x, y)` is `None` where a pixel does not count.
+pub(crate) fn percentile(
+    mask: &Mask,
     percent: u32,
-    row: impl Fn(usize) -> Values + Sync,
+    value: impl Fn(usize, usize) -> Option<f32> + Sync,
 ) -> Option<f32> {
-    if let Some(found) = bracketed(height, percent, &row) {
-        return Some(found);
-    }
     let mut search = PercentileSearch::new(percent);
-    search.add(0..height, &row);
-    search.narrow();
-    search.add(0..height, &row);
+    search.begin(&Extent::of(mask));
+    while search.is_open() {
+        search.add(mask, 0..mask.height(), 0, &value);
+        search.end_look();
+    }
     search.found()
 }
 
-/// The percentile, if it lies where some rows show that it should. The others are looked at once.
-fn bracketed<Values: Iterator<Item = f32>>(
-    height: usize,
-    percent: u32,
-    row: impl Fn(usize) -> Values + Sync,
-) -> Option<f32> {
-    let step = height / SAMPLED_ROWS;
-    if step < 2 {
-        return None;
-    }
-    let is_finite = |v: &f32| v.is_finite();
-    let rows = (step / 2..height).step_by(step);
-    let mut sample: Vec<f32> = rows.flat_map(&row).filter(is_finite).collect();
-    let last = sample.len().checked_sub(1)?;
-    let mut at = |percent: u32| {
-        let index = last * percent as usize / 100;
-        *sample.select_nth_unstable_by(index, f32::total_cmp).1
-    };
-    let from = percent.checked_sub(MARGIN).map_or(f32::MIN, &mut at);
-    let to = match percent + MARGIN {
-        above @ ..100 => at(above),
-        _ => f32::MAX,
-    };
-    // Many equal values are better counted than collected.
-    let is_within = |v: &&f32| **v >= from && **v <= to;
-    if sample.iter().filter(is_within).count() > sample.len() / MOST_WITHIN {
-        return None;
-    }
-    let add = |mut found: Bracketed, y: usize| {
-        row(y).for_each(|v| found.add(v, from, to));
-        found
-    };
-    let mut found = (0..height)
-        .into_par_iter()
-        .with_min_len(height.div_ceil(2 * rayon::current_num_threads()))
-        .fold(Bracketed::default, add)
-        .reduce(Bracketed::default, Bracketed::and);
-    let last = (found.below + found.within.len() + found.above).checked_sub(1)?;
-    let rank = rank_of(percent, last as u64) as usize;
-    let within = rank.checked_sub(found.below)?;
-    (within < found.within.len()).then(|| {
-        let order = f32::total_cmp;
-        *found.within.select_nth_unstable_by(within, order).1
-    })
-}
-
-/// Finite values below and above a range, and those in it.
-#[derive(Default)]
-struct Bracketed {
-    below: usize,
-    within: Vec<f32>,
-    above: usize,
-}
-
-impl Bracketed {
-    fn add(&mut self, value: f32, from: f32, to: f32) {
-        self.below += usize::from(value < from && value >= f32::MIN);
-        self.above += usize::from(value > to && value <= f32::MAX);
-        if value >= from && value <= to {
-            self.within.push(value);
-        }
-    }
-
-    fn and(mut self, mut other: Self) -> Self {
-        self.below += other.below;
-        self.above += other.above;
-        self.within.append(&mut other.within);
-        self
-    }
-}
-
-/// The rank of a percentile, where the last one is `last`.
-fn rank_of(percent: u32, last: u64) -> u64 {
-    (f64::from(percent) / 100.0 * last as f64).round() as u64
-}
-
-/// A search among values that come some at a time, all of them twice: once before [`PercentileSearch::narrow`], and
-/// once after.
+/// A search among the values of a picture that comes some rows at a time, once or twice.
 #[derive(Debug, Clone)]
 pub(crate) struct PercentileSearch {
     percent: u32,
-    counts: Vec<u64>,
-    /// The upper half of the value's bits, and its rank among those that have it.
-    upper: Option<(u32, u64)>,
-    is_narrow: bool,
+    lattice: Lattice,
+    values: Vec<f32>,
+    looks: Looks,
+}
+
+/// The look that a search takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Looks {
+    First,
+    Second,
+    Done,
 }
 
 impl PercentileSearch {
     pub(crate) fn new(percent: u32) -> Self {
         Self {
             percent,
-            counts: vec![0; BINS],
-            upper: None,
-            is_narrow: false,
+            lattice: Lattice::default(),
+            values: Vec::new(),
+            looks: Looks::Done,
         }
     }
 
-    /// Counts the values of these rows.
-    pub(crate) fn add<Values: Iterator<Item = f32>>(
+    /// Begins the first look at a picture with these covered pixels.
+    pub(crate) fn begin(&mut self, extent: &Extent) {
+        self.lattice = extent.lattice();
+        self.looks = Looks::First;
+    }
+
+    /// Whether it takes another look.
+    pub(crate) fn is_open(&self) -> bool {
+        self.looks != Looks::Done
+    }
+
+    /// Looks at the rows `rows` of a strip whose first row is row `top` of the picture.
+    pub(crate) fn add(
         &mut self,
+        mask: &Mask,
         rows: Range<usize>,
-        row: impl Fn(usize) -> Values + Sync,
+        top: usize,
+        value: impl Fn(usize, usize) -> Option<f32> + Sync,
     ) {
-        let keys = |y| row(y).map(key_of);
-        let counts = match (self.is_narrow, self.upper) {
-            (false, _) => histogram(rows, &|y, counts| {
-                keys(y).for_each(|key| counts[(key >> 16) as usize % BINS] += 1);
-            }),
-            (true, Some((upper, _))) => histogram(rows, &|y, counts| {
-                let within = keys(y).filter(|key| key >> 16 == upper);
-                within.for_each(|key| counts[(key & 0xffff) as usize % BINS] += 1);
-            }),
-            (true, None) => return,
+        if !self.is_open() {
+            return;
+        }
+        let lattice = &self.lattice;
+        let within = top + rows.start..top + rows.end;
+        let rows: Vec<_> = lattice.rows(within).map(|(j, y)| (j, y - top)).collect();
+        let values = rows
+            .into_par_iter()
+            .with_min_len(ROWS_PER_TASK)
+            .flat_map_iter(|(j, y)| {
+                let (covered, value) = (mask.row(y), &value);
+                let columns = lattice.columns(j, mask.span(y));
+                let columns = columns.filter(move |&x| covered[x]);
+                let values = columns.filter_map(move |x| value(x, y));
+                values.filter(|v| v.is_finite())
+            });
+        self.values.par_extend(values);
+    }
+
+    /// Ends a look at all rows.
+    pub(crate) fn end_look(&mut self) {
+        let finer = finer_side(self.lattice.side, self.values.len() as u32);
+        self.looks = match self.looks {
+            Looks::First if finer < self.lattice.side => Looks::Second,
+            _ => Looks::Done,
         };
-        let sums = self.counts.iter_mut().zip(counts);
-        sums.for_each(|(sum, count)| *sum += u64::from(count));
-    }
-
-    /// Ends the first time, and begins the second.
-    pub(crate) fn narrow(&mut self) {
-        let upper = &mut self.counts;
-        // Forgetting the bins of infinities and NaN is cheaper than looking for these among the values.
-        upper[..=key_of(f32::NEG_INFINITY) as usize >> 16].fill(0);
-        upper[key_of(f32::INFINITY) as usize >> 16..].fill(0);
-        let count: u64 = upper.iter().sum();
-        self.upper = count
-            .checked_sub(1)
-            .map(|last| bin_at(upper, rank_of(self.percent, last)));
-        self.counts.fill(0);
-        self.is_narrow = true;
-    }
-
-    /// The percentile, after all values have been given twice.
-    pub(crate) fn found(&self) -> Option<f32> {
-        let (upper, rank) = self.upper?;
-        let (lower, _) = bin_at(&self.counts, rank);
-        Some(value_of(upper << 16 | lower))
-    }
-}
-
-/// How often each of the bins is counted over all rows, by `count(y, counts)`.
-fn histogram(rows: Range<usize>, count: &(dyn Fn(usize, &mut [u32]) + Sync)) -> Vec<u32> {
-    // A histogram for each task: few tasks, yet enough to even out threads that were kept waiting.
-    let rows_per_task = rows.len().div_ceil(2 * rayon::current_num_threads());
-    rows.into_par_iter()
-        .with_min_len(rows_per_task)
-        .fold(
-            || vec![0; BINS],
-            |mut counts, y| {
-                count(y, &mut counts);
-                counts
-            },
-        )
-        .reduce_with(|mut sum, counts| {
-            sum.iter_mut().zip(&counts).for_each(|(s, n)| *s += n);
-            sum
-        })
-        .unwrap_or_else(|| vec![0; BINS])
-}
-
-/// The bin of the value that comes `rank`-th, from 0, and its rank within the bin.
-fn bin_at(counts: &[u64], mut rank: u64) -> (u32, u64) {
-    for (bin, &count) in counts.iter().enumerate() {
-        match rank.checked_sub(count) {
-            Some(rest) => rank = rest,
-            None => return (bin as u32, rank),
+        if self.looks == Looks::Second {
+            self.lattice.side = finer;
+            self.values.clear();
         }
     }
-    unreachable!("a rank is less than the sum of the counts")
-}
 
-/// Bits that are ordered as `f32::total_cmp` orders the values.
-#[inline(always)]
-pub(crate) fn key_of(value: f32) -> u32 {
-    let bits = value.to_bits();
-    let negative = ((bits as i32) >> 31) as u32;
-    bits ^ (negative | SIGN)
+    /// The percentile, once no other look is taken.
+    pub(crate) fn found(mut self) -> Option<f32> {
+        quantile(
+            &mut self.values,
+            f64::from(self.percent) / 100.0,
+            f32::total_cmp,
+        )
+    }
 }
-
-/// The value with this key.
-pub(crate) fn value_of(key: u32) -> f32 {
-    f32::from_bits(if key & SIGN == 0 { !key } else { key ^ SIGN })
-}
-
-const SIGN: u32 = 1 << 31;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::{Plane, Window};
 
-    fn of_rows(rows: &[Vec<f32>], percent: u32) -> Option<f32> {
-        percentile(rows.len(), percent, |y| rows[y].iter().copied())
+    /// Numbers that depend on the pixel like random ones, 0..1 (SplitMix64).
+    fn random(x: usize, y: usize) -> f32 {
+        let mixed = |z: u64, shift: u32, by: u64| (z ^ (z >> shift)).wrapping_mul(by);
+        let z = (x as u64 + ((y as u64) << 32)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = mixed(z, 30, 0xbf58_476d_1ce4_e5b9);
+        let z = mixed(z, 27, 0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
     }
 
     #[test]
     fn percentiles_of_hostile_values() {
-        assert_eq!(of_rows(&[], 50), None);
-        assert_eq!(of_rows(&[vec![], vec![]], 50), None);
-        assert_eq!(of_rows(&[vec![f32::NAN, f32::INFINITY]], 50), None);
-        let some = vec![vec![3.0, f32::NAN], vec![1.0, 2.0, f32::NEG_INFINITY]];
-        assert_eq!(of_rows(&some, 50), Some(2.0));
-        assert_eq!(of_rows(&[vec![7.5; 1000]], 98), Some(7.5));
+        let of = |values: &[f32], percent| {
+            let value = |x: usize, _| Some(values[x]);
+            percentile(&Mask::full(values.len(), 1), percent, value)
+        };
+        assert_eq!(of(&[], 50), None);
+        assert_eq!(of(&[f32::NAN, f32::INFINITY], 50), None);
+        let some = [3.0, f32::NAN, 1.0, 2.0, f32::NEG_INFINITY];
+        assert_eq!(of(&some, 50), Some(2.0));
+        assert_eq!(of(&[7.5; 1000], 98), Some(7.5));
+        assert_eq!(percentile(&Mask::full(5, 5), 50, |_, _| None), None);
+        let nowhere = Mask::new(Plane::filled(5, 5, false));
+        assert_eq!(percentile(&nowhere, 50, |_, _| Some(1.0)), None);
     }
 
     #[test]
-    fn it_is_what_sorting_finds() {
-        // Many sizes and both signs, some of them often, in rows of unequal length.
-        let mut seed = 1_u32;
-        let mut random = || {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            seed >> 8
-        };
-        let rows: Vec<Vec<f32>> = (0..97)
-            .map(|y| {
-                let values = (0..y * 7 % 41).map(|_| match random() % 4 {
-                    0 => f32::from_bits(random() << 7),
-                    1 => -f32::from_bits(random() << 7),
-                    2 => 0.25,
-                    _ => random() as f32 * 1e-7,
-                });
-                values.collect()
-            })
-            .collect();
-        let mut sorted: Vec<f32> = rows.iter().flatten().copied().collect();
-        sorted.retain(|v| v.is_finite());
+    fn small_pictures_give_what_sorting_finds() {
+        // 400,000 pixels, a third of them covered, in a picture three times as large.
+        let mask = Mask::new(Plane::from_fn(1200, 1000, |x, y| {
+            (300..1100).contains(&x) && y >= 500 && random(y, x) < 0.33
+        }));
+        let value = |x, y| random(x, y) - 0.5;
+        let pixels = (0..1000).flat_map(|y| mask.runs(y).flatten().map(move |x| (x, y)));
+        let mut sorted: Vec<f32> = pixels.map(|(x, y)| value(x, y)).collect();
         sorted.sort_by(f32::total_cmp);
         for percent in [0, 10, 50, 80, 98, 100] {
             let share = f64::from(percent) / 100.0;
             let index = (share * (sorted.len() - 1) as f64).round() as usize;
-            let found = of_rows(&rows, percent).unwrap();
-            assert_eq!(found.to_bits(), sorted[index].to_bits(), "{percent} %");
+            let found = percentile(&mask, percent, |x, y| Some(value(x, y)));
+            assert_eq!(found, Some(sorted[index]), "{percent} %");
         }
     }
 
     #[test]
-    fn keys_give_their_values_back_in_order() {
-        let values = [-f32::MAX, -1.0, -1e-45, -0.0, 0.0, 1e-45, 1.0, f32::MAX];
+    fn a_sample_of_a_large_picture_is_within_one_per_cent() {
+        // -ln(1 - u) of even u stays below -ln(1 - p) with probability p. The error of a share p among 153,600 values is
+        // sqrt(p (1 - p) / 153,600), and of the percentile that over the density 1 - p: 0.3 % and 0.5 %.
+        let mask = Mask::full(2400, 1600);
+        let value = |x, y| Some(-(1.0 - random(x, y)).ln());
+        for (percent, exact) in [(80, 5_f32.ln()), (98, 50_f32.ln())] {
+            let found = percentile(&mask, percent, value).unwrap();
+            assert!((found / exact - 1.0).abs() < 0.01, "{percent} %: {found}");
+        }
+        // A ramp of 3.8 million pixels, of which the lightest sixtieth counts: from 59/60 to 1. Half of that is 119/120,
+        // to 1e-5: a cell has 5 of 2400 columns at the first look, and 1 at the second.
+        let ramp = |x: usize, _| (x >= 2360).then_some((x as f32 + 0.5) / 2400.0);
+        let found = percentile(&mask, 50, ramp).unwrap();
         assert!(
-            values
-                .windows(2)
-                .all(|pair| key_of(pair[0]) < key_of(pair[1]))
+            (found - 119.0 / 120.0).abs() <= 0.5 / 2400.0 + 1e-6,
+            "{found}"
         );
-        for v in values {
-            assert_eq!(value_of(key_of(v)).to_bits(), v.to_bits());
+    }
+
+    #[test]
+    fn strips_give_what_the_whole_gives() {
+        let mask = Mask::new(Plane::from_fn(1500, 1400, |x, y| {
+            x.abs_diff(700) + y.abs_diff(600) > 250
+        }));
+        let window = Window::from_size(1500, 1400);
+        // All values, and so few that they take a second look.
+        for share in [1.0, 0.2] {
+            let value = |x, y| (random(y, x) < share).then(|| random(x, y));
+            let whole = percentile(&mask, 98, value);
+            for height in [173, 700] {
+                let strips = || (0..1400).step_by(height).map(|y| y..(y + height).min(1400));
+                let strip = |rows: &Range<usize>| {
+                    let top = rows.start.saturating_sub(9);
+                    let part = Window {
+                        y0: top as i32,
+                        y1: rows.end as i32,
+                        ..window
+                    };
+                    (
+                        mask.crop(window, part),
+                        rows.start - top..rows.end - top,
+                        top,
+                    )
+                };
+                let mut extent = Extent::default();
+                for rows in strips() {
+                    let (mask, rows, top) = strip(&rows);
+                    extent.add(&mask, rows, top);
+                }
+                let (mut search, mut looks) = (PercentileSearch::new(98), 0);
+                search.begin(&extent);
+                while search.is_open() {
+                    for rows in strips() {
+                        let (mask, rows, top) = strip(&rows);
+                        search.add(&mask, rows, top, |x, y| value(x, y + top));
+                    }
+                    search.end_look();
+                    looks += 1;
+                }
+                assert_eq!(looks, if share < 1.0 { 2 } else { 1 });
+                assert_eq!(search.found(), whole, "{share} {height}");
+            }
         }
     }
 }

@@ -298,11 +298,7 @@ mod tests {
         let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
         let color = [&mut red[..], &mut green[..], &mut blue[..]];
         simd.occlude_row(color, a[1], &kappa, &covered, &by);
-        let mut luminance = blank();
-        simd.lobe_luminance_row(&mut luminance, &row, by.weights);
-        vec![
-            luminance, toward, plain, scaled, group, out, red, green, blue,
-        ]
+        vec![toward, plain, scaled, group, out, red, green, blue]
     }
 
     /// Directions of curvature on sample pixels, for every way from pixels to points.

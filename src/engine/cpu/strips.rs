@@ -5,7 +5,7 @@ use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Shape;
 use crate::error::Result;
-use crate::frame::{Frame, Window};
+use crate::frame::{Extent, Frame, Window};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::add_to_searches;
@@ -16,24 +16,24 @@ use crate::plan::stages::SHAPE;
 use crate::plan::{Albedo, Plan};
 use crate::product::Product;
 use crate::shape::auto_levels::WHITE_PERCENT;
-use crate::shape::auto_levels::cpu::{GainSearch, luminances, white_of};
+use crate::shape::auto_levels::cpu::{GainSearch, luminance_at, white_of};
 use crate::shape::curvature::stage::trace_of_gradient;
 use std::ops::Range;
 
 /// A search for the gain, the white levels and the albedo estimate that the whole picture would get. All strips are
-/// passed from top to bottom, [`StripSearch::looks`] times, with [`StripSearch::next_look`] in between.
+/// passed from top to bottom, again and again while [`StripSearch::next_look`] asks for it: once for the extent of what is
+/// covered and the fit of the shading, then once or twice for percentiles.
 #[derive(Debug, Clone)]
 pub(crate) struct StripSearch {
+    whole: Window,
+    extent: Extent,
+    /// Whether the extent is known.
+    is_measured: bool,
     gain: Option<GainSearch>,
     white: Option<PercentileSearch>,
     terms: Vec<(&'static str, PercentileSearch)>,
     albedo: Option<AlbedoSearch>,
-    /// Number of completed rounds.
-    ended: usize,
 }
-
-/// Rounds that a percentile needs.
-const PERCENTILE_LOOKS: usize = 2;
 
 /// Results of the searches; `None` for levels that were given.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -49,6 +49,9 @@ pub(crate) struct StripChoice {
 }
 
 impl StripSearch {
+    /// Looks that most pictures take.
+    pub(crate) const USUAL_LOOKS: usize = 2;
+
     /// A search for the settings that `plan` leaves open in a picture of this window; `None` if there are none.
     pub(crate) fn new(plan: &Plan, whole: Window) -> Option<Self> {
         let size = [whole.width(), whole.height()];
@@ -56,6 +59,9 @@ impl StripSearch {
         let relighting = plan.relighting.as_ref();
         let estimates_albedo = relighting.is_some_and(|r| r.albedo == Albedo::Estimate);
         let search = Self {
+            whole,
+            extent: Extent::default(),
+            is_measured: false,
             gain: plan
                 .chooses_gain()
                 .then(|| GainSearch::new(size, factor, plan.most_gain())),
@@ -63,16 +69,9 @@ impl StripSearch {
                 .then(|| PercentileSearch::new(WHITE_PERCENT)),
             terms: Vec::new(),
             albedo: estimates_albedo.then(AlbedoSearch::new),
-            ended: 0,
         };
         let open = search.gain.is_some() || search.albedo.is_some() || chosen_for(plan).is_some();
         open.then_some(search)
-    }
-
-    /// How many times all strips are passed.
-    pub(crate) fn looks(&self) -> usize {
-        // The shading is fitted before the white level over it can be searched.
-        PERCENTILE_LOOKS + usize::from(self.albedo.is_some())
     }
 
     /// Takes in the rows `rows` of a strip, counted within it; the other rows are margin.
@@ -90,14 +89,16 @@ impl StripSearch {
         rows: Range<usize>,
     ) -> Result<()> {
         assert!(plan.drawing.is_none(), "a drawing takes the picture whole");
+        let (weights, mask) = (strip.luminance_weights(), &strip.mask);
+        let top = strip.data_window.relative_to(self.whole).y0 as usize;
         if let Some(search) = &mut self.albedo {
-            let weights = strip.luminance_weights();
-            search.add(strip, weights, rows.clone(), &runner.memory);
+            search.add(strip, weights, rows.clone(), top);
         }
-        if self.ended >= PERCENTILE_LOOKS {
+        if !self.is_measured {
+            self.extent.add(mask, rows, top);
             return Ok(());
         }
-        if let Some(search) = &mut self.gain {
+        if let Some(search) = self.gain.as_mut().filter(|gain| gain.search.is_open()) {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
@@ -118,46 +119,57 @@ impl StripSearch {
             let trace = trace.expect("the gain takes the trace");
             let conductance = conductance.as_ref();
             let conductance = conductance.expect("the trace takes the conductance");
-            search.add(rows.clone(), trace, conductance);
+            search.add(mask, rows.clone(), top, [trace, conductance]);
             runner.recycle(outcome);
         }
         if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
-            let weights = strip.luminance_weights();
-            search.add(rows.clone(), |y| luminances(color, weights, &strip.mask, y));
+            search.add(mask, rows.clone(), top, |x, y| {
+                Some(luminance_at(color, weights, x, y))
+            });
         }
         if chosen_for(plan) == Some(Subject::Lobes) {
-            let (searches, memory) = (&mut self.terms, &runner.memory);
-            add_to_searches(searches, strip, &plan.scaling, &rows, memory);
+            let (searches, extent) = (&mut self.terms, &self.extent);
+            add_to_searches(searches, extent, (strip, &plan.scaling), &rows, top);
         }
         Ok(())
     }
 
-    /// Ends a round and begins the next.
-    pub(crate) fn next_look(&mut self) {
-        if let Some(search) = &mut self.albedo {
-            search.next_look();
-        }
-        self.ended += 1;
-        if self.ended >= PERCENTILE_LOOKS {
-            return;
+    /// Ends a look, and returns whether all strips have to be passed again.
+    pub(crate) fn next_look(&mut self) -> bool {
+        if !self.is_measured {
+            self.is_measured = true;
+            let gain = self.gain.iter_mut().map(|gain| &mut gain.search);
+            gain.chain(&mut self.white)
+                .for_each(|search| search.begin(&self.extent));
+            if let Some(search) = &mut self.albedo {
+                search.begin_white(&self.extent);
+            }
+            return true;
         }
         let gain = self.gain.iter_mut().map(|gain| &mut gain.search);
         let terms = self.terms.iter_mut().map(|(_, search)| search);
-        gain.chain(&mut self.white)
-            .chain(terms)
-            .for_each(PercentileSearch::narrow);
+        let albedo = self
+            .albedo
+            .iter_mut()
+            .filter_map(AlbedoSearch::white_search);
+        let searches = gain.chain(&mut self.white).chain(terms).chain(albedo);
+        // All of them, though one is enough to look again.
+        searches.fold(false, |is_open, search| {
+            search.end_look();
+            is_open | search.is_open()
+        })
     }
 
-    /// The results, after the last round.
-    pub(crate) fn found(&self) -> StripChoice {
-        let terms = self.terms.iter();
+    /// The results, after the last look.
+    pub(crate) fn found(self) -> StripChoice {
+        let terms = self.terms.into_iter();
         StripChoice {
-            gain: self.gain.as_ref().map(GainSearch::gain),
-            white_level: self.white.as_ref().map(|search| white_of(search.found())),
+            gain: self.gain.map(GainSearch::gain),
+            white_level: self.white.map(|search| white_of(search.found())),
             term_white_levels: terms
-                .map(|(name, search)| (*name, search.found().unwrap_or(1.0)))
+                .map(|(name, search)| (name, search.found().unwrap_or(1.0)))
                 .collect(),
-            albedo: self.albedo.as_ref().and_then(AlbedoSearch::found),
+            albedo: self.albedo.and_then(AlbedoSearch::found),
         }
     }
 }

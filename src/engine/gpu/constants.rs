@@ -29,8 +29,7 @@ pub(crate) const STRIP_ROWS: u32 = 16;
 /// Invocations of a workgroup in a percentile search.
 pub(crate) const SEARCH_INVOCATIONS: u32 = 256;
 
-/// Maximum number of workgroups that count in that search; each takes every n-th row for n workgroups. Each also clears
-/// all bins and merges its own into them.
+/// Maximum number of workgroups that count in that search. Each also clears all bins and merges its own into them.
 pub(crate) const MOST_COUNTING_GROUPS: u32 = 1024;
 
 /// Bits resolved by one pass of that search, and the number of passes for all 32.

@@ -1,7 +1,7 @@
 //! Plans on the strips of a picture, with automatic choices from the whole.
 
 use crate::engine::cpu::gpu_support::term_white_levels;
-use crate::engine::gpu::constants::{GAIN, SEARCH_PASSES, WHITE};
+use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::runner::{Beside, Runner};
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::{Strips, strip_of};
@@ -12,7 +12,7 @@ use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::white_level::chosen_for;
 use crate::params::Adaptive;
 use crate::plan::Plan;
-use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::auto_levels::gpu::{Pass, Search, Searching, lattice_over};
 use std::ops::Range;
 
 impl Runner {
@@ -77,14 +77,19 @@ impl Runner {
         let of_shape = searches.iter().any(|search| !search.is_of_picture());
         let picture = frame.color.as_ref();
         let picture = picture.filter(|_| searches.iter().any(Search::is_of_picture));
+        let lattice = lattice_over(&frame.mask);
         let mut searching: Vec<Searching> = Vec::new();
-        for pass in 0..SEARCH_PASSES {
+        let mut looks_again = false;
+        for pass in Pass::all() {
+            if pass.begins_again() && !looks_again {
+                break;
+            }
             for (takes, gives) in strips.each() {
                 strips.check()?;
                 let strip = strip_of(frame, &takes);
                 let mut run = self.start(plan, &strip, beside);
                 let fresh = searches.iter().skip(searching.len());
-                let fresh = fresh.map(|&search| Searching::new(&mut run, search));
+                let fresh = fresh.map(|&search| Searching::new(&mut run, search, lattice.clone()));
                 let fresh: Vec<_> = fresh.collect();
                 searching.extend(fresh);
                 let shape = of_shape.then(|| run.find_shape());
@@ -96,7 +101,7 @@ impl Runner {
                         (true, _, Some(picture)) => picture.each_ref(),
                         _ => continue,
                     };
-                    search.count(&mut run, pass, planes, rows.clone());
+                    search.count(&mut run, pass, planes, rows.clone(), takes.start as u32);
                 }
                 if takes.start + gives.end == frame.mask.height() {
                     let chosen = run.chosen.clone();
@@ -105,8 +110,12 @@ impl Runner {
                         .for_each(|s| s.narrow(&mut run, pass, &chosen));
                 }
                 let chosen = run.chosen.clone();
-                let read = run.finish(&[&chosen])?.read;
-                found = read.into_iter().next().expect("what was chosen is read");
+                let states = searching.iter().map(|search| &search.state);
+                let wanted: Vec<_> = std::iter::once(&chosen).chain(states).collect();
+                let mut read = run.finish(&wanted)?.read.into_iter();
+                found = read.next().expect("what was chosen is read");
+                let mut searches = searching.iter().zip(read);
+                looks_again = searches.any(|(search, state)| search.looks_again(&state));
                 let shape = shape.into_iter().flat_map(|shape| shape.into_buffers());
                 self.buffers.recycle(shape);
                 self.buffers.recycle_copied(picture.into_iter().flatten());

@@ -15,6 +15,7 @@ const PARAMETERS: usize = 9;
 pub(super) const CONVERGENCE: usize = 6;
 type Step = SVector<f64, PARAMETERS>;
 type Normal = SMatrix<f64, PARAMETERS, PARAMETERS>;
+pub(super) type Covariance = Normal;
 
 /// Median distance of a 2-vector of unit normal noise from its mean, `sqrt(2 ln 2)`.
 const MEDIAN_RADIUS: f64 = 1.177_410_022_515_474_7;
@@ -316,16 +317,15 @@ impl Model {
         (sigma, kept.copied().collect())
     }
 
-    /// Covariance of the parameters for a noise of `sigma` per coordinate; `None` where singular.
-    pub(super) fn covariance(&self, samples: &[Sample], sigma: f64, free: Free) -> Option<Normal> {
+    /// Covariance of the parameters for a noise of 1 per coordinate; `None` where singular.
+    pub(super) fn covariance(&self, samples: &[Sample], free: Free) -> Option<Covariance> {
         let (normal, _) = self.normal_equations(samples, f64::INFINITY, free);
         let count = free.count();
         // Scaled to a unit diagonal, so that the test for singularity does not depend on units.
         let size = Step::from_fn(|i, _| normal[(i, i)].sqrt().max(1e-300));
         let scaled = Normal::from_fn(|r, c| normal[(r, c)] / (size[r] * size[c]));
         let inverse = scaled.cholesky()?.inverse();
-        let mut covariance =
-            Normal::from_fn(|r, c| sigma * sigma * inverse[(r, c)] / (size[r] * size[c]));
+        let mut covariance = Normal::from_fn(|r, c| inverse[(r, c)] / (size[r] * size[c]));
         for i in count..PARAMETERS {
             covariance.row_mut(i).fill(0.0);
             covariance.column_mut(i).fill(0.0);

@@ -14,7 +14,7 @@
 
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
-use super::model::{CONVERGENCE, Free, Model};
+use super::model::{CONVERGENCE, Covariance, Free, Model};
 use super::samples::{Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec3};
@@ -25,8 +25,11 @@ use rayon::prelude::*;
 const FEWEST: usize = 24;
 /// Samples that rank the guesses.
 const RANKING: usize = 600;
-/// Number of guesses polished on those samples.
+/// Number of guesses polished, and samples that this begins with: most guesses end at one camera, which few samples show.
 const FINALISTS: usize = 8;
+const ROUGHLY: usize = 150;
+/// Number of cameras they may end at that are polished on all samples of the ranking.
+const CAMERAS: usize = 3;
 /// Errors below this many pixels do not rank one guess above another.
 const LEAST_ERROR_PX: f64 = 0.01;
 /// Rotation less certain than this, in degrees, is no answer.
@@ -172,6 +175,8 @@ struct Fit {
     /// Noise per coordinate, in pixel widths.
     sigma: f64,
     kept: Vec<Sample>,
+    /// The covariance of the parameters for a noise of 1; `None` where singular.
+    covariance: Option<Covariance>,
 }
 
 impl Fit {
@@ -205,6 +210,7 @@ impl Fit {
             model,
             free,
             sigma,
+            covariance: model.covariance(&kept, free),
             kept,
         }
     }
@@ -212,7 +218,7 @@ impl Fit {
     /// The best perspective fit, with lens shift where that is called for.
     fn chosen(samples: &[Sample], half: bool, width: f64) -> Option<Self> {
         let ranking = spread_out(samples, RANKING);
-        let finalists = finalists(ranked(hypotheses(&ranking, width), &ranking));
+        let finalists = distinct(ranked(hypotheses(&ranking, width), &ranking), FINALISTS);
         let best = |free: Free| best_polished(&finalists, &ranking, free);
         let centred = best(Free::Perspective)?;
         let whole = |fit: Self| {
@@ -233,15 +239,16 @@ impl Fit {
     /// Whether a lens shift explains the residual of the centred camera.
     fn shift_is_real(&self, centred_sigma: f64, half: bool) -> bool {
         let gain = if half { 0.4 } else { 0.7 };
-        let Some(covariance) = self.covariance() else {
+        let Some(covariance) = self.covariance(self.sigma) else {
             return false;
         };
         let error = (covariance[(7, 7)] + covariance[(8, 8)]).sqrt();
         self.sigma < gain * centred_sigma && self.model.principal.norm() > SIGNIFICANT * error
     }
 
-    fn covariance(&self) -> Option<nalgebra::SMatrix<f64, 9, 9>> {
-        self.model.covariance(&self.kept, self.sigma, self.free)
+    /// The covariance of the parameters for a noise of `sigma`.
+    fn covariance(&self, sigma: f64) -> Option<Covariance> {
+        self.covariance.map(|of_one| sigma * sigma * of_one)
     }
 
     /// Refuses a camera whose residual exceeds the combined effect of rounding, jitter and compression.
@@ -277,7 +284,7 @@ impl Fit {
     /// Convergence in standard errors.
     fn convergence_significance(&self) -> f64 {
         let error = self
-            .covariance()
+            .covariance(self.sigma)
             .map_or(f64::INFINITY, |c| c[(CONVERGENCE, CONVERGENCE)].sqrt());
         self.model.convergence / error.max(f64::MIN_POSITIVE)
     }
@@ -327,8 +334,7 @@ impl Fit {
             return Err(RecoveryFailure::CoplanarUndetermined);
         }
         // Exact data are not certain without end: their model of the lens is not exact.
-        let floored = self.sigma.max(0.02);
-        let covariance = self.model.covariance(&self.kept, floored, self.free);
+        let covariance = self.covariance(self.sigma.max(0.02));
         let rotation_deg = covariance.map_or(90.0, |c| {
             rotation_error_deg(&c.fixed_view::<3, 3>(0, 0).into_owned())
         });
@@ -426,17 +432,14 @@ fn ranked(models: Vec<Model>, samples: &[Sample]) -> Vec<(f64, Model)> {
     ranked
 }
 
-/// The best of the models once each is polished.
+/// The best of the models once each is polished: roughly, on some of the samples, and those cameras that they end at on
+/// all.
 fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit> {
     let (_, axes) = principal_axes(samples);
-    let polished = models.par_iter().flat_map_iter(|model| {
-        let model = model.polished(samples, free, 4);
-        // A plane has the same image for an eye in front of it and a reversed one behind it.
-        let facing =
-            (model.convergence < 0.0).then(|| model.facing_plane(&axes).polished(samples, free, 4));
-        std::iter::once(model).chain(facing)
-    });
-    let ranked = ranked(polished.collect(), samples);
+    let some = spread_out(samples, ROUGHLY);
+    let rough = polished(models, &some, free, &axes);
+    let cameras = distinct(ranked(rough, samples), CAMERAS);
+    let ranked = ranked(polished(&cameras, samples, free, &axes), samples);
     let &(least, first) = ranked.first()?;
     let as_good = |(unexplained, m): &(f64, Model)| {
         m.convergence >= 0.0 && *unexplained <= 1.05 * least + 1e-6
@@ -445,8 +448,20 @@ fn best_polished(models: &[Model], samples: &[Sample], free: Free) -> Option<Fit
     Some(Fit::new(best, samples, free))
 }
 
-/// The first few distinct ones among the ranked guesses.
-fn finalists(ranked: Vec<(f64, Model)>) -> Vec<Model> {
+/// The models, polished; with those that face the plane through the first two of `axes` from behind, from in front.
+fn polished(models: &[Model], samples: &[Sample], free: Free, axes: &Matrix3<f64>) -> Vec<Model> {
+    let polished = models.par_iter().flat_map_iter(|model| {
+        let model = model.polished(samples, free, 4);
+        // A plane has the same image for an eye in front of it and a reversed one behind it.
+        let facing =
+            (model.convergence < 0.0).then(|| model.facing_plane(axes).polished(samples, free, 4));
+        std::iter::once(model).chain(facing)
+    });
+    polished.collect()
+}
+
+/// The first `count` distinct ones among ranked models.
+fn distinct(ranked: Vec<(f64, Model)>, count: usize) -> Vec<Model> {
     let mut chosen: Vec<Model> = Vec::new();
     for (_, model) in ranked {
         let new = chosen.iter().all(|c| {
@@ -456,7 +471,7 @@ fn finalists(ranked: Vec<(f64, Model)>) -> Vec<Model> {
         if new {
             chosen.push(model);
         }
-        if chosen.len() == FINALISTS {
+        if chosen.len() == count {
             break;
         }
     }

@@ -3,9 +3,8 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::{PercentileSearch, percentile};
 use crate::engine::cpu::rows::ROWS_PER_TASK;
-use crate::engine::cpu::rows::map_rows;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
+use crate::frame::{ColorPlanes, Extent, Frame, Mask, Plane, SymmetricPlanes};
 use crate::light::layers::terms::{LightTerm, light_terms};
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
@@ -51,55 +50,44 @@ impl LightTerm<'_> {
         }
     }
 
+    /// The luminance of this light at a pixel; `None` where there is none.
+    fn lit<'b>(
+        &'b self,
+        weights: [f32; 3],
+        absent: &'b Absent,
+    ) -> impl Fn(usize, usize) -> Option<f32> + Sync + 'b {
+        move |x, y| {
+            let luminance = self.row(y, absent).luminance(x, weights);
+            (luminance > 0.0).then_some(luminance)
+        }
+    }
+
     /// A high percentile of this light's luminance; 1 without light.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent) -> f32 {
-        let simd = Simd::widest();
-        let lit = |y| {
-            let mut luminance = vec![0.0; mask.width()];
-            simd.lobe_luminance_row(&mut luminance, &self.row(y, absent), weights);
-            let covered = luminance.into_iter().zip(mask.row(y));
-            covered.filter_map(|(light, &covered)| (covered && light > 0.0).then_some(light))
-        };
-        percentile(mask.height(), WHITE_PERCENT, lit).unwrap_or(1.0)
-    }
-
-    fn luminance(&self, weights: [f32; 3], mask: &Mask, absent: &Absent, memory: &Memory) -> Plane {
-        let simd = Simd::widest();
-        let [luminance] = map_rows(mask, memory, |y, [out]| {
-            simd.lobe_luminance_row(out, &self.row(y, absent), weights);
-        });
-        luminance
+        percentile(mask, WHITE_PERCENT, self.lit(weights, absent)).unwrap_or(1.0)
     }
 }
 
-/// The positive luminances of covered pixels in a row.
-fn lit<'a>(luminance: &'a Plane, mask: &'a Mask, y: usize) -> impl Iterator<Item = f32> + 'a {
-    let span = mask.span(y);
-    let (row, covered) = (&luminance.row(y)[span.clone()], &mask.row(y)[span]);
-    let lit = row.iter().zip(covered);
-    lit.filter(|&(&luminance, &covered)| covered && luminance > 0.0)
-        .map(|(&luminance, _)| luminance)
-}
-
-/// Adds the luminance of each term in `rows` to the search for its white level; given levels need none.
+/// Adds the luminance of each term in the rows `rows` of a strip, whose first row is row `top` of a picture with this
+/// extent, to the search for its white level; given levels need none.
 pub(crate) fn add_to_searches(
     searches: &mut Vec<(&'static str, PercentileSearch)>,
-    frame: &Frame,
-    params: &ScalingParams,
+    extent: &Extent,
+    (strip, params): (&Frame, &ScalingParams),
     rows: &Range<usize>,
-    memory: &Memory,
+    top: usize,
 ) {
-    let (weights, absent) = (frame.luminance_weights(), Absent::new(frame.mask.width()));
-    for term in light_terms(&frame.light.lobes, params) {
-        let luminance = term.luminance(weights, &frame.mask, &absent, memory);
+    let (weights, absent) = (strip.luminance_weights(), Absent::new(strip.mask.width()));
+    for term in light_terms(&strip.light.lobes, params) {
         let known = searches.iter().position(|(name, _)| *name == term.name);
         let index = known.unwrap_or_else(|| {
-            searches.push((term.name, PercentileSearch::new(WHITE_PERCENT)));
+            let mut search = PercentileSearch::new(WHITE_PERCENT);
+            search.begin(extent);
+            searches.push((term.name, search));
             searches.len() - 1
         });
-        let values = |y| lit(&luminance, &frame.mask, y);
-        searches[index].1.add(rows.clone(), values);
-        memory.recycle([luminance]);
+        let lit = term.lit(weights, &absent);
+        searches[index].1.add(&strip.mask, rows.clone(), top, lit);
     }
 }
 

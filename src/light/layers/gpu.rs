@@ -16,7 +16,7 @@ use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::product::Product;
-use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 /// The light of a lobe.
@@ -355,7 +355,7 @@ impl Run<'_> {
                 &buffers,
                 self.surface.size,
             );
-            let search = Searching::new(self, Search::TermWhite);
+            let search = Searching::new(self, Search::TermWhite, lattice_over(&self.frame.mask));
             search.choose(self, [&luminance; 3], &white);
             self.buffers.recycle([luminance]);
         }

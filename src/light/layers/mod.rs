@@ -130,20 +130,6 @@ widened! {
     );
 }
 
-/// A row of the luminance of a lobe's light.
-#[inline(always)]
-pub(crate) fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]) {
-    let width = luminance.len();
-    let lobe = lobe.first(width);
-    for (x, luminance) in luminance.iter_mut().enumerate() {
-        *luminance = lobe.luminance(x, weights);
-    }
-}
-
-widened! {
-    fn lobe_luminance_row(luminance: &mut [f32], lobe: &LobeRow, weights: [f32; 3]);
-}
-
 /// The scaling of a lobe: its intensity is its own light over the white level ([RS] section 5.3).
 #[inline(always)]
 pub(crate) fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling) {

@@ -12,7 +12,7 @@ use crate::frame::Frame;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::params::Adaptive;
 use crate::plan::Plan;
-use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
 
 /// The scaling of light by curvature.
@@ -97,7 +97,7 @@ impl Run<'_> {
         let weights = frame.luminance_weights();
         let [red, green, blue] = picture;
         if known_white_level(plan, frame).is_none() {
-            let search = Searching::new(self, Search::White(weights));
+            let search = Searching::new(self, Search::White(weights), lattice_over(&frame.mask));
             let chosen = self.chosen.clone();
             search.choose(self, [red, green, blue], &chosen);
         }

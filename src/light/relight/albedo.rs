@@ -1,11 +1,13 @@
 //! The albedo of a frame, estimated from its picture.
 
+#[cfg(feature = "gpu")]
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::percentile::PercentileSearch;
+use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+#[cfg(feature = "gpu")]
 use crate::engine::cpu::rows::map_covered;
 #[cfg(feature = "gpu")]
 use crate::frame::ColorPlanes;
-use crate::frame::{Frame, Plane, Vector3Planes, luminance};
+use crate::frame::{Extent, Frame, Vector3Planes, luminance};
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;
@@ -16,18 +18,16 @@ const BRIGHT: f32 = 0.8;
 
 /// The estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than
 /// paper. White where the picture is black.
-pub(crate) fn estimate(
-    frame: &Frame,
-    normal: &Vector3Planes,
-    weights: [f32; 3],
-    memory: &Memory,
-) -> AlbedoEstimate {
-    let rows = 0..frame.mask.height();
+pub(crate) fn estimate(frame: &Frame, normal: &Vector3Planes, weights: [f32; 3]) -> AlbedoEstimate {
+    let mask = &frame.mask;
+    let rows = 0..mask.height();
     let shading = fitted(ShadingFit::default(), frame, normal, weights, rows).solved();
-    let bright = luminance_over(shading, frame, normal, weights, memory);
-    let factor = BRIGHT / statistics::white_level_of(&bright, &frame.mask);
-    memory.recycle([bright]);
-    AlbedoEstimate { shading, factor }
+    let bright = luminance_over(shading, frame, normal, weights);
+    let white = percentile(mask, statistics::WHITE_PERCENT, bright);
+    AlbedoEstimate {
+        shading,
+        factor: BRIGHT / statistics::white_of(white),
+    }
 }
 
 /// The albedo of every pixel, for devices.
@@ -45,8 +45,8 @@ pub(crate) fn by_estimate(
     ColorPlanes { r, g, b }
 }
 
-/// A search for the estimate in a picture passed as groups of rows, from top to bottom: three times, with
-/// [`AlbedoSearch::next_look`] before the second and the third.
+/// A search for the estimate in a picture that comes some rows at a time, from top to bottom: once for the shading, and
+/// as often as a [`PercentileSearch`] looks for the white level over it.
 #[derive(Debug, Clone)]
 pub(crate) struct AlbedoSearch {
     fit: ShadingFit,
@@ -62,40 +62,34 @@ impl AlbedoSearch {
         }
     }
 
-    /// Takes in these rows of a strip.
-    pub(crate) fn add(
-        &mut self,
-        strip: &Frame,
-        weights: [f32; 3],
-        rows: Range<usize>,
-        memory: &Memory,
-    ) {
+    /// Takes in the rows `rows` of a strip whose first row is row `top` of the picture.
+    pub(crate) fn add(&mut self, strip: &Frame, weights: [f32; 3], rows: Range<usize>, top: usize) {
         match &mut self.white {
             None => self.fit = fitted(self.fit, strip, &strip.normal, weights, rows),
             Some((shading, search)) => {
-                let bright = luminance_over(*shading, strip, &strip.normal, weights, memory);
-                search.add(rows, |y| statistics::covered(&bright, &strip.mask, y));
-                memory.recycle([bright]);
+                let bright = luminance_over(*shading, strip, &strip.normal, weights);
+                search.add(&strip.mask, rows, top, bright);
             }
         }
     }
 
-    /// Ends the first or second round.
-    pub(crate) fn next_look(&mut self) {
-        match &mut self.white {
-            None => {
-                let search = PercentileSearch::new(statistics::WHITE_PERCENT);
-                self.white = Some((self.fit.solved(), search));
-            }
-            Some((_, search)) => search.narrow(),
-        }
+    /// Solves for the shading, and begins to search the white level, in a picture with this extent.
+    pub(crate) fn begin_white(&mut self, extent: &Extent) {
+        let mut search = PercentileSearch::new(statistics::WHITE_PERCENT);
+        search.begin(extent);
+        self.white = Some((self.fit.solved(), search));
     }
 
-    /// The estimate, after three rounds.
-    pub(crate) fn found(&self) -> Option<AlbedoEstimate> {
-        let (shading, search) = self.white.as_ref()?;
+    /// The search for the white level.
+    pub(crate) fn white_search(&mut self) -> Option<&mut PercentileSearch> {
+        self.white.as_mut().map(|(_, search)| search)
+    }
+
+    /// The estimate, at the end.
+    pub(crate) fn found(self) -> Option<AlbedoEstimate> {
+        let (shading, search) = self.white?;
         Some(AlbedoEstimate {
-            shading: *shading,
+            shading,
             factor: BRIGHT / statistics::white_of(search.found()),
         })
     }
@@ -138,24 +132,19 @@ fn fitted(
     fits.into_iter().fold(fit, ShadingFit::merged)
 }
 
-/// The luminance of the picture divided by a shading; of white without one.
+/// The luminance of a pixel of the picture divided by a shading; of white without one.
 fn luminance_over(
     shading: Option<FittedShading>,
     frame: &Frame,
     normal: &Vector3Planes,
     weights: [f32; 3],
-    memory: &Memory,
-) -> Plane {
+) -> impl Fn(usize, usize) -> Option<f32> + Sync {
     let bare = bare(frame);
-    let [bright] = map_covered(&frame.mask, memory, |y| {
-        let bare = &bare;
-        move |x| {
-            let albedo = match shading {
-                Some(shading) => shading.under(vector(normal, x, y), bare(x, y)),
-                None => [1.0; 3],
-            };
-            [luminance(albedo, weights)]
-        }
-    });
-    bright
+    move |x, y| {
+        let albedo = match shading {
+            Some(shading) => shading.under(vector(normal, x, y), bare(x, y)),
+            None => [1.0; 3],
+        };
+        Some(luminance(albedo, weights))
+    }
 }

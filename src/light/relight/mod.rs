@@ -62,7 +62,7 @@ pub(crate) fn relight(run: &mut Run) {
             "albedo-estimate",
             || match relighting.estimate {
                 Some(found) => found,
-                None => albedo::estimate(frame, normal, weights, memory),
+                None => albedo::estimate(frame, normal, weights),
             },
         )
     });

@@ -5,6 +5,7 @@ use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{lines, step_at_unit_depth};
 use crate::frame::Frame;
+use crate::frame::sampling::Lattice;
 use crate::line::direction_field::gpu_kernels::{
     DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
     LinkPatchesBuffers, RUN_CELLS,
@@ -240,7 +241,12 @@ impl Run<'_> {
             let rows = count / u64::from(params.columns);
             let search = Search::Depth([params.columns, rows as u32]);
             let depths = &found.depths;
-            Searching::new(self, search).choose(self, [depths; 3], median);
+            let every = Lattice {
+                side: 1,
+                columns: 0..params.columns as usize,
+                rows: 0..rows as usize,
+            };
+            Searching::new(self, search, every).choose(self, [depths; 3], median);
         }
         found
     }

@@ -21,7 +21,7 @@ use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES}
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
-use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
 use std::f32::consts::PI;
 use std::time::Instant;
 
@@ -219,7 +219,8 @@ impl Run<'_> {
             return self.uploaded(&chosen);
         }
         let paper = self.copy_of(&self.chosen.clone());
-        let search = Searching::new(self, Search::White(frame.luminance_weights()));
+        let search = Search::White(frame.luminance_weights());
+        let search = Searching::new(self, search, lattice_over(&frame.mask));
         search.choose(self, [red, green, blue], &paper);
         paper
     }

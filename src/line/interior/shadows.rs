@@ -36,11 +36,7 @@ pub(super) fn shadows(
     let Some(light) = light(frame, sizes.factor, &memory) else {
         return Vec::new();
     };
-    let covered = |y| {
-        let row = light.row(y);
-        mask.runs(y).flatten().map(move |x| row[x])
-    };
-    let full = percentile(mask.height(), FULL, covered).unwrap_or(0.0);
+    let full = percentile(mask, FULL, |x, y| Some(light.at(x, y))).unwrap_or(0.0);
     if full <= 0.0 {
         return Vec::new();
     }

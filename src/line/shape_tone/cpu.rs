@@ -252,7 +252,10 @@ impl Cells<'_> {
         let (mask, gain) = (&self.grid.mask, shown.curvature.1);
         let median = match given {
             Some(scales) => scales.median,
-            None => middle(&seen.luminance, mask, 50).unwrap_or(1.0),
+            None => {
+                let luminance = |x, y| Some(seen.luminance.at(x, y));
+                percentile(mask, 50, luminance).unwrap_or(1.0)
+            }
         };
         let median = if median > 0.0 { median } else { 1.0 };
         let [picture, key, smooth] = map_covered(mask, self.memory, |y| {
@@ -398,15 +401,8 @@ fn slope(before: Option<Vec3>, here: Vec3, after: Option<Vec3>) -> Vec3 {
     }
 }
 
-fn middle(plane: &Plane, mask: &Mask, percent: u32) -> Option<f32> {
-    percentile(mask.height(), percent, |y| {
-        let (row, covered) = (plane.row(y), mask.row(y));
-        mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
-    })
-}
-
 fn spread_of(plane: &Plane, mask: &Mask) -> Spread {
-    let at = |percent| middle(plane, mask, percent).unwrap_or(0.0);
+    let at = |percent| percentile(mask, percent, |x, y| Some(plane.at(x, y))).unwrap_or(0.0);
     Spread {
         middle: at(50),
         width: at(90) - at(10),

@@ -1,5 +1,5 @@
-// Histogram of the numbers of a plane over some of their bits, restricted to numbers whose higher bits equal those
-// found before.
+// Histogram of the numbers of a plane at the places of a lattice, over some of their bits, restricted to numbers whose
+// higher bits equal those found before.
 
 @group(0) @binding(0) var<uniform> params: CountParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -35,6 +35,14 @@ fn key_at(x: u32, y: u32) -> u32 {
     return key_of(a[i] * params.weight_r + b[i] * params.weight_g + c[i] * params.weight_b);
 }
 
+// The side of the lattice: at the second look that found by the first, or 0 if there is nothing to look at again.
+fn side_of_look() -> u32 {
+    if params.is_second == 0u {
+        return params.side;
+    }
+    return select(search[3], 0u, search[3] == params.side);
+}
+
 @compute @workgroup_size(SEARCH_INVOCATIONS)
 fn main(
     @builtin(local_invocation_index) local: u32,
@@ -45,16 +53,25 @@ fn main(
         atomicStore(&counts[bin], 0u);
     }
     workgroupBarrier();
-    let found = search[0];
-    for (var y = group.x; y < params.rows_end; y += groups.x) {
-        if y < params.rows_start {
+    let found = search[0] & params.known_bits;
+    let side = side_of_look();
+    var across = 0u;
+    var cells = 0u;
+    if side > 0u {
+        across = (params.columns + side - 1u) / side;
+        cells = across * ((params.rows + side - 1u) / side);
+    }
+    for (var cell = group.x * SEARCH_INVOCATIONS + local; cell < cells; cell += groups.x * SEARCH_INVOCATIONS) {
+        let i = cell % across;
+        let j = cell / across;
+        let y = params.first_row + lattice_place(j, side, params.rows, scattered(0u, j));
+        if y < params.rows_start || y >= params.rows_end {
             continue;
         }
-        for (var x = local; x < width(); x += SEARCH_INVOCATIONS) {
-            let key = key_at(x, y);
-            if key != NOTHING && (key & params.known_bits) == found {
-                atomicAdd(&counts[(key >> params.shift) & (SEARCH_BINS - 1u)], 1u);
-            }
+        let x = params.first_column + lattice_place(i, side, params.columns, scattered(1u + i, j));
+        let key = key_at(x, y - params.top);
+        if key != NOTHING && (key & params.known_bits) == found {
+            atomicAdd(&counts[(key >> params.shift) & (SEARCH_BINS - 1u)], 1u);
         }
     }
     workgroupBarrier();

@@ -6,43 +6,29 @@ pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{CURVATURE_PERCENT, flat_curvature, typical_exponent};
 use std::ops::Range;
 
-/// The gain that maps the 80th percentile of |trace| to 0.35, over curved pixels off edges.
+/// The gain that maps the 80th percentile of |trace| to 0.35, over curved pixels off edges in `part`, counted from the
+/// corner of the planes; `mask` is that of the part.
 ///
 /// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
-pub(crate) fn curvature_gain(trace: &Plane, conductance: &Plane, factor: f32, most: f32) -> f32 {
-    let whole = Window::from_size(trace.width(), trace.height());
-    gain_within(trace, conductance, whole, factor, most)
-}
-
-/// [`curvature_gain`] of the pixels in `part`, counted from the corner of the planes.
-pub(crate) fn gain_within(
+pub(crate) fn curvature_gain(
     trace: &Plane,
     conductance: &Plane,
-    part: Window,
+    (mask, part): (&Mask, Window),
     factor: f32,
     most: f32,
 ) -> f32 {
     let flat = flat_curvature([part.width(), part.height()], factor);
-    let columns = part.x0 as usize..part.x1 as usize;
-    let curved = |y| {
-        let y = y + part.y0 as usize;
-        let row = |plane| &Plane::row(plane, y)[columns.clone()];
-        curved(row(trace), row(conductance), flat)
-    };
-    gain_of(percentile(part.height(), CURVATURE_PERCENT, curved), most)
+    let corner = [part.x0 as usize, part.y0 as usize];
+    let typical = percentile(mask, CURVATURE_PERCENT, |x, y| {
+        curved(trace, conductance, flat, [x + corner[0], y + corner[1]])
+    });
+    gain_of(typical, most)
 }
 
-/// The magnitudes of the trace in a row, off edges and where the surface is not flat.
-fn curved<'a>(
-    trace: &'a [f32],
-    conductance: &'a [f32],
-    flat: f32,
-) -> impl Iterator<Item = f32> + 'a {
-    let samples = trace.iter().zip(conductance);
-    samples
-        .filter(|&(_, &c)| c > 0.5)
-        .map(|(t, _)| t.abs())
-        .filter(move |&t| t > flat)
+/// The magnitude of the trace at a pixel, off edges and where the surface is not flat.
+fn curved(trace: &Plane, conductance: &Plane, flat: f32, [x, y]: [usize; 2]) -> Option<f32> {
+    let size = trace.at(x, y).abs();
+    (size > flat && conductance.at(x, y) > 0.5).then_some(size)
 }
 
 /// The gain for a typical magnitude of the trace.
@@ -53,7 +39,7 @@ fn gain_of(typical: Option<f32>, most: f32) -> f32 {
     }
 }
 
-/// A search for the gain in a picture passed as groups of rows, each twice.
+/// A search for the gain in a picture that comes some rows at a time.
 #[derive(Debug, Clone)]
 pub(crate) struct GainSearch {
     pub(crate) search: PercentileSearch,
@@ -71,51 +57,45 @@ impl GainSearch {
         }
     }
 
-    pub(crate) fn add(&mut self, rows: Range<usize>, trace: &Plane, conductance: &Plane) {
+    /// As [`PercentileSearch::add`].
+    pub(crate) fn add(
+        &mut self,
+        mask: &Mask,
+        rows: Range<usize>,
+        top: usize,
+        [trace, conductance]: [&Plane; 2],
+    ) {
         let flat = self.flat;
-        self.search
-            .add(rows, |y| curved(trace.row(y), conductance.row(y), flat));
+        let curved = |x, y| curved(trace, conductance, flat, [x, y]);
+        self.search.add(mask, rows, top, curved);
     }
 
-    pub(crate) fn gain(&self) -> f32 {
+    pub(crate) fn gain(self) -> f32 {
         gain_of(self.search.found(), self.most)
     }
 }
 
 /// A high percentile of the luminance of the covered pixels; 1 if all are black.
 pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -> f32 {
-    let luminances = |y| luminances(color, weights, mask, y);
-    white_of(percentile(mask.height(), WHITE_PERCENT, luminances))
+    white_of(percentile(mask, WHITE_PERCENT, |x, y| {
+        Some(luminance_at(color, weights, x, y))
+    }))
 }
 
 /// The white level of a precomputed `luminance`.
 pub(crate) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
-    let samples = |y| covered(luminance, mask, y);
-    white_of(percentile(mask.height(), WHITE_PERCENT, samples))
+    white_of(percentile(mask, WHITE_PERCENT, |x, y| {
+        Some(luminance.at(x, y))
+    }))
 }
 
-/// The covered samples of a row.
-pub(crate) fn covered<'a>(
-    plane: &'a Plane,
-    mask: &'a Mask,
-    y: usize,
-) -> impl Iterator<Item = f32> + 'a {
-    let (row, covered) = (plane.row(y), mask.row(y));
-    mask.span(y).filter(|&x| covered[x]).map(|x| row[x])
-}
-
-/// The luminance of the covered pixels of a row.
-pub(crate) fn luminances(
-    color: &ColorPlanes,
-    weights: [f32; 3],
-    mask: &Mask,
-    y: usize,
-) -> impl Iterator<Item = f32> {
-    let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
-    let covered = mask.row(y);
-    mask.span(y)
-        .filter(|&x| covered[x])
-        .map(move |x| luminance([r[x], g[x], b[x]], weights))
+/// The luminance of a pixel.
+#[inline]
+pub(crate) fn luminance_at(color: &ColorPlanes, weights: [f32; 3], x: usize, y: usize) -> f32 {
+    luminance(
+        [&color.r, &color.g, &color.b].map(|plane| plane.at(x, y)),
+        weights,
+    )
 }
 
 /// The white level from a percentile of luminance.
@@ -128,6 +108,14 @@ mod tests {
     use super::*;
     use crate::shape::auto_levels::most_gain;
 
+    /// The gain of a whole picture without edges.
+    fn gain(trace: &Plane, factor: f32, most: f32) -> f32 {
+        let (width, height) = (trace.width(), trace.height());
+        let whole = (&Mask::full(width, height), Window::from_size(width, height));
+        let open = Plane::filled(width, height, 1.0);
+        curvature_gain(trace, &open, whole, factor, most)
+    }
+
     #[test]
     fn the_gain_brings_typical_curvature_to_its_target() {
         // Nine tenths of the curved pixels at |trace| 0.05, and a wall: tanh(gain * 0.05) = 0.35.
@@ -136,27 +124,14 @@ mod tests {
             1..10 => -0.05,
             _ => 1e-5,
         });
-        let gain = curvature_gain(&trace, &Plane::filled(100, 1, 1.0), 1.0, 200.0);
-        assert!(((gain * 0.05).tanh() - 0.35).abs() < 1e-6);
+        let of_bumps = gain(&trace, 1.0, 200.0);
+        assert!(((of_bumps * 0.05).tanh() - 0.35).abs() < 1e-6);
         // A plane: rounding noise is not amplified without limit.
-        assert_eq!(
-            curvature_gain(
-                &Plane::filled(4, 4, 1e-9),
-                &Plane::filled(4, 4, 1.0),
-                1.0,
-                200.0
-            ),
-            200.0
-        );
+        assert_eq!(gain(&Plane::filled(4, 4, 1e-9), 1.0, 200.0), 200.0);
         // Measured per pixel of a reference a fifth as high, the bumps need a fifth of the gain; pixels too flat to
         // count remain so.
-        let fifth = curvature_gain(
-            &trace.map(|t| 5.0 * t),
-            &Plane::filled(100, 1, 1.0),
-            5.0,
-            200.0,
-        );
-        assert!((5.0 * fifth / gain - 1.0).abs() < 1e-6);
+        let fifth = gain(&trace.map(|t| 5.0 * t), 5.0, 200.0);
+        assert!((5.0 * fifth / of_bumps - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -171,10 +146,6 @@ mod tests {
         // Steps of half floats are too fine to be visible.
         assert_eq!(most_gain(1.0 / 4096.0, 1.0, 1.0), 200.0);
         assert_eq!(most_gain(0.0, 0.0, 1.0), 200.0);
-        let flat = Plane::filled(4, 4, 1e-9);
-        assert_eq!(
-            curvature_gain(&flat, &Plane::filled(4, 4, 1.0), 1.0, 30.0),
-            30.0
-        );
+        assert_eq!(gain(&Plane::filled(4, 4, 1e-9), 1.0, 30.0), 30.0);
     }
 }

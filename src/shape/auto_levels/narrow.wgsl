@@ -1,6 +1,7 @@
 // Finds the bin that contains the percentile, and clears the bins; after the last bits, stores the choice.
 //
-// search: the bits found so far, the rank among the numbers with these bits, and the number of values.
+// search: the bits found so far, the rank among the numbers with these bits, the number of values, and the side of the
+// lattice that a second look takes: that of the first if there is none.
 
 @group(0) @binding(0) var<uniform> params: NarrowParams;
 @group(0) @binding(1) var<storage, read_write> bins: array<u32>;
@@ -26,6 +27,41 @@ fn choose(is_found: bool, value: f32) {
     }
 }
 
+fn narrow(per_invocation: u32) {
+    if params.is_first == 1u {
+        var all = 0u;
+        for (var k = 0u; k < SEARCH_INVOCATIONS; k++) {
+            all += sums[k];
+        }
+        search[0] = 0u;
+        search[2] = all;
+        if params.is_second == 0u {
+            search[3] = finer_side(params.side, all);
+        }
+        // Rounded half up.
+        let last = max(all, 1u) - 1u;
+        let whole = last / params.share_of;
+        let rest = last % params.share_of;
+        search[1] = whole * params.share + (2u * rest * params.share + params.share_of) / (2u * params.share_of);
+    }
+    var rank = search[1];
+    var bin = 0u;
+    if search[2] > 0u {
+        var part = 0u;
+        while part + 1u < SEARCH_INVOCATIONS && rank >= sums[part] {
+            rank -= sums[part];
+            part += 1u;
+        }
+        bin = part * per_invocation;
+        while bin + 1u < SEARCH_BINS && rank >= bins[bin] {
+            rank -= bins[bin];
+            bin += 1u;
+        }
+    }
+    search[0] |= bin << params.shift;
+    search[1] = rank;
+}
+
 @compute @workgroup_size(SEARCH_INVOCATIONS)
 fn main(@builtin(local_invocation_index) local: u32) {
     let per_invocation = SEARCH_BINS / SEARCH_INVOCATIONS;
@@ -36,39 +72,12 @@ fn main(@builtin(local_invocation_index) local: u32) {
     sums[local] = sum;
     workgroupBarrier();
     if local == 0u {
-        if params.is_first == 1u {
-            var all = 0u;
-            for (var k = 0u; k < SEARCH_INVOCATIONS; k++) {
-                all += sums[k];
-            }
-            search[0] = 0u;
-            search[2] = all;
-            // Rounded half up.
-            let last = max(all, 1u) - 1u;
-            let whole = last / params.share_of;
-            let rest = last % params.share_of;
-            search[1] = whole * params.share + (2u * rest * params.share + params.share_of) / (2u * params.share_of);
+        // A search that takes no second look keeps what it found.
+        if params.is_second == 0u || search[3] != params.side {
+            narrow(per_invocation);
         }
-        var rank = search[1];
-        let all = search[2];
-        var bin = 0u;
-        if all > 0u {
-            var part = 0u;
-            while part + 1u < SEARCH_INVOCATIONS && rank >= sums[part] {
-                rank -= sums[part];
-                part += 1u;
-            }
-            bin = part * per_invocation;
-            while bin + 1u < SEARCH_BINS && rank >= bins[bin] {
-                rank -= bins[bin];
-                bin += 1u;
-            }
-        }
-        let found = search[0] | (bin << params.shift);
-        search[0] = found;
-        search[1] = rank;
         if params.shift == 0u {
-            choose(all > 0u, value_of(found));
+            choose(search[2] > 0u, value_of(search[0]));
         }
     }
     workgroupBarrier();

@@ -90,18 +90,21 @@ fn gain_of_frame(run: &mut Run) -> f32 {
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
     let whole = run.frame.data_window;
-    let gain = run.copied_or(
-        &key,
-        |kept| &mut kept.gain,
-        AUTO_GAIN.name,
-        || match plan.tile {
-            Some(tile) => {
-                let part = tile.window.relative_to(whole);
-                cpu::gain_within(trace, conductance, part, factor, most)
-            }
-            None => cpu::curvature_gain(trace, conductance, factor, most),
-        },
-    );
+    let mask = &run.frame.mask;
+    let choose = || match plan.tile {
+        Some(tile) => {
+            let (mask, part) = (
+                mask.crop(whole, tile.window),
+                tile.window.relative_to(whole),
+            );
+            cpu::curvature_gain(trace, conductance, (&mask, part), factor, most)
+        }
+        None => {
+            let part = whole.relative_to(whole);
+            cpu::curvature_gain(trace, conductance, (mask, part), factor, most)
+        }
+    };
+    let gain = run.copied_or(&key, |kept| &mut kept.gain, AUTO_GAIN.name, choose);
     (run.outcome.shape, run.trace) = (shape, own);
     gain
 }

@@ -3,11 +3,11 @@
 use super::domains::*;
 use super::twin::{Tolerance, Twin};
 use super::words::UNSPECIFIED;
-use crate::engine::cpu::percentile::{key_of, value_of};
 use crate::fast_math::circular::{ATAN, rest_of_tangent};
 use crate::fast_math::exponential::{EXP, LN, split_exp};
 use crate::fast_math::{self, polynomial, power_of_two};
 use crate::frame::luminance;
+use crate::frame::sampling::{finer_side, lattice_place, scattered};
 use crate::frame::{Projection, SightLines};
 use crate::light::batch::BATCH;
 use crate::light::brdf::{
@@ -47,7 +47,7 @@ use crate::line::texture_coordinates::{
     in_texture, is_joined, is_one_depth, is_one_motion, jacobian, slope,
 };
 use crate::params::{Quantisation, ShapeParams, SoftThreshold};
-use crate::shape::auto_levels::gpu::{COUNT, NARROW};
+use crate::shape::auto_levels::gpu::{COUNT, NARROW, key_of, value_of};
 use crate::shape::conductance::face_conductance;
 use crate::shape::crease::{CreaseDetector, angle_within};
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};

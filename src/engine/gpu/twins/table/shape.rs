@@ -1,6 +1,7 @@
 //! Twins of elementary functions and of shape.
 
 use super::*;
+use crate::frame::sampling::ENOUGH;
 
 pub(super) fn twins() -> Vec<Twin> {
     [elementary(), edges(), gradient(), curvature()]
@@ -66,10 +67,33 @@ fn elementary() -> Vec<Twin> {
         twin!(hypot, f32::hypot, CURVATURES, |a: f32, b: f32| a.hypot(b))
             .on(bounded)
             .within(Tolerance::Ulps(3)),
-        // The device ignores non-finite values; the CPU gives them keys, and empties their bins.
+        // The kernels ignore non-finite values.
         twin!(key_of, key_of, COUNT, |value: f32| key_of(value))
             .on(|words| within_range(words, f32::MIN, f32::MAX)),
         twin!(value_of, value_of, NARROW, |key: u32| value_of(key)),
+        twin!(scattered, scattered, COUNT, |i: u32, j: u32| scattered(
+            i, j
+        )),
+        twin!(
+            lattice_place,
+            lattice_place,
+            COUNT,
+            |i: u32, side: u32, length: u32, random: u32| {
+                lattice_place(i, side, length, random)
+            }
+        )
+        .on(|words| {
+            words[1] = words[1] % 100 + 1;
+            words[2] = words[2] % 60_000 + 1;
+            words[0] %= words[2].div_ceil(words[1]);
+        }),
+        twin!(finer_side, finer_side, NARROW, |side: u32, counted: u32| {
+            finer_side(side, counted)
+        })
+        .on(|words| {
+            words[0] = words[0] % 200 + 1;
+            words[1] %= 2 * ENOUGH;
+        }),
     ]
 }
 
