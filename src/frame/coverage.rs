@@ -22,16 +22,20 @@ pub(crate) fn of_normals(
         for (covered, ((&x, &y), &z)) in row.iter_mut().zip(normals) {
             *covered = has_direction(Vec3::new(x, y, z));
         }
-        let mut narrow = |plane: Option<&Plane>, holds: fn(f32) -> bool| {
-            let samples = plane.into_iter().flat_map(|plane| plane.row(y));
-            let pairs = row.iter_mut().zip(samples);
-            pairs.for_each(|(covered, &sample)| *covered &= holds(sample));
-        };
-        narrow(depth, is_distance);
-        narrow(mask, |share| share > 0.5);
-        narrow(alpha, |share| share > 0.5);
+        narrow(row, depth.map(|depth| depth.row(y)), is_distance);
+        for shares in [mask, alpha] {
+            narrow(row, shares.map(|shares| shares.row(y)), |share| share > 0.5);
+        }
     });
     Mask::new(covered)
+}
+
+/// Leaves only those pixels of a row covered whose sample is as it must be.
+fn narrow(row: &mut [bool], samples: Option<&[f32]>, holds: impl Fn(f32) -> bool) {
+    let Some(samples) = samples else { return };
+    for (covered, &sample) in row.iter_mut().zip(samples) {
+        *covered &= holds(sample);
+    }
 }
 
 /// Whether a normal has a direction.
