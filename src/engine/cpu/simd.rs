@@ -121,6 +121,7 @@ mod tests {
     use crate::line::direction_field::Weighted;
     use crate::line::direction_field::forms::{self, Lanes, Neighbourhoods, PatchSource, Tensors};
     use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
+    use crate::line::placed::Beside;
     use crate::line::specular::map_directions::{self, LargerTangents};
     use crate::params::SoftThreshold;
     use crate::shape::Rows;
@@ -200,6 +201,7 @@ mod tests {
         results.extend(made_of_light(simd, &gx, &gy));
         results.extend(made_of_rays(simd));
         results.extend(made_of_patches(simd));
+        results.extend(made_of_points(simd));
         results.extend(made_of_texels(simd));
         results
     }
@@ -374,6 +376,28 @@ mod tests {
             [found.x, found.y, found.mean].concat()
         });
         made.to_vec()
+    }
+
+    /// Distances to points of other lines on both sides.
+    fn made_of_points(simd: Simd) -> Vec<Vec<f32>> {
+        let [x, y] = [170, 171].map(row);
+        let lines: Vec<u32> = row(172).iter().map(|v| (4.0 * v) as u32).collect();
+        let points = || [&x, &y].map(|axis| axis.as_chunks().0);
+        let room = |i: usize, limit: f32| {
+            let mut squares = [f32::INFINITY; 2];
+            let beside = Beside {
+                at: [x[i], y[i]],
+                along: [y[i + 1], x[i + 1] - 0.5],
+                line: lines[i],
+                least_across: 0.5,
+                limit,
+            };
+            simd.nearest_beside(&mut squares, points(), lines.as_chunks().0, &beside);
+            squares.to_vec()
+        };
+        let numbers = 0..WIDTH - 1;
+        let near = numbers.clone().map(|i| room(i, 0.01));
+        near.chain(numbers.map(|i| room(i, f32::NAN))).collect()
     }
 
     /// Tangents on a wall with small bumps, one unit from texel to texel.
