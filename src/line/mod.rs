@@ -19,7 +19,7 @@ pub mod linear_camera;
 pub(crate) mod normal_rays;
 pub mod paper;
 pub(crate) mod patches;
-mod placed;
+pub(crate) mod placed;
 pub mod propagation;
 mod random;
 mod response;

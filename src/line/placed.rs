@@ -1,5 +1,6 @@
 //! The points of lines placed so far, by cell.
 
+use crate::engine::cpu::simd::{Simd, widened};
 use glam::Vec2;
 
 /// A point of a line.
@@ -124,62 +125,141 @@ impl Placed {
 
     /// The points in the order of their cells, for many questions when no more are added.
     pub(super) fn by_cell(&self) -> PointsByCell<'_> {
-        let mut points = Vec::with_capacity(self.points.len());
+        let room = || Vec::with_capacity(self.points.len() + LANES);
+        let (mut x, mut y) = (room(), room());
+        let mut lines = Vec::with_capacity(self.points.len() + LANES);
         let mut starts = Vec::with_capacity(self.last.len() + 1);
         for &newest in &self.last {
-            starts.push(points.len() as u32);
+            starts.push(lines.len() as u32);
             let mut number = newest;
             while let Some(point) = self.point(number) {
-                points.push((point.at, point.line));
+                x.push(point.at.x);
+                y.push(point.at.y);
+                lines.push(point.line);
                 number = point.before;
             }
         }
-        starts.push(points.len() as u32);
+        starts.push(lines.len() as u32);
+        // So that the last slices end in whole vectors, too.
+        for axis in [&mut x, &mut y] {
+            axis.resize(lines.len() + LANES, f32::INFINITY);
+        }
+        lines.resize(lines.len() + LANES, 0);
         PointsByCell {
             placed: self,
-            points,
+            x,
+            y,
+            lines,
             starts,
+            simd: Simd::widest(),
         }
     }
 }
 
+/// Points that are looked at together.
+const LANES: usize = 16;
+
 /// Points with their lines, cell by cell and row by row, so that neighbouring cells of a row are one slice.
 pub(super) struct PointsByCell<'a> {
     placed: &'a Placed,
-    points: Vec<(Vec2, u32)>,
+    /// Places and lines of points, and of a few at infinity after the last.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    lines: Vec<u32>,
     /// The first point of every cell, and the number of points.
     starts: Vec<u32>,
+    simd: Simd,
+}
+
+/// A point of a line, and how near others are looked for on both sides.
+pub(crate) struct Beside {
+    pub(crate) at: [f32; 2],
+    /// The way of the line, of any length.
+    pub(crate) along: [f32; 2],
+    pub(crate) line: u32,
+    /// The least that a point is to the side, as a share of its distance, times the length of the way: one ahead is not
+    /// a neighbour.
+    pub(crate) least_across: f32,
+    /// Square of the distance beyond which points do not count.
+    pub(crate) limit: f32,
+}
+
+/// Lowers the squares of distances on both sides to the least of those of points of other lines.
+#[inline(always)]
+pub(crate) fn nearest_beside(
+    squares: &mut [f32; 2],
+    points: [&[[f32; LANES]]; 2],
+    lines: &[[u32; LANES]],
+    beside: &Beside,
+) {
+    let lesser = |a: f32, b: f32| if a < b { a } else { b };
+    let [x, y] = points;
+    let (at, along) = (beside.at, beside.along);
+    let mut by_lane = [[f32::INFINITY; LANES]; 2];
+    for ((x, y), lines) in x.iter().zip(y).zip(lines) {
+        for lane in 0..LANES {
+            let (right, down) = (x[lane] - at[0], y[lane] - at[1]);
+            let square = right * right + down * down;
+            let across = along[0] * down - along[1] * right;
+            let counts = (square < beside.limit)
+                & (lines[lane] != beside.line)
+                & (across.abs() > beside.least_across * square.sqrt());
+            let square = if counts { square } else { f32::INFINITY };
+            let is_after = across > 0.0;
+            let [before, after] = &mut by_lane;
+            before[lane] = lesser(if is_after { f32::INFINITY } else { square }, before[lane]);
+            after[lane] = lesser(if is_after { square } else { f32::INFINITY }, after[lane]);
+        }
+    }
+    for (least, lanes) in squares.iter_mut().zip(&mut by_lane) {
+        let mut half = LANES / 2;
+        while half > 0 {
+            for lane in 0..half {
+                lanes[lane] = lesser(lanes[lane], lanes[lane + half]);
+            }
+            half /= 2;
+        }
+        *least = lesser(*least, lanes[0]);
+    }
+}
+
+widened! {
+    fn nearest_beside(
+        squares: &mut [f32; 2],
+        points: [&[[f32; LANES]]; 2],
+        lines: &[[u32; LANES]],
+        beside: &Beside,
+    );
 }
 
 impl PointsByCell<'_> {
     /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.
     pub(super) fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
         let reach = 1.5 * spacing;
-        let least_across = 0.7 * along.length();
+        let mut beside = Beside {
+            at: at.to_array(),
+            along: along.to_array(),
+            line,
+            least_across: 0.7 * along.length(),
+            limit: reach * reach,
+        };
         let mut squares = [f32::INFINITY; 2];
-        // Square of the distance beyond which no point is nearer than those found.
-        let mut limit = reach * reach;
         let [first, own, last] = [-reach, 0.0, reach].map(|d| self.placed.row(at.y + d));
-        outward([first, own, last], |y| {
-            let away = self.away(y, at.y);
-            let across = limit - away * away;
+        outward([first, own, last], |row| {
+            let away = self.away(row, at.y);
+            let across = beside.limit - away * away;
             if across <= 0.0 {
                 return true;
             }
-            for &(other, of_line) in self.cells(at, across.sqrt(), y) {
-                let offset = other - at;
-                let square = offset.length_squared();
-                if square >= limit || of_line == line {
-                    continue;
-                }
-                let across = along.perp_dot(offset);
-                // A point ahead is not a neighbour.
-                if across.abs() > least_across * square.sqrt() {
-                    let side = &mut squares[usize::from(across > 0.0)];
-                    *side = side.min(square);
-                    limit = limit.min(squares[0].max(squares[1]));
-                }
-            }
+            let [from, to] = self.cells(at, across.sqrt(), row);
+            // Whole vectors: the points after the last are of other cells, where any that is near counts as well.
+            let to = from + (to - from).next_multiple_of(LANES);
+            let [x, y] = [&self.x, &self.y].map(|axis| axis[from..to].as_chunks().0);
+            let lines = self.lines[from..to].as_chunks().0;
+            self.simd
+                .nearest_beside(&mut squares, [x, y], lines, &beside);
+            // No point farther than those found is nearer.
+            beside.limit = beside.limit.min(squares[0].max(squares[1]));
             true
         });
         squares.map(|square| {
@@ -200,13 +280,13 @@ impl PointsByCell<'_> {
         ((above - y).max(y - below) - ROUNDING * side).max(0.0)
     }
 
-    /// The points of the cells in row `y` that are within `reach` of a position along the row.
+    /// Where the points begin and end of the cells in row `y` that are within `reach` of a position along the row.
     #[inline]
-    fn cells(&self, at: Vec2, reach: f32, y: usize) -> &[(Vec2, u32)] {
+    fn cells(&self, at: Vec2, reach: f32, y: usize) -> [usize; 2] {
         let row = y * self.placed.size[0];
         let reach = reach + ROUNDING * self.placed.side;
         let [first, last] = [-reach, reach].map(|d| row + self.placed.column(at.x + d));
-        &self.points[self.starts[first] as usize..self.starts[last + 1] as usize]
+        [self.starts[first], self.starts[last + 1]].map(|place| place as usize)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
 use crate::engine::cpu::rows::ROWS_PER_TASK;
+use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::line::direction_field::setting::REST_REACH_PX;
@@ -43,7 +44,7 @@ pub(crate) fn fill(
     };
     field.spread(
         PLANE_MARGIN_PX,
-        &open,
+        open.clone(),
         through_faces,
         |i, mean, wave| match flat.samples()[i] != 0.0 {
             true => turned(i, mean, wave, PLANE_MARGIN_PX),
@@ -52,13 +53,17 @@ pub(crate) fn fill(
     );
     let on_planes: Vec<_> = open.iter().copied().filter(is_flat).collect();
     field.fix(&on_planes, fixed);
-    field.spread(SURFACE_MARGIN_PX, &open, through_faces, |i, mean, wave| {
-        turned(i, mean, wave, SURFACE_MARGIN_PX)
-    });
+    let waiting = field.without(&open);
+    field.spread(
+        SURFACE_MARGIN_PX,
+        waiting,
+        through_faces,
+        |i, mean, wave| turned(i, mean, wave, SURFACE_MARGIN_PX),
+    );
     field.fix(&open, fixed);
     field.spread(
         EDGE_MARGIN_PX,
-        &closed,
+        closed.clone(),
         |_, _| 1.0,
         |i, mean, wave| turned(i, mean, wave, EDGE_MARGIN_PX),
     );
@@ -74,24 +79,50 @@ pub(crate) fn fill_rest(
 ) {
     let width = directions.x.width();
     let mut field = Field { directions, width };
-    field.spread(REST_REACH_PX, lacking, |_, _| 1.0, |_, mean, _| mean);
+    let waiting = lacking.to_vec();
+    field.spread(REST_REACH_PX, waiting, |_, _| 1.0, |_, mean, _| mean);
     field.fix(lacking, |i| fixed(i % width, i / width));
 }
 
 /// Appends the covered pixels of row `y` whose direction is 0.
-pub(crate) fn lacking_of_row(found: &mut Vec<Pixel>, mask: &Mask, y: usize, [tx, ty]: [&[f32]; 2]) {
+pub(crate) fn lacking_of_row(
+    found: &mut Vec<Pixel>,
+    mask: &Mask,
+    y: usize,
+    [tx, ty]: [&[f32]; 2],
+    simd: Simd,
+) {
     let (covered, span) = (mask.row(y), mask.span(y));
+    let mut lacking = [0; SCANNED];
     for start in span.clone().step_by(SCANNED) {
         let part = start..(start + SCANNED).min(span.end);
-        let lacks = |(tx, ty): (&f32, &f32)| (*tx == 0.0) & (*ty == 0.0);
-        let directions = || tx[part.clone()].iter().zip(&ty[part.clone()]);
-        // Without branches, for hardly any pixel lacks one.
-        if directions().fold(false, |any, t| any | lacks(t)) {
-            let pixels = part.clone().zip(directions());
-            let lacking = pixels.filter(|&(x, t)| covered[x] && lacks(t));
-            found.extend(lacking.map(|(x, _)| (y * mask.width() + x) as Pixel));
+        let rows = [&tx[part.clone()], &ty[part.clone()]];
+        lacking[part.len()..].fill(0);
+        simd.lacking_in_row(&mut lacking[..part.len()], rows, &covered[part]);
+        let words = lacking.as_chunks::<8>().0.iter().enumerate();
+        for (i, word) in words {
+            let mut left = u64::from_le_bytes(*word);
+            // Hardly any pixel lacks one.
+            while left != 0 {
+                let x = start + 8 * i + left.trailing_zeros() as usize / 8;
+                found.push((y * mask.width() + x) as Pixel);
+                left &= left - 1;
+            }
         }
     }
+}
+
+/// 1 for each covered pixel whose direction is 0, 0 for the others.
+#[inline(always)]
+fn lacking_in_row(lacking: &mut [u8], [tx, ty]: [&[f32]; 2], covered: &[bool]) {
+    let directions = tx.iter().zip(ty).zip(covered);
+    for (lacks, ((&tx, &ty), &is_covered)) in lacking.iter_mut().zip(directions) {
+        *lacks = u8::from((tx == 0.0) & (ty == 0.0) & is_covered);
+    }
+}
+
+widened! {
+    fn lacking_in_row(lacking: &mut [u8], directions: [&[f32]; 2], covered: &[bool]);
 }
 
 /// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
@@ -126,13 +157,14 @@ impl Field<'_> {
 
     /// The covered pixels whose direction is 0, in order.
     fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
+        let simd = Simd::widest();
         let rows: Vec<Vec<Pixel>> = (0..mask.height())
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
                 let row = [&self.directions.x, &self.directions.y].map(|plane| plane.row(y));
                 let mut found = Vec::new();
-                lacking_of_row(&mut found, mask, y, row);
+                lacking_of_row(&mut found, mask, y, row, simd);
                 found
             })
             .collect();
@@ -142,7 +174,8 @@ impl Field<'_> {
     /// The pixels left, right, above and below.
     fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let (width, count) = (self.width, self.directions.x.samples().len());
-        let x = i % width;
+        // Pixels are numbered in fewer bits: half the time.
+        let x = (i as Pixel % width as Pixel) as usize;
         let sides = [
             (x > 0).then(|| i - 1),
             (x + 1 < width).then(|| i + 1),
@@ -155,28 +188,32 @@ impl Field<'_> {
     /// The mean direction of the neighbours that have one, weighted by the path from them.
     fn mean_around(&self, i: usize, weight: impl Fn(usize, usize) -> f32) -> Option<Vec2> {
         let weighted = self.neighbours(i).map(|j| (weight(j, i), self.at(j)));
-        mean_direction(weighted.filter(|(w, t)| *w > 0.0 && *t != Vec2::ZERO))
+        // Chosen, not skipped: which of them counts cannot be predicted.
+        mean_direction(weighted.map(|(weight, t)| {
+            let counts = (weight > 0.0) & ((t.x != 0.0) | (t.y != 0.0));
+            let chosen = |v: f32| if counts { v } else { 0.0 };
+            (chosen(weight), Vec2::new(chosen(t.x), chosen(t.y)))
+        }))
     }
 
-    /// Fills those of `pixels` without a direction from their neighbours in at most this many `waves`; `settle` turns
+    /// Those of `pixels` that lack a direction.
+    fn without(&self, pixels: &[Pixel]) -> Vec<Pixel> {
+        let lacking = pixels.iter().copied();
+        lacking.filter(|&i| self.lacks(i as usize)).collect()
+    }
+
+    /// Fills the pixels that wait for a direction from their neighbours in at most this many `waves`; `settle` turns
     /// the mean and the wave's number into a direction. Each wave sees only earlier waves, so the order within a wave
     /// does not matter.
     fn spread(
         &mut self,
         waves: usize,
-        pixels: &[Pixel],
+        mut wave: Vec<Pixel>,
         weight: impl Fn(usize, usize) -> f32 + Sync,
         settle: impl Fn(usize, Vec2, usize) -> Vec2 + Sync,
     ) {
-        let lacking = pixels.iter().copied().filter(|&i| self.lacks(i as usize));
-        let mut wave: Vec<Pixel> = lacking.collect();
-        if wave.is_empty() {
-            return;
-        }
-        let mut waiting = vec![false; self.directions.x.samples().len()];
-        for &i in &wave {
-            waiting[i as usize] = true;
-        }
+        // All pixels that wait, as long as that is fewer than to look for those beside the last wave's.
+        let mut waiting = None;
         for number in 1..=waves {
             if wave.is_empty() {
                 break;
@@ -189,11 +226,30 @@ impl Field<'_> {
                     Some((pixel, settle(i, self.mean_around(i, &weight)?, number)))
                 })
                 .collect();
+            if found.is_empty() {
+                break;
+            }
             for &(i, direction) in &found {
                 self.set(i as usize, direction);
+            }
+            if waiting.is_none() {
+                let mut filled = found.iter().map(|&(i, _)| i).peekable();
+                wave.retain(|i| filled.next_if_eq(i).is_none());
+                if wave.len() <= BESIDE * found.len() {
+                    continue;
+                }
+            }
+            let waiting = waiting.get_or_insert_with(|| {
+                let mut waiting = vec![false; self.directions.x.samples().len()];
+                for &i in &wave {
+                    waiting[i as usize] = true;
+                }
+                waiting
+            });
+            for &(i, _) in &found {
                 waiting[i as usize] = false;
             }
-            wave = self.beyond(&found, &waiting);
+            wave = self.beyond(&found, waiting);
         }
     }
 
@@ -219,8 +275,11 @@ impl Field<'_> {
     }
 }
 
+/// Pixels that wait, for each one filled, above which those beside the filled ones are looked for.
+const BESIDE: usize = 4;
+
 /// Fewest pixels per task.
 const PIXELS_PER_TASK: usize = 1024;
 
 /// Pixels looked at together for those without a direction.
-const SCANNED: usize = 16;
+const SCANNED: usize = 256;

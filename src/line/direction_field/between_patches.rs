@@ -24,9 +24,12 @@ impl<const N: usize> BetweenPatches<'_, N> {
     /// where it is 0.
     pub(crate) fn all(&self, memory: &Memory) -> ([Vector2Planes; N], [Vec<Pixel>; N]) {
         let grid = &self.patches.grid;
-        let mut found = [(); N].map(|()| Vector2Planes {
-            x: memory.unwritten(self.mask),
-            y: memory.unwritten(self.mask),
+        let mut is_clear = [[false; 2]; N];
+        let mut found = is_clear.each_mut().map(|is_clear| {
+            let (x, is_x_clear) = memory.any_plane(self.mask);
+            let (y, is_y_clear) = memory.any_plane(self.mask);
+            *is_clear = [is_x_clear, is_y_clear];
+            Vector2Planes { x, y }
         });
         let mut bands = found.each_mut().map(|field| {
             let planes = [field.x.samples_mut(), field.y.samples_mut()];
@@ -43,7 +46,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
         let lacking: Vec<[Vec<Pixel>; N]> = bands
             .into_par_iter()
             .enumerate()
-            .map(|(row, band)| self.fill_band(row, band, simd))
+            .map(|(row, band)| self.fill_band(row, band, &is_clear, simd))
             .collect();
         let lacking = std::array::from_fn(|field| {
             let rows = lacking.iter().flat_map(|lacking| &lacking[field]);
@@ -52,16 +55,22 @@ impl<const N: usize> BetweenPatches<'_, N> {
         (found, lacking)
     }
 
-    /// The directions in a row of cells, and the covered pixels without one.
-    fn fill_band(&self, row: usize, mut band: Band<N>, simd: Simd) -> [Vec<Pixel>; N] {
+    /// The directions in a row of cells, all 0 before where they are `clear`, and the covered pixels without one.
+    fn fill_band(
+        &self,
+        row: usize,
+        mut band: Band<N>,
+        clear: &[[bool; 2]; N],
+        simd: Simd,
+    ) -> [Vec<Pixel>; N] {
         let Patches { grid, .. } = self.patches;
         let mut from = 0;
         for run in self.regular_runs(row) {
-            self.fill_cells(from..run.start, row, &mut band);
+            self.fill_cells(from..run.start, row, &mut band, clear);
             from = run.end;
             self.fill_regular(run, row, simd, &mut band);
         }
-        self.fill_cells(from..grid.columns, row, &mut band);
+        self.fill_cells(from..grid.columns, row, &mut band, clear);
         let width = self.mask.width();
         band.map(|[x, y]| {
             let mut lacking = Vec::new();
@@ -69,7 +78,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
             for (py, (x, y)) in grid.y_pixels(row).zip(rows) {
                 let span = self.mask.span(py);
                 simd.halve_row(&mut x[span.clone()], &mut y[span]);
-                lacking_of_row(&mut lacking, self.mask, py, [x, y]);
+                lacking_of_row(&mut lacking, self.mask, py, [x, y], simd);
             }
             lacking
         })
@@ -122,8 +131,15 @@ impl<const N: usize> BetweenPatches<'_, N> {
         }
     }
 
-    /// The pixels of any cells in these columns, in the rows of their band.
-    fn fill_cells(&self, columns: Range<usize>, row: usize, band: &mut Band<N>) {
+    /// The pixels of any cells in these columns, in the rows of their band; those of no patch become 0, where they are
+    /// not `clear`.
+    fn fill_cells(
+        &self,
+        columns: Range<usize>,
+        row: usize,
+        band: &mut Band<N>,
+        clear: &[[bool; 2]; N],
+    ) {
         if columns.is_empty() {
             return;
         }
@@ -132,7 +148,8 @@ impl<const N: usize> BetweenPatches<'_, N> {
         let ys = grid.y_pixels(row);
         let downs = grid.places(1, &ys);
         let all = grid.x_pixels(columns.start).start..grid.x_pixels(columns.end - 1).end;
-        for samples in band.iter_mut().flatten() {
+        let parts = band.iter_mut().flatten().zip(clear.as_flattened());
+        for (samples, _) in parts.filter(|(_, is_clear)| !**is_clear) {
             for row in samples.chunks_mut(width) {
                 row[all.clone()].fill(0.0);
             }
@@ -155,17 +172,14 @@ impl<const N: usize> BetweenPatches<'_, N> {
                             around[c + 3] + v.abs() * (beside - around[c + 3])
                         };
                         let (left, here, right) = (between(0), between(1), between(2));
-                        let steps = [left - here, right - here];
-                        let pixels = x[i * width..][xs.clone()]
-                            .iter_mut()
-                            .zip(&mut y[i * width..][xs.clone()]);
-                        let labels = &labels[py * width..][xs.clone()];
-                        for ((&u, (x, y)), &own) in acrosses.iter().zip(pixels).zip(labels) {
-                            if usize::from(own) == label {
-                                let z = here + u.abs() * steps[usize::from(u >= 0.0)];
-                                (*x, *y) = (z.x, z.y);
-                            }
-                        }
+                        let part = Part {
+                            labels: &labels[py * width..][xs.clone()],
+                            places: acrosses,
+                            here,
+                            steps: [left - here, right - here],
+                        };
+                        let (x, y) = (&mut x[i * width..], &mut y[i * width..]);
+                        part.fill(&mut x[xs.clone()], &mut y[xs.clone()], label as u8);
                     }
                 }
             }
@@ -207,6 +221,38 @@ impl<const N: usize> BetweenPatches<'_, N> {
             next(below),
             corner(right, below, &across.after, &down.after),
         ]
+    }
+}
+
+/// A row of pixels in one cell: the direction in its middle, and the steps from there to the cells left and right.
+struct Part<'a> {
+    labels: &'a [u8],
+    places: &'a [f32],
+    here: Vec2,
+    steps: [Vec2; 2],
+}
+
+impl Part<'_> {
+    /// Writes the pixels of a patch.
+    #[inline(always)]
+    fn fill(&self, x: &mut [f32], y: &mut [f32], label: u8) {
+        // The usual number is known to the compiler.
+        match self.labels.len() {
+            4 => self.fill_pixels([&mut x[..4], &mut y[..4]], label, 4),
+            count => self.fill_pixels([x, y], label, count),
+        }
+    }
+
+    #[inline(always)]
+    fn fill_pixels(&self, [x, y]: [&mut [f32]; 2], label: u8, count: usize) {
+        let (labels, places) = (&self.labels[..count], &self.places[..count]);
+        let [left, right] = self.steps;
+        let pixels = x.iter_mut().zip(y).zip(labels).zip(places);
+        for (((x, y), &own), &u) in pixels {
+            let z = self.here + u.abs() * if u >= 0.0 { right } else { left };
+            *x = if own == label { z.x } else { *x };
+            *y = if own == label { z.y } else { *y };
+        }
     }
 }
 

@@ -137,18 +137,22 @@ impl CrossKernel {
                 let first = task.first().map_or(0, |range| range.start);
                 for range in task {
                     let members = &self.across.order[range.clone()];
-                    chain.take(members, part, first, reach);
+                    let begin = members[0] as usize;
+                    // Each leads to later ones: as many as from the first to the last are all of these.
+                    let is_whole = members.last() == Some(&((begin + range.len() - 1) as u32));
+                    if !is_whole {
+                        chain.take(members, part, first, reach);
+                    }
+                    let (own, own_reach) = match is_whole {
+                        true => (&part[begin - first..][..range.len()], &reach[begin..]),
+                        false => (&chain.values[..], &chain.reach[..]),
+                    };
                     chain.sums.resize(range.len(), [[0.0; 4]; N]);
-                    let Chain {
-                        values,
-                        reach,
-                        sums,
-                        scratch,
-                    } = &mut *chain;
-                    simd.sums_along(sums, values, reach, scratch);
-                    for ((&i, a), own) in members.iter().zip(sums).zip(values) {
+                    simd.sums_along(&mut chain.sums, own, own_reach, &mut chain.scratch);
+                    for (&i, a) in members.iter().zip(&chain.sums) {
                         let b = &down[self.place[i as usize] as usize];
-                        let mut mean = *own;
+                        let own = part[i as usize - first];
+                        let mut mean = own;
                         for f in 0..N {
                             // The patch itself is in both.
                             let weights = a[f][3] + b[f][3] - 1.0;

@@ -7,13 +7,13 @@ use crate::frame::{Frame, Vector2Planes};
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
+use crate::line::direction_field::directions::{self, Averaged, Source};
 use crate::line::direction_field::forms::{LANES, Lanes, Neighbourhoods, PatchSource, Tensors};
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
-    FACING, FALLBACK, FAR, FORM_REACH, FREE, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
+    FAR, FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
-use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
-use crate::line::normal_rays::upright_tangents;
+use crate::line::direction_field::{Weighted, doubled};
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use crate::quantile::quantile;
@@ -67,8 +67,9 @@ impl<'a> Field<'a> {
         memory: &Memory,
     ) -> [Vector2Planes; N] {
         let cross = CrossKernel::new(self.patches);
-        let forms = self.forms(&cross);
-        let mut led = self.calmed(self.doubled(&forms, families), &cross);
+        let lines = self.lines();
+        let forms = self.forms(&cross, &lines);
+        let mut led = self.calmed(self.doubled(&forms, &lines, families), &cross);
         for (order, given) in given.into_iter().flatten().enumerate() {
             self.follow(&mut led, given, order);
         }
@@ -112,9 +113,10 @@ impl<'a> Field<'a> {
             return vec![radius; all.len()];
         }
         let is_known = |depth: f32| depth > 0.0 && depth.is_finite();
-        let depths = all.iter().map(|p| p.depth);
-        let mut depths: Vec<f32> = depths.filter(|&d| is_known(d)).collect();
-        let Some(median) = quantile(&mut depths, 0.5, f32::total_cmp) else {
+        // Above 0 the bits of numbers are in their order.
+        let known = all.iter().map(|p| p.depth).filter(|&d| is_known(d));
+        let mut depths: Vec<u32> = known.map(f32::to_bits).collect();
+        let Some(median) = quantile(&mut depths, 0.5, u32::cmp).map(f32::from_bits) else {
             return vec![radius; all.len()];
         };
         let reach = |depth: f32| match is_known(depth) {
@@ -124,19 +126,21 @@ impl<'a> Field<'a> {
         all.iter().map(|p| reach(p.depth)).collect()
     }
 
+    /// What distinguishes the sight lines of patches.
+    fn lines(&self) -> Vec<[f64; 2]> {
+        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        all.map(|patch| self.setting.sight.across_and_up(patch.at.x, patch.at.y))
+            .collect()
+    }
+
     /// The curvature of every patch, per pixel, averaged nearby.
-    fn forms(&self, cross: &CrossKernel) -> Vec<[Weighted; 1]> {
+    fn forms(&self, cross: &CrossKernel, lines: &[[f64; 2]]) -> Vec<[Weighted; 1]> {
         let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
         let source = PatchSource {
             is_perspective: sight.is_perspective(),
             step_px: self.params.cell_px.into(),
             pixels: self.setting.pixels,
         };
-        let lines: Vec<[f64; 2]> = all
-            .par_iter()
-            .with_min_len(PATCHES_PER_TASK)
-            .map(|patch| sight.across_and_up(patch.at.x, patch.at.y))
-            .collect();
         let mut forms = vec![[NO_FORM]; all.len()];
         let tasks = forms.par_chunks_mut(PATCHES_PER_TASK).enumerate();
         tasks.for_each_init(
@@ -145,7 +149,7 @@ impl<'a> Field<'a> {
                 for (i, forms) in forms.chunks_mut(LANES).enumerate() {
                     for lane in 0..forms.len() {
                         let patch = task * PATCHES_PER_TASK + i * LANES + lane;
-                        self.look_around(around, lane, patch, &lines);
+                        self.look_around(around, lane, patch, lines);
                     }
                     simd.patch_tensors(found, around, &source);
                     for (lane, [form]) in forms.iter_mut().enumerate() {
@@ -193,48 +197,61 @@ impl<'a> Field<'a> {
     fn doubled<const N: usize>(
         &self,
         forms: &[[Weighted; 1]],
+        lines: &[[f64; 2]],
         families: [usize; N],
     ) -> Vec<[Weighted; N]> {
-        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
-        all.zip(forms)
-            .map(|(patch, &[[x, y, mean, _]])| {
-                let form = CurvatureTensor {
-                    deviator: DVec2::new(x.into(), y.into()),
-                    mean: mean.into(),
-                };
-                let directions = self.directions(patch, &form, families);
-                let directions = directions.unwrap_or([Vec2::ZERO; N]);
-                let flat = form.flatness(self.setting.doubt) as f32;
-                let mut found = [NO_FORM; N];
-                for (order, own) in directions.into_iter().enumerate() {
-                    let fallback = self.fallback(patch.at, patch.normal, order);
-                    let sum = own + flat * doubled(fallback);
-                    found[order] = [sum.x, sum.y, own.length() + flat, 1.0];
+        let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
+        let source = Source {
+            is_perspective: sight.is_perspective(),
+            pixel_shape: sight.pixel_shape(),
+            doubt: self.setting.doubt,
+            families,
+        };
+        let mut doubled = vec![[NO_FORM; N]; all.len()];
+        let tasks = doubled.par_chunks_mut(PATCHES_PER_TASK).enumerate();
+        tasks.for_each_init(
+            || (directions::Lanes::default(), [[[0.0; LANES]; 3]; N]),
+            |(patches, found), (task, doubled)| {
+                for (i, doubled) in doubled.chunks_mut(LANES).enumerate() {
+                    let first = task * PATCHES_PER_TASK + i * LANES;
+                    let these = first..first + doubled.len();
+                    let own = all[these.clone()].iter().zip(&lines[these.clone()]);
+                    for (lane, ((patch, line), form)) in own.zip(&forms[these]).enumerate() {
+                        self.take(patches, lane, patch, line, form);
+                    }
+                    simd.patch_directions(found, patches, &source);
+                    for (lane, doubled) in doubled.iter_mut().enumerate() {
+                        for (doubled, [x, y, sure]) in doubled.iter_mut().zip(&*found) {
+                            *doubled = [x[lane], y[lane], sure[lane], 1.0];
+                        }
+                    }
                 }
-                found
-            })
-            .collect()
+            },
+        );
+        doubled
     }
 
-    /// Twice the angles of a patch's own directions, of these families, with their confidence as length.
-    fn directions<const N: usize>(
+    /// Takes a patch and its curvature into a lane.
+    #[inline]
+    fn take<const N: usize>(
         &self,
+        lanes: &mut directions::Lanes<N>,
+        lane: usize,
         patch: &Patch,
-        form: &CurvatureTensor,
-        families: [usize; N],
-    ) -> Option<[Vec2; N]> {
-        let larger = form.larger()?;
-        let [a, b] = upright_tangents(patch.normal)?;
-        let [x, y] = patch.at.to_array();
-        let facing = (self.setting.sight.facing(x, y, patch.normal) / FACING).clamp(0.0, 1.0);
-        let sure = form.confidence(self.setting.doubt) * facing.powi(2);
-        let direction = |axis: DVec2| {
-            let tangent = axis.x * a + axis.y * b;
-            let seen = self.setting.sight.picture_direction(x, y, tangent)?;
-            Some(sure as f32 * doubled(seen.as_vec2()))
-        };
-        let axes = [larger, larger.perp()];
-        Some(families.map(|family| direction(axes[family]).unwrap_or_default()))
+        line: &[f64; 2],
+        [form]: &[Weighted; 1],
+    ) {
+        for (axis, &n) in lanes.normal.iter_mut().zip(patch.normal.as_ref()) {
+            axis[lane] = n;
+        }
+        (lanes.line[0][lane], lanes.line[1][lane]) = (line[0], line[1]);
+        for (to, &from) in lanes.form.iter_mut().zip(form) {
+            to[lane] = from;
+        }
+        for (order, [x, y]) in lanes.fallback.iter_mut().enumerate() {
+            let fallback = doubled(self.fallback(patch.at, patch.normal, order));
+            (x[lane], y[lane]) = (fallback.x, fallback.y);
+        }
     }
 
     /// Directions averaged in several passes; where they disagree, their surroundings lead.
@@ -254,10 +271,28 @@ impl<'a> Field<'a> {
         }
         let mut around = found.clone();
         cross.average(&mut around, &reach, SURROUNDING_PASSES);
-        let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
-        pairs
-            .map(|(own, around)| std::array::from_fn(|f| calm(own[f], around[f])))
-            .collect()
+        let simd = Simd::widest();
+        let mut calmed = vec![[[0.0; 2]; N]; found.len()];
+        let parts = calmed.par_chunks_mut(LANES).with_min_len(BUNDLES_PER_TASK);
+        let pairs = found.par_chunks(LANES).zip(around.par_chunks(LANES));
+        parts.zip(pairs).for_each(|(calmed, (own, around))| {
+            for order in 0..N {
+                let (mut averaged, mut out) = (Averaged::default(), [[0.0; LANES]; 2]);
+                for (lane, (own, around)) in own.iter().zip(around).enumerate() {
+                    for (to, from) in averaged.own.iter_mut().zip(own[order]) {
+                        to[lane] = from;
+                    }
+                    for (to, from) in averaged.around.iter_mut().zip(around[order]) {
+                        to[lane] = from;
+                    }
+                }
+                simd.calm_patches(&mut out, &averaged);
+                for (lane, calmed) in calmed.iter_mut().enumerate() {
+                    calmed[order] = [out[0][lane], out[1][lane]];
+                }
+            }
+        });
+        calmed
     }
 
     /// Replaces the direction of a patch by the mean of its `given` directions of one field, if there are any.
@@ -289,25 +324,31 @@ impl<'a> Field<'a> {
 
     /// Adds the fallback, and makes everything unit; specks become 0.
     fn settle<const N: usize>(&self, doubled_directions: &mut [[[f32; 2]; N]]) {
-        let settle = |(i, directions): (usize, &mut [[f32; 2]; N])| {
-            if self.patches.is_speck(i) {
-                *directions = [[0.0; 2]; N];
-                return;
-            }
-            let patch = &self.patches.all[i];
-            for (order, z) in directions.iter_mut().enumerate() {
-                let last = || doubled(self.fallback(patch.at, patch.normal, order));
-                let mut sum = Vec2::from(*z);
-                let share = 1.0 - sum.length() / FREE;
-                if share > 0.0 {
-                    sum += FALLBACK * share * last();
+        let simd = Simd::widest();
+        let settle = |(bundle, settled): (usize, &mut [[[f32; 2]; N]])| {
+            let first = bundle * LANES;
+            for order in 0..N {
+                let [mut directions, mut fallback] = [[[0.0; LANES]; 2]; 2];
+                for (lane, settled) in settled.iter().enumerate() {
+                    let patch = &self.patches.all[first + lane];
+                    let last = doubled(self.fallback(patch.at, patch.normal, order));
+                    [directions[0][lane], directions[1][lane]] = settled[order];
+                    (fallback[0][lane], fallback[1][lane]) = (last.x, last.y);
                 }
-                *z = sum.try_normalize().unwrap_or_else(last).to_array();
+                simd.settle_patches(&mut directions, &fallback);
+                for (lane, settled) in settled.iter_mut().enumerate() {
+                    settled[order] = [directions[0][lane], directions[1][lane]];
+                }
+            }
+            for (i, settled) in settled.iter_mut().enumerate() {
+                if self.patches.is_speck(first + i) {
+                    *settled = [[0.0; 2]; N];
+                }
             }
         };
         doubled_directions
-            .par_iter_mut()
-            .with_min_len(PATCHES_PER_TASK)
+            .par_chunks_mut(LANES)
+            .with_min_len(BUNDLES_PER_TASK)
             .enumerate()
             .for_each(settle);
     }
@@ -315,3 +356,6 @@ impl<'a> Field<'a> {
 
 /// Fewest patches per task.
 const PATCHES_PER_TASK: usize = 1024;
+
+/// The same in bundles of lanes.
+const BUNDLES_PER_TASK: usize = PATCHES_PER_TASK / LANES;

@@ -12,6 +12,7 @@
 pub(crate) mod between_patches;
 pub(crate) mod chains;
 pub(crate) mod cpu;
+pub(crate) mod directions;
 pub(crate) mod forms;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;
@@ -84,20 +85,29 @@ pub(crate) struct CurvatureTensor {
 
 impl CurvatureTensor {
     /// The unit direction, in the frame of the tensor, of the curvature larger in magnitude; `None` without any.
-    #[inline]
+    #[cfg(test)]
     pub(crate) fn larger(&self) -> Option<DVec2> {
+        let (is_there, axis) = self.larger_or_any();
+        is_there.then_some(axis)
+    }
+
+    /// The same, and whether there is one; else it means nothing.
+    #[inline(always)]
+    pub(crate) fn larger_or_any(&self) -> (bool, DVec2) {
         let d = if self.mean >= 0.0 {
             self.deviator
         } else {
             -self.deviator
         };
-        let [x, y] = [d.x + d.length(), d.y];
+        let length = d.length();
         let axis = if d.x >= 0.0 {
-            DVec2::new(x, y)
+            DVec2::new(d.x + length, d.y)
         } else {
-            DVec2::new(d.y, d.length() - d.x)
+            DVec2::new(d.y, length - d.x)
         };
-        axis.try_normalize()
+        let over_length = axis.length_recip();
+        let has_length = (over_length > 0.0) & (over_length < f64::INFINITY);
+        (has_length, axis * over_length)
     }
 
     /// Confidence of the directions, 0..1: 1 on a cylinder, 0 if the curvatures are equal in magnitude, or differ by no
@@ -105,29 +115,23 @@ impl CurvatureTensor {
     ///
     /// The first factor, the square of the excess of `(|k1| - |k2|) / (|k1| + |k2|)` over a tenth, has no unit; the
     /// second compares `|k1| - |k2|` with the difference that noise, or a plane, would show.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn confidence(&self, doubt: f64) -> f64 {
         let (difference, mean) = (self.deviator.length(), self.mean.abs());
         let (lesser, larger) = (difference.min(mean), difference.max(mean));
         let apart = 4.0 * lesser * lesser;
-        if apart > 0.0 {
-            let share = ((lesser / larger - ROUND) / (1.0 - ROUND)).max(0.0);
-            share * share * apart / (apart + doubt * doubt)
-        } else {
-            0.0
-        }
+        let share = ((lesser / larger - ROUND) / (1.0 - ROUND)).max(0.0);
+        let confidence = share * share * apart / (apart + doubt * doubt);
+        if apart > 0.0 { confidence } else { 0.0 }
     }
 
     /// Flatness of the surface, 0..1; a quarter at a curvature of `doubt`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn flatness(&self, doubt: f64) -> f64 {
         let larger = self.deviator.length() + self.mean.abs();
         let square = doubt * doubt;
-        if square > 0.0 {
-            (square / (square + larger * larger)).powi(2)
-        } else {
-            0.0
-        }
+        let root = square / (square + larger * larger);
+        if square > 0.0 { root * root } else { 0.0 }
     }
 }
 
@@ -137,10 +141,11 @@ impl CurvatureTensor {
 /// The vectors of agreeing directions add up to a length of their summed confidence, the third of `own`; where
 /// differently oriented shapes meet, or in noise, they cancel, so a shape too small for the radius does not cause a
 /// swirl.
-#[inline]
+#[inline(always)]
 pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
     let length = (x * x + y * y).sqrt();
-    let agreement = if sure > 0.0 { length / sure } else { 0.0 };
+    let share = length / sure;
+    let agreement = if sure > 0.0 { share } else { 0.0 };
     let share = ((agreement - AGREE.start) / (AGREE.end - AGREE.start)).clamp(0.0, 1.0);
     let agreement = share * share * (3.0 - 2.0 * share);
     let lead = |own: f32, around: f32| agreement * own + (1.0 - agreement) * around;
@@ -166,10 +171,14 @@ pub(crate) fn sums_along<const N: usize>(
     reach: &[f32],
     scratch: &mut Vec<[[f64; 4]; N]>,
 ) {
-    scratch.clear();
-    scratch.resize(chain.len() + 1, [[0.0; 4]; N]);
+    let end = chain.len();
+    if scratch.len() <= end {
+        scratch.resize(end + 1, [[0.0; 4]; N]);
+    }
+    let moments = &mut scratch[..=end];
+    moments[0] = [[0.0; 4]; N];
     let [mut sum, mut moment] = [[[0.0; 4]; N]; 2];
-    for (next, value) in scratch[1..].iter_mut().zip(chain) {
+    for (next, value) in moments[1..].iter_mut().zip(chain) {
         for f in 0..N {
             for c in 0..4 {
                 sum[f][c] += f64::from(value[f][c]);
@@ -178,7 +187,7 @@ pub(crate) fn sums_along<const N: usize>(
         }
         *next = moment;
     }
-    let (moments, end) = (&scratch[..], chain.len());
+    let moments = &*moments;
     // Counted, so that the compiler widens the loops over components, not this one, which would gather.
     let mut to_end = end as f64;
     for (i, ((out, &reach), here)) in sums.iter_mut().zip(reach).zip(moments).enumerate() {

@@ -1,5 +1,6 @@
 //! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
+use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Frame, Plane};
 use crate::line::direction_field::setting::OPEN;
 use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
@@ -151,22 +152,15 @@ impl Patches {
         };
         let whole = first.windows(2).map(is_whole).collect();
         let mut patches = Self {
-            across: Links::new(all.len(), []),
-            down: Links::new(all.len(), []),
+            across: Links::none(0),
+            down: Links::none(0),
             grid,
             all,
             first,
             whole,
             labels,
         };
-        let pairs: Vec<[Vec<(u32, u32)>; 2]> = (0..patches.grid.rows)
-            .into_par_iter()
-            .map(|row| patches.pairs(row))
-            .collect();
-        [patches.across, patches.down] = [0, 1].map(|axis| {
-            let pairs = pairs.iter().flat_map(|p| &p[axis]);
-            Links::new(patches.all.len(), pairs.copied())
-        });
+        [patches.across, patches.down] = patches.links();
         patches
     }
 
@@ -181,48 +175,86 @@ impl Patches {
         &self.whole[row * self.grid.columns..][..self.grid.columns]
     }
 
-    /// Linked pairs of patches between the cells of a row and those to their right, and below.
-    fn pairs(&self, row: usize) -> [Vec<(u32, u32)>; 2] {
+    /// The links of patches across and down.
+    fn links(&self) -> [Links; 2] {
+        let Grid { columns, rows, .. } = self.grid;
+        let [mut across, mut down] = [(); 2].map(|()| Links::none(self.all.len()));
+        let count = |row: usize| match row < rows {
+            true => (self.first[(row + 1) * columns] - self.first[row * columns]) as usize,
+            false => 0,
+        };
+        let mut rest = [
+            &mut across.before[..],
+            &mut across.after,
+            &mut down.before,
+            &mut down.after,
+        ];
+        let mut take = |which: usize, count: usize| {
+            let (part, after) = std::mem::take(&mut rest[which]).split_at_mut(count);
+            rest[which] = after;
+            part
+        };
+        // Nothing is above the first row.
+        take(2, count(0));
+        let parts: Vec<RowLinks> = (0..rows)
+            .map(|row| RowLinks {
+                left: take(0, count(row)),
+                right: take(1, count(row)),
+                above_next: take(2, count(row + 1)),
+                below: take(3, count(row)),
+            })
+            .collect();
+        let parts = parts.into_par_iter().enumerate();
+        parts.for_each(|(row, links)| self.link_row(row, links));
+        [across, down]
+    }
+
+    /// Links the patches in the cells of a row to those in the cells to their right, and below.
+    fn link_row(&self, row: usize, links: RowLinks) {
         let Self { grid, labels, .. } = self;
         let label = |x: usize, y: usize| labels[y * grid.size[0] + x];
-        let mut pairs = [(); 2].map(|()| Vec::with_capacity(grid.columns));
         let [mut a, mut b] = [[NO_PATCH; MAX_CELL_PX]; 2];
         let ys = grid.y_pixels(row);
-        for column in 0..grid.columns {
-            let own = self.of_cell(column, row);
-            if own.is_empty() {
+        let cells = |row: usize| &self.first[row * grid.columns..][..grid.columns + 1];
+        let (first, whole) = (cells(row), self.whole(row));
+        let below = (row + 1 < grid.rows).then(|| (cells(row + 1), self.whole(row + 1)));
+        let of_row = first[0];
+        for (column, (own, &is_whole)) in first.windows(2).zip(whole).enumerate() {
+            if own[0] == own[1] {
                 continue;
             }
-            let is_whole = self.whole(row)[column];
-            let sides = [(column + 1, row), (column, row + 1)];
-            for (axis, (to_column, to_row)) in sides.into_iter().enumerate() {
-                if to_column >= grid.columns || to_row >= grid.rows {
-                    continue;
-                }
-                let next = self.of_cell(to_column, to_row).start as u32;
-                let mut pair = |a, b| {
-                    pairs[axis].push((own.start as u32 + u32::from(a), next + u32::from(b)));
+            if column + 1 < grid.columns {
+                let next = own[1];
+                let mut join = |a: u32, b: u32| {
+                    links.right[(own[0] + a - of_row) as usize] = next + b;
+                    links.left[(next + b - of_row) as usize] = own[0] + a;
                 };
-                if is_whole && self.whole(to_row)[to_column] {
-                    pair(0, 0);
-                    continue;
-                }
-                let xs = grid.x_pixels(column);
-                let length = if axis == 0 {
-                    for (i, y) in ys.clone().enumerate() {
-                        (a[i], b[i]) = (label(xs.end - 1, y), label(xs.end, y));
-                    }
-                    ys.len()
+                if is_whole && whole[column + 1] {
+                    join(0, 0);
                 } else {
-                    for (i, x) in xs.clone().enumerate() {
-                        (a[i], b[i]) = (label(x, ys.end - 1), label(x, ys.end));
+                    let x = grid.x_pixels(column).end;
+                    for (i, y) in ys.clone().enumerate() {
+                        (a[i], b[i]) = (label(x - 1, y), label(x, y));
                     }
-                    xs.len()
+                    let (a, b) = (&a[..ys.len()], &b[..ys.len()]);
+                    joined(a, b, |a, b| join(a.into(), b.into()));
+                }
+            }
+            if let Some((next, is_next_whole)) = below {
+                let mut join = |a: u32, b: u32| {
+                    links.below[(own[0] + a - of_row) as usize] = next[column] + b;
+                    links.above_next[(next[column] + b - next[0]) as usize] = own[0] + a;
                 };
-                joined(&a[..length], &b[..length], pair);
+                if is_whole && is_next_whole[column] {
+                    join(0, 0);
+                } else {
+                    let xs = grid.x_pixels(column);
+                    let along = |y: usize| &labels[y * grid.size[0]..][xs.clone()];
+                    let (a, b) = (along(ys.end - 1), along(ys.end));
+                    joined(a, b, |a, b| join(a.into(), b.into()));
+                }
             }
         }
-        pairs
     }
 
     /// The patch that a pixel belongs to, if any.
@@ -246,17 +278,20 @@ impl Patches {
 }
 
 impl Links {
-    fn new(count: usize, pairs: impl IntoIterator<Item = (u32, u32)>) -> Self {
-        let mut links = Self {
+    fn none(count: usize) -> Self {
+        Self {
             before: vec![NONE; count],
             after: vec![NONE; count],
-        };
-        for (a, b) in pairs {
-            links.after[a as usize] = b;
-            links.before[b as usize] = a;
         }
-        links
     }
+}
+
+/// The links of the patches in a row of cells, and those upward of the patches in the next.
+struct RowLinks<'a> {
+    left: &'a mut [u32],
+    right: &'a mut [u32],
+    above_next: &'a mut [u32],
+    below: &'a mut [u32],
 }
 
 struct RowOfCells<'a> {
@@ -275,7 +310,8 @@ impl RowOfCells<'_> {
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let mut counts = Vec::with_capacity(self.grid.columns);
         let mut patches = Vec::with_capacity(self.grid.columns);
-        let counts_open = self.open_across(&ys);
+        let simd = Simd::widest();
+        let counts_open = self.open_across(&ys, simd);
         let open_in = |column: usize| {
             let columns = &counts_open[self.grid.x_pixels(column)];
             columns
@@ -283,6 +319,12 @@ impl RowOfCells<'_> {
                 .map(|&count| usize::from(count))
                 .sum::<usize>()
         };
+        let is_open = |&count: &u8| count > 0;
+        let first_open = counts_open.iter().position(is_open);
+        let middles = first_open.and_then(|first| {
+            let last = counts_open.iter().rposition(is_open).unwrap_or(first);
+            self.middles(first..last + 1, &ys, simd)
+        });
         let mut columns = 0..self.grid.columns;
         while let Some(column) = columns.next() {
             let xs = self.grid.x_pixels(column);
@@ -300,7 +342,10 @@ impl RowOfCells<'_> {
             let size = xs.len() * ys.len();
             if count_open == self.grid.cell_px.pow(2) {
                 counts.push(1);
-                patches.push(self.whole(&xs, &ys));
+                patches.push(match &middles {
+                    Some(middles) => middles.patch(self, &xs, &ys),
+                    None => self.whole(&xs, &ys),
+                });
                 continue;
             }
             let (open, own) = (&mut open[..size], &mut own[..size]);
@@ -322,14 +367,35 @@ impl RowOfCells<'_> {
     }
 
     /// The number of open pixels of each column of pixels within the row of cells.
-    fn open_across(&self, ys: &Range<usize>) -> Vec<u8> {
+    fn open_across(&self, ys: &Range<usize>, simd: Simd) -> Vec<u8> {
         let mut counts = vec![0; self.grid.size[0]];
         for y in ys.clone() {
-            for (count, &c) in counts.iter_mut().zip(self.conductance.row(y)) {
-                *count += u8::from(c > OPEN);
-            }
+            simd.count_open_row(&mut counts, self.conductance.row(y));
         }
         counts
+    }
+
+    /// The middles of all cells of four pixels that are inside a range of columns, open or not; `None` of others.
+    fn middles(&self, xs: Range<usize>, ys: &Range<usize>, simd: Simd) -> Option<Middles> {
+        self.grid.four_across().filter(|_| ys.len() == 4)?;
+        let from = (xs.start + self.grid.cut[0]).next_multiple_of(4) - self.grid.cut[0];
+        let count = xs.end.checked_sub(from)? / 4;
+        let rows = |plane| middle_rows(plane, ys, from..from + 4 * count);
+        let blank = || vec![0.0; count];
+        let mut found = Middles {
+            from,
+            normals: [blank(), blank(), blank()],
+            depths: Vec::new(),
+        };
+        let n = &self.frame.normal;
+        let normals = [&n.x, &n.y, &n.z].map(rows);
+        let [x, y, z] = &mut found.normals;
+        simd.middle_normals([x, y, z], normals);
+        if let Some(depth) = &self.frame.depth {
+            found.depths = blank();
+            simd.middle_sums(&mut found.depths, rows(depth));
+        }
+        Some(found)
     }
 
     /// The patch of a whole cell, from the pixels around its middle: a mean over all of it would be below the surface.
@@ -384,6 +450,89 @@ impl RowOfCells<'_> {
     }
 }
 
+/// The middle rows of a row of cells of four pixels, cell by cell.
+fn middle_rows<'a>(plane: &'a Plane, ys: &Range<usize>, xs: Range<usize>) -> [&'a [[f32; 4]]; 2] {
+    [ys.start + 1, ys.start + 2].map(|y| plane.row(y)[xs.clone()].as_chunks().0)
+}
+
+/// Adds 1 to the count of every open pixel.
+#[inline(always)]
+fn count_open_row(counts: &mut [u8], conductance: &[f32]) {
+    for (count, &c) in counts.iter_mut().zip(conductance) {
+        *count += u8::from(c > OPEN);
+    }
+}
+
+/// Sums over the four pixels in the middle of each cell of a row, given its middle rows.
+#[inline(always)]
+fn middle_sums(sums: &mut [f64], [upper, lower]: [&[[f32; 4]]; 2]) {
+    for ((sum, upper), lower) in sums.iter_mut().zip(upper).zip(lower) {
+        *sum = middle_sum(upper, lower);
+    }
+}
+
+#[inline(always)]
+fn middle_sum(upper: &[f32; 4], lower: &[f32; 4]) -> f64 {
+    let samples = [upper[1], upper[2], lower[1], lower[2]].map(f64::from);
+    0.0 + samples[0] + samples[1] + samples[2] + samples[3]
+}
+
+/// The unit normals in the middle of each cell of a row, or 0.
+#[inline(always)]
+fn middle_normals([x, y, z]: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]) {
+    let cells = x.len().min(y.len()).min(z.len());
+    let [x, y, z] = [&mut x[..cells], &mut y[..cells], &mut z[..cells]];
+    let rows = rows.map(|rows| rows.map(|row| &row[..cells]));
+    for cell in 0..cells {
+        let [nx, ny, nz] = rows.map(|[upper, lower]| middle_sum(&upper[cell], &lower[cell]));
+        let normal = DVec3::new(nx, ny, nz);
+        let over_length = normal.length_recip();
+        let has_length = (over_length > 0.0) & (over_length < f64::INFINITY);
+        let unit = normal * over_length;
+        x[cell] = if has_length { unit.x } else { 0.0 };
+        y[cell] = if has_length { unit.y } else { 0.0 };
+        z[cell] = if has_length { unit.z } else { 0.0 };
+    }
+}
+
+widened! {
+    fn count_open_row(counts: &mut [u8], conductance: &[f32]);
+    fn middle_sums(sums: &mut [f64], rows: [&[[f32; 4]]; 2]);
+    fn middle_normals(normals: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]);
+}
+
+/// The middles of cells of four pixels in a row.
+struct Middles {
+    /// The first column of pixels of the first.
+    from: usize,
+    /// Unit normals, or 0.
+    normals: [Vec<f64>; 3],
+    /// Sums of depths over the four pixels in the middle; none without depth.
+    depths: Vec<f64>,
+}
+
+impl Middles {
+    /// The patch of a whole cell, as [`RowOfCells::whole`] finds it.
+    fn patch(&self, of: &RowOfCells, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
+        let cell = (xs.start - self.from) / 4;
+        let [x, y, z] = &self.normals;
+        let at = [xs, ys].map(|pixels| 0.5 * (pixels.start + pixels.end) as f64);
+        let depth = self.depths.get(cell).copied().unwrap_or(0.0);
+        Patch {
+            normal: DVec3::new(x[cell], y[cell], z[cell]),
+            at: corner(of.frame) + DVec2::from(at),
+            depth: (depth / 4.0) as f32,
+            pixels: 16,
+        }
+    }
+}
+
+/// The upper left corner of a frame in the picture.
+fn corner(frame: &Frame) -> DVec2 {
+    let window = frame.data_window;
+    DVec2::new(f64::from(window.x0), f64::from(window.y0))
+}
+
 /// Sums over the pixels in the middle of a patch.
 #[derive(Default)]
 struct Middle {
@@ -406,11 +555,9 @@ impl Middle {
 
     /// The means over them, for a patch of this many pixels.
     fn patch(self, frame: &Frame, pixels: usize) -> Patch {
-        let window = frame.data_window;
-        let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
         Patch {
             normal: self.normal.normalize_or_zero(),
-            at: corner + self.at / self.count,
+            at: corner(frame) + self.at / self.count,
             depth: (self.depth / self.count) as f32,
             pixels: pixels as u16,
         }

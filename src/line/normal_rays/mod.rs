@@ -198,7 +198,7 @@ pub(crate) fn principal_curvatures(
 
 /// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way;
 /// `None` if it points straight away.
-#[inline]
+#[cfg(all(test, feature = "gpu"))]
 pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
     let (faces, tangents) = upright(normal);
     faces.then_some(tangents)
