@@ -66,10 +66,7 @@ impl<'a> Field<'a> {
         given: Option<&[Vector2Planes]>,
         memory: &Memory,
     ) -> [Vector2Planes; N] {
-        let cross = CrossKernel::new(self.patches);
-        let lines = self.lines();
-        let forms = self.forms(&cross, &lines);
-        let mut led = self.calmed(self.doubled(&forms, &lines, families), &cross);
+        let mut led = self.led(families);
         for (order, given) in given.into_iter().flatten().enumerate() {
             self.follow(&mut led, given, order);
         }
@@ -88,6 +85,14 @@ impl<'a> Field<'a> {
             });
         });
         found
+    }
+
+    /// The directions of patches, doubled and calmed. What leads to them takes as much memory as some planes, and goes.
+    fn led<const N: usize>(&self, families: [usize; N]) -> Vec<[[f32; 2]; N]> {
+        let cross = CrossKernel::new(self.patches);
+        let lines = self.lines();
+        let forms = self.forms(&cross, &lines);
+        self.calmed(self.doubled(&forms, &lines, families), &cross)
     }
 
     /// The fallback at a place in the picture, of the first field made or the second.
