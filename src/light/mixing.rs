@@ -19,14 +19,27 @@ pub(crate) fn mix(
     let planes = [&mut made.r, &mut made.g, &mut made.b].into_iter();
     for (channel, plane) in planes.enumerate() {
         plane.each_row(|y, row| {
-            for (x, sample) in row.iter_mut().enumerate() {
-                let taken = share * strength.map_or(1.0, |strength| strength.at(x, y));
-                let was = before.map_or(0.0, |planes| planes[channel].at(x, y));
-                if taken != 1.0 {
-                    *sample = was + taken * (*sample - was);
-                }
+            let count = row.len();
+            let was = before.map(|planes| &planes[channel].row(y)[..count]);
+            let strength = strength.map(|strength| &strength.row(y)[..count]);
+            match (was, strength) {
+                (Some(was), Some(own)) => mix_row(row, |x| was[x], |x| share * own[x]),
+                (Some(was), None) => mix_row(row, |x| was[x], |_| share),
+                (None, Some(own)) => mix_row(row, |_| 0.0, |x| share * own[x]),
+                (None, None) => mix_row(row, |_| 0.0, |_| share),
             }
         });
+    }
+}
+
+/// Blends a row with what it was, by the weights `taken`.
+#[inline(always)]
+fn mix_row(row: &mut [f32], was: impl Fn(usize) -> f32, taken: impl Fn(usize) -> f32) {
+    for (x, sample) in row.iter_mut().enumerate() {
+        let (was, taken) = (was(x), taken(x));
+        // Both are computed and one is chosen: a branch would keep the compiler from taking many at a time.
+        let mixed = was + taken * (*sample - was);
+        *sample = if taken == 1.0 { *sample } else { mixed };
     }
 }
 

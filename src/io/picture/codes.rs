@@ -13,9 +13,11 @@ pub(super) fn straight(color: [f64; 3], alpha: Option<f64>, max: u32) -> ([f64; 
     let least = 0.5 / f64::from(max);
     let strongest = color.iter().fold(0.0, |most: f64, &v| most.max(v)).min(1.0);
     let alpha = if alpha < least { strongest } else { alpha };
-    match alpha < least {
-        true => ([0.0; 3], Some(0.0)),
-        false => (color.map(|v| v / alpha), Some(alpha)),
+    match alpha {
+        _ if alpha < least => ([0.0; 3], Some(0.0)),
+        // Most pixels: divisions take long.
+        1.0 => (color, Some(1.0)),
+        _ => (color.map(|v| v / alpha), Some(alpha)),
     }
 }
 
