@@ -297,7 +297,7 @@ fn finite(v: f32) -> f32 {
 }
 
 /// Pixels that are looked at together: most are empty, or opaque and dark enough to be shown as they are.
-const GROUP: usize = 16;
+pub(super) const GROUP: usize = 16;
 
 /// Rows of a picture to be stored as codes up to `max`.
 pub(super) struct Part<'a> {

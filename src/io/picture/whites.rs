@@ -3,16 +3,14 @@
 use super::codes::straight;
 use super::display::{Bright, WHITE, largest};
 use super::format::Picture;
+use super::gathered::GROUP;
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
 use crate::io::photo::max_code;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// A little less than [`WHITE`]: rounding to single precision misses nothing white.
-const LEAST: f32 = 0.9954;
-
-/// Pixels that are looked at together: few of most pictures are white.
-const GROUP: usize = 16;
+const LEAST: f32 = (0.9999 * WHITE) as f32;
 
 /// Numbers of surface pixels that are white in some channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
