@@ -6,7 +6,7 @@ use ::exr::meta::attribute::TileDescription;
 use ::exr::meta::header::Header;
 use std::ops::Range;
 
-/// Decoded bytes that are worked on at one time, unless a single band has more.
+/// Decoded bytes that are worked on at one time, unless two bands have more.
 const BATCH_BYTES: usize = 32 << 20;
 
 /// A part divided into bands over its full width, and those into blocks.
@@ -81,9 +81,11 @@ impl Layout {
         self.block_bytes() * self.blocks_per_band() as u128
     }
 
-    pub(super) fn bands_per_batch(&self) -> usize {
+    /// Most bands that are worked on at one time: at least two, so that one can be read while another is decoded.
+    pub(super) fn bands_at_once(&self) -> usize {
         let fitting = BATCH_BYTES as u128 / self.band_bytes().max(1);
-        (fitting as usize).clamp(1, 1024)
+        let bands = self.height.div_ceil(self.band_rows);
+        (fitting.clamp(2, 1024) as usize).min(bands)
     }
 
     /// The bands that hold any of `rows`.

@@ -9,9 +9,11 @@ use crate::error::Result;
 use crate::frame::Plane;
 use ::exr::meta::MetaData;
 use half::f16;
+use half::vec::HalfBitsVecExt;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 /// A channel to be read.
 #[derive(Clone, Copy)]
@@ -105,7 +107,11 @@ impl ExrFile {
         let blank = |&Wanted { id, stays_half }: &Wanted| {
             let (width, height) = (self.parts[id.part].window.width(), rows_of(id.part).len());
             match stays_half {
-                true => ReadSamples::Halves(Plane::filled(width, height, f16::ZERO)),
+                true => {
+                    // Zeros of integers are memory as it comes.
+                    let zeros = vec![0_u16; width * height].reinterpret_into();
+                    ReadSamples::Halves(Plane::from_samples(width, height, zeros))
+                }
                 false => ReadSamples::Floats(Plane::filled(width, height, 0.0)),
             }
         };
@@ -141,7 +147,7 @@ impl ExrFile {
         rows: Option<&Range<usize>>,
         copies: usize,
     ) -> Parsed<()> {
-        let (mut planes, mut band) = (0, 0);
+        let (mut planes, mut decoding) = (0, 0);
         for id in wanted {
             let window = self.parts[id.part].window;
             let count = match rows {
@@ -163,10 +169,11 @@ impl ExrFile {
                 });
             }
             planes += (4 * copies) as u128 * pixels;
-            band = band.max(Layout::of(&self.header.meta.headers[id.part]).band_bytes());
+            let layout = Layout::of(&self.header.meta.headers[id.part]);
+            decoding = decoding.max(layout.bands_at_once() as u128 * layout.band_bytes());
         }
-        // Two batches of compressed blocks, one of decompressed ones.
-        self.check_memory(planes + 3 * band)
+        // Blocks are there twice: compressed, and not.
+        self.check_memory(planes + 2 * decoding)
     }
 
     /// Refuses to use more bytes of memory than allowed.
@@ -212,23 +219,32 @@ impl PartBlocks {
         target: Rows,
     ) -> Parsed<()> {
         let meta = &chunks.exr.header.meta;
-        let all = self.layout.bands_of(&rows);
-        let mut bands = self.bands(target, &rows);
+        let mut bands = self.bands(target, &rows).into_iter();
+        let mut is_readable = true;
+        let read = Mutex::new(std::iter::from_fn(|| {
+            let band = bands.next().filter(|_| is_readable)?;
+            let blocks = self.read_blocks(chunks, band.index);
+            is_readable = blocks.is_ok();
+            Some((band, blocks))
+        }));
+        let next = || read.lock().unwrap_or_else(PoisonError::into_inner).next();
 
-        // The next batch is read while one is decoded.
-        let per_batch = self.layout.bands_per_batch();
-        let batch = |first: usize| first.min(all.end)..(first + per_batch).min(all.end);
-        let mut pending = self.read_bands(chunks, batch(all.start))?;
-        for (i, bands) in bands.chunks_mut(per_batch).enumerate() {
-            let next = all.start + (i + 1) * per_batch;
-            let (next, decoded) = rayon::join(
-                || self.read_bands(chunks, batch(next)),
-                || self.decode_bands(pending, bands, meta),
-            );
-            decoded?;
-            pending = next?;
+        // One reads while others decode what was read before.
+        let faults = (0..self.layout.bands_at_once())
+            .into_par_iter()
+            .with_max_len(1)
+            .filter_map(|_| {
+                let faults = std::iter::from_fn(next).filter_map(|(mut band, blocks)| {
+                    let decoded = blocks.and_then(|b| self.decode_band(b, &mut band, meta));
+                    Some((band.index, decoded.err()?))
+                });
+                faults.min_by_key(|&(index, _)| index)
+            });
+        // The first of several faults is the one reported, always the same.
+        match faults.min_by_key(|&(index, _)| index) {
+            Some((_, fault)) => Err(fault),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Divides rows into bands, the first and the last of which may be partial.
@@ -246,15 +262,11 @@ impl PartBlocks {
         layout.bands_of(rows).map(cut).collect()
     }
 
-    /// The compressed blocks of the bands `range`, band by band.
-    fn read_bands(
-        &self,
-        chunks: &mut ChunkReader,
-        range: Range<usize>,
-    ) -> Parsed<Vec<Vec<Vec<u8>>>> {
+    /// The compressed blocks of a band.
+    fn read_blocks(&self, chunks: &mut ChunkReader, band: usize) -> Parsed<Vec<Vec<u8>>> {
         let per_band = self.layout.blocks_per_band();
         let most = self.layout.block_bytes().min(i32::MAX as u128) as u64;
-        let mut block = |band: usize, block: usize| {
+        let block = |block: usize| {
             let chunk = chunks.chunk(self.offsets[band * per_band + block], most)?;
             let expected = self.layout.place(band, block);
             match chunk.part as usize == self.part && chunk.place == expected {
@@ -265,23 +277,7 @@ impl PartBlocks {
                 ))),
             }
         };
-        let mut band = |band| (0..per_band).map(|b| block(band, b)).collect();
-        range.map(&mut band).collect()
-    }
-
-    fn decode_bands(
-        &self,
-        blocks: Vec<Vec<Vec<u8>>>,
-        bands: &mut [Band],
-        meta: &MetaData,
-    ) -> Parsed<()> {
-        let results: Vec<Parsed<()>> = blocks
-            .into_par_iter()
-            .zip(bands)
-            .map(|(blocks, band)| self.decode_band(blocks, band, meta))
-            .collect();
-        // In order, so that the first of several faults is the one reported, always the same.
-        results.into_iter().collect()
+        (0..per_band).map(block).collect()
     }
 
     fn decode_band(&self, blocks: Vec<Vec<u8>>, band: &mut Band, meta: &MetaData) -> Parsed<()> {

@@ -1,7 +1,7 @@
 //! Writing a part, whole or strip by strip.
 
 use super::ExrFile;
-use super::append::{copy_chunks, start_append};
+use super::append::{Copied, start_append};
 use super::encode::{Encoder, Strip};
 use super::header::header_bytes;
 use super::merge::{InputRows, Merged, start_merge};
@@ -12,6 +12,10 @@ use crate::frame::Plane;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Most bytes of blocks that wait for the file to be copied, before that is no longer done beside other work.
+const MOST_WAITING: usize = 32 << 20;
 
 /// Writes `part` alone as a file. `target` is only named in errors.
 ///
@@ -68,8 +72,8 @@ pub fn add_channels(
 /// Writes the samples of one part, from the top, some rows at a time.
 ///
 /// The bytes do not depend on how the rows are divided. Rows that do not fill a block are kept for the next call, and
-/// blocks are written during the next call or at the end; memory holds no more than those and the blocks being compressed.
-/// A file that is added to is copied during the first call, which tells if it is damaged.
+/// blocks are written during the next call or at the end; memory holds no more than those, the blocks being compressed and
+/// 32 MB of blocks that wait while a file that is added to is copied. That it is damaged is told then, or at the end.
 pub struct PartWriter<'a, W> {
     out: ChunkSink<'a, W>,
     target: PathBuf,
@@ -80,8 +84,8 @@ pub struct PartWriter<'a, W> {
     width: usize,
     planes: usize,
     encoder: Encoder,
-    /// The file to copy, without the part with this index, while the first blocks are compressed.
-    copied: Option<(&'a ExrFile, Option<usize>)>,
+    /// What is copied of another file, while the first blocks are compressed.
+    copied: Option<Copied<'a>>,
     /// Blocks that wait to be written, while the next ones are compressed.
     waiting: Vec<Block>,
     /// The part that is added to.
@@ -121,7 +125,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ) -> Result<Self> {
         let (out, ready) = start_append(input, w, target, part)?;
         let mut writer = Self::new(out, target, input.parts.len(), part, &ready);
-        writer.copied = Some((input, None));
+        writer.copied = Some(Copied::new(input, None)?);
         Ok(writer)
     }
 
@@ -139,7 +143,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     ) -> Result<(Self, Merged)> {
         let (out, ready, merged) = start_merge(input, part, w, target, added)?;
         let mut writer = Self::new(out, target, part, added, &ready);
-        writer.copied = Some((input, Some(part)));
+        writer.copied = Some(Copied::new(input, Some(part))?);
         let kept = InputRows::open(input, part, writer.encoder.batch_rows());
         writer.kept = Some(kept.map_err(|fault| fault.at(&input.path))?);
         Ok((writer, merged))
@@ -215,15 +219,23 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             None => &[],
         };
         let strip = Strip { planes, rows, kept };
-        let (encoder, out) = (&mut self.encoder, &mut self.out);
-        let (copied, waiting) = (self.copied.take(), std::mem::take(&mut self.waiting));
         let mut compressed = None;
+        let is_compressed = AtomicBool::new(false);
+        let (encoder, index) = (&mut self.encoder, self.index);
+        let (out, copied) = (&mut self.out, &mut self.copied);
+        let held: usize = self.waiting.iter().map(|block| block.bytes.len()).sum();
+        let is_urgent = held > MOST_WAITING;
         rayon::in_place_scope(|scope| {
-            scope.spawn(|_| compressed = Some(encoder.take(&strip, beside)));
-            if let Some((input, without)) = copied {
-                copy_chunks(input, out, &self.target, without)?;
+            scope.spawn(|_| {
+                compressed = Some(encoder.take(&strip, beside));
+                is_compressed.store(true, Ordering::Relaxed);
+            });
+            let has_time = || is_urgent || !is_compressed.load(Ordering::Relaxed);
+            if copy(copied, out, &self.target, has_time)? {
+                let waiting = std::mem::take(&mut self.waiting);
+                write_blocks(out, index, waiting).map_err(Error::io(&self.target, "write"))?;
             }
-            write_blocks(out, self.index, waiting).map_err(Error::io(&self.target, "write"))
+            Ok(())
         })?;
         let compressed = compressed.expect("a scope ends after all that it spawned");
         let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
@@ -232,7 +244,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             top: self.top + (index * self.encoder.block_rows()) as i32,
             bytes,
         };
-        self.waiting = (first..).zip(blocks).map(placed).collect();
+        self.waiting.extend((first..).zip(blocks).map(placed));
         Ok(())
     }
 
@@ -243,6 +255,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
     /// If rows are missing.
     pub fn finish(mut self) -> Result<u64> {
         assert_eq!(self.encoder.missing(), 0, "rows are missing");
+        copy(&mut self.copied, &mut self.out, &self.target, || true)?;
         let written = write_blocks(&mut self.out, self.index, self.waiting);
         let finished = written.and_then(|()| self.out.finish());
         finished.map_err(Error::io(&self.target, "write"))?;
@@ -256,6 +269,23 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         self.push(&planes, 0..height)?;
         self.finish()
     }
+}
+
+/// Copies chunks while there is time, in file order. Returns whether none is left.
+fn copy(
+    copied: &mut Option<Copied>,
+    out: &mut ChunkSink<impl Write + Seek>,
+    target: &Path,
+    has_time: impl Fn() -> bool,
+) -> Result<bool> {
+    while let Some(chunks) = copied.as_mut().filter(|chunks| !chunks.is_done()) {
+        if !has_time() {
+            return Ok(false);
+        }
+        chunks.copy_next(out, target)?;
+    }
+    *copied = None;
+    Ok(true)
 }
 
 /// Writes blocks of the part with this index.
