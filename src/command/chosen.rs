@@ -9,6 +9,7 @@ use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
 use crate::params::{LineLevels, ToneLevels};
+use crate::quantile::quantile;
 
 /// Rows of depth sampled for the distance of a frame's surface.
 const ROWS_FOR_DISTANCE: usize = 32;
@@ -199,8 +200,7 @@ fn distance(frame: &Frame) -> Option<f32> {
         .flat_map(|y| depth.row(y).iter().copied())
         .filter(|&distance| distance > 0.0)
         .collect();
-    distances.sort_by(f32::total_cmp);
-    distances.get(distances.len() / 2).copied()
+    quantile(&mut distances, 0.5, f32::total_cmp)
 }
 
 /// `None` for a frame without a surface: it says nothing about its layers.

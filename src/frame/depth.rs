@@ -1,6 +1,7 @@
 //! From stored depth, or positions, to distances from the viewer.
 
-use super::{Camera, Plane, StoredDepth, Vector3Planes};
+use super::{Camera, Plane, StoredDepth};
+use glam::DVec3;
 
 /// Infinity clamped to a half float.
 pub(crate) const HALF_INFINITY: f32 = 65504.0;
@@ -14,13 +15,10 @@ pub(crate) fn is_distance(depth: f32) -> bool {
     depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
 }
 
-/// Distances along the view axis of world-space positions; 0 without a position.
-pub(crate) fn depth_of_positions(position: &Vector3Planes, camera: &Camera) -> Plane {
-    Plane::from_fn(position.x.width(), position.x.height(), |x, y| {
-        let view = camera.view_from_world.transform_point3(position.at(x, y));
-        let depth = -view.z as f32;
-        if depth.is_finite() { depth } else { 0.0 }
-    })
+/// Distance along the view axis of a world-space position; 0 without one.
+pub(crate) fn depth_of_position(position: DVec3, camera: &Camera) -> f32 {
+    let depth = -camera.view_from_world.transform_point3(position).z as f32;
+    if depth.is_finite() { depth } else { 0.0 }
 }
 
 /// Converts stored depth to values that increase with distance, in place: positive, 0 where the layer marks that

@@ -214,6 +214,11 @@ impl Planes {
         Some(self.roles.remove(index).1)
     }
 
+    /// World-space positions, as they were read.
+    pub(super) fn positions(&mut self) -> Option<RolePlanes> {
+        self.take(Role::Position)
+    }
+
     pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
         self.take(role).map(RolePlanes::into_vector)
     }

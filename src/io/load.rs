@@ -14,6 +14,7 @@ use super::notes::Notes;
 use super::objects;
 use super::opened::{Holding, Opened};
 use super::photo::PhotoMetadata;
+use super::points::Points;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::RoleSource;
@@ -21,7 +22,6 @@ use super::surface::SurfaceSamples;
 use super::view::{View, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::depth_of_positions;
 use crate::frame::normals;
 use crate::frame::{
     Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
@@ -250,7 +250,7 @@ fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> 
 
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();
-    let mut spare = position.map_or_else(Vec::new, |Vector3Planes { x, y, z }| vec![x, y, z]);
+    let mut spare = position.map_or_else(Vec::new, RolePlanes::into_planes);
     let mut picture = |read: RolePlanes| read.into_color_in(&mut spare);
     let (color, albedo) = (layers.color.map(&mut picture), layers.albedo.map(picture));
     drop(spare);
@@ -333,7 +333,7 @@ struct Layers {
     alpha: Option<Plane>,
     albedo: Option<RolePlanes>,
     depth: Option<Plane>,
-    position: Option<Vector3Planes>,
+    position: Option<RolePlanes>,
     coverage: Option<Plane>,
 }
 
@@ -346,7 +346,7 @@ impl Layers {
             alpha,
             albedo: albedos.find_map(|role| planes.color(role).0),
             depth: planes.scalar(Role::Depth),
-            position: planes.vector(Role::Position),
+            position: planes.positions(),
             coverage: planes.scalar(Role::Coverage),
         }
     }
@@ -402,7 +402,7 @@ impl FrameSource<'_> {
     ) -> SurfaceSamples<'s> {
         SurfaceSamples {
             mask,
-            position: layers.position.as_ref(),
+            position: layers.position.as_ref().map(RolePlanes::points),
             depth,
             attributes: self.main.attributes(),
             data_window: self.data_window,
@@ -465,12 +465,12 @@ impl FrameSource<'_> {
             (None, Some(raw)) => raw,
             (None, None) => return Ok(None),
         };
-        let full = Mask::full(raw.width(), raw.height());
+        let none = Mask::full(0, 0);
         let evidence = depth_sense::Layers {
             inputs: self.inputs,
             raw,
             normal,
-            surface: self.surface(&full, layers, None),
+            surface: self.surface(&none, layers, None),
             alpha: layers.alpha.as_ref(),
             mask: layers.coverage.as_ref(),
         };
@@ -479,9 +479,10 @@ impl FrameSource<'_> {
     }
 
     /// Positions, where they replace depth: no depth is given, and occlusion was not chosen instead.
-    fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
+    fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<Points<'s>> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
-        layers.position.as_ref().filter(|_| is_wanted)
+        let position = layers.position.as_ref().filter(|_| is_wanted);
+        position.map(RolePlanes::points)
     }
 
     /// Depth of positions, where they replace it; pixels without depth are removed from `mask`.
@@ -491,7 +492,7 @@ impl FrameSource<'_> {
         camera: Option<&Camera>,
         mask: &mut Mask,
     ) -> Option<Plane> {
-        let mut depth = depth_of_positions(self.positions_for_depth(layers)?, camera?);
+        let mut depth = self.positions_for_depth(layers)?.depth(camera?);
         coverage::narrow_to(mask, &mut depth);
         Some(depth)
     }

@@ -33,6 +33,7 @@ pub mod output;
 mod pen_way;
 pub mod photo;
 pub mod picture;
+mod points;
 mod recombination;
 mod role_planes;
 pub mod roles;

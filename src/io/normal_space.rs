@@ -11,6 +11,7 @@
 
 use super::camera::median;
 use super::inputs::Flip;
+use super::points::Points;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -130,7 +131,7 @@ pub fn judge_normal_space(
     camera: Option<&Camera>,
     data_window: Window,
 ) -> NormalSpaceVerdict {
-    NormalSamples::new(normal, mask, position, depth).judge(camera, data_window)
+    NormalSamples::new(normal, mask, position.map(Points::from), depth).judge(camera, data_window)
 }
 
 /// Normals of pixels spread over a picture, with what shows their space. They are looked at once, when a judgement first
@@ -138,7 +139,7 @@ pub fn judge_normal_space(
 pub(super) struct NormalSamples<'a> {
     normal: &'a Vector3Planes,
     mask: &'a Mask,
-    position: Option<&'a Vector3Planes>,
+    position: Option<Points<'a>>,
     depth: Option<&'a Plane>,
     list: OnceLock<Vec<NormalSample>>,
 }
@@ -175,7 +176,7 @@ impl<'a> NormalSamples<'a> {
     pub(super) fn new(
         normal: &'a Vector3Planes,
         mask: &'a Mask,
-        position: Option<&'a Vector3Planes>,
+        position: Option<Points<'a>>,
         depth: Option<&'a Plane>,
     ) -> Self {
         Self {
@@ -265,7 +266,10 @@ impl<'a> NormalSamples<'a> {
         if !self.is_inside(x, y) {
             return None;
         }
-        let seen = |x: usize, y: usize| at(self.position?, x, y).filter(|_| self.mask.at(x, y));
+        let seen = |x: usize, y: usize| {
+            let point = self.position?.at(x, y);
+            (point.is_finite() && self.mask.at(x, y)).then_some(point)
+        };
         let here = seen(x, y)?;
         let right = central(seen(x - 1, y)?, here, seen(x + 1, y)?)?;
         let up = central(seen(x, y + 1)?, here, seen(x, y - 1)?)?;

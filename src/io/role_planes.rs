@@ -3,6 +3,7 @@
 use super::borders::Borders;
 use super::exr::ReadSamples;
 use super::photo::StoredPhoto;
+use super::points::Points;
 use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::sanitise;
@@ -17,7 +18,7 @@ const SAMPLES_PER_TASK: usize = 1 << 16;
 /// The planes of one role: one or three, and the coverage stored with them.
 pub(super) struct RolePlanes {
     pub(super) planes: Vec<Plane>,
-    /// Those of a picture in half floats, until it is needed.
+    /// Those of a picture or of positions in half floats, until they are needed as floats.
     halves: Vec<Plane<f16>>,
     pub(super) alpha: Option<Plane>,
     /// The pixels they hold.
@@ -129,8 +130,25 @@ impl RolePlanes {
     }
 
     /// A vector of three components; those of a single plane are equal.
-    pub(super) fn into_vector(self) -> Vector3Planes {
+    pub(super) fn into_vector(mut self) -> Vector3Planes {
+        self.expand(&mut Vec::new());
         Vector3Planes::of(self.planes)
+    }
+
+    /// The planes in floats alone.
+    pub(super) fn into_planes(self) -> Vec<Plane> {
+        self.planes
+    }
+
+    /// Positions, as they were read.
+    pub(super) fn points(&self) -> Points<'_> {
+        fn three<T>(planes: &[T]) -> [&T; 3] {
+            [0, 1, 2].map(|axis| &planes[axis.min(planes.len() - 1)])
+        }
+        match self.halves.is_empty() {
+            true => Points::Floats(three(&self.planes)),
+            false => Points::Halves(three(&self.halves)),
+        }
     }
 
     /// One plane: the mean of three.
@@ -177,22 +195,36 @@ fn grey(mut planes: Vec<Plane>) -> Plane {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_picture_of_halves_takes_the_memory_of_spare_planes_of_its_size() {
+    /// Planes of halves: their number, the column and the row in each sample.
+    fn of_halves() -> RolePlanes {
         let half = |k: usize| Plane::from_fn(4, 3, |x, y| f16::from_f32((k + x + 5 * y) as f32));
-        let picture = || RolePlanes {
+        RolePlanes {
             planes: Vec::new(),
             halves: (0..3).map(half).collect(),
             alpha: None,
             window: Window::from_size(4, 3),
             borders: None,
             is_finite: true,
-        };
-        let expected = picture().into_color();
+        }
+    }
+
+    #[test]
+    fn positions_of_halves_are_those_of_floats() {
+        let floats = of_halves().into_vector();
+        let halves = of_halves();
+        let (halves, floats) = (halves.points(), Points::from(&floats));
+        assert_eq!(halves.sizes(), floats.sizes());
+        assert_eq!(halves.at(2, 1).to_array(), [7.0, 8.0, 9.0]);
+        assert_eq!(halves.at(3, 2), floats.at(3, 2));
+    }
+
+    #[test]
+    fn a_picture_of_halves_takes_the_memory_of_spare_planes_of_its_size() {
+        let expected = of_halves().into_color();
         assert_eq!(expected.at(2, 1), [7.0, 8.0, 9.0]);
         let mut spare = vec![Plane::filled(2, 2, 9.0), Plane::filled(4, 3, 9.0)];
         let memory = spare[1].samples().as_ptr();
-        let found = picture().into_color_in(&mut spare);
+        let found = of_halves().into_color_in(&mut spare);
         assert_eq!(found, expected);
         assert_eq!(found.r.samples().as_ptr(), memory);
         assert!(spare.is_empty());

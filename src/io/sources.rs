@@ -315,7 +315,7 @@ impl RoleSource {
         }
     }
 
-    /// Its channels, its alpha last. A picture of half floats is held as such until it is needed.
+    /// Its channels, its alpha last. A picture of half floats is held as such until it is needed, positions to the end.
     fn wanted(&self) -> Vec<Wanted> {
         let Some(layer) = &self.layer else {
             return Vec::new();
@@ -329,7 +329,7 @@ impl RoleSource {
                 stays_half,
             }
         };
-        let stays_half = self.role.is_color() && self.is_half();
+        let stays_half = (self.role.is_color() || self.role == Role::Position) && self.is_half();
         let channels = layer.channels.iter().map(wanted(stays_half));
         channels
             .chain(layer.alpha.iter().map(wanted(false)))

@@ -11,7 +11,7 @@ use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::{depth_of_positions, to_distances};
+use crate::frame::depth::to_distances;
 use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
     Camera, DepthKind, Frame, Mask, Plane, Source, SpecularScene, Surroundings, Vector3Planes,
@@ -218,7 +218,7 @@ impl Layer<'_> {
             match source.role {
                 Role::Depth => depth = Some(self.distances(read.into_scalar())),
                 Role::Position => {
-                    depth = Some(depth_of_positions(&read.into_vector(), &self.camera));
+                    depth = Some(read.points().depth(&self.camera));
                 }
                 Role::Normal => normal = Some(read.into_vector()),
                 _ => {

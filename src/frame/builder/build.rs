@@ -5,7 +5,7 @@ use super::light::{colors, colors_of, finite};
 use super::samples::{Name, Samples, bad};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered, cover};
-use crate::frame::depth::depth_of_positions;
+use crate::frame::depth::depth_of_position;
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
     Window, confidence, lift_out_of_fog, normals, unround,
@@ -184,7 +184,9 @@ impl FrameBuilder<'_> {
             ));
         };
         let [x, y, z] = self.vector("position", position, &[3, 4])?;
-        let mut depth = depth_of_positions(&Vector3Planes { x, y, z }, camera);
+        let (width, height, points) = (x.width(), x.height(), Vector3Planes { x, y, z });
+        let depth_at = |x, y| depth_of_position(points.at(x, y), camera);
+        let mut depth = Plane::from_fn(width, height, depth_at);
         coverage::narrow_to(mask, &mut depth);
         let kind = match position.is_half() {
             true => DepthKind::Relative,

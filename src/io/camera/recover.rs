@@ -17,6 +17,7 @@ use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Covariance, Free, Model};
 use super::samples::{Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
+use crate::io::points::Points;
 use glam::{DAffine3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -144,11 +145,26 @@ pub fn recover_camera(
     display_window: Window,
     pixel_aspect: f32,
 ) -> Result<RecoveredCamera, RecoveryFailure> {
-    for plane in [&position.x, &position.y, &position.z] {
-        let size = (plane.width(), plane.height());
-        let wanted = (data_window.width(), data_window.height());
-        assert_eq!(size, wanted, "the positions do not fill the data window");
-    }
+    recover_from(
+        position.into(),
+        mask,
+        data_window,
+        display_window,
+        pixel_aspect,
+    )
+}
+
+/// [`recover_camera`] from positions as they were read.
+pub(super) fn recover_from(
+    position: Points,
+    mask: &Mask,
+    data_window: Window,
+    display_window: Window,
+    pixel_aspect: f32,
+) -> Result<RecoveredCamera, RecoveryFailure> {
+    let wanted = (data_window.width(), data_window.height());
+    let fill = position.sizes() == [wanted; 3];
+    assert!(fill, "the positions do not fill the data window");
     let aspect = if pixel_aspect.is_finite() && pixel_aspect > 0.0 {
         f64::from(pixel_aspect)
     } else {

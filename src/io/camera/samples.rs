@@ -1,6 +1,7 @@
 //! Which pixels of a position layer a camera is recovered from.
 
-use crate::frame::{Mask, Vector3Planes, Window};
+use crate::frame::{Mask, Window};
+use crate::io::points::Points;
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
@@ -47,24 +48,18 @@ impl Samples {
 
 /// A position layer with the pixels it covers.
 struct Layer<'a> {
-    position: &'a Vector3Planes,
+    position: Points<'a>,
     mask: &'a Mask,
 }
 
 impl Layer<'_> {
     /// The position at column `x` of row `y`, if there is one.
     fn at(&self, x: isize, y: isize) -> Option<Vector3<f64>> {
-        let plane = &self.position.x;
         let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
-        if x >= plane.width() || y >= plane.height() || !self.mask.at(x, y) {
+        if x >= self.mask.width() || y >= self.mask.height() || !self.mask.at(x, y) {
             return None;
         }
-        let p = Vector3::new(
-            plane.at(x, y),
-            self.position.y.at(x, y),
-            self.position.z.at(x, y),
-        )
-        .map(f64::from);
+        let p = Vector3::from(self.position.at(x, y).to_array());
         let real = p.iter().all(|c| c.is_finite() && c.abs() < FARTHEST);
         // Renderers write the origin itself where there is no surface.
         (real && p != Vector3::zeros()).then_some(p)
@@ -92,7 +87,7 @@ impl Layer<'_> {
 
 /// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
 pub(super) fn gather(
-    position: &Vector3Planes,
+    position: Points,
     mask: &Mask,
     data_window: Window,
     display_window: Window,
