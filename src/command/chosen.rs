@@ -11,8 +11,8 @@ use crate::io::inputs::{Conventions, KnownCamera};
 use crate::params::{LineLevels, ToneLevels};
 use crate::quantile::quantile;
 
-/// Rows of depth sampled for the distance of a frame's surface.
-const ROWS_FOR_DISTANCE: usize = 32;
+/// Pixels looked at for the distance of a frame's surface.
+const WANTED_DISTANCES: usize = 4_000;
 
 /// Automatic choices for one frame. Settings that were given or not needed are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -195,11 +195,9 @@ pub(crate) fn look_at_depth(loaded: &mut Loaded) {
 /// The median distance of a surface; `None` without depth.
 fn distance(frame: &Frame) -> Option<f32> {
     let depth = frame.depth.as_ref()?;
-    let mut distances: Vec<f32> = (0..frame.mask.height())
-        .step_by(frame.mask.height().div_ceil(ROWS_FOR_DISTANCE).max(1))
-        .flat_map(|y| depth.row(y).iter().copied())
-        .filter(|&distance| distance > 0.0)
-        .collect();
+    let sampled = frame.mask.sample(WANTED_DISTANCES);
+    let distances = sampled.map(|(x, y)| depth.at(x, y));
+    let mut distances: Vec<f32> = distances.filter(|&distance| distance > 0.0).collect();
     quantile(&mut distances, 0.5, f32::total_cmp)
 }
 

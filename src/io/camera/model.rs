@@ -87,8 +87,9 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds [`LANES`] samples or fewer, each weighted by the threshold over its residual, at most 1.
-    fn add(&mut self, model: &Model, samples: &[Sample], threshold: f64) {
+    /// Adds [`LANES`] samples or fewer, each weighted by the threshold over its residual, at most 1: for the first `count`
+    /// parameters.
+    fn add(&mut self, model: &Model, samples: &[Sample], threshold: f64, count: usize) {
         const ZERO: [f64; LANES] = [0.0; LANES];
         let (mut weight, mut residual) = (ZERO, [ZERO; 2]);
         let (mut turned, mut at, mut per_depth) = ([ZERO; 3], [ZERO; 2], ZERO);
@@ -124,7 +125,7 @@ impl Sums {
             (by[6][0][i], by[6][1][i]) = (u * z * per_depth, v * z * per_depth);
             (by[7][0][i], by[8][1][i]) = (1.0, 1.0);
         }
-        for row in 0..PARAMETERS {
+        for row in 0..count {
             let (mut u, mut v) = (ZERO, ZERO);
             for i in 0..LANES {
                 (u[i], v[i]) = (weight[i] * by[row][0][i], weight[i] * by[row][1][i]);
@@ -248,7 +249,7 @@ impl Model {
     fn normal_equations(&self, samples: &[Sample], threshold: f64, free: Free) -> (Normal, Step) {
         let mut sums = Sums::default();
         for samples in samples.chunks(LANES) {
-            sums.add(self, samples, threshold);
+            sums.add(self, samples, threshold, free.count());
         }
         let (mut normal, mut gradient) = (Normal::zeros(), Step::zeros());
         for row in 0..free.count() {
@@ -288,7 +289,7 @@ impl Model {
                 }
                 damping *= 10.0;
             }
-            if damping >= 1e8 || before - loss <= 1e-10 * before {
+            if damping >= 1e8 || before - loss <= 1e-8 * before {
                 break;
             }
         }

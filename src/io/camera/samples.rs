@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
 /// Samples that the fit works on; more gain nothing that a pixel's own rounding does not hide.
-const WANTED: usize = 6_000;
+const WANTED: usize = 4_000;
 /// Pixels examined to find that many; edges and gaps cost some.
 const CANDIDATES: usize = 2 * WANTED;
 /// Below this many samples away from edges, edge pixels are let in and left to the robust fit.
