@@ -229,8 +229,10 @@ impl PartBlocks {
         }));
         let next = || read.lock().unwrap_or_else(PoisonError::into_inner).next();
 
-        // One reads while others decode what was read before.
-        let faults = (0..self.layout.bands_at_once())
+        // One reads while others decode what was read before. No more of them than threads: one that waits for its blocks
+        // may begin another, on top of it.
+        let at_once = self.layout.bands_at_once();
+        let faults = (0..at_once.min(rayon::current_num_threads()))
             .into_par_iter()
             .with_max_len(1)
             .filter_map(|_| {
