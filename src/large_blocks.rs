@@ -15,8 +15,8 @@ const ALIGNED: usize = 1 << 12;
 const PAGE: usize = 1 << 16;
 /// Bytes of a huge page, to which larger blocks are aligned.
 const HUGE_PAGE: usize = 1 << 21;
-/// Blocks are made up of huge pages alone where that adds at most this share to them.
-const MOST_ADDED: usize = 16;
+/// Blocks are made up of huge pages alone where that adds at most one part in so many.
+const PARTS_TO_ADD_ONE: usize = 16;
 /// Most blocks, and most bytes of them, that are kept when they are freed.
 const MOST_KEPT: usize = 64;
 const MOST_KEPT_BYTES: usize = 256 << 20;
@@ -34,7 +34,10 @@ static BLOCKS: Blocks = Blocks::new();
 
 /// A mapped range of bytes.
 #[derive(Clone, Copy)]
-struct Block(*mut c_void, usize);
+struct Block {
+    start: *mut c_void,
+    size: usize,
+}
 
 #[expect(unsafe_code, reason = "whoever holds a block has it alone")]
 // SAFETY: as given.
@@ -52,7 +55,7 @@ impl Kept {
         let block = self.blocks[index];
         self.blocks.copy_within(index + 1..self.count, index);
         self.count -= 1;
-        self.bytes -= block.1;
+        self.bytes -= block.size;
         block
     }
 
@@ -60,7 +63,7 @@ impl Kept {
     fn take(&mut self, size: usize) -> Option<Block> {
         let index = self.blocks[..self.count]
             .iter()
-            .rposition(|b| b.1 == size)?;
+            .rposition(|block| block.size == size)?;
         Some(self.remove(index))
     }
 
@@ -78,7 +81,7 @@ impl Kept {
         }
         self.blocks[self.count] = block;
         self.count += 1;
-        self.bytes += block.1;
+        self.bytes += block.size;
         while self.bytes > MOST_KEPT_BYTES {
             self.remove(0).unmap();
         }
@@ -93,30 +96,28 @@ impl Block {
         let spare = if size >= HUGE_PAGE { HUGE_PAGE } else { 0 };
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::PRIVATE);
         // SAFETY: fresh memory is nobody else's.
-        let start = unsafe { mmap_anonymous(null_mut(), size + spare, access, flags) }.ok()?;
+        let all = unsafe { mmap_anonymous(null_mut(), size + spare, access, flags) }.ok()?;
         let before = match spare {
             0 => 0,
-            _ => start.align_offset(HUGE_PAGE),
+            _ => all.align_offset(HUGE_PAGE),
         };
-        let block = start.wrapping_byte_add(before);
-        for (unused, bytes) in [
-            (start, before),
-            (block.wrapping_byte_add(size), spare - before),
-        ] {
-            if bytes > 0 {
-                Self(unused, bytes).unmap();
+        let start = all.wrapping_byte_add(before);
+        let after = start.wrapping_byte_add(size);
+        for (start, size) in [(all, before), (after, spare - before)] {
+            if size > 0 {
+                Self { start, size }.unmap();
             }
         }
         if size >= HUGE_PAGE {
             // SAFETY: the range is the block. Where the advice is refused, nothing changes.
-            let _ = unsafe { madvise(block, size, Advice::LinuxHugepage) };
+            let _ = unsafe { madvise(start, size, Advice::LinuxHugepage) };
         }
-        Some(Self(block, size))
+        Some(Self { start, size })
     }
 
     fn unmap(self) {
         // SAFETY: whoever holds a block has it alone.
-        let _ = unsafe { munmap(self.0, self.1) };
+        let _ = unsafe { munmap(self.start, self.size) };
     }
 }
 
@@ -124,7 +125,10 @@ impl Blocks {
     const fn new() -> Self {
         Self {
             kept: Mutex::new(Kept {
-                blocks: [Block(null_mut(), 0); MOST_KEPT],
+                blocks: [Block {
+                    start: null_mut(),
+                    size: 0,
+                }; MOST_KEPT],
                 count: 0,
                 bytes: 0,
             }),
@@ -167,7 +171,7 @@ fn mapped(layout: Layout) -> Option<usize> {
         return None;
     }
     let whole = layout.size().checked_next_multiple_of(HUGE_PAGE)?;
-    match (whole - layout.size()) * MOST_ADDED <= layout.size() {
+    match (whole - layout.size()) * PARTS_TO_ADD_ONE <= layout.size() {
         true => Some(whole),
         false => Some(layout.size().next_multiple_of(PAGE)),
     }
@@ -180,7 +184,7 @@ unsafe impl GlobalAlloc for Blocks {
         match mapped(layout) {
             Some(size) => self
                 .block(size)
-                .map_or(null_mut(), |(block, _)| block.0.cast()),
+                .map_or(null_mut(), |(block, _)| block.start.cast()),
             // SAFETY: as promised to this function, here and below.
             None => unsafe { System.alloc(layout) },
         }
@@ -191,7 +195,7 @@ unsafe impl GlobalAlloc for Blocks {
             // SAFETY: as above.
             return unsafe { System.alloc_zeroed(layout) };
         };
-        let Some((Block(start, _), is_zero)) = self.block(size) else {
+        let Some((Block { start, .. }, is_zero)) = self.block(size) else {
             return null_mut();
         };
         if !is_zero {
@@ -203,7 +207,10 @@ unsafe impl GlobalAlloc for Blocks {
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         match mapped(layout) {
-            Some(size) => self.kept().keep(Block(block.cast(), size)),
+            Some(size) => self.kept().keep(Block {
+                start: block.cast(),
+                size,
+            }),
             // SAFETY: as above.
             None => unsafe { System.dealloc(block, layout) },
         }
@@ -264,10 +271,10 @@ mod tests {
     fn a_freed_block_is_the_next_of_its_size_and_makes_room_for_others() {
         let blocks = Blocks::new();
         let (first, is_zero) = blocks.block(7 * HUGE_PAGE).unwrap();
-        assert!(is_zero && first.0.addr() % HUGE_PAGE == 0);
+        assert!(is_zero && first.start.addr() % HUGE_PAGE == 0);
         blocks.kept().keep(first);
         let (again, is_zero) = blocks.block(7 * HUGE_PAGE).unwrap();
-        assert!(again.0 == first.0 && !is_zero);
+        assert!(again.start == first.start && !is_zero);
         blocks.kept().keep(again);
         let (other, is_zero) = blocks.block(PAGE).unwrap();
         assert!(is_zero && blocks.kept().count == 0 && blocks.kept().bytes == 0);

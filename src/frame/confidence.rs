@@ -4,10 +4,10 @@
 //! that of the surface hit by its first sample. At outlines the same holds for a pixel or two, so a pixel counts as
 //! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
+use super::squares::{around, mean_over_squares, of_rows, over_squares, sum_over_squares};
 use super::tiled::{Made, of_tiles};
 use super::{Frame, Mask, Plane, Vector3Planes};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Half size of the square of normals around a pixel that must be mixed. In sharp renders some 3x3 squares are, at
 /// corners of outlines, but no 5x5 ones.
@@ -276,97 +276,6 @@ fn ramp(value: f32, [from, to]: [f32; 2]) -> f32 {
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// The minimum or maximum over the square around each pixel, cut off at the plane's border.
-///
-/// The samples of the border, repeated beyond it, are in every square that reaches there. Windows of samples become twice
-/// as wide at each step, first along rows, then of rows.
-fn over_squares(plane: &Plane, reach: usize, of: impl Fn(f32, f32) -> f32) -> Plane {
-    let (width, height) = (plane.width(), plane.height());
-    let (Some(last), false) = (width.checked_sub(1), height == 0) else {
-        return plane.clone();
-    };
-    let steps = doubling_steps(2 * reach + 1);
-    let mut windows = Plane::filled(width, height + 2 * reach, 0.0);
-    let [mut line, mut wider] = [(); 2].map(|()| vec![0.0; width + 2 * reach]);
-    for y in 0..height {
-        let row = plane.row(y);
-        line[..reach].fill(row[0]);
-        line[reach..][..width].copy_from_slice(row);
-        line[reach + width..].fill(row[last]);
-        for &step in &steps {
-            let pairs = line.iter().zip(&line[step..]);
-            for (wider, (&a, &b)) in wider.iter_mut().zip(pairs) {
-                *wider = of(a, b);
-            }
-            std::mem::swap(&mut line, &mut wider);
-        }
-        windows.row_mut(y + reach).copy_from_slice(&line[..width]);
-    }
-    for y in 0..reach {
-        for (to, from) in [(y, reach), (reach + height + y, reach + height - 1)] {
-            let samples = windows.samples_mut();
-            samples.copy_within(from * width..(from + 1) * width, to * width);
-        }
-    }
-    let mut rows = windows.into_samples();
-    for step in steps {
-        for y in 0..height + 2 * reach - step {
-            let (above, below) = rows.split_at_mut((y + step) * width);
-            combine(&mut above[y * width..][..width], &below[..width], &of);
-        }
-    }
-    rows.truncate(width * height);
-    Plane::from_samples(width, height, rows)
-}
-
-/// How far apart windows that are joined lie, from single samples to `side` of them.
-fn doubling_steps(side: usize) -> Vec<usize> {
-    let mut covered = 1;
-    let next = || {
-        let step = covered.min(side - covered);
-        covered += step;
-        (step > 0).then_some(step)
-    };
-    std::iter::from_fn(next).collect()
-}
-
-/// The mean over the square around each pixel, with 0 beyond the plane.
-fn mean_over_squares(plane: &Plane, reach: usize) -> Plane {
-    let side = (2 * reach + 1) as f32;
-    sum_over_squares(plane, reach).map(|sum| sum / (side * side))
-}
-
-/// The sum over the square around each pixel, cut off at the plane's border.
-fn sum_over_squares(plane: &Plane, reach: usize) -> Plane {
-    of_rows(plane, |y, row| {
-        let mut column = vec![0.0; row.len()];
-        for other in around(y, reach, plane.height()) {
-            combine(&mut column, plane.row(other), |sum, sample| sum + sample);
-        }
-        add_along_row(row, &column, reach);
-    })
-}
-
-/// Adds to every sample of a row those of `column` around it, from left to right: all that are equally far away at a time,
-/// so that the compiler takes several pixels at once.
-fn add_along_row(row: &mut [f32], column: &[f32], reach: usize) {
-    let after = |samples: usize| column.get(samples..).unwrap_or_default();
-    let add = |sum: f32, sample: f32| sum + sample;
-    for left in (1..=reach.min(row.len())).rev() {
-        combine(&mut row[left..], column, add);
-    }
-    for right in 0..=reach {
-        combine(row, after(right), add);
-    }
-}
-
-/// Combines samples with others, as far as there are both.
-fn combine(samples: &mut [f32], others: &[f32], of: impl Fn(f32, f32) -> f32) {
-    for (sample, &other) in samples.iter_mut().zip(others) {
-        *sample = of(*sample, other);
-    }
-}
-
 /// A plane combined from the samples of two.
 fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
     of_rows(a, |y, row| {
@@ -374,20 +283,6 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
             *sample = make(a, b);
         }
     })
-}
-
-/// The range within `reach` of a position on a line of this length.
-fn around(place: usize, reach: usize, length: usize) -> Range<usize> {
-    place.saturating_sub(reach)..(place + reach + 1).min(length)
-}
-
-/// A plane of this size whose rows, initially zero, are filled by `make`.
-fn of_rows(like: &Plane, make: impl Fn(usize, &mut [f32])) -> Plane {
-    let mut made = Plane::filled(like.width(), like.height(), 0.0);
-    for y in 0..made.height() {
-        make(y, made.row_mut(y));
-    }
-    made
 }
 
 #[cfg(test)]
@@ -409,25 +304,6 @@ mod tests {
             DVec3::new(sin, 0.0, cos)
         });
         of_normals(lengths, &normal, &Mask::full(width, height))
-    }
-
-    #[test]
-    fn the_extremes_of_squares_are_those_of_their_samples() {
-        for (width, height, reach) in [(1, 1, 2), (3, 2, 8), (23, 19, 2), (40, 31, 8), (5, 6, 0)] {
-            let plane = lengths(width, height, |x, y| {
-                (7.0 * x as f32 + 3.0 * (y * y) as f32).sin()
-            });
-            let squares = [
-                over_squares(&plane, reach, f32::max),
-                over_squares(&plane, reach, f32::min),
-            ];
-            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-                let rows = around(y, reach, height).map(|y| &plane.row(y)[around(x, reach, width)]);
-                let samples: Vec<f32> = rows.flatten().copied().collect();
-                let expected = [f32::max, f32::min].map(|of| samples.iter().copied().reduce(of));
-                assert_eq!(squares.each_ref().map(|made| Some(made.at(x, y))), expected);
-            }
-        }
     }
 
     #[test]

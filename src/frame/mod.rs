@@ -18,6 +18,7 @@ pub(crate) mod sampling;
 mod sight;
 mod space;
 mod specular;
+mod squares;
 mod steps;
 mod strength;
 mod surroundings;
