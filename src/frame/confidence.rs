@@ -5,9 +5,10 @@
 //! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
 use super::squares::{around, mean_over_squares, of_rows, over_squares, sum_over_squares};
-use super::tiled::{Made, of_tiles};
-use super::{Frame, Mask, Plane, Vector3Planes};
+use super::tiled::{Made, Part, of_tiles};
+use super::{Frame, Mask, Plane, Vector3Planes, Window};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Half size of the square of normals around a pixel that must be mixed. In sharp renders some 3x3 squares are, at
 /// corners of outlines, but no 5x5 ones.
@@ -62,17 +63,13 @@ pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
 /// Divides normals that fog or blur has shortened, together with all around, by their mean length: a short normal then
 /// hides a crease only where it is short among its neighbours.
 pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
-    if !has_short_square(lengths, mask) {
-        return;
-    }
-    let lifted = of_tiles(lengths, NORMALS_REACH, |part| {
+    let lifted = of_tiles(lengths, |tile| {
+        let squares = short_squares(lengths, mask, tile)?;
+        let part = Part::around(squares.common(&tile)?, NORMALS_REACH, lengths);
         let (lengths, mask) = part.of(lengths, mask);
-        if !has_short_square(&lengths, &mask) {
-            return None;
-        }
         let longest = over_squares(&ended(&lengths, &mask), NORMALS_REACH, f32::max);
         let mean = mean_of_covered(&lengths, &covered_in_squares(&mask));
-        Some(of_rows(&lengths, |y, row| {
+        let lifted = of_rows(&lengths, |y, row| {
             let squares = longest.row(y).iter().zip(mean.row(y));
             for ((sample, &length), (&longest, &mean)) in
                 row.iter_mut().zip(lengths.row(y)).zip(squares)
@@ -85,7 +82,8 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
                     length
                 };
             }
-        }))
+        });
+        Some(part.cut(&lifted))
     });
     for made in lifted {
         made.write_to(lengths);
@@ -94,19 +92,18 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
 
 /// The confidence from the lengths of normals before normalisation.
 fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
-    if !has_short_square(lengths, mask) {
-        return None;
-    }
-    let found = of_tiles(lengths, CONFIDENCE_REACH, |part| {
+    let found = of_tiles(lengths, |tile| {
+        // Only pixels of short squares are mixed, and the mean takes their deficit as far again.
+        let squares = short_squares(lengths, mask, tile.grown(2 * NORMALS_REACH))?;
+        let mixed = squares.grown(2 * NORMALS_REACH).common(&tile)?;
+        let part = Part::around(mixed, CONFIDENCE_REACH, lengths);
         let (lengths, mask) = part.of(lengths, mask);
-        if !has_short_square(&lengths, &mask) {
-            return None;
-        }
         let counts = covered_in_squares(&mask);
         let mean = |plane: &Plane| mean_of_covered(plane, &counts);
         let around = over_squares(&mean(&lengths), FOG_REACH, f32::max);
         let compared = of_two(&ended(&lengths, &mask), &around, |length, around| {
-            length / around.max(f32::MIN_POSITIVE)
+            // Never shorter than before.
+            length / around.clamp(f32::MIN_POSITIVE, 1.0)
         });
         let longest = over_squares(&compared, NORMALS_REACH, f32::max);
         if !longest.samples().iter().any(|&length| is_short(length)) {
@@ -123,7 +120,7 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
         });
         // The mean smooths away the corners of squares.
         let mean = mean_over_squares(&deficit, NORMALS_REACH);
-        Some(mean.map(|deficit| 1.0 - deficit))
+        Some(part.cut(&mean.map(|deficit| 1.0 - deficit)))
     });
     joined(lengths, &found)
 }
@@ -164,26 +161,46 @@ fn is_short(length: f32) -> bool {
     length < LENGTHS[0]
 }
 
-/// Whether all normals of some square of the picture, or of the part of one beside its border, are covered and short.
+/// A window that holds the middle of every square around a pixel of `within` whose normals are all covered and short, be
+/// the square cut off at the picture's border or not; `None` if there is no such square.
+///
 /// Every square holds a pixel of a lattice as wide as it, so only the squares of short pixels there are looked at.
-fn has_short_square(lengths: &Plane, mask: &Mask) -> bool {
-    let (width, height) = (lengths.width(), lengths.height());
+fn short_squares(lengths: &Plane, mask: &Mask, within: Window) -> Option<Window> {
+    let size = [lengths.width(), lengths.height()];
+    let within = within.common(&Window::from_size(size[0], size[1]))?;
     let is_short = |x: usize, y: usize| mask.at(x, y) && is_short(lengths.at(x, y));
-    let lattice = |length: usize| {
-        let last = length.saturating_sub(NORMALS_REACH + 1);
-        let inner = (NORMALS_REACH..last).step_by(2 * NORMALS_REACH + 1);
-        inner.chain((length > 0).then_some(last))
-    };
     let is_square = |x: usize, y: usize| {
-        let columns = around(x, NORMALS_REACH, width);
-        around(y, NORMALS_REACH, height).all(|y| columns.clone().all(|x| is_short(x, y)))
+        let columns = around(x, NORMALS_REACH, size[0]);
+        around(y, NORMALS_REACH, size[1]).all(|y| columns.clone().all(|x| is_short(x, y)))
     };
-    let mut places = lattice(height).flat_map(|y| lattice(width).map(move |x| (x, y)));
-    places.any(|(x, y)| {
-        is_short(x, y)
-            && around(y, NORMALS_REACH, height)
-                .any(|y| around(x, NORMALS_REACH, width).any(|x| is_square(x, y)))
-    })
+    let near = |(x, y): (usize, usize)| {
+        let place = Window::at(x as i32, y as i32, 1, 1);
+        place.grown(NORMALS_REACH).common(&within)
+    };
+    let has_square = |middles: &Window| {
+        let [columns, rows] = [middles.x0..middles.x1, middles.y0..middles.y1];
+        rows.into_iter()
+            .any(|y| columns.clone().any(|x| is_square(x as usize, y as usize)))
+    };
+    let columns = lattice(size[0], within.x0..within.x1);
+    let places =
+        lattice(size[1], within.y0..within.y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
+    places
+        .filter(|&(x, y)| is_short(x, y))
+        .filter_map(near)
+        .filter(has_square)
+        .reduce(|all, middles| all.joined(&middles))
+}
+
+/// Places on a line, as far apart as a square is wide, so that each square around a place of `range` holds one.
+fn lattice(length: usize, range: Range<i32>) -> impl Iterator<Item = usize> + Clone {
+    let last = length.saturating_sub(NORMALS_REACH + 1);
+    let reach = NORMALS_REACH as i32;
+    let is_near =
+        move |&place: &usize| (range.start - reach..range.end + reach).contains(&(place as i32));
+    let inner = (NORMALS_REACH..last).step_by(2 * NORMALS_REACH + 1);
+    let places = inner.chain((length > 0).then_some(last));
+    places.filter(is_near)
 }
 
 /// The confidence from isolated depths.
@@ -191,13 +208,14 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
     if !may_be_alone_together(depth, mask) {
         return None;
     }
-    let found = of_tiles(depth, DEPTHS_REACH + 1, |part| {
+    let found = of_tiles(depth, |tile| {
+        let part = Part::around(tile, DEPTHS_REACH + 1, depth);
         let (depth, mask) = part.of(depth, mask);
         let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
         let share = mean_over_squares(&alone, DEPTHS_REACH);
         let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
         let any_is_mixed = share.samples().iter().any(is_mixed);
-        any_is_mixed.then(|| share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
+        any_is_mixed.then(|| part.cut(&share.map(|share| 1.0 - ramp(share, SHARES_ALONE))))
     });
     joined(depth, &found)
 }
@@ -288,7 +306,6 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Window;
     use crate::frame::tiled::TILE;
     use glam::DVec3;
 
@@ -398,11 +415,22 @@ mod tests {
             });
             let longest = over_squares(&ended, NORMALS_REACH, f32::max);
             let has_square = longest.samples().iter().any(|&length| is_short(length));
-            assert_eq!(
-                has_short_square(&short, &mask),
-                has_square,
-                "{width}x{height}"
-            );
+            // The whole picture, and a part of it.
+            for within in [Window::from_size(16, 16), Window::at(3, 2, 7, 6)] {
+                let middles = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+                let middles = middles
+                    .filter(|&(x, y)| is_short(longest.at(x, y)))
+                    .map(|(x, y)| Window::at(x as i32, y as i32, 1, 1))
+                    .filter(|middle| within.encloses(middle));
+                let squares = short_squares(&short, &mask, within);
+                let mut any = false;
+                for middle in middles {
+                    any = true;
+                    let encloses = squares.is_some_and(|squares| squares.encloses(&middle));
+                    assert!(encloses, "{width}x{height}: {middle} not in {squares:?}");
+                }
+                assert_eq!(squares.is_some(), any, "{width}x{height}");
+            }
             let depth = Plane::from_fn(width, height, |_, _| if chance(0.12) { 9.0 } else { 5.0 });
             let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
             let shares = mean_over_squares(&alone, DEPTHS_REACH);
@@ -447,7 +475,7 @@ mod tests {
                     false => 1.0,
                 }
             });
-            has_short_square(&short, &Mask::full(20, 17))
+            short_squares(&short, &Mask::full(20, 17), Window::from_size(20, 17)).is_some()
         };
         for (left, top) in (0..=15).flat_map(|x| (0..=12).map(move |y| (x, y))) {
             assert!(is_found(left, top, 5), "{left}, {top}");

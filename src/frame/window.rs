@@ -73,6 +73,27 @@ impl Window {
         }
     }
 
+    /// The window with `by` more pixels on every side.
+    pub(crate) fn grown(&self, by: usize) -> Window {
+        let by = by as i32;
+        Window {
+            x0: self.x0 - by,
+            y0: self.y0 - by,
+            x1: self.x1 + by,
+            y1: self.y1 + by,
+        }
+    }
+
+    /// The smallest window that encloses both.
+    pub(crate) fn joined(&self, other: &Window) -> Window {
+        Window {
+            x0: self.x0.min(other.x0),
+            y0: self.y0.min(other.y0),
+            x1: self.x1.max(other.x1),
+            y1: self.y1.max(other.y1),
+        }
+    }
+
     /// The intersection, if there is one.
     pub fn common(&self, other: &Window) -> Option<Window> {
         let both = Window {
