@@ -4,38 +4,21 @@ use super::format::ViewTransform;
 use crate::io::srgb;
 use std::sync::LazyLock;
 
-/// Colour divided by alpha, and the alpha to be stored.
-pub(super) fn straight(color: [f64; 3], alpha: Option<f64>, max: u32) -> ([f64; 3], Option<f64>) {
-    let Some(alpha) = alpha else {
-        return (color, None);
-    };
-    let alpha = clipped(alpha);
-    let least = 0.5 / f64::from(max);
-    let strongest = color.iter().fold(0.0, |most: f64, &v| most.max(v)).min(1.0);
-    let alpha = if alpha < least { strongest } else { alpha };
-    match alpha {
-        _ if alpha < least => ([0.0; 3], Some(0.0)),
-        // Most pixels: divisions take long.
-        1.0 => (color, Some(1.0)),
-        _ => (color.map(|v| v / alpha), Some(alpha)),
-    }
-}
-
 fn clipped(v: f64) -> f64 {
     if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) }
 }
 
 pub(super) fn code(v: f64, transform: ViewTransform, max: u32) -> u16 {
     match (transform, max) {
-        (ViewTransform::Srgb, 255) => SRGB_8.code(v),
+        (ViewTransform::Srgb, 255) => SRGB_8.code(v).into(),
         _ => computed_code(v, transform, max),
     }
 }
 
 /// Table of the 8-bit codes of the sRGB curve: computing a power per sample takes longer than everything else.
 pub(super) struct SrgbCodes {
-    /// The least value of each code above 0.
-    pub(super) least: [f64; 255],
+    /// The least value of each code above 0, then a bound none reaches.
+    pub(super) least: [f64; 256],
     /// The smallest f32 of each code above 0, then a bound none reaches.
     pub(super) least_single: [f32; 256],
     /// The code at the start of each of [`SRGB_PARTS`] equal parts of 0..1, and of the parts beyond.
@@ -50,7 +33,10 @@ pub(super) static SRGB_8: LazyLock<SrgbCodes> = LazyLock::new(SrgbCodes::new);
 impl SrgbCodes {
     fn new() -> Self {
         let computed = |v| computed_code(v, ViewTransform::Srgb, 255);
-        let least = std::array::from_fn(|below| {
+        let least: [f64; 256] = std::array::from_fn(|below| {
+            if below == 255 {
+                return f64::INFINITY;
+            }
             // Numbers above 0 are in the order of their bits.
             let (mut lower, mut upper) = (0, 1.0_f64.to_bits());
             while lower < upper {
@@ -63,13 +49,10 @@ impl SrgbCodes {
             f64::from_bits(lower)
         });
         let at = std::array::from_fn(|part| computed(part as f64 / SRGB_PARTS as f64) as u8);
-        let least_single = std::array::from_fn(|below| match least.get(below) {
-            Some(&least) => {
-                let single = least as f32;
-                let is_below = f64::from(single) < least;
-                if is_below { single.next_up() } else { single }
-            }
-            None => f32::INFINITY,
+        let least_single = least.map(|least| {
+            let single = least as f32;
+            let is_below = f64::from(single) < least;
+            if is_below { single.next_up() } else { single }
         });
         Self {
             least,
@@ -87,15 +70,12 @@ impl SrgbCodes {
         code + u8::from(v >= self.least_single[usize::from(code)])
     }
 
-    pub(super) fn code(&self, v: f64) -> u16 {
+    /// [`Self::code_of_single`] of a number in double precision.
+    #[inline]
+    pub(super) fn code(&self, v: f64) -> u8 {
         let v = clipped(v);
-        let mut code = self.at[(v * SRGB_PARTS as f64) as usize];
-        while let Some(&least) = self.least.get(usize::from(code))
-            && v >= least
-        {
-            code += 1;
-        }
-        code.into()
+        let code = self.at[(v * SRGB_PARTS as f64) as usize & (2 * SRGB_PARTS - 1)];
+        code + u8::from(v >= self.least[usize::from(code)])
     }
 }
 

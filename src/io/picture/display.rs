@@ -1,5 +1,6 @@
 //! Mapping of light to the range of a display.
 
+use super::group::{Colors, color_at, each, largest};
 use crate::frame::ColorPlanes;
 use std::ops::Range;
 
@@ -70,33 +71,31 @@ impl Shown<'_> {
             }
     }
 
-    /// The displayed colour of the pixel at `x`, `y`: `straight` divides a colour by alpha.
+    /// The displayed colours of a group: `of` reads those of the picture that it was changed from, divided by alpha.
     #[inline]
-    pub(super) fn pixel(
-        &self,
-        color: [f64; 3],
-        [x, y]: [usize; 2],
-        straight: impl Fn([f64; 3]) -> [f64; 3],
-    ) -> [f64; 3] {
+    pub(super) fn group(&self, colors: &Colors, of: impl Fn(&ColorPlanes) -> Colors) -> Colors {
         let gain = self.gain;
-        let color = color.map(|v| gain * v);
-        let (color, knee) = match self.bright {
-            Bright::Clipped => return color,
-            Bright::Compressed => (color, KNEE),
+        let colors = each(colors, |_, color| color.map(|v| gain * v));
+        match self.bright {
+            Bright::Clipped => colors,
+            Bright::Compressed => each(&colors, |_, color| compressed(color, KNEE)),
             Bright::ChangedFrom(before) => {
-                let before = straight(before.at(x, y).map(f64::from)).map(|v| gain * v);
-                let shown = |v: f64| if v.is_finite() { v.max(1.0) } else { 1.0 };
-                let changed = [0, 1, 2].map(|i| color[i] / shown(before[i]));
-                (changed, KNEE.max(largest(before)))
+                let before = of(before);
+                each(&colors, |x, color| {
+                    let before = color_at(&before, x).map(|v| gain * v);
+                    let knee = KNEE.max(largest(before));
+                    compressed(changed(color, before), knee)
+                })
             }
-        };
-        let brightest = largest(color);
-        if brightest <= knee || knee >= WHITE || !brightest.is_finite() {
-            return color;
         }
-        let factor = compressed(brightest, knee) / brightest;
-        color.map(|v| factor * v)
     }
+}
+
+/// The change from `before`, applied to it clipped at white.
+#[inline(always)]
+fn changed(color: [f64; 3], before: [f64; 3]) -> [f64; 3] {
+    let shown = |v: f64| if v.is_finite() { v.max(1.0) } else { 1.0 };
+    std::array::from_fn(|i| color[i] / shown(before[i]))
 }
 
 /// Whether all numbers are at most `most`; none is NaN then.
@@ -105,26 +104,31 @@ fn are_up_to(row: &[f32], most: f32) -> bool {
     row.iter().fold(true, |all, &v| all & (v <= most))
 }
 
-/// Brightness `m` above the knee, so that it stays below white: a hyperbola whose slope at the knee is 1.
-fn compressed(m: f64, knee: f64) -> f64 {
+/// A colour whose brightness above the knee stays below white: by a hyperbola whose slope at the knee is 1.
+#[inline(always)]
+fn compressed(color: [f64; 3], knee: f64) -> [f64; 3] {
+    let brightest = largest(color);
+    let stays = (brightest <= knee) | (knee >= WHITE) | !brightest.is_finite();
     let room = WHITE - knee;
-    let beyond = (m - knee) / room;
-    knee + room * (1.0 - 1.0 / (1.0 + beyond))
-}
-
-/// The largest channel, at least 0.
-pub(super) fn largest(color: [f64; 3]) -> f64 {
-    color.into_iter().fold(0.0, f64::max)
+    let beyond = (brightest - knee) / room;
+    let below_white = knee + room * (1.0 - 1.0 / (1.0 + beyond));
+    let factor = if stays { 1.0 } else { below_white / brightest };
+    color.map(|v| factor * v)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::group::GROUP;
     use super::*;
     use crate::frame::Plane;
 
     fn shown(color: [f64; 3], exposure: f32, bright: Bright) -> [f64; 3] {
         match (Display { exposure, bright }).shown() {
-            Some(shown) => shown.pixel(color, [0, 0], |color| color),
+            Some(shown) => {
+                let colors = color.map(|v| [v; GROUP]);
+                let of = |before: &ColorPlanes| before.at(0, 0).map(|v| [v.into(); GROUP]);
+                color_at(&shown.group(&colors, of), GROUP - 1)
+            }
             None => color,
         }
     }

@@ -1,13 +1,14 @@
 //! Samples in the layout of picture files, gathered by rows and encoded at once.
 
-use super::codes::{SRGB_8, SrgbCodes, code, straight};
+use super::codes::{SRGB_8, SrgbCodes, code};
 use super::display::Shown;
 use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
+use super::group::{GROUP, straight};
 use super::scale_bar::Bar;
 use super::stored::{self, Stored};
 use crate::error::{Error, Result};
-use crate::frame::{MOST_ROWS_PER_TASK, Plane};
+use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
 use crate::io::photo::{max_code, one_line, unsupported};
 use crate::params::ScaleBar;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
@@ -296,9 +297,6 @@ fn finite(v: f32) -> f32 {
     if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) }
 }
 
-/// Pixels that are looked at together: most are empty, or opaque and dark enough to be shown as they are.
-pub(super) const GROUP: usize = 16;
-
 /// Rows of a picture to be stored as codes up to `max`.
 pub(super) struct Part<'a> {
     pub(super) picture: &'a Picture<'a>,
@@ -356,9 +354,11 @@ impl Part<'_> {
                     *pixel = std::array::from_fn(|i| stored(codes[i]));
                 }
             } else {
-                for (x, pixel) in columns.zip(pixels) {
-                    let codes = self.pixel([x, y], shown);
-                    *pixel = std::array::from_fn(|i| stored(codes[i]));
+                let codes = self.codes(shown, y, columns);
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    for (sample, codes) in pixel.iter_mut().zip(&codes) {
+                        *sample = stored(codes[x]);
+                    }
                 }
             }
         }
@@ -390,17 +390,22 @@ impl Part<'_> {
         is_opaque && shown.is_none_or(|shown| shown.leaves(color, y, columns))
     }
 
-    /// Red, green, blue and alpha of a pixel, as codes.
-    fn pixel(&self, [x, y]: [usize; 2], shown: Option<Shown>) -> [u16; 4] {
+    /// Red, green, blue and alpha of these columns of a row, as codes.
+    fn codes(&self, shown: Option<Shown>, y: usize, columns: Range<usize>) -> [[u16; GROUP]; 4] {
         let (transform, max) = (self.picture.transform, self.max);
-        let color = self.picture.primaries().map(|plane| plane.at(x, y).into());
-        let alpha = self.alpha.map(|a| f64::from(a.at(x, y)));
-        let (mut color, stored_alpha) = straight(color, alpha, max);
+        let of = |color: [&Plane; 3]| straight(color, self.alpha, y, columns.clone(), max);
+        let (mut color, alpha) = of(self.picture.primaries());
         if let Some(shown) = shown {
-            color = shown.pixel(color, [x, y], |color| straight(color, alpha, max).0);
+            color = shown.group(&color, |ColorPlanes { r, g, b }| of([r, g, b]).0);
         }
-        let [r, g, b] = color.map(|v| code(v, transform, max));
-        let alpha = stored_alpha.map_or(max as u16, |a| code(a, ViewTransform::None, max));
-        [r, g, b, alpha]
+        let mut codes = [[max as u16; GROUP]; 4];
+        let of_color = color.iter().map(|channel| (channel, transform));
+        let of_alpha = self.alpha.map(|_| (&alpha, ViewTransform::None));
+        for (codes, (numbers, transform)) in codes.iter_mut().zip(of_color.chain(of_alpha)) {
+            for (stored, &v) in codes.iter_mut().zip(numbers) {
+                *stored = code(v, transform, max);
+            }
+        }
+        codes
     }
 }

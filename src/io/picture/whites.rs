@@ -1,9 +1,8 @@
 //! Counting pixels that a display shows as plain white.
 
-use super::codes::straight;
-use super::display::{Bright, WHITE, largest};
+use super::display::{Bright, WHITE};
 use super::format::Picture;
-use super::gathered::GROUP;
+use super::group::{Colors, GROUP, color_at, largest, straight};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
 use crate::io::photo::max_code;
 use rayon::prelude::*;
@@ -38,18 +37,19 @@ impl Whites {
         };
         let shown = display.shown();
         let gain = display.exposure.exp2();
-        let count_at = |x: usize, y: usize| {
-            let alpha = alpha.map(|alpha| f64::from(alpha.at(x, y)));
-            let straight = |color| straight(color, alpha, max_code(8)).0;
-            let is_white = |color: [f64; 3]| usize::from(largest(color) >= WHITE);
-            let of = |color: &ColorPlanes| straight(color.at(x, y).map(f64::from));
+        let count_in = |y: usize, columns: Range<usize>| {
+            let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
+                straight([r, g, b], *alpha, y, columns.clone(), max_code(8)).0
+            };
+            let white_in = |colors: &Colors, gain: f64| {
+                let brightest = (0..columns.len()).map(|x| largest(color_at(colors, x)));
+                brightest.filter(|v| gain * v >= WHITE).count()
+            };
             let after = of(color);
-            let after = shown.map_or(after, |shown| shown.pixel(after, [x, y], straight));
+            let after = shown.map_or(after, |shown| shown.group(&after, of));
             Self {
-                count: is_white(after),
-                before: before.map_or(0, |before| {
-                    is_white(of(before).map(|v| f64::from(gain) * v))
-                }),
+                count: white_in(&after, 1.0),
+                before: before.map_or(0, |before| white_in(&of(before), gain.into())),
                 of: 0,
             }
         };
@@ -77,7 +77,7 @@ impl Whites {
                 for start in run.clone().step_by(GROUP) {
                     let group = start..run.end.min(start + GROUP);
                     if may_be_white(y, group.clone()) {
-                        whites = group.map(|x| count_at(x, y)).fold(whites, Self::with);
+                        whites = whites.with(count_in(y, group));
                     }
                 }
             }
