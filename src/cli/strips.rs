@@ -19,11 +19,11 @@ use crate::io::exr::OutputChannel;
 use crate::io::inputs::{Inputs, Wrap};
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
-use crate::io::{InputFiles, Loaded, Needs, surroundings_bytes};
+use crate::io::{InputFiles, Loaded, Needs, decoding_bytes, surroundings_bytes};
 use crate::plan::Plan;
 use std::cell::RefCell;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// Most that a photo takes where no amount is given: beyond it goes in strips.
@@ -36,11 +36,16 @@ const FIXED_BYTES: u64 = 24 << 20;
 /// The same for each thread: tiles, and lights of a batch.
 const THREAD_BYTES: u64 = 2 << 20;
 
-/// Most that blocks of an EXR take while they are decoded and encoded.
-const BLOCK_BYTES: u64 = 160 << 20;
+/// Most that compressed blocks of an EXR take before they are written: those of the last strip, and those that wait for
+/// the input to be copied.
+const WRITTEN_BYTES: u64 = 64 << 20;
 
-/// Rows of the largest blocks that are common, those of DWAB.
-const BLOCK_ROWS: usize = 256;
+/// Rows of a block that is written by ZIP.
+const BLOCK_ROWS: u64 = 16;
+
+/// Most that blocks are taken to need while they are encoded: those of wide pictures and many threads may take more, but
+/// planes of strips less than they are taken to.
+const ENCODED_BYTES: u64 = 160 << 20;
 
 /// Fewer rows are not worth a strip.
 const FEWEST_ROWS: usize = 16;
@@ -160,38 +165,44 @@ struct Cost {
     fixed: u64,
     /// For each row of a strip.
     row: u64,
-    /// For each row of blocks, of which there are so many as in a strip or in the largest block; 0 without EXR.
-    block_row: u64,
+    /// Blocks of an EXR that are being decoded.
+    decoding: u64,
+    /// Whether an EXR is written.
+    is_exr: bool,
     /// Rows of the picture.
     height: usize,
 }
 
 impl Cost {
     fn new(job: &Job, height: usize, photo_bytes: u64, gathered: Option<&Gathered>) -> Self {
-        let names = [Some(&job.work.input), job.work.output.output.as_ref()];
-        let is_exr = |path: &PathBuf| matches!(Kind::of(path), Ok(Kind::Exr));
         let row = whole_bytes(job).div_ceil(height.max(1) as u64).max(1);
-        let block_row = match names.into_iter().flatten().any(is_exr) {
-            // As decoded, and as stored or to be stored.
-            true => 2 * row,
-            false => 0,
-        };
+        let output = job.work.output.output.as_ref();
         let threads = rayon::current_num_threads() as u64;
-        let [output, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
+        let [samples, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
-            fixed: FIXED_BYTES + threads * THREAD_BYTES + output + photo_bytes.max(encoding),
+            fixed: FIXED_BYTES + threads * THREAD_BYTES + samples + photo_bytes.max(encoding),
             row,
-            block_row,
+            decoding: decoding_bytes(&job.work.input),
+            is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),
             height,
         }
     }
 
     /// Bytes that strips of so many rows take.
     fn of_rows(&self, rows: usize) -> u64 {
-        let block_rows = rows.max(BLOCK_ROWS).min(self.height) as u64;
-        let blocks = self.block_row.saturating_mul(block_rows).min(BLOCK_BYTES);
         let strip = self.row.saturating_mul(rows as u64);
+        // Results are half of a strip at most. Each thread has a block of them in three states: as laid out, as
+        // differences, and compressed.
+        let threads = rayon::current_num_threads() as u64;
+        let encoding = match self.is_exr {
+            true => {
+                let working = (3 * BLOCK_ROWS * threads).saturating_mul(self.row / 2);
+                working.saturating_add(WRITTEN_BYTES.min(strip))
+            }
+            false => 0,
+        };
+        let blocks = self.decoding.max(encoding.min(ENCODED_BYTES));
         self.fixed.saturating_add(blocks).saturating_add(strip)
     }
 

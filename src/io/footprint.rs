@@ -39,3 +39,9 @@ pub(crate) fn frame_bytes(path: &Path, more_scales: usize) -> u64 {
     };
     of_exr().or_else(of_photo).unwrap_or(0)
 }
+
+/// Most memory that blocks of the picture `path` take while it is read; 0 for a photo, and if the header does not tell.
+pub(crate) fn decoding_bytes(path: &Path) -> u64 {
+    let file = ExrFile::open(path, &Limits::default());
+    file.map_or(0, |file| file.decoding_bytes())
+}

@@ -157,7 +157,7 @@ fn the_least_memory_that_is_named_works_and_less_does_not() {
         "hatch in8.jpg --normal n8.png --normal-flip none -o out.png",
     ] {
         let within = |mib: u64| relievo(here, &format!("{work} --max-memory {mib}M"));
-        let said = within(40).ended(1);
+        let said = within(32).ended(1);
         assert_eq!(said.lines().count(), 1, "{said}");
         let least = named(&said);
         within(least).ended(0);

@@ -1,6 +1,7 @@
 //! Division of a part's pixels into blocks.
 
 use super::chunks::Place;
+use ::exr::compression::Compression;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::TileDescription;
 use ::exr::meta::header::Header;
@@ -27,6 +28,8 @@ pub(super) struct Layout {
     /// First row of the part.
     top: i32,
     tiled: bool,
+    /// How often a block is there while it is decoded: compressed, not, and for most kinds of compression between.
+    copies: usize,
 }
 
 /// The pixels of a block, counted from the corner of the part.
@@ -58,6 +61,10 @@ impl Layout {
             sample_bytes: channels.map(|c| c.sample_type.bytes_per_sample()).collect(),
             top: header.own_attributes.layer_position.y(),
             tiled,
+            copies: match header.compression {
+                Compression::Uncompressed | Compression::ZIP1 | Compression::ZIP16 => 2,
+                _ => 3,
+            },
         }
     }
 
@@ -81,11 +88,18 @@ impl Layout {
         self.block_bytes() * self.blocks_per_band() as u128
     }
 
-    /// Most bands that are worked on at one time: at least two, so that one can be read while another is decoded.
+    /// Most bands that are worked on at one time, each by a thread: at least two, so that one can be read while another is
+    /// decoded.
     pub(super) fn bands_at_once(&self) -> usize {
         let fitting = BATCH_BYTES as u128 / self.band_bytes().max(1);
         let bands = self.height.div_ceil(self.band_rows);
-        (fitting.clamp(2, 1024) as usize).min(bands)
+        let most = rayon::current_num_threads().min(bands);
+        (fitting.clamp(2, 1024) as usize).min(most)
+    }
+
+    /// Most bytes of the blocks that are decoded at one time.
+    pub(super) fn decoding_bytes(&self) -> u128 {
+        (self.copies * self.bands_at_once()) as u128 * self.band_bytes()
     }
 
     /// The bands that hold any of `rows`.

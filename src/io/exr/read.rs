@@ -170,10 +170,18 @@ impl ExrFile {
             }
             planes += (4 * copies) as u128 * pixels;
             let layout = Layout::of(&self.header.meta.headers[id.part]);
-            decoding = decoding.max(layout.bands_at_once() as u128 * layout.band_bytes());
+            decoding = decoding.max(layout.decoding_bytes());
         }
-        // Blocks are there twice: compressed, and not.
-        self.check_memory(planes + 2 * decoding)
+        self.check_memory(planes + decoding)
+    }
+
+    /// Most bytes of blocks that are there while channels of any part are read.
+    pub(in crate::io) fn decoding_bytes(&self) -> u64 {
+        let parts = self.header.meta.headers.iter();
+        let most = parts
+            .map(|header| Layout::of(header).decoding_bytes())
+            .max();
+        most.map_or(0, |bytes| bytes.try_into().unwrap_or(u64::MAX))
     }
 
     /// Refuses to use more bytes of memory than allowed.
@@ -231,8 +239,7 @@ impl PartBlocks {
 
         // One reads while others decode what was read before. No more of them than threads: one that waits for its blocks
         // may begin another, on top of it.
-        let at_once = self.layout.bands_at_once();
-        let faults = (0..at_once.min(rayon::current_num_threads()))
+        let faults = (0..self.layout.bands_at_once())
             .into_par_iter()
             .with_max_len(1)
             .filter_map(|_| {
