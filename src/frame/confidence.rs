@@ -359,6 +359,15 @@ mod tests {
         assert_eq!(of(&band, 0.0), None);
     }
 
+    /// Beside a band of blur, normals of length 1.25 are all alike.
+    #[test]
+    fn normals_longer_than_1_are_whole() {
+        let long = lengths(60, 30, |x, _| if x < 14 { 0.5 } else { 1.25 });
+        let found = of(&long, 8.0).unwrap();
+        assert_eq!(found.at(11, 15), 0.0);
+        assert!((16..60).all(|x| found.at(x, 15) == 1.0));
+    }
+
     /// What is found of a pixel depends on what lies around it, not on where tiles end.
     #[test]
     fn tiles_do_not_show() {

@@ -28,7 +28,7 @@ pub(super) struct Layout {
     /// First row of the part.
     top: i32,
     tiled: bool,
-    /// How often a block is there while it is decoded: compressed, not, and for most kinds of compression between.
+    /// Copies of a block while it is decoded: compressed, decompressed, and with most compressions one in between.
     copies: usize,
 }
 
