@@ -2,6 +2,7 @@
 
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
+use super::strip_memory;
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::{Chosen, look_at_depth};
@@ -51,7 +52,7 @@ impl FrameCommand for EnhanceArgs {
             args: self,
             runner: engine.cpu_runner(),
         };
-        if strips::is_too_large(job) {
+        if strip_memory::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;

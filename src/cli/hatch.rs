@@ -4,7 +4,7 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::motion::Steps;
 use super::output::color_channels;
-use super::strips::refuse_large_surroundings;
+use super::strip_memory::refuse_large_surroundings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::hatch::{Drawn, Looks, inked, is_svg, page};

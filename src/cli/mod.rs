@@ -24,6 +24,7 @@ mod report_device;
 mod run_log;
 mod shape;
 mod stop;
+mod strip_memory;
 mod strips;
 mod threads;
 #[cfg(feature = "view")]

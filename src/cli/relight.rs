@@ -3,6 +3,7 @@
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::message;
+use super::strip_memory;
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::{Chosen, look_at_depth};
@@ -79,8 +80,8 @@ impl FrameCommand for RelightArgs {
         }
         if !specular.is_empty() {
             job.work.refuse_too_large(&job.work.input)?;
-            strips::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
-        } else if strips::is_too_large(job) {
+            strip_memory::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
+        } else if strip_memory::is_too_large(job) {
             return strips::make(&work, job, self.inputs(job.frame), needs);
         }
         let (mut loaded, read) = job.load(&self.inputs(job.frame), needs)?;

@@ -2,6 +2,7 @@
 
 use super::frames::FrameCommand;
 use super::job::{Done, Job};
+use super::strip_memory;
 use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
@@ -55,7 +56,7 @@ impl FrameCommand for ShapeArgs {
         let (inputs, needs) = self.work.reading(work.goal, job.frame);
         if self.work.takes_whole() {
             job.work.refuse_too_large(&job.work.input)?;
-        } else if strips::is_too_large(job) {
+        } else if strip_memory::is_too_large(job) {
             return strips::make(&work, job, inputs, needs);
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;

@@ -3,9 +3,8 @@
 use super::job::{Job, Timings};
 use super::output::{ReadyOutput, attributes};
 use super::progress::strips_bar;
-use crate::command::args::BackendArg;
+use super::strip_memory::{Cost, FEWEST_ROWS, strips_of};
 use crate::command::chosen::Chosen;
-use crate::command::memory::MaxMemory;
 use crate::command::output::{Kind, MadePicture};
 use crate::engine;
 use crate::engine::cpu::Runner;
@@ -13,42 +12,17 @@ use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
-use crate::io::inputs::{Inputs, Wrap};
+use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
-use crate::io::{InputFiles, Loaded, Needs, decoding_bytes, surroundings_bytes};
+use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
 use std::cell::RefCell;
 use std::ops::Range;
-use std::path::Path;
 use std::time::Instant;
-
-/// Most that a photo takes where no amount is given: beyond it goes in strips.
-const PHOTO_BYTES: u64 = 1536 << 20;
-
-/// Memory that is taken whatever the strips are: the program, histograms. Measured: 17 to 22 MiB in all, with strips of
-/// a few rows.
-const FIXED_BYTES: u64 = 24 << 20;
-
-/// The same for each thread: tiles, and lights of a batch.
-const THREAD_BYTES: u64 = 2 << 20;
-
-/// Most that compressed blocks of an EXR take before they are written: those of the last strip, and those that wait for
-/// the input to be copied.
-const WRITTEN_BYTES: u64 = 64 << 20;
-
-/// Rows of a block that is written by ZIP.
-const BLOCK_ROWS: u64 = 16;
-
-/// Most that blocks are taken to need while they are encoded: those of wide pictures and many threads may take more, but
-/// planes of strips less than they are taken to.
-const ENCODED_BYTES: u64 = 160 << 20;
-
-/// Fewer rows are not worth a strip.
-const FEWEST_ROWS: usize = 16;
 
 /// The work of a command on a picture, whole or in strips.
 pub(super) trait StripWork {
@@ -104,137 +78,6 @@ impl Shown<'_> {
             Self::Display(ref picture) => take(picture),
         }
     }
-}
-
-/// Whether a frame takes more memory than it may have, and goes in strips.
-pub(super) fn is_too_large(job: &Job) -> bool {
-    whole_bytes(job) > allowed(job)
-}
-
-/// Refuses surroundings that are too large to go with the frame.
-pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
-    let bytes = path.map_or(Ok(0), surroundings_bytes)?;
-    let least = bytes.saturating_add(whole_bytes(job));
-    let (mib, most) = (
-        |bytes: u64| bytes.div_ceil(1 << 20),
-        job.work.run.max_memory.most(),
-    );
-    match path.filter(|_| least > most) {
-        None => Ok(()),
-        Some(path) => Err(Error::Unsupported {
-            path: path.to_path_buf(),
-            found: format!(
-                "takes about {} MiB beside the frame, and {} are allowed in all",
-                mib(bytes),
-                most >> 20
-            ),
-            remedy: format!(
-                "give --max-memory {}M or more, or a smaller map",
-                mib(least)
-            ),
-        }),
-    }
-}
-
-/// About how much memory the frame takes as a whole.
-fn whole_bytes(job: &Job) -> u64 {
-    job.work.frame_bytes(&job.work.input)
-}
-
-/// Memory that the frame may take before it goes in strips. Where nothing is given, photos take no more than they
-/// need to be quick; a GPU that was asked for works on whole frames.
-fn allowed(job: &Job) -> u64 {
-    let run = &job.work.run;
-    let bytes = run.max_memory.bytes();
-    if job.work.roles.wrap != Wrap::None {
-        return run.max_memory.most();
-    }
-    let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
-    match run.max_memory {
-        MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {
-            bytes.min(PHOTO_BYTES)
-        }
-        _ => bytes,
-    }
-}
-
-/// Memory needed for a picture in strips, in bytes.
-#[derive(Clone, Copy)]
-struct Cost {
-    /// Independent of the strips.
-    fixed: u64,
-    /// For each row of a strip.
-    row: u64,
-    /// Blocks of an EXR that are being decoded.
-    decoding: u64,
-    /// Whether an EXR is written.
-    is_exr: bool,
-    /// Rows of the picture.
-    height: usize,
-}
-
-impl Cost {
-    fn new(job: &Job, height: usize, photo_bytes: u64, gathered: Option<&Gathered>) -> Self {
-        let row = whole_bytes(job).div_ceil(height.max(1) as u64).max(1);
-        let output = job.work.output.output.as_ref();
-        let threads = rayon::current_num_threads() as u64;
-        let [samples, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
-        Self {
-            // Photos are let go of before the result is encoded.
-            fixed: FIXED_BYTES + threads * THREAD_BYTES + samples + photo_bytes.max(encoding),
-            row,
-            decoding: decoding_bytes(&job.work.input),
-            is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),
-            height,
-        }
-    }
-
-    /// Bytes that strips of so many rows take.
-    fn of_rows(&self, rows: usize) -> u64 {
-        let strip = self.row.saturating_mul(rows as u64);
-        // Results are half of a strip at most. Each thread has a block of them in three states: as laid out, as
-        // differences, and compressed.
-        let threads = rayon::current_num_threads() as u64;
-        let encoding = match self.is_exr {
-            true => {
-                let working = (3 * BLOCK_ROWS * threads).saturating_mul(self.row / 2);
-                working.saturating_add(WRITTEN_BYTES.min(strip))
-            }
-            false => 0,
-        };
-        let blocks = self.decoding.max(encoding.min(ENCODED_BYTES));
-        self.fixed.saturating_add(blocks).saturating_add(strip)
-    }
-
-    /// The least that strips take which reach so many rows beyond what they give.
-    fn least(&self, reach: usize) -> u64 {
-        self.of_rows((FEWEST_ROWS + 2 * reach).min(self.height))
-    }
-
-    /// Rows that fit into so many bytes.
-    fn rows_in(&self, bytes: u64) -> usize {
-        let (mut fitting, mut too_many) = (0, self.height + 1);
-        while too_many - fitting > 1 {
-            let rows = usize::midpoint(fitting, too_many);
-            match self.of_rows(rows) <= bytes {
-                true => fitting = rows,
-                false => too_many = rows,
-            }
-        }
-        fitting
-    }
-}
-
-/// How a picture is cut, as memory allows.
-fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips<'static>> {
-    let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
-    let rows = cost.rows_in(allowed(job).max(least));
-    let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);
-    strips.ok_or_else(|| {
-        let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
-        let work = &job.work;
-        work.too_large(&work.input, &why, least.min(whole_bytes(job)))
-    })
 }
 
 /// A picture of which strips are read.
@@ -381,7 +224,7 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
     let extent = files.extent(inputs, needs)?;
     let height = extent.window.height();
     let cost = Cost::new(job, height, extent.photo_bytes, None);
-    let rows = cost.rows_in(allowed(job)).max(FEWEST_ROWS).min(height);
+    let rows = cost.rows_allowed(job).max(FEWEST_ROWS).min(height);
     let first = (height - rows) / 2;
     inputs.rows = Some(first..first + rows);
     let most = job.work.run.max_memory.bytes();

@@ -314,6 +314,15 @@ fn copy_row(
     }
 }
 
+/// Copies of a block while it is decoded: compressed, decompressed, and where the `exr` crate does it one in between.
+pub(super) fn copies(compression: Compression) -> usize {
+    match compression {
+        Compression::Uncompressed => 2,
+        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => 2,
+        _ => 3,
+    }
+}
+
 /// Decompresses a block of `part` to `size` bytes; `place` is already checked against the part.
 pub(super) fn decode_block(
     bytes: Vec<u8>,

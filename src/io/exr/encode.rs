@@ -20,7 +20,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// Uncompressed bytes that are worked on at one time, unless a single block has more.
-const BATCH_BYTES: usize = 32 << 20;
+pub(super) const BATCH_BYTES: usize = 32 << 20;
 
 /// A block is as large as its rows.
 const SIZED: &str = "a block has room for its rows";

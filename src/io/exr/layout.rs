@@ -1,7 +1,6 @@
 //! Division of a part's pixels into blocks.
 
 use super::chunks::Place;
-use ::exr::compression::Compression;
 use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::TileDescription;
 use ::exr::meta::header::Header;
@@ -28,8 +27,6 @@ pub(super) struct Layout {
     /// First row of the part.
     top: i32,
     tiled: bool,
-    /// Copies of a block while it is decoded: compressed, decompressed, and with most compressions one in between.
-    copies: usize,
 }
 
 /// The pixels of a block, counted from the corner of the part.
@@ -61,10 +58,6 @@ impl Layout {
             sample_bytes: channels.map(|c| c.sample_type.bytes_per_sample()).collect(),
             top: header.own_attributes.layer_position.y(),
             tiled,
-            copies: match header.compression {
-                Compression::Uncompressed | Compression::ZIP1 | Compression::ZIP16 => 2,
-                _ => 3,
-            },
         }
     }
 
@@ -95,11 +88,6 @@ impl Layout {
         let bands = self.height.div_ceil(self.band_rows);
         let most = rayon::current_num_threads().min(bands);
         (fitting.clamp(2, 1024) as usize).min(most)
-    }
-
-    /// Most bytes of the blocks that are decoded at one time.
-    pub(super) fn decoding_bytes(&self) -> u128 {
-        (self.copies * self.bands_at_once()) as u128 * self.band_bytes()
     }
 
     /// The bands that hold any of `rows`.

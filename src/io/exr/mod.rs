@@ -34,6 +34,8 @@ pub(super) use read::{ReadSamples, Wanted};
 pub use rows::RowReader;
 pub(crate) use write::X_DENSITY;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
+#[cfg(feature = "cli")]
+pub(crate) use writer::encoding_bytes;
 pub use writer::{PartWriter, add_channels, append_part, write_results};
 
 use crate::error::{Error, Result};

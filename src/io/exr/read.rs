@@ -1,13 +1,14 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot, Target, TargetSamples, decode_block};
+use super::decode::{Rows, Slot, Target, TargetSamples, copies, decode_block};
 use super::fault::{Fault, Parsed};
 use super::layout::Layout;
 use super::{ChannelId, ExrFile};
 use crate::error::Result;
 use crate::frame::Plane;
 use ::exr::meta::MetaData;
+use ::exr::meta::header::Header;
 use half::f16;
 use half::vec::HalfBitsVecExt;
 use rayon::prelude::*;
@@ -169,8 +170,7 @@ impl ExrFile {
                 });
             }
             planes += (4 * copies) as u128 * pixels;
-            let layout = Layout::of(&self.header.meta.headers[id.part]);
-            decoding = decoding.max(layout.decoding_bytes());
+            decoding = decoding.max(decoding_bytes(&self.header.meta.headers[id.part]));
         }
         self.check_memory(planes + decoding)
     }
@@ -178,9 +178,7 @@ impl ExrFile {
     /// Most bytes of blocks that are there while channels of any part are read.
     pub(in crate::io) fn decoding_bytes(&self) -> u64 {
         let parts = self.header.meta.headers.iter();
-        let most = parts
-            .map(|header| Layout::of(header).decoding_bytes())
-            .max();
+        let most = parts.map(decoding_bytes).max();
         most.map_or(0, |bytes| bytes.try_into().unwrap_or(u64::MAX))
     }
 
@@ -198,6 +196,12 @@ impl ExrFile {
             }),
         }
     }
+}
+
+/// Most bytes of the blocks of a part that are decoded at one time.
+fn decoding_bytes(header: &Header) -> u128 {
+    let layout = Layout::of(header);
+    (copies(header.compression) * layout.bands_at_once()) as u128 * layout.band_bytes()
 }
 
 /// Offsets of the blocks of a part, at full resolution.

@@ -2,13 +2,14 @@
 
 use super::ExrFile;
 use super::append::{Copied, start_append};
-use super::encode::{Encoder, Strip};
+use super::encode::{BATCH_BYTES, Encoder, Strip};
 use super::header::header_bytes;
 use super::merge::{InputRows, Merged, start_merge};
 use super::sink::ChunkSink;
 use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
 use crate::error::{Error, Result};
 use crate::frame::Plane;
+use ::exr::compression::Compression;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most bytes of blocks that wait for the file to be copied, before that is no longer done beside other work.
 const MOST_WAITING: usize = 32 << 20;
+
+/// Most memory that blocks take while a strip of `bytes`, `row_bytes` in each row, is written: compressed ones of the
+/// strip and those that wait, and for each thread one of ZIP as laid out, as differences, and compressed.
+#[cfg(feature = "cli")]
+pub(crate) fn encoding_bytes(bytes: u64, row_bytes: u64) -> u64 {
+    let block_rows = 3 * Compression::ZIP16.scan_lines_per_block() * rayon::current_num_threads();
+    let working = row_bytes.saturating_mul(block_rows as u64);
+    working.saturating_add(bytes.min((BATCH_BYTES + MOST_WAITING) as u64))
+}
 
 /// Writes `part` alone as a file. `target` is only named in errors.
 ///

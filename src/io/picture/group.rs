@@ -12,7 +12,8 @@ pub(super) type Numbers = [f64; GROUP];
 /// Red, green and blue of each pixel.
 pub(super) type Colors = [Numbers; 3];
 
-/// The colours made of each pixel's place and colour. Without branches or calls in it, `make` takes several at a time.
+/// The colours made of each pixel's place and colour. If `make` has no branches or calls, the compiler takes several pixels
+/// at a time.
 #[inline(always)]
 pub(super) fn each(colors: &Colors, make: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Colors {
     let mut made = [[0.0; GROUP]; 3];
