@@ -4,8 +4,8 @@
 //! through a face is computed once, for the pixels on both of its sides, which see the same number but for its sign;
 //! and of four rows that are swept together, the fluxes between them stay in registers.
 
-use crate::engine::cpu::simd::widened;
-use crate::shape::diffusion::{Update, flux, through};
+use crate::engine::cpu::simd::{shifted_left, shifted_right, widened};
+use crate::shape::diffusion::{Update, added, flux, through};
 
 /// Rows that can be swept together.
 pub(crate) const TOGETHER: usize = 4;
@@ -53,12 +53,12 @@ pub(crate) struct Sweep {
 macro_rules! with_update {
     ($sweep:ident, $is_without_sums:expr, $by:ident($($arg:expr),*)) => {
         match ($sweep.update, $is_without_sums) {
-            (Update::Step(dt), true) => $by::<N, false>($($arg),*, step(dt)),
-            (Update::Step(dt), false) => $by::<N, true>($($arg),*, step(dt)),
-            (Update::First, true) => $by::<N, false>($($arg),*, first),
-            (Update::First, false) => $by::<N, true>($($arg),*, first),
-            (Update::Next, true) => $by::<N, false>($($arg),*, next::<HAS_FMA>),
-            (Update::Next, false) => $by::<N, true>($($arg),*, next::<HAS_FMA>),
+            (Update::Step(dt), true) => $by::<N, HAS_FMA, false>($($arg),*, step(dt)),
+            (Update::Step(dt), false) => $by::<N, HAS_FMA, true>($($arg),*, step(dt)),
+            (Update::First, true) => $by::<N, HAS_FMA, false>($($arg),*, first),
+            (Update::First, false) => $by::<N, HAS_FMA, true>($($arg),*, first),
+            (Update::Next, true) => $by::<N, HAS_FMA, false>($($arg),*, next::<HAS_FMA>),
+            (Update::Next, false) => $by::<N, HAS_FMA, true>($($arg),*, next::<HAS_FMA>),
         }
     };
 }
@@ -96,7 +96,7 @@ pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const N: usize, const SUMMED: bool>(
+    fn by<const N: usize, const HAS_FMA: bool, const SUMMED: bool>(
         above: &[Chunk<N>],
         row: &mut [Chunk<N>],
         below: &[Chunk<N>],
@@ -106,7 +106,7 @@ pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
     ) {
         let count = row.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut row = Row::<N, SUMMED>::new(row, sums, sweep, count);
+        let mut row = Row::<N, HAS_FMA, SUMMED>::new(row, sums, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = row.fluxes_from(i, &above[i]);
             row.step(i, &mut from_above, &below[i], &updated);
@@ -125,7 +125,7 @@ pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const N: usize, const SUMMED: bool>(
+    fn by<const N: usize, const HAS_FMA: bool, const SUMMED: bool>(
         above: &[Chunk<N>],
         [a, b, c, d]: [&mut [Chunk<N>]; TOGETHER],
         below: &[Chunk<N>],
@@ -135,10 +135,10 @@ pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
     ) {
         let count = a.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut a = Row::<N, SUMMED>::new(a, sum_a, sweep, count);
-        let mut b = Row::<N, SUMMED>::new(b, sum_b, sweep, count);
-        let mut c = Row::<N, SUMMED>::new(c, sum_c, sweep, count);
-        let mut d = Row::<N, SUMMED>::new(d, sum_d, sweep, count);
+        let mut a = Row::<N, HAS_FMA, SUMMED>::new(a, sum_a, sweep, count);
+        let mut b = Row::<N, HAS_FMA, SUMMED>::new(b, sum_b, sweep, count);
+        let mut c = Row::<N, HAS_FMA, SUMMED>::new(c, sum_c, sweep, count);
+        let mut d = Row::<N, HAS_FMA, SUMMED>::new(d, sum_d, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = a.fluxes_from(i, &above[i]);
             a.step(i, &mut from_above, &b.chunks[i], &updated);
@@ -172,7 +172,7 @@ widened! {
 }
 
 /// A row while it is swept, from left to right.
-struct Row<'a, const N: usize, const SUMMED: bool> {
+struct Row<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> {
     chunks: &'a mut [Chunk<N>],
     sums: &'a mut [Sum<N>],
     sweep: Sweep,
@@ -181,7 +181,7 @@ struct Row<'a, const N: usize, const SUMMED: bool> {
 }
 
 // Both components are written out: kept in arrays, they would pass through memory.
-impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
+impl<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> Row<'a, N, HAS_FMA, SUMMED> {
     #[inline(always)]
     fn new(chunks: &'a mut [Chunk<N>], sums: &'a mut [Sum<N>], sweep: Sweep, count: usize) -> Self {
         let from = sweep.from % 2;
@@ -189,8 +189,8 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
             [before, at, ..] => {
                 let (before, here) = (&before.terms[from], &at.terms[from]);
                 (
-                    fluxes_from_west(&before[0], &here[0], &at.left),
-                    fluxes_from_west(&before[1], &here[1], &at.left),
+                    fluxes_from_west::<N, HAS_FMA>(&before[0], &here[0], &at.left),
+                    fluxes_from_west::<N, HAS_FMA>(&before[1], &here[1], &at.left),
                 )
             }
             _ => ([0.0; N], [0.0; N]),
@@ -260,8 +260,8 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
         let (from, to) = (self.sweep.from, 1 - self.sweep.from);
         let at = &mut self.chunks[i];
         let g = at.terms[from][c];
-        let past_east = fluxes_from_west(&g, next.0, next.1);
-        let east = shifted_left(&west, &past_east);
+        let past_east = fluxes_from_west::<N, HAS_FMA>(&g, next.0, next.1);
+        let east = shifted_left::<N, HAS_FMA>(&west, &past_east);
         let south = fluxes(&below.above, &g, &below.terms[from][c]);
         let mut made = at.terms[to][c];
         for j in 0..N {
@@ -270,9 +270,9 @@ impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
         }
         at.terms[to][c] = made;
         if SUMMED {
-            let (sum, [of_read, of_made]) = (&mut self.sums[i].0[c], self.sweep.weights);
+            let sum = &mut self.sums[i].0[c];
             for j in 0..N {
-                sum[j] += of_read * g[j] + of_made * made[j];
+                sum[j] = added::<HAS_FMA>(sum[j], self.sweep.weights, [g[j], made[j]]);
             }
         }
         (past_east, south)
@@ -291,20 +291,10 @@ fn fluxes<const N: usize>(joined: &Lanes<N>, out_of: &Lanes<N>, into: &Lanes<N>)
 
 /// The fluxes from the west into the samples `at`, right of the samples `before`.
 #[inline(always)]
-fn fluxes_from_west<const N: usize>(before: &Lanes<N>, at: &Lanes<N>, left: &Lanes<N>) -> Lanes<N> {
-    let mut west = [before[N - 1]; N];
-    for (to, from) in west[1..].iter_mut().zip(at) {
-        *to = *from;
-    }
-    fluxes(left, &west, at)
-}
-
-/// The values one place to the right of `at`, which `after` follows.
-#[inline(always)]
-fn shifted_left<const N: usize>(at: &Lanes<N>, after: &Lanes<N>) -> Lanes<N> {
-    let mut shifted = [after[0]; N];
-    for (to, from) in shifted.iter_mut().zip(&at[1..]) {
-        *to = *from;
-    }
-    shifted
+fn fluxes_from_west<const N: usize, const HAS_FMA: bool>(
+    before: &Lanes<N>,
+    at: &Lanes<N>,
+    left: &Lanes<N>,
+) -> Lanes<N> {
+    fluxes(left, &shifted_right::<N, HAS_FMA>(before, at), at)
 }

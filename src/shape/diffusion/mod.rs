@@ -57,19 +57,28 @@ pub(crate) fn flux(through: [f32; 4]) -> f32 {
     (through[0] + through[1]) + (through[2] + through[3])
 }
 
+/// A sum with two weighted terms of a recurrence added; rounded twice with fused multiply-adds, four times without.
+#[inline(always)]
+pub(crate) fn added<const HAS_FMA: bool>(sum: f32, weights: [f32; 2], terms: [f32; 2]) -> f32 {
+    match HAS_FMA {
+        true => weights[1].mul_add(terms[1], weights[0].mul_add(terms[0], sum)),
+        false => sum + (weights[0] * terms[0] + weights[1] * terms[1]),
+    }
+}
+
 /// Adds two weighted terms of a recurrence to a row of a sum, first the one that the last sweep has read.
 #[inline(always)]
-pub(crate) fn add_terms_row<const N: usize>(
+pub(crate) fn add_terms_row<const N: usize, const HAS_FMA: bool>(
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
     weights: [f32; 2],
 ) {
-    add_terms_by(sums, row, read, |_, _| weights);
+    add_terms_by::<N, HAS_FMA>(sums, row, read, |_, _| weights);
 }
 
 widened! {
-    fn add_terms_row<N>(sums: &mut [Sum<N>], row: &[Chunk<N>], read: usize, weights: [f32; 2]);
+    fn add_terms_row<N, has_fma>(sums: &mut [Sum<N>], row: &[Chunk<N>], read: usize, weights: [f32; 2]);
 }
 
 /// Levels that importance is quantised to.
@@ -77,21 +86,21 @@ pub(crate) const LEVELS: usize = 1024;
 
 /// [`add_terms_row`] with weights by the level of the pixel.
 #[inline(always)]
-pub(crate) fn add_terms_by_level_row<const N: usize>(
+pub(crate) fn add_terms_by_level_row<const N: usize, const HAS_FMA: bool>(
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
     levels: &[[u16; N]],
     weights: [&[f32; LEVELS]; 2],
 ) {
-    add_terms_by(sums, row, read, |i, j| {
+    add_terms_by::<N, HAS_FMA>(sums, row, read, |i, j| {
         let level = usize::from(levels[i][j]) % LEVELS;
         [weights[0][level], weights[1][level]]
     });
 }
 
 widened! {
-    fn add_terms_by_level_row<N>(
+    fn add_terms_by_level_row<N, has_fma>(
         sums: &mut [Sum<N>],
         row: &[Chunk<N>],
         read: usize,
@@ -105,7 +114,7 @@ pub(crate) const FEW_LEVELS: usize = 8;
 
 /// [`add_terms_by_level_row`] for few levels.
 #[inline(always)]
-pub(crate) fn add_terms_by_few_levels_row<const N: usize>(
+pub(crate) fn add_terms_by_few_levels_row<const N: usize, const HAS_FMA: bool>(
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
@@ -114,14 +123,14 @@ pub(crate) fn add_terms_by_few_levels_row<const N: usize>(
 ) {
     // Copied, so that values are selected rather than addresses to load from.
     let [first, second] = [*weights[0], *weights[1]];
-    add_terms_by(sums, row, read, |i, j| {
+    add_terms_by::<N, HAS_FMA>(sums, row, read, |i, j| {
         let level = i32::from(levels[i][j]);
         [chosen(first, level), chosen(second, level)]
     });
 }
 
 widened! {
-    fn add_terms_by_few_levels_row<N>(
+    fn add_terms_by_few_levels_row<N, has_fma>(
         sums: &mut [Sum<N>],
         row: &[Chunk<N>],
         read: usize,
@@ -145,7 +154,7 @@ fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
 
 /// Adds terms with weights by chunk and lane, for the term read and for the one made.
 #[inline(always)]
-fn add_terms_by<const N: usize>(
+fn add_terms_by<const N: usize, const HAS_FMA: bool>(
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
@@ -158,9 +167,9 @@ fn add_terms_by<const N: usize>(
         let (of_read, of_made) = (row[i].terms[from], row[i].terms[to]);
         let (mut x, mut y) = (sum[0], sum[1]);
         for j in 0..N {
-            let [first, second] = weights(i, j);
-            x[j] += first * of_read[0][j] + second * of_made[0][j];
-            y[j] += first * of_read[1][j] + second * of_made[1][j];
+            let weights = weights(i, j);
+            x[j] = added::<HAS_FMA>(x[j], weights, [of_read[0][j], of_made[0][j]]);
+            y[j] = added::<HAS_FMA>(y[j], weights, [of_read[1][j], of_made[1][j]]);
         }
         *sum = [x, y];
     }
