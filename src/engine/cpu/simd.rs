@@ -135,10 +135,22 @@ fn straddling_avx2<const N: usize, const FROM: usize>(a: &[f32; N], b: &[f32; N]
     lanes
 }
 
+/// `a b + c`, rounded once where multiply-adds are fused.
+#[inline(always)]
+pub(crate) fn multiply_add<const HAS_FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
+    match HAS_FMA {
+        true => a.mul_add(b, c),
+        false => a * b + c,
+    }
+}
+
 /// Methods of [`Simd`] that call a row kernel compiled for its level. Kernels request one in their own file: those that
-/// are generic over a number of lanes by `<N>`, and over whether their level has fused multiply-adds by `<N, has_fma>`.
+/// are generic over a number of lanes by `<N>`, and over whether their level has fused multiply-adds by `<N, has_fma>`
+/// or, without lanes, by `[has_fma]`.
 macro_rules! widened {
-    ($(fn $name:ident$(<$lanes:ident$(, $has_fma:ident)?>)?($($arg:ident: $type:ty),* $(,)?);)*) => {
+    ($(
+        fn $name:ident$(<$lanes:ident$(, $has_fma:ident)?>)?$([$fused:ident])?($($arg:ident: $type:ty),* $(,)?);
+    )*) => {
         #[allow(
             unsafe_code,
             reason = "calling a function compiled for features that were just detected"
@@ -150,15 +162,17 @@ macro_rules! widened {
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2,fma")]
                 fn avx2$(<const $lanes: usize>)?($($arg: $type),*) {
-                    $name$(::<$lanes$(, { Level::Avx2.$has_fma() })?>)?($($arg),*)
+                    $name$(::<$lanes$(, { Level::Avx2.$has_fma() })?>)?$(::<{ Level::Avx2.$fused() }>)?($($arg),*)
                 }
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512bw,avx512dq")]
                 fn avx512$(<const $lanes: usize>)?($($arg: $type),*) {
-                    $name$(::<$lanes$(, { Level::Avx512.$has_fma() })?>)?($($arg),*)
+                    $name$(::<$lanes$(, { Level::Avx512.$has_fma() })?>)?$(::<{ Level::Avx512.$fused() }>)?($($arg),*)
                 }
                 match self.level() {
-                    Level::Baseline => $name$(::<$lanes$(, { Level::Baseline.$has_fma() })?>)?($($arg),*),
+                    Level::Baseline => {
+                        $name$(::<$lanes$(, { Level::Baseline.$has_fma() })?>)?$(::<{ Level::Baseline.$fused() }>)?($($arg),*)
+                    }
                     // SAFETY: only `available` constructs this level, after detecting the features.
                     #[cfg(target_arch = "x86_64")]
                     Level::Avx2 => unsafe { avx2$(::<$lanes>)?($($arg),*) },

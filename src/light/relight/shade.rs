@@ -26,15 +26,15 @@ const WORTH_A_BOX: usize = 4;
 
 /// Lights the pixels of a batch.
 #[inline(always)]
-pub(crate) fn light_batch(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn light_batch<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     prepare(batch, scene);
     batch.sum.clear();
-    add_lights(batch, scene);
+    add_lights::<HAS_FMA>(batch, scene);
     compose(batch, scene);
 }
 
 widened! {
-    fn light_batch(batch: &mut Batch, scene: &Scene);
+    fn light_batch[has_fma](batch: &mut Batch, scene: &Scene);
 }
 
 /// Prepares the light-independent state of the pixels.
@@ -210,13 +210,13 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
 
 /// The sum over single lights.
 #[inline(always)]
-fn add_lights(batch: &mut Batch, scene: &Scene) {
+fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
     let Batch { pixels, sum, .. } = batch;
     // Light from all around comes first: occlusion dims only that.
-    sum.add_directed(pixels, shading, &scene.around_lights);
+    sum.add_directed::<HAS_FMA>(pixels, shading, &scene.around_lights);
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
@@ -238,7 +238,7 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     }
     batch
         .sum
-        .add_directed(&batch.pixels, shading, &scene.lights);
+        .add_directed::<HAS_FMA>(&batch.pixels, shading, &scene.lights);
     for point in scene.points {
         approach(batch, point.position.to_array());
         let Batch {

@@ -102,7 +102,12 @@ impl LightSum {
 
     /// Adds lights of one direction each.
     #[inline(always)]
-    pub(crate) fn add_directed(&mut self, pixels: &Pixels, shading: &Shading, lights: &[Directed]) {
+    pub(crate) fn add_directed<const HAS_FMA: bool>(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        lights: &[Directed],
+    ) {
         for some in lights.chunks(AT_ONCE) {
             let mut tried = [Above::Nowhere; AT_ONCE];
             for (tried, light) in tried.iter_mut().zip(some) {
@@ -124,14 +129,19 @@ impl LightSum {
                 if count == 0 {
                     break;
                 }
-                self.add_group(pixels, shading, &above[..count]);
+                self.add_group::<HAS_FMA>(pixels, shading, &above[..count]);
             }
         }
     }
 
     /// Adds the first lights of the group, as many as `above` has entries.
     #[inline(always)]
-    fn add_group(&mut self, pixels: &Pixels, shading: &Shading, above: &[Above]) {
+    fn add_group<const HAS_FMA: bool>(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        above: &[Above],
+    ) {
         let Self {
             sums,
             group,
@@ -141,7 +151,7 @@ impl LightSum {
         if let Some(lobes) = shading.group_lobes() {
             group[above.len()..].fill(Directed::none());
             let everywhere = above.iter().all(|&above| above == Above::Everywhere);
-            lobes.add(sums, terms, pixels, (group, everywhere));
+            lobes.add::<HAS_FMA>(sums, terms, pixels, (group, everywhere));
             return;
         }
         for ((light, above), terms) in group.iter().zip(above).zip(&mut *terms) {

@@ -2,6 +2,7 @@
 
 use super::exponent::Exponent;
 use super::shading::{Scaled, Shading, TowardLight};
+use crate::engine::cpu::simd::multiply_add;
 use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, Lobes, entering, share_seen};
@@ -93,7 +94,7 @@ pub(crate) struct Unwarped {
 ///
 /// For a half vector that is not of length 1, the weight lacks the fourth power of its length.
 #[inline(always)]
-pub(crate) fn arrive_unwarped(
+pub(crate) fn arrive_unwarped<const HAS_FMA: bool>(
     half: &HalfVector,
     share: f32,
     (n, g): ([f32; 3], [f32; 2]),
@@ -101,11 +102,14 @@ pub(crate) fn arrive_unwarped(
     most: f32,
 ) -> Unwarped {
     let ([x, y, z], [zz, xx, xy, yy]) = (half.vector, half.products);
-    let length = zz + squared[0] * xx + squared[1] * xy + squared[2] * yy;
+    let length = multiply_add::<HAS_FMA>(squared[0], xx, zz);
+    let length = multiply_add::<HAS_FMA>(squared[1], xy, length);
+    let length = multiply_add::<HAS_FMA>(squared[2], yy, length);
     let inverse = 1.0 / length;
-    let along = g[0] * x + g[1] * y + n[2] * z;
+    let along = multiply_add::<HAS_FMA>(g[1], y, g[0] * x);
+    let along = multiply_add::<HAS_FMA>(n[2], z, along);
     let part = along * inverse;
-    let cosine = 2.0 * z * part - n[2];
+    let cosine = multiply_add::<HAS_FMA>(2.0 * z, part, -n[2]);
     Unwarped {
         weight: share * (inverse * inverse),
         cosine: if cosine < most { cosine } else { most },
@@ -194,7 +198,10 @@ fn each_below<D, H, S>(
         let (g, squared) = ([gx[i], gy[i]], [xx[i], xy[i], yy[i]]);
         let share = (light.share)(i);
         let half = HalfVector::of((light.half)(i));
-        each(i, arrive_unwarped(&half, share, (n, g), squared, most));
+        each(
+            i,
+            arrive_unwarped::<false>(&half, share, (n, g), squared, most),
+        );
     }
 }
 

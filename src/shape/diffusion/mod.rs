@@ -5,7 +5,7 @@
 //! Practice: one row of the operator serves both solvers, the paper's explicit steps, stable up to a time step of 1/4,
 //! and [`super::chebyshev`].
 
-use crate::engine::cpu::simd::widened;
+use crate::engine::cpu::simd::{multiply_add, widened};
 use kernel::{Chunk, Sum};
 
 pub(crate) mod cpu;
@@ -57,13 +57,11 @@ pub(crate) fn flux(through: [f32; 4]) -> f32 {
     (through[0] + through[1]) + (through[2] + through[3])
 }
 
-/// A sum with two weighted terms of a recurrence added; rounded twice with fused multiply-adds, four times without.
+/// A sum with two weighted terms of a recurrence added.
 #[inline(always)]
 pub(crate) fn added<const HAS_FMA: bool>(sum: f32, weights: [f32; 2], terms: [f32; 2]) -> f32 {
-    match HAS_FMA {
-        true => weights[1].mul_add(terms[1], weights[0].mul_add(terms[0], sum)),
-        false => sum + (weights[0] * terms[0] + weights[1] * terms[1]),
-    }
+    let sum = multiply_add::<HAS_FMA>(weights[0], terms[0], sum);
+    multiply_add::<HAS_FMA>(weights[1], terms[1], sum)
 }
 
 /// Adds two weighted terms of a recurrence to a row of a sum, first the one that the last sweep has read.

@@ -285,7 +285,7 @@ fn lights() -> Vec<Twin> {
         twin!(at_most_1, at_most_1, RELIGHT, |x: f32| at_most_1(x)),
         twin!(
             arrive_unwarped,
-            terms::arrive_unwarped,
+            terms::arrive_unwarped::<false>,
             RELIGHT,
             |direction: [f32; 3],
              half: [f32; 3],
@@ -294,7 +294,7 @@ fn lights() -> Vec<Twin> {
              squared: [f32; 3]| {
                 let most = MOST_BRIGHTENED * scalar_product(axis.0, direction);
                 let half = terms::HalfVector::of(half);
-                let arrived = terms::arrive_unwarped(&half, share, axis, squared, most);
+                let arrived = terms::arrive_unwarped::<false>(&half, share, axis, squared, most);
                 [
                     arrived.weight,
                     arrived.cosine,
