@@ -70,7 +70,11 @@ const BUILT_IN: [&str; 5] = ["exp", "tanh", "atan", "atan2", "mix"];
 
 /// Whether a WGSL function has the name of the Rust function at a path.
 fn is_namesake(wgsl: &str, path: &str) -> bool {
-    let path = path.replace(' ', "").replace("::<", "<");
+    // What may fuse multiply-adds is compared without.
+    let path = path
+        .replace(' ', "")
+        .replace("::<false>", "")
+        .replace("::<", "<");
     let mut parts = path.rsplit("::");
     let name = parts.next().unwrap_or_default();
     if let Some((name, _)) = name.split_once('<') {
