@@ -3,6 +3,7 @@
 pub(crate) mod frame_cache;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu_support;
+pub(crate) mod lanes;
 pub(crate) mod memory;
 pub(crate) mod percentile;
 pub(crate) mod row_layers;

@@ -2,7 +2,7 @@
 
 use super::exponent::Exponent;
 use super::shading::{Scaled, Shading, TowardLight};
-use crate::engine::cpu::simd::multiply_add;
+use crate::engine::cpu::lanes::multiply_add;
 use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{AshikhminShirley, Lobes, entering, share_seen};
