@@ -284,10 +284,11 @@ mod tests {
                 both.map(|light| light.as_flattened().to_vec())
             });
             for (fused, separate) in fused.iter().zip(&separate) {
-                // What the change log states.
+                // The highlight is the eighth power of (n . h)^2, where a difference of four roundings, two of n . h and
+                // two of the length, counts eight times: 8 4 2^-24 = 1.9e-6.
                 let brightest = separate.iter().copied().fold(0.0, f32::max);
                 for (a, b) in fused.iter().zip(separate) {
-                    assert!((a - b).abs() <= 1e-6 * brightest, "{warped}: {a} and {b}");
+                    assert!((a - b).abs() <= 2e-6 * brightest, "{warped}: {a} and {b}");
                 }
             }
             // Products with these colours, powers of two, are exact.
