@@ -2,7 +2,8 @@
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
 use super::holes::fill;
-use super::normals::{MIN_LENGTH, normalise};
+use super::normals::{MIN_LENGTH, normalise_row};
+use super::plane::each_row_beside;
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
 
@@ -17,17 +18,27 @@ pub(crate) fn of_normals(
     let (width, height) = (normal.x.width(), normal.x.height());
     let mut covered = Plane::filled(width, height, false);
     covered.each_row(|y, row| {
-        let [nx, ny, nz] = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-        let normals = nx.iter().zip(ny).zip(nz);
-        for (covered, ((&x, &y), &z)) in row.iter_mut().zip(normals) {
-            *covered = has_direction(Vec3::new(x, y, z));
-        }
-        narrow(row, depth.map(|depth| depth.row(y)), is_distance);
-        for shares in [mask, alpha] {
-            narrow(row, shares.map(|shares| shares.row(y)), |share| share > 0.5);
-        }
+        let normals = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+        cover_row(row, normals, depth.map(|depth| depth.row(y)));
+        narrow_to_shares(row, y, [mask, alpha]);
     });
     Mask::new(covered)
+}
+
+/// Covers the pixels of a row whose normals have a direction, and whose depth is a distance.
+fn cover_row(row: &mut [bool], [x, y, z]: [&[f32]; 3], depth: Option<&[f32]>) {
+    let normals = x.iter().zip(y).zip(z);
+    for (covered, ((&x, &y), &z)) in row.iter_mut().zip(normals) {
+        *covered = has_direction(Vec3::new(x, y, z));
+    }
+    narrow(row, depth, is_distance);
+}
+
+/// Leaves only those pixels of row `y` covered of which more than half is, by all planes given.
+fn narrow_to_shares(row: &mut [bool], y: usize, given: [Option<&Plane>; 2]) {
+    for shares in given {
+        narrow(row, shares.map(|shares| shares.row(y)), |share| share > 0.5);
+    }
 }
 
 /// Leaves only those pixels of a row covered whose sample is as it must be.
@@ -71,14 +82,41 @@ pub(crate) fn cover(
     let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
     // Alpha decides only if nothing else does.
     let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
-    let distances = depth.as_ref().map(|(depth, _)| &**depth);
-    let mask = of_normals(normal, distances, alpha, mask);
-    if let Some((depth, _)) = depth {
-        blank_outside(depth, &mask);
+    let (width, height) = (normal.x.width(), normal.x.height());
+    let mut covered = Plane::filled(width, height, false);
+    let mut lengths = Plane::filled(width, height, 0.0);
+    let Vector3Planes { x, y, z } = normal;
+    // All in one pass: these planes are too large for caches.
+    let convert = |row: usize,
+                   covered: &mut [bool],
+                   normals: [&mut [f32]; 3],
+                   lengths: &mut [f32],
+                   depth: Option<&mut [f32]>| {
+        cover_row(covered, normals.each_ref().map(|v| &**v), depth.as_deref());
+        narrow_to_shares(covered, row, [mask, alpha]);
+        if let Some(depth) = depth {
+            blank_row(depth, covered);
+        }
+        normalise_row(normals, covered, lengths);
+    };
+    match depth {
+        Some((depth, _)) => each_row_beside(
+            &mut covered,
+            [x, y, z, &mut lengths, depth],
+            |row, covered, [x, y, z, lengths, depth]| {
+                convert(row, covered, [x, y, z], lengths, Some(depth));
+            },
+        ),
+        None => each_row_beside(
+            &mut covered,
+            [x, y, z, &mut lengths],
+            |row, covered, [x, y, z, lengths]| {
+                convert(row, covered, [x, y, z], lengths, None);
+            },
+        ),
     }
-    let lengths = normalise(normal, mask.plane());
     Covered {
-        mask,
+        mask: Mask::new(covered),
         lengths,
         filled: filled.unwrap_or(0),
     }
@@ -93,11 +131,13 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 }
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
-    depth.each_row(|y, row| {
-        for (sample, &covered) in row.iter_mut().zip(mask.row(y)) {
-            *sample = if covered { *sample } else { 0.0 };
-        }
-    });
+    depth.each_row(|y, row| blank_row(row, mask.row(y)));
+}
+
+fn blank_row(depth: &mut [f32], covered: &[bool]) {
+    for (sample, &covered) in depth.iter_mut().zip(covered) {
+        *sample = if covered { *sample } else { 0.0 };
+    }
 }
 
 /// The plane, if it is not constant: alpha that is 1 everywhere shows no edge.

@@ -129,32 +129,56 @@ fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
     (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }
 
+/// Columns that are looked at together.
+const AT_ONCE: usize = 64;
+
 /// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
 fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize; 2], f32)> {
-    let (row, above) = (depth.row(y), depth.row(y - 1));
+    let row = depth.row(y);
+    let last = row.len().saturating_sub(1);
     let mut found = Vec::new();
-    for x in 1..row.len().saturating_sub(1) {
-        // Most samples are not farther than some neighbour.
-        let nearest = 1.0 + SAME_SURFACE;
-        let (here, before, after) = (row[x], row[x - 1], row[x + 1]);
-        if is_distance(here) && (here <= nearest * before || here <= nearest * after) {
-            continue;
+    for from in (1..last).step_by(AT_ONCE) {
+        let columns = from..(from + AT_ONCE).min(last);
+        let (before, after) = (&row[from - 1..], &row[from + 1..]);
+        let beside = before.iter().zip(after);
+        let pixels = row[columns.clone()].iter().zip(beside);
+        // Without branches, the compiler takes several at a time.
+        let is_any = pixels.fold(false, |any, (&here, (&before, &after))| {
+            any | may_be_hole(here, [before, after])
+        });
+        if is_any {
+            let is_hole = |x: &usize| may_be_hole(row[*x], [row[x - 1], row[x + 1]]);
+            let holes = columns.filter(is_hole);
+            found.extend(
+                holes.filter_map(|x| Some(([x, y], surface_of_hole(depth, normal, [x, y])?))),
+            );
         }
-        // Without depth above only one pair is left, along the row, which is too few: most of a background is like
-        // that.
-        if !above[x - 1..=x + 1].iter().copied().any(is_distance) {
-            continue;
-        }
-        let surface = match is_distance(here) {
-            // Beyond neighbours of the same depth a gap may lie, through which it is seen.
-            true => surface_at(depth, normal, [x, y], 1).filter(|surface| here > nearest * surface),
-            false => surface_at(depth, normal, [x, y], 1)
-                .or_else(|| surface_at(depth, normal, [x, y], WIDEST))
-                .or_else(|| side_of_fold(depth, normal, [x, y])),
-        };
-        found.extend(surface.map(|surface| ([x, y], surface)));
     }
     found
+}
+
+/// Whether a sample is none, or farther than both neighbours: most are not.
+fn may_be_hole(here: f32, beside: [f32; 2]) -> bool {
+    let [is_near, is_near_too] = beside.map(|other| here <= (1.0 + SAME_SURFACE) * other);
+    !(is_distance(here) & (is_near | is_near_too))
+}
+
+/// The depth of the surface at a pixel that may be a hole, if it is one.
+fn surface_of_hole(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> Option<f32> {
+    // Without depth above only one pair is left, along the row, which is too few: most of a background is like that.
+    let above = &depth.row(y - 1)[x - 1..=x + 1];
+    if !above.iter().copied().any(is_distance) {
+        return None;
+    }
+    let here = depth.at(x, y);
+    match is_distance(here) {
+        // Beyond neighbours of the same depth a gap may lie, through which it is seen.
+        true => surface_at(depth, normal, [x, y], 1)
+            .filter(|surface| here > (1.0 + SAME_SURFACE) * surface),
+        false => surface_at(depth, normal, [x, y], 1)
+            .or_else(|| surface_at(depth, normal, [x, y], WIDEST))
+            .or_else(|| side_of_fold(depth, normal, [x, y])),
+    }
 }
 
 /// The depth of the surface shown by opposite neighbours, if enough pairs do, all agree, and the sample's normal

@@ -44,23 +44,28 @@ pub(crate) fn normalise(normal: &mut Vector3Planes, covered: &Plane<bool>) -> Pl
     let mut lengths = Plane::filled(covered.width(), covered.height(), 0.0);
     let Vector3Planes { x, y, z } = normal;
     each_row_of([x, y, z, &mut lengths], |row, [x, y, z, lengths]| {
-        let vectors = x.iter_mut().zip(y).zip(z);
-        let pixels = lengths.iter_mut().zip(covered.row(row));
-        for (((x, y), z), (length, &covered)) in vectors.zip(pixels) {
-            // Without branches, the compiler takes several at a time.
-            let stored = Vec3::new(*x, *y, *z).length();
-            let (has_direction, factor) = (covered & (stored > 0.0), stored.recip());
-            for component in [x, y, z] {
-                *component = if has_direction {
-                    *component * factor
-                } else {
-                    0.0
-                };
-            }
-            *length = if covered { stored } else { 0.0 };
-        }
+        normalise_row([x, y, z], covered.row(row), lengths);
     });
     lengths
+}
+
+/// The same in a row.
+pub(crate) fn normalise_row([x, y, z]: [&mut [f32]; 3], covered: &[bool], lengths: &mut [f32]) {
+    let vectors = x.iter_mut().zip(y).zip(z);
+    let pixels = lengths.iter_mut().zip(covered);
+    for (((x, y), z), (length, &covered)) in vectors.zip(pixels) {
+        // Without branches, the compiler takes several at a time.
+        let stored = Vec3::new(*x, *y, *z).length();
+        let (has_direction, factor) = (covered & (stored > 0.0), stored.recip());
+        for component in [x, y, z] {
+            *component = if has_direction {
+                *component * factor
+            } else {
+                0.0
+            };
+        }
+        *length = if covered { stored } else { 0.0 };
+    }
 }
 
 /// Rotates normals from their space to view space, in place.

@@ -227,6 +227,32 @@ pub(crate) fn each_row_of<const N: usize>(
     planes: [&mut Plane; N],
     work: impl Fn(usize, [&mut [f32]; N]) + Sync,
 ) {
+    let rows = rows_of(planes).into_par_iter();
+    let rows = rows.with_max_len(MOST_ROWS_PER_TASK);
+    rows.enumerate().for_each(|(y, rows)| work(y, rows));
+}
+
+/// Calls `work(y, row, rows)` for every row of a plane and of several others of its size, in parallel.
+///
+/// # Panics
+/// If their sizes differ.
+pub(crate) fn each_row_beside<T: Copy + Send, const N: usize>(
+    plane: &mut Plane<T>,
+    others: [&mut Plane; N],
+    work: impl Fn(usize, &mut [T], [&mut [f32]; N]) + Sync,
+) {
+    assert_eq!(
+        [plane.width, plane.height],
+        [others[0].width, others[0].height]
+    );
+    let rows = plane.samples.par_chunks_exact_mut(plane.width.max(1));
+    let rows = rows.zip(rows_of(others)).with_max_len(MOST_ROWS_PER_TASK);
+    rows.enumerate()
+        .for_each(|(y, (row, rows))| work(y, row, rows));
+}
+
+/// The rows of planes of one size.
+fn rows_of<const N: usize>(planes: [&mut Plane; N]) -> Vec<[&mut [f32]; N]> {
     let [width, height] = [planes[0].width, planes[0].height];
     assert!(
         planes
@@ -234,14 +260,12 @@ pub(crate) fn each_row_of<const N: usize>(
             .all(|p| [p.width, p.height] == [width, height])
     );
     let mut rows = planes.map(|plane| plane.samples.chunks_exact_mut(width.max(1)));
-    let rows: Vec<[&mut [f32]; N]> = (0..height)
+    (0..height)
         .map_while(|_| {
             let row: Vec<_> = rows.iter_mut().filter_map(Iterator::next).collect();
             row.try_into().ok()
         })
-        .collect();
-    let rows = rows.into_par_iter().with_max_len(MOST_ROWS_PER_TASK);
-    rows.enumerate().for_each(|(y, rows)| work(y, rows));
+        .collect()
 }
 
 /// Not generic in `work`, so that rayon is compiled once per sample type.

@@ -8,6 +8,10 @@ use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
 /// Patches that the scan over the lens, and the choice of its kind, look at.
 const SCANNED: usize = 400;
 const RANKED: usize = 2_000;
+/// Rounds of reweighting: in the scan, after it, and for a mirrored fit.
+const SCAN_ROUNDS: usize = 2;
+const ROUNDS: usize = 6;
+const MIRRORED_ROUNDS: usize = 4;
 /// A step of a rotation, in radians, and of the logarithm of a lens that changes nothing any more.
 const SETTLED: f64 = 1e-6;
 /// Residuals beyond this many medians are left out, and from the second on pulled linearly.
@@ -74,17 +78,24 @@ impl Cost {
     }
 }
 
+/// Patches, and their normals in view space by a lens.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    patches: &'a [Patch],
+    normals: &'a [Vector3<f64>],
+}
+
+fn normals(lens: Lens, patches: &[Patch]) -> Vec<Vector3<f64>> {
+    patches.iter().map(|patch| lens.normal(patch)).collect()
+}
+
 /// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
 /// the best improper one.
-fn best_turn(
-    lens: Lens,
-    patches: &[Patch],
-    weights: &[f64],
-    mirrored: bool,
-) -> Option<Matrix3<f64>> {
+fn best_turn(seen: Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>> {
     let mut sum = Matrix3::zeros();
-    for (patch, &weight) in patches.iter().zip(weights) {
-        sum += weight * lens.normal(patch) * patch.normal.transpose();
+    let pairs = seen.patches.iter().zip(seen.normals);
+    for ((patch, normal), &weight) in pairs.zip(weights) {
+        sum += weight * normal * patch.normal.transpose();
     }
     if !sum.iter().all(|e| e.is_finite()) {
         return None;
@@ -96,9 +107,11 @@ fn best_turn(
     Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
 }
 
-fn residuals(lens: Lens, turn: &Matrix3<f64>, patches: &[Patch]) -> Vec<f64> {
-    let off = |p: &Patch| (turn * p.normal - lens.normal(p)).norm();
-    patches.iter().map(off).collect()
+fn residuals(seen: Seen, turn: &Matrix3<f64>) -> Vec<f64> {
+    let pairs = seen.patches.iter().zip(seen.normals);
+    pairs
+        .map(|(patch, normal)| (turn * patch.normal - normal).norm())
+        .collect()
 }
 
 /// Loss of a residual, 0..1 (Geman and McClure).
@@ -125,31 +138,28 @@ fn weights(residuals: &[f64], patches: &[Patch]) -> Vec<f64> {
 }
 
 /// The turn at a fixed lens, by reweighting.
-fn robust_turn(
-    lens: Lens,
-    patches: &[Patch],
-    rounds: usize,
-    mirrored: bool,
-) -> Option<Matrix3<f64>> {
-    let shapes: Vec<f64> = patches.iter().map(shape_weight).collect();
-    let mut turn = best_turn(lens, patches, &shapes, mirrored)?;
+fn robust_turn(seen: Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>> {
+    let shapes: Vec<f64> = seen.patches.iter().map(shape_weight).collect();
+    let mut turn = best_turn(seen, &shapes, mirrored)?;
     for _ in 0..rounds {
-        let weights = weights(&residuals(lens, &turn, patches), patches);
-        turn = best_turn(lens, patches, &weights, mirrored)?;
+        let weights = weights(&residuals(seen, &turn), seen.patches);
+        turn = best_turn(seen, &weights, mirrored)?;
     }
     Some(turn)
 }
 
 impl Fit {
-    /// The best turn at a fixed lens.
-    pub(super) fn at(lens: Lens, patches: &[Patch]) -> Option<Self> {
-        let turn = robust_turn(lens, patches, 6, false)?;
-        Self::new(lens, Rotation3::from_matrix_unchecked(turn), patches)
+    /// The best turn at a fixed lens, in some rounds.
+    fn at(lens: Lens, patches: &[Patch], rounds: usize) -> Option<Self> {
+        let normals = &normals(lens, patches);
+        let seen = Seen { patches, normals };
+        let turn = robust_turn(seen, rounds, false)?;
+        Self::new(lens, Rotation3::from_matrix_unchecked(turn), seen)
     }
 
-    fn new(lens: Lens, turn: Rotation3<f64>, patches: &[Patch]) -> Option<Self> {
-        let mut residuals = residuals(lens, turn.matrix(), patches);
-        let loss = residuals.iter().map(|r| loss(*r)).sum::<f64>() / patches.len() as f64;
+    fn new(lens: Lens, turn: Rotation3<f64>, seen: Seen) -> Option<Self> {
+        let mut residuals = residuals(seen, turn.matrix());
+        let loss = residuals.iter().map(|r| loss(*r)).sum::<f64>() / seen.patches.len() as f64;
         let residual = quantile(&mut residuals, 0.5);
         let fit = Self {
             lens,
@@ -174,9 +184,7 @@ impl Fit {
             number: log.exp(),
         };
         let cost = |log: f64| {
-            let turn = robust_turn(lens(log), &some, 2, false);
-            let fit =
-                turn.and_then(|t| Self::new(lens(log), Rotation3::from_matrix_unchecked(t), &some));
+            let fit = Self::at(lens(log), &some, SCAN_ROUNDS);
             fit.map_or(f64::INFINITY, |fit| fit.loss)
         };
         let (low, high) = (low.ln(), high.ln());
@@ -186,7 +194,7 @@ impl Fit {
             .map(|log| (cost(log), log))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         let log = golden_section(best.1 - step, best.1 + step, cost);
-        Self::at(lens(log), &spread_out(patches, RANKED))
+        Self::at(lens(log), &spread_out(patches, RANKED), ROUNDS)
     }
 
     /// The first of these fits, unless another is clearly better, then polished.
@@ -194,10 +202,7 @@ impl Fit {
         let some = spread_out(patches, RANKED);
         let polished: Vec<Fit> = fits
             .iter()
-            .filter_map(|fit| {
-                fit.polished(&some)
-                    .or_else(|| Self::new(fit.lens, fit.turn, &some))
-            })
+            .filter_map(|fit| fit.polished(&some).or_else(|| fit.judged_on(&some)))
             .collect();
         let best = Self::best(&polished)?;
         Some(best.polished(patches).unwrap_or(best))
@@ -226,11 +231,18 @@ impl Fit {
                 break;
             }
         }
-        Self::new(self.lens, self.turn, patches)
+        self.judged_on(patches)
+    }
+
+    /// The same fit, with how well it fits these patches.
+    fn judged_on(&self, patches: &[Patch]) -> Option<Self> {
+        let normals = &normals(self.lens, patches);
+        Self::new(self.lens, self.turn, Seen { patches, normals })
     }
 
     fn residuals(&self, patches: &[Patch]) -> Vec<f64> {
-        residuals(self.lens, self.turn.matrix(), patches)
+        let normals = &normals(self.lens, patches);
+        residuals(Seen { patches, normals }, self.turn.matrix())
     }
 
     fn moved(&self, step: &Vector4<f64>) -> Self {
@@ -268,17 +280,17 @@ impl Fit {
 
     /// The typical residual of the patches that determine the rotation.
     pub(super) fn telling_residual(&self, patches: &[Patch]) -> f64 {
-        self.telling(self.turn.matrix(), patches)
+        telling_median(&self.residuals(patches), patches)
     }
 
     /// The same for the best mirrored fit with the same lens.
     pub(super) fn mirrored_residual(&self, patches: &[Patch]) -> f64 {
-        let turn = robust_turn(self.lens, patches, 4, true);
-        turn.map_or(f64::INFINITY, |turn| self.telling(&turn, patches))
-    }
-
-    fn telling(&self, turn: &Matrix3<f64>, patches: &[Patch]) -> f64 {
-        telling_median(&residuals(self.lens, turn, patches), patches).unwrap_or(f64::INFINITY)
+        let normals = &normals(self.lens, patches);
+        let seen = Seen { patches, normals };
+        let turn = robust_turn(seen, MIRRORED_ROUNDS, true);
+        turn.map_or(f64::INFINITY, |turn| {
+            telling_median(&residuals(seen, &turn), patches)
+        })
     }
 
     /// The shape of the weighted cost about this fit.
@@ -328,8 +340,8 @@ impl Fit {
 }
 
 /// Median residual, each patch weighted by its normal's deviation from the dominant direction. Otherwise one plane that
-/// fills most of a picture, which fits in any case, would hide the rest.
-fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
+/// fills most of a picture, which fits in any case, would hide the rest. Infinite if no normal deviates.
+fn telling_median(residuals: &[f64], patches: &[Patch]) -> f64 {
     let sum: Matrix3<f64> = patches
         .iter()
         .map(|p| p.normal * p.normal.transpose())
@@ -349,7 +361,7 @@ fn telling_median(residuals: &[f64], patches: &[Patch]) -> Option<f64> {
         passed += lean;
         passed >= half
     });
-    middle.map(|(residual, _)| *residual)
+    middle.map_or(f64::INFINITY, |(residual, _)| *residual)
 }
 
 /// The place of the least value of `cost` between two bounds, to a hundredth.

@@ -1,13 +1,13 @@
 //! zlib by zlib-rs, in Rust alone.
 
-use super::runs::{WINDOW_BITS, compressed, deflate_by};
+use super::smooth::{LEVEL, WINDOW_BITS, compressed, deflate_by};
 use std::cell::RefCell;
 use zlib_rs::{Deflate, Inflate, InflateFlush, Status, Strategy};
 
 thread_local! {
     /// zlib's working state: costly to make, and reused by all blocks of a thread.
     static INFLATE: RefCell<Inflate> = RefCell::new(Inflate::new(true, WINDOW_BITS as u8));
-    static DEFLATE: RefCell<Deflate> = RefCell::new(deflate_by(Strategy::Default));
+    static DEFLATE: RefCell<Deflate> = RefCell::new(deflate_by(LEVEL, Strategy::Default, WINDOW_BITS));
 }
 
 /// Decompresses `compressed` into `into`; returns the number of bytes, `None` for damaged data or more bytes than fit.
