@@ -1,9 +1,14 @@
 //! The program's memory of planes, on Linux: in huge pages, where it leaves that to programs, and used again once it has
 //! been mapped. To map fresh memory in pages of 4 kB takes a tenth of a command's processor time.
+//!
+//! What is freed is kept, and joined with what is kept beside it; a block is cut from the smallest range that has room for
+//! it. Where none has, as much is given back to the system as is mapped anew: the program never has more memory than its
+//! blocks took at one time.
 
 use rustix::mm::{Advice, MapFlags, MremapFlags, ProtFlags};
 use rustix::mm::{madvise, mmap_anonymous, mremap, munmap};
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cmp::Reverse;
 use std::ffi::c_void;
 use std::ptr::null_mut;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -17,14 +22,14 @@ const PAGE: usize = 1 << 16;
 const HUGE_PAGE: usize = 1 << 21;
 /// Blocks are made up of huge pages alone where that adds at most one part in so many.
 const PARTS_TO_ADD_ONE: usize = 16;
-/// Most blocks, and most bytes of them, that are kept when they are freed.
+/// Most ranges of freed memory that are kept, and most bytes in them.
 const MOST_KEPT: usize = 64;
 const MOST_KEPT_BYTES: usize = 256 << 20;
 /// Most bytes at the end of its memory that the system's allocator keeps.
 #[cfg(target_env = "gnu")]
 const MOST_KEPT_SMALL: i32 = 64 << 20;
 
-/// The system's memory; large blocks come in huge pages, and are kept for others of their size.
+/// The system's memory; large blocks come in huge pages, and are kept for others.
 struct Blocks {
     kept: Mutex<Kept>,
 }
@@ -43,48 +48,105 @@ struct Block {
 // SAFETY: as given.
 unsafe impl Send for Block {}
 
-/// Freed blocks, the oldest first.
+/// Freed ranges, the oldest first. None touches another.
 struct Kept {
-    blocks: [Block; MOST_KEPT],
+    ranges: [Block; MOST_KEPT],
     count: usize,
     bytes: usize,
 }
 
 impl Kept {
     fn remove(&mut self, index: usize) -> Block {
-        let block = self.blocks[index];
-        self.blocks.copy_within(index + 1..self.count, index);
+        let range = self.ranges[index];
+        self.ranges.copy_within(index + 1..self.count, index);
         self.count -= 1;
-        self.bytes -= block.size;
-        block
+        self.bytes -= range.size;
+        range
     }
 
-    /// The block of this size that was freed last.
+    /// A block of this size, of the smallest range with room for it; of equal ones that freed last.
     fn take(&mut self, size: usize) -> Option<Block> {
-        let index = self.blocks[..self.count]
-            .iter()
-            .rposition(|block| block.size == size)?;
-        Some(self.remove(index))
+        let ranges = self.ranges[..self.count].iter().enumerate();
+        let with_room = ranges.filter(|(_, range)| range.place_of(size).is_some());
+        let (index, _) = with_room.min_by_key(|(index, range)| (range.size, Reverse(*index)))?;
+        let range = self.remove(index);
+        let block = range.place_of(size)?;
+        let [before, after] = range.around(block);
+        for rest in [before, after].into_iter().filter(|rest| rest.size > 0) {
+            self.keep(rest);
+        }
+        Some(block)
     }
 
-    /// Gives blocks back to the system, the oldest first, to take `size` bytes from it without having more of it.
+    /// Gives memory back to the system, the oldest first, to take `size` bytes from it without having more of it.
     fn make_room(&mut self, size: usize) {
         let enough = self.bytes.saturating_sub(size);
         while self.bytes > enough {
-            self.remove(0).unmap();
+            let oldest = self.ranges[0];
+            // What is left ends with a huge page.
+            let left = oldest.size.saturating_sub(self.bytes - enough);
+            let end = (oldest.start.addr() + left) / HUGE_PAGE * HUGE_PAGE;
+            let left = end.saturating_sub(oldest.start.addr());
+            if left == 0 {
+                self.remove(0).unmap();
+                continue;
+            }
+            let [left, rest] = oldest.cut(left);
+            self.ranges[0] = left;
+            self.bytes -= rest.size;
+            rest.unmap();
         }
     }
 
-    fn keep(&mut self, block: Block) {
+    fn keep(&mut self, mut range: Block) {
+        while let Some(index) = self.ranges[..self.count]
+            .iter()
+            .position(|kept| kept.end() == range.start || range.end() == kept.start)
+        {
+            let kept = self.remove(index);
+            range = Block {
+                start: kept.start.min(range.start),
+                size: kept.size + range.size,
+            };
+        }
         if self.count == MOST_KEPT {
             self.remove(0).unmap();
         }
-        self.blocks[self.count] = block;
+        self.ranges[self.count] = range;
         self.count += 1;
-        self.bytes += block.size;
-        while self.bytes > MOST_KEPT_BYTES {
-            self.remove(0).unmap();
-        }
+        self.bytes += range.size;
+        self.make_room(self.bytes.saturating_sub(MOST_KEPT_BYTES));
+    }
+}
+
+impl Block {
+    fn end(self) -> *mut c_void {
+        self.start.wrapping_byte_add(self.size)
+    }
+
+    /// Its first bytes, as many as given, and the rest.
+    fn cut(self, size: usize) -> [Self; 2] {
+        let rest = Self {
+            start: self.start.wrapping_byte_add(size),
+            size: self.size - size,
+        };
+        [Self { size, ..self }, rest]
+    }
+
+    /// The first place in it for a block of this size, if there is room: larger blocks begin at a huge page.
+    fn place_of(self, size: usize) -> Option<Self> {
+        let before = match size >= HUGE_PAGE {
+            true => self.start.align_offset(HUGE_PAGE),
+            false => 0,
+        };
+        let [_, from_there] = self.cut(before.min(self.size));
+        (from_there.size >= size).then(|| from_there.cut(size)[0])
+    }
+
+    /// What is left of it before and after a block in it.
+    fn around(self, block: Self) -> [Self; 2] {
+        let [before, from_there] = self.cut(block.start.addr() - self.start.addr());
+        [before, from_there.cut(block.size)[1]]
     }
 }
 
@@ -96,23 +158,20 @@ impl Block {
         let spare = if size >= HUGE_PAGE { HUGE_PAGE } else { 0 };
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::PRIVATE);
         // SAFETY: fresh memory is nobody else's.
-        let all = unsafe { mmap_anonymous(null_mut(), size + spare, access, flags) }.ok()?;
-        let before = match spare {
-            0 => 0,
-            _ => all.align_offset(HUGE_PAGE),
+        let start = unsafe { mmap_anonymous(null_mut(), size + spare, access, flags) }.ok()?;
+        let all = Self {
+            start,
+            size: size + spare,
         };
-        let start = all.wrapping_byte_add(before);
-        let after = start.wrapping_byte_add(size);
-        for (start, size) in [(all, before), (after, spare - before)] {
-            if size > 0 {
-                Self { start, size }.unmap();
-            }
+        let block = all.place_of(size)?;
+        for rest in all.around(block).into_iter().filter(|rest| rest.size > 0) {
+            rest.unmap();
         }
         if size >= HUGE_PAGE {
             // SAFETY: the range is the block. Where the advice is refused, nothing changes.
-            let _ = unsafe { madvise(start, size, Advice::LinuxHugepage) };
+            let _ = unsafe { madvise(block.start, size, Advice::LinuxHugepage) };
         }
-        Some(Self { start, size })
+        Some(block)
     }
 
     fn unmap(self) {
@@ -125,7 +184,7 @@ impl Blocks {
     const fn new() -> Self {
         Self {
             kept: Mutex::new(Kept {
-                blocks: [Block {
+                ranges: [Block {
                     start: null_mut(),
                     size: 0,
                 }; MOST_KEPT],
@@ -221,22 +280,26 @@ unsafe impl GlobalAlloc for Blocks {
         let wanted = unsafe { Layout::from_size_align_unchecked(size, layout.align()) };
         match (mapped(layout), mapped(wanted)) {
             // SAFETY: as above.
-            (None, None) => unsafe { System.realloc(block, layout, size) },
-            (Some(before), Some(after)) if before == after => block,
+            (None, None) => return unsafe { System.realloc(block, layout, size) },
+            (Some(before), Some(after)) if before == after => return block,
             (Some(before), Some(after)) => {
-                // SAFETY: the block is its holder's alone, who will know the new address.
+                // SAFETY: the block is its holder's alone, who will know the new address. It fails for a block that the
+                // system mapped in parts.
                 let moved = unsafe { mremap(block.cast(), before, after, MremapFlags::MAYMOVE) };
-                moved.map_or(null_mut(), |moved| moved.cast())
-            }
-            // SAFETY: blocks that do not overlap, each of at least so many bytes; the old one is no longer needed.
-            _ => unsafe {
-                let other = self.alloc(wanted);
-                if !other.is_null() {
-                    other.copy_from_nonoverlapping(block, size.min(layout.size()));
-                    self.dealloc(block, layout);
+                if let Ok(moved) = moved {
+                    return moved.cast();
                 }
-                other
-            },
+            }
+            _ => {}
+        }
+        // SAFETY: blocks that do not overlap, each of at least so many bytes; the old one is no longer needed.
+        unsafe {
+            let other = self.alloc(wanted);
+            if !other.is_null() {
+                other.copy_from_nonoverlapping(block, size.min(layout.size()));
+                self.dealloc(block, layout);
+            }
+            other
         }
     }
 }
@@ -268,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn a_freed_block_is_the_next_of_its_size_and_makes_room_for_others() {
+    fn a_freed_block_is_the_next_and_makes_room_for_others() {
         let blocks = Blocks::new();
         let (first, is_zero) = blocks.block(7 * HUGE_PAGE).unwrap();
         assert!(is_zero && first.start.addr() % HUGE_PAGE == 0);
@@ -276,23 +339,59 @@ mod tests {
         let (again, is_zero) = blocks.block(7 * HUGE_PAGE).unwrap();
         assert!(again.start == first.start && !is_zero);
         blocks.kept().keep(again);
-        let (other, is_zero) = blocks.block(PAGE).unwrap();
+        // A larger one takes its place in the system's books.
+        let (other, is_zero) = blocks.block(8 * HUGE_PAGE).unwrap();
         assert!(is_zero && blocks.kept().count == 0 && blocks.kept().bytes == 0);
         other.unmap();
     }
 
     #[test]
+    fn blocks_are_cut_from_the_smallest_range_and_joined_again() {
+        let blocks = Blocks::new();
+        let all = Block::map(10 * HUGE_PAGE).unwrap();
+        blocks.kept().keep(all);
+        let block = |size| {
+            let (block, is_zero) = blocks.block(size).unwrap();
+            assert!(!is_zero);
+            (block.start.addr() - all.start.addr(), block)
+        };
+        // Pages, then huge pages, which begin at one, then pages before them.
+        let (at_start, a) = block(PAGE);
+        let (at_huge_page, b) = block(4 * HUGE_PAGE);
+        let (between, c) = block(LARGE);
+        let (after, d) = block(5 * HUGE_PAGE);
+        assert_eq!([at_start, at_huge_page], [0, HUGE_PAGE]);
+        assert_eq!([between, after], [PAGE, 5 * HUGE_PAGE]);
+        assert_eq!(blocks.kept().bytes, HUGE_PAGE - PAGE - LARGE);
+        for freed in [c, a, d, b] {
+            blocks.kept().keep(freed);
+        }
+        assert_eq!(blocks.kept().count, 1);
+        assert_eq!(blocks.kept().bytes, all.size);
+        // As much is given back as is taken, in huge pages.
+        blocks.kept().make_room(HUGE_PAGE + 1);
+        assert_eq!(blocks.kept().bytes, 8 * HUGE_PAGE);
+        let (start, left) = block(8 * HUGE_PAGE);
+        assert_eq!(start, 0);
+        left.unmap();
+    }
+
+    #[test]
     fn no_more_is_kept_than_allowed() {
         let blocks = Blocks::new();
+        // Apart from each other: behind each is a page that is not mapped, too small for others.
+        let apart = |size| {
+            let [block, gap] = Block::map(size + PAGE).unwrap().cut(size);
+            gap.unmap();
+            block
+        };
         for _ in 0..MOST_KEPT + 3 {
-            let block = Block::map(8 * HUGE_PAGE).unwrap();
-            blocks.kept().keep(block);
+            blocks.kept().keep(apart(8 * HUGE_PAGE));
         }
         assert_eq!(blocks.kept().bytes, MOST_KEPT_BYTES);
         blocks.kept().make_room(usize::MAX);
         for _ in 0..MOST_KEPT + 3 {
-            let block = Block::map(PAGE).unwrap();
-            blocks.kept().keep(block);
+            blocks.kept().keep(apart(PAGE));
         }
         assert_eq!(blocks.kept().count, MOST_KEPT);
         blocks.kept().make_room(usize::MAX);
