@@ -2,7 +2,6 @@
 
 use crate::engine::watch::CancelToken;
 use crate::frame::{Mask, Plane, Vector2Planes};
-use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Planes for reuse, and the cancellation state of the run that uses them.
@@ -46,8 +45,7 @@ impl Memory {
     pub(crate) fn plane(&self, mask: &Mask) -> Plane {
         let (mut plane, is_zero) = self.any_plane(mask);
         if !is_zero && mask.count() < plane.samples().len() {
-            let parts = plane.samples_mut().par_chunks_mut(1 << 16);
-            parts.for_each(|part| part.fill(0.0));
+            plane.each_row(|y, row| mask.gaps(y).for_each(|gap| row[gap].fill(0.0)));
         }
         plane
     }
