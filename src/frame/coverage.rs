@@ -82,41 +82,25 @@ pub(crate) fn cover(
     let depth_shows_coverage = depth.is_some() && stored.is_none_or(StoredDepth::shows_coverage);
     // Alpha decides only if nothing else does.
     let alpha = alpha.filter(|_| !depth_shows_coverage && mask.is_none());
+    let distances = depth.as_ref().map(|(depth, _)| &**depth);
     let (width, height) = (normal.x.width(), normal.x.height());
     let mut covered = Plane::filled(width, height, false);
     let mut lengths = Plane::filled(width, height, 0.0);
     let Vector3Planes { x, y, z } = normal;
-    // All in one pass: these planes are too large for caches.
-    let convert = |row: usize,
-                   covered: &mut [bool],
-                   normals: [&mut [f32]; 3],
-                   lengths: &mut [f32],
-                   depth: Option<&mut [f32]>| {
-        cover_row(covered, normals.each_ref().map(|v| &**v), depth.as_deref());
+    // In one pass, since normals are too large for caches.
+    let planes = [x, y, z, &mut lengths];
+    each_row_beside(&mut covered, planes, |row, covered, [x, y, z, lengths]| {
+        let depth = distances.map(|distances| distances.row(row));
+        cover_row(covered, [&*x, &*y, &*z], depth);
         narrow_to_shares(covered, row, [mask, alpha]);
-        if let Some(depth) = depth {
-            blank_row(depth, covered);
-        }
-        normalise_row(normals, covered, lengths);
-    };
-    match depth {
-        Some((depth, _)) => each_row_beside(
-            &mut covered,
-            [x, y, z, &mut lengths, depth],
-            |row, covered, [x, y, z, lengths, depth]| {
-                convert(row, covered, [x, y, z], lengths, Some(depth));
-            },
-        ),
-        None => each_row_beside(
-            &mut covered,
-            [x, y, z, &mut lengths],
-            |row, covered, [x, y, z, lengths]| {
-                convert(row, covered, [x, y, z], lengths, None);
-            },
-        ),
+        normalise_row([x, y, z], covered, lengths);
+    });
+    let mask = Mask::new(covered);
+    if let Some((depth, _)) = depth {
+        blank_outside(depth, &mask);
     }
     Covered {
-        mask: Mask::new(covered),
+        mask,
         lengths,
         filled: filled.unwrap_or(0),
     }
@@ -131,13 +115,11 @@ pub(crate) fn narrow_to(mask: &mut Mask, depth: &mut Plane) {
 }
 
 fn blank_outside(depth: &mut Plane, mask: &Mask) {
-    depth.each_row(|y, row| blank_row(row, mask.row(y)));
-}
-
-fn blank_row(depth: &mut [f32], covered: &[bool]) {
-    for (sample, &covered) in depth.iter_mut().zip(covered) {
-        *sample = if covered { *sample } else { 0.0 };
-    }
+    depth.each_row(|y, row| {
+        for (sample, &covered) in row.iter_mut().zip(mask.row(y)) {
+            *sample = if covered { *sample } else { 0.0 };
+        }
+    });
 }
 
 /// The plane, if it is not constant: alpha that is 1 everywhere shows no edge.

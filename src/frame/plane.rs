@@ -236,7 +236,7 @@ pub(crate) fn each_row_of<const N: usize>(
 ///
 /// # Panics
 /// If their sizes differ.
-pub(crate) fn each_row_beside<T: Copy + Send, const N: usize>(
+pub(crate) fn each_row_beside<T: Send, const N: usize>(
     plane: &mut Plane<T>,
     others: [&mut Plane; N],
     work: impl Fn(usize, &mut [T], [&mut [f32]; N]) + Sync,
