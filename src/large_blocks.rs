@@ -283,6 +283,7 @@ unsafe impl GlobalAlloc for Blocks {
             (None, None) => return unsafe { System.realloc(block, layout, size) },
             (Some(before), Some(after)) if before == after => return block,
             (Some(before), Some(after)) => {
+                self.kept().make_room(after.saturating_sub(before));
                 // SAFETY: the block is its holder's alone, who will know the new address. It fails for a block that the
                 // system mapped in parts.
                 let moved = unsafe { mremap(block.cast(), before, after, MremapFlags::MAYMOVE) };
