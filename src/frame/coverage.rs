@@ -19,24 +19,25 @@ pub(crate) fn of_normals(
     let mut covered = Plane::filled(width, height, false);
     covered.each_row(|y, row| {
         let normals = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
-        cover_row(row, normals, depth.map(|depth| depth.row(y)));
-        narrow_to_shares(row, y, [mask, alpha]);
+        cover_row(row, y, normals, depth, [mask, alpha]);
     });
     Mask::new(covered)
 }
 
-/// Covers the pixels of a row whose normals have a direction, and whose depth is a distance.
-fn cover_row(row: &mut [bool], [x, y, z]: [&[f32]; 3], depth: Option<&[f32]>) {
-    let normals = x.iter().zip(y).zip(z);
+/// The same for row `y`, whose normals these are; mask and alpha are `shares`.
+fn cover_row(
+    row: &mut [bool],
+    y: usize,
+    [nx, ny, nz]: [&[f32]; 3],
+    depth: Option<&Plane>,
+    shares: [Option<&Plane>; 2],
+) {
+    let normals = nx.iter().zip(ny).zip(nz);
     for (covered, ((&x, &y), &z)) in row.iter_mut().zip(normals) {
         *covered = has_direction(Vec3::new(x, y, z));
     }
-    narrow(row, depth, is_distance);
-}
-
-/// Leaves only those pixels of row `y` covered of which more than half is, by all planes given.
-fn narrow_to_shares(row: &mut [bool], y: usize, given: [Option<&Plane>; 2]) {
-    for shares in given {
+    narrow(row, depth.map(|depth| depth.row(y)), is_distance);
+    for shares in shares {
         narrow(row, shares.map(|shares| shares.row(y)), |share| share > 0.5);
     }
 }
@@ -90,9 +91,7 @@ pub(crate) fn cover(
     // In one pass, since normals are too large for caches.
     let planes = [x, y, z, &mut lengths];
     each_row_beside(&mut covered, planes, |row, covered, [x, y, z, lengths]| {
-        let depth = distances.map(|distances| distances.row(row));
-        cover_row(covered, [&*x, &*y, &*z], depth);
-        narrow_to_shares(covered, row, [mask, alpha]);
+        cover_row(covered, row, [&*x, &*y, &*z], distances, [mask, alpha]);
         normalise_row([x, y, z], covered, lengths);
     });
     let mask = Mask::new(covered);

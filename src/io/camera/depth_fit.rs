@@ -79,21 +79,23 @@ impl Cost {
 }
 
 /// Patches, and their normals in view space by a lens.
-#[derive(Clone, Copy)]
 struct Seen<'a> {
     patches: &'a [Patch],
-    normals: &'a [Vector3<f64>],
+    normals: Vec<Vector3<f64>>,
 }
 
-fn normals(lens: Lens, patches: &[Patch]) -> Vec<Vector3<f64>> {
-    patches.iter().map(|patch| lens.normal(patch)).collect()
+impl<'a> Seen<'a> {
+    fn by(lens: Lens, patches: &'a [Patch]) -> Self {
+        let normals = patches.iter().map(|patch| lens.normal(patch)).collect();
+        Self { patches, normals }
+    }
 }
 
 /// The proper rotation that best maps weighted normals onto those of the slopes (Wahba's problem), or with `mirrored`
 /// the best improper one.
-fn best_turn(seen: Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>> {
+fn best_turn(seen: &Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>> {
     let mut sum = Matrix3::zeros();
-    let pairs = seen.patches.iter().zip(seen.normals);
+    let pairs = seen.patches.iter().zip(&seen.normals);
     for ((patch, normal), &weight) in pairs.zip(weights) {
         sum += weight * normal * patch.normal.transpose();
     }
@@ -107,8 +109,8 @@ fn best_turn(seen: Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64>
     Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
 }
 
-fn residuals(seen: Seen, turn: &Matrix3<f64>) -> Vec<f64> {
-    let pairs = seen.patches.iter().zip(seen.normals);
+fn residuals(seen: &Seen, turn: &Matrix3<f64>) -> Vec<f64> {
+    let pairs = seen.patches.iter().zip(&seen.normals);
     pairs
         .map(|(patch, normal)| (turn * patch.normal - normal).norm())
         .collect()
@@ -138,7 +140,7 @@ fn weights(residuals: &[f64], patches: &[Patch]) -> Vec<f64> {
 }
 
 /// The turn at a fixed lens, by reweighting.
-fn robust_turn(seen: Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>> {
+fn robust_turn(seen: &Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>> {
     let shapes: Vec<f64> = seen.patches.iter().map(shape_weight).collect();
     let mut turn = best_turn(seen, &shapes, mirrored)?;
     for _ in 0..rounds {
@@ -151,13 +153,12 @@ fn robust_turn(seen: Seen, rounds: usize, mirrored: bool) -> Option<Matrix3<f64>
 impl Fit {
     /// The best turn at a fixed lens, in some rounds.
     fn at(lens: Lens, patches: &[Patch], rounds: usize) -> Option<Self> {
-        let normals = &normals(lens, patches);
-        let seen = Seen { patches, normals };
-        let turn = robust_turn(seen, rounds, false)?;
-        Self::new(lens, Rotation3::from_matrix_unchecked(turn), seen)
+        let seen = Seen::by(lens, patches);
+        let turn = robust_turn(&seen, rounds, false)?;
+        Self::new(lens, Rotation3::from_matrix_unchecked(turn), &seen)
     }
 
-    fn new(lens: Lens, turn: Rotation3<f64>, seen: Seen) -> Option<Self> {
+    fn new(lens: Lens, turn: Rotation3<f64>, seen: &Seen) -> Option<Self> {
         let mut residuals = residuals(seen, turn.matrix());
         let loss = residuals.iter().map(|r| loss(*r)).sum::<f64>() / seen.patches.len() as f64;
         let residual = quantile(&mut residuals, 0.5);
@@ -236,13 +237,11 @@ impl Fit {
 
     /// The same fit, with how well it fits these patches.
     fn judged_on(&self, patches: &[Patch]) -> Option<Self> {
-        let normals = &normals(self.lens, patches);
-        Self::new(self.lens, self.turn, Seen { patches, normals })
+        Self::new(self.lens, self.turn, &Seen::by(self.lens, patches))
     }
 
     fn residuals(&self, patches: &[Patch]) -> Vec<f64> {
-        let normals = &normals(self.lens, patches);
-        residuals(Seen { patches, normals }, self.turn.matrix())
+        residuals(&Seen::by(self.lens, patches), self.turn.matrix())
     }
 
     fn moved(&self, step: &Vector4<f64>) -> Self {
@@ -285,11 +284,10 @@ impl Fit {
 
     /// The same for the best mirrored fit with the same lens.
     pub(super) fn mirrored_residual(&self, patches: &[Patch]) -> f64 {
-        let normals = &normals(self.lens, patches);
-        let seen = Seen { patches, normals };
-        let turn = robust_turn(seen, MIRRORED_ROUNDS, true);
+        let seen = Seen::by(self.lens, patches);
+        let turn = robust_turn(&seen, MIRRORED_ROUNDS, true);
         turn.map_or(f64::INFINITY, |turn| {
-            telling_median(&residuals(seen, &turn), patches)
+            telling_median(&residuals(&seen, &turn), patches)
         })
     }
 

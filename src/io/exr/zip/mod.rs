@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_block_comes_back() {
-        // From 131072 bytes on runs alone are tried: these have some, and others that grow by and by.
+        // From 131072 bytes on quicker ways are tried: these have some runs, and others that grow by and by.
         let steps: Vec<u8> = (0..200_000u32)
             .flat_map(|i| (i / 40).to_le_bytes())
             .collect();
