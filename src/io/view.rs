@@ -102,9 +102,12 @@ fn aided_by_depth(
 ) -> (Option<Camera>, Reading) {
     let flip = unaided.certain.filter(|n| n.space == NormalSpace::View);
     if let Some(NormalReading { flip, .. }) = flip {
-        let mut turned = normal.clone();
-        normals::flip_axes(&mut turned, flip);
-        let found = search.by_depth(&turned);
+        let turned = (flip != Flip::NONE).then(|| {
+            let mut turned = normal.clone();
+            normals::flip_axes(&mut turned, flip);
+            turned
+        });
+        let found = search.by_depth(turned.as_ref().unwrap_or(normal));
         let is_turned = found.as_ref().is_some_and(|found| unaided.is_turned(found));
         if !is_turned {
             search.report(found.as_ref());
