@@ -14,7 +14,7 @@ use std::ptr::null_mut;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Bytes from which on a block is mapped here; the system's allocator makes smaller ones.
-const LARGE: usize = 1 << 20;
+const LARGE: usize = 1 << 18;
 /// Bytes that a page has at least, to which mapped blocks are aligned, and at most, of which they have a multiple.
 const ALIGNED: usize = 1 << 12;
 const PAGE: usize = 1 << 16;
@@ -152,25 +152,23 @@ impl Block {
 
 #[expect(unsafe_code, reason = "memory is named by its address")]
 impl Block {
-    /// Fresh memory of `size` bytes, which is zero.
+    /// Fresh memory of `size` bytes, at least a huge page, which is zero.
     fn map(size: usize) -> Option<Self> {
         // Room to begin at a huge page.
-        let spare = if size >= HUGE_PAGE { HUGE_PAGE } else { 0 };
+        let mapped = size + HUGE_PAGE;
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::PRIVATE);
         // SAFETY: fresh memory is nobody else's.
-        let start = unsafe { mmap_anonymous(null_mut(), size + spare, access, flags) }.ok()?;
+        let start = unsafe { mmap_anonymous(null_mut(), mapped, access, flags) }.ok()?;
         let all = Self {
             start,
-            size: size + spare,
+            size: mapped,
         };
         let block = all.place_of(size)?;
         for rest in all.around(block).into_iter().filter(|rest| rest.size > 0) {
             rest.unmap();
         }
-        if size >= HUGE_PAGE {
-            // SAFETY: the range is the block. Where the advice is refused, nothing changes.
-            let _ = unsafe { madvise(block.start, size, Advice::LinuxHugepage) };
-        }
+        // SAFETY: the range is the block. Where the advice is refused, nothing changes.
+        let _ = unsafe { madvise(block.start, size, Advice::LinuxHugepage) };
         Some(block)
     }
 
@@ -204,9 +202,15 @@ impl Blocks {
         if let Some(block) = kept.take(size) {
             return Some((block, false));
         }
-        kept.make_room(size);
+        // Smaller blocks share a huge page.
+        let fresh = size.max(HUGE_PAGE);
+        kept.make_room(fresh);
         drop(kept);
-        Some((Block::map(size)?, true))
+        let [block, rest] = Block::map(fresh)?.cut(size);
+        if rest.size > 0 {
+            self.kept().keep(rest);
+        }
+        Some((block, true))
     }
 }
 
@@ -378,6 +382,21 @@ mod tests {
     }
 
     #[test]
+    fn small_blocks_share_a_huge_page() {
+        let blocks = Blocks::new();
+        let (first, is_zero) = blocks.block(LARGE).unwrap();
+        assert!(is_zero && first.size == LARGE);
+        assert_eq!(blocks.kept().bytes, HUGE_PAGE - LARGE);
+        let (second, _) = blocks.block(LARGE).unwrap();
+        assert_eq!(second.start, first.end());
+        for freed in [first, second] {
+            blocks.kept().keep(freed);
+        }
+        assert_eq!(blocks.kept().bytes, HUGE_PAGE);
+        blocks.kept().make_room(usize::MAX);
+    }
+
+    #[test]
     fn no_more_is_kept_than_allowed() {
         let blocks = Blocks::new();
         // Apart from each other: behind each is a page that is not mapped, too small for others.
@@ -392,7 +411,7 @@ mod tests {
         assert_eq!(blocks.kept().bytes, MOST_KEPT_BYTES);
         blocks.kept().make_room(usize::MAX);
         for _ in 0..MOST_KEPT + 3 {
-            blocks.kept().keep(apart(PAGE));
+            blocks.kept().keep(apart(HUGE_PAGE));
         }
         assert_eq!(blocks.kept().count, MOST_KEPT);
         blocks.kept().make_room(usize::MAX);
