@@ -7,13 +7,9 @@ use super::points::Points;
 use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::sanitise;
+use crate::frame::halves;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use half::f16;
-use half::slice::HalfFloatSliceExt;
-use rayon::prelude::*;
-
-/// Samples converted by a task.
-const SAMPLES_PER_TASK: usize = 1 << 16;
 
 /// The planes of one role: one or three, and the coverage stored with them.
 pub(super) struct RolePlanes {
@@ -73,12 +69,8 @@ impl RolePlanes {
             let (width, height) = (half.width(), half.height());
             let spare = spare.pop().map(Plane::into_samples);
             let spare = spare.filter(|samples| samples.len() == width * height);
-            let mut samples = spare.unwrap_or_else(|| vec![0.0; width * height]);
-            let parts = samples.par_chunks_mut(SAMPLES_PER_TASK);
-            let parts = parts.zip(half.samples().par_chunks(SAMPLES_PER_TASK));
-            parts.for_each(|(to, from)| from.convert_to_f32_slice(to));
-            self.planes
-                .push(Plane::from_samples(width, height, samples));
+            let samples = spare.unwrap_or_else(|| vec![0.0; width * height]);
+            self.planes.push(halves::widened(&half, samples));
         }
     }
 

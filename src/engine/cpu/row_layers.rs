@@ -50,7 +50,7 @@ impl Runner {
         let Begun {
             outcome,
             undiffused,
-        } = self.after_edges(plan, frame, inputs, watch)?;
+        } = self.after_edges(plan, frame, None, inputs, watch)?;
         let (rest, whole): (Vec<_>, Vec<_>) = stages()
             .skip(1)
             .filter(|stage| plan.has(stage))

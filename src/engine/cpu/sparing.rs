@@ -1,6 +1,7 @@
 //! Runs whose shape nobody looks at. A picture takes the memory of slopes and edges. Shape and tone of large drawings
 //! are computed in bands, and only what strokes need is kept.
 
+use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::cpu::runner::taken_by;
 use crate::engine::inputs::Inputs;
@@ -8,6 +9,7 @@ use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::{Strips, rows_of};
 use crate::engine::watch::Watch;
 use crate::error::Result;
+use crate::frame::halves::StowedColors;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes, luminance};
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu as light;
@@ -19,7 +21,6 @@ use crate::plan::Plan;
 use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
 use crate::product::Product;
 use crate::shape::auto_levels::stage::choose_gain;
-use crate::shape::edges::cpu::edges_in_place;
 use std::ops::Range;
 
 /// Number of pixels above which memory counts more than what the frame still holds.
@@ -35,9 +36,9 @@ pub(crate) struct Begun {
 }
 
 impl Runner {
-    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes normals and depth of a
-    /// large frame. The outcome of a drawing is that and the automatic choices, without the shape; a large frame drawn in
-    /// its own light takes half the memory: its picture is consumed.
+    /// [`Runner::execute_watched`], bit for bit. A picture leaves out edges and slopes, and consumes normals, depth and
+    /// albedo of a large frame. The outcome of a drawing is that and the automatic choices, without the shape; a large
+    /// frame drawn in its own light takes half the memory: its picture is consumed.
     ///
     /// # Errors
     /// As [`Runner::execute_watched`].
@@ -69,7 +70,8 @@ impl Runner {
     }
 
     /// The picture; without edges and slopes, once no curvature is computed from them. Normals and depth of a large frame
-    /// make room for what is made of them, once no other stage reads them.
+    /// make room for what is made of them, once no other stage reads them; to be relit it takes half floats for pictures
+    /// that nothing reads meanwhile, if these hold them.
     fn make_picture(
         &self,
         plan: &Plan,
@@ -81,15 +83,25 @@ impl Runner {
         inputs.check(plan, frame)?;
         let memory = &self.memory.for_run(watch.token());
         let is_large = is_larger(frame, large);
+        // Nothing but relighting makes a picture there.
+        let relights = plan
+            .relighting
+            .as_ref()
+            .filter(|lit| is_large && !lit.traced);
+        // Until the shape is found nothing reads pictures, and relighting may read the albedo alone.
+        let albedo = relights.and_then(|_| stow(&mut frame.albedo, drop));
+        let color = relights.filter(|lit| !lit.albedo.is_of_picture());
+        let color = color.and_then(|_| stow(&mut frame.color, |plane| memory.recycle([plane])));
         let later = SHAPE[1..].iter().chain(&PICTURE);
         let readers = later.filter(|stage| plan.has(stage) && stage.reads_normals);
         let readers: Vec<_> = readers.collect();
         let Begun {
             outcome,
             undiffused,
-        } = match is_large && readers.is_empty() && plan.has(SHAPE[0]) {
-            true => self.edges_of_normals(plan, frame, inputs, watch)?,
-            false => self.after_edges(plan, frame, inputs, watch)?,
+        } = {
+            let read_last = is_large && readers.is_empty() && plan.has(SHAPE[0]);
+            let normals = read_last.then(|| take_normals(frame));
+            self.after_edges(plan, frame, normals, inputs, watch)?
         };
         if is_large && !readers.iter().any(|stage| (stage.reads_depth)(plan)) {
             memory.recycle(frame.depth.take());
@@ -118,70 +130,54 @@ impl Runner {
             memory.recycle(shape.trace.take());
         }
         let outcome = run.outcome;
-        // Nothing but relighting makes a picture there.
-        let relights = plan.relighting.as_ref().is_some_and(|lit| !lit.traced);
-        let normals = (is_large && relights).then(|| take_normals(frame));
+        let normals = relights.map(|_| take_normals(frame));
+        if let Some(albedo) = albedo {
+            frame.albedo = Some(taken_out(albedo, frame, memory));
+        }
         let mut run = Run {
             memory,
             watch,
             outcome,
             normals,
+            stowed: color.as_ref(),
             ..Run::new(self, plan, frame, inputs)
         };
         run.go_through(PICTURE)?;
-        Ok(run.outcome)
-    }
-
-    /// Runs the first stage of shape in the memory of the frame's normals, which it consumes.
-    fn edges_of_normals(
-        &self,
-        plan: &Plan,
-        frame: &mut Frame,
-        inputs: Inputs,
-        watch: Watch,
-    ) -> Result<Begun> {
-        watch.check()?;
-        let normal = take_normals(frame);
-        let lengths = frame.normal_length.take();
-        let memory = &self.memory.for_run(watch.token());
-        let mut run = Run {
-            watch,
-            ..Run::new(self, plan, frame, inputs)
-        };
-        let (edges, gradient) = run.timed(SHAPE[0].name, || {
-            edges_in_place(plan, frame, normal, lengths, memory)
-        });
-        run.outcome.shape.conductance = Some(edges.conductance);
-        Ok(Begun {
-            outcome: run.outcome,
-            undiffused: Some(gradient),
-        })
+        let outcome = run.outcome;
+        if let Some(color) = color {
+            if let Some(ColorPlanes { r, g, b }) = frame.albedo.take() {
+                memory.recycle([r, g, b]);
+            }
+            frame.color = Some(taken_out(color, frame, memory));
+        }
+        Ok(outcome)
     }
 
     /// Runs the first stage of shape, the only one that reads the lengths of the normals. Large frames lose them, unless
-    /// rays meet the surface later.
+    /// rays meet the surface later. With `normals`, which the frame no longer has, it runs in their memory.
     pub(crate) fn after_edges(
         &self,
         plan: &Plan,
         frame: &mut Frame,
+        normals: Option<Vector3Planes>,
         inputs: Inputs,
         watch: Watch,
     ) -> Result<Begun> {
         let memory = &self.memory.for_run(watch.token());
+        let traces = plan.relighting.as_ref().is_some_and(|lit| lit.traced);
+        let is_used_up = normals.is_some() || (is_larger(frame, LARGE) && !traces);
+        let lengths = frame.normal_length.take_if(|_| is_used_up);
         let mut run = Run {
             memory,
             watch,
+            normals,
+            lengths,
             ..Run::new(self, plan, frame, inputs)
         };
         run.go_through([SHAPE[0]])?;
-        let (outcome, undiffused) = (run.outcome, run.undiffused);
-        let traces = plan.relighting.as_ref().is_some_and(|lit| lit.traced);
-        if is_larger(frame, LARGE) && !traces {
-            memory.recycle(frame.normal_length.take());
-        }
         Ok(Begun {
-            outcome,
-            undiffused,
+            outcome: run.outcome,
+            undiffused: run.undiffused,
         })
     }
 
@@ -269,6 +265,18 @@ fn take_normals(frame: &mut Frame) -> Vector3Planes {
     std::mem::replace(&mut frame.normal, none)
 }
 
+/// Puts a picture away that nothing reads for now; `reuse` gets its memory.
+fn stow(picture: &mut Option<ColorPlanes>, reuse: impl Fn(Plane)) -> Option<StowedColors> {
+    picture
+        .take()
+        .map(|picture| StowedColors::new(picture, reuse))
+}
+
+/// A picture of a frame that was put away.
+fn taken_out(stowed: StowedColors, frame: &Frame, memory: &Memory) -> ColorPlanes {
+    stowed.taken_out(|| memory.unwritten(&frame.mask))
+}
+
 /// Whether a frame has more than so many pixels.
 fn is_larger(frame: &Frame, pixels: usize) -> bool {
     frame.mask.width() * frame.mask.height() > pixels
@@ -336,6 +344,7 @@ mod tests {
     use crate::params::{InteriorParams, LineParams, Method, RelightParams};
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};
+    use half::f16;
 
     /// Bumps of 20 pixels with a hole, under varying light.
     fn bumps(width: usize, height: usize) -> Frame {
@@ -387,20 +396,33 @@ mod tests {
             ..Illumination::default()
         };
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let lit = Frame {
+            depth: Some(Plane::filled(90, 60, 3.0)),
+            ..bumps(90, 60)
+        };
+        // Half floats hold its picture and albedo, but for one channel.
+        let mut with_albedo = lit.clone();
+        let color = with_albedo.color.as_mut().unwrap();
+        for plane in [&mut color.r, &mut color.g] {
+            let samples = plane.samples_mut().iter_mut();
+            samples.for_each(|v| *v = f16::from_f32(*v).to_f32());
+        }
+        with_albedo.albedo = with_albedo.color.clone();
         // Scaling takes the trace that the gain was chosen from, warping the Hessian.
-        for (method, has_slopes) in [(Method::Scale, false), (Method::Warp, true)] {
-            let frame = Frame {
-                depth: Some(Plane::filled(90, 60, 3.0)),
-                ..bumps(90, 60)
-            };
+        let cases = [
+            (Method::Scale, &lit, false),
+            (Method::Warp, &lit, true),
+            (Method::Warp, &with_albedo, true),
+        ];
+        for (method, frame, has_slopes) in cases {
             let params = RelightParams {
                 method,
                 ..RelightParams::default()
             };
-            let (available, kinds) = (Available::in_frame(&frame), LightKinds::in_light(&light));
+            let (available, kinds) = (Available::in_frame(frame), LightKinds::in_light(&light));
             let plan = Plan::relight(available, shape, scaling, params, kinds).unwrap();
             let (runner, inputs) = (Runner::default(), Inputs::lit_by(&light));
-            let whole = runner.execute(&plan, &frame, inputs).unwrap();
+            let whole = runner.execute(&plan, frame, inputs).unwrap();
             assert!(whole.shape.gradient.is_some());
             for large in [usize::MAX, 0] {
                 let mut used = frame.clone();
@@ -410,6 +432,8 @@ mod tests {
                 assert_eq!(made.shape.gradient.is_some(), has_slopes, "{method:?}");
                 assert_eq!(used.depth.is_none(), large == 0);
                 assert_eq!(used.normal.z.samples().is_empty(), large == 0);
+                assert_eq!(used.color, frame.color);
+                assert_eq!(used.albedo.is_some(), frame.albedo.is_some() && large > 0);
             }
         }
     }

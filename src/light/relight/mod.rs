@@ -79,6 +79,7 @@ pub(crate) fn relight(run: &mut Run) {
     let shading = shading(plan, relighting, gain, eye.is_none());
     let scene = Scene {
         frame,
+        stowed: run.stowed,
         relighting,
         curvature: curvature(plan, &shape),
         grain: shape.direction.as_ref().filter(|_| relighting.grain),
@@ -232,15 +233,17 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
 fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
     let mask = scene.lit;
     let width = mask.width();
-    let color = scene.frame.color.as_ref();
-    let planes = color.map(|color| [&color.r, &color.g, &color.b]);
+    let planes = scene.frame.color.as_ref();
+    let planes = planes.map(|color| [&color.r, &color.g, &color.b]);
     for (k, rows) in rows.iter_mut().enumerate() {
         for (i, row) in rows.chunks_mut(width).enumerate() {
             let y = first + i;
             for gap in mask.gaps(y) {
-                match planes {
-                    Some(planes) => row[gap.clone()].copy_from_slice(&planes[k].row(y)[gap]),
-                    None => row[gap].fill(0.0),
+                let out = &mut row[gap.clone()];
+                match (planes, scene.stowed) {
+                    (Some(planes), _) => out.copy_from_slice(&planes[k].row(y)[gap]),
+                    (None, Some(stowed)) => stowed.copy(k, y, gap, out),
+                    (None, None) => out.fill(0.0),
                 }
             }
         }

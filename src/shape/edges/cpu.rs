@@ -45,12 +45,24 @@ pub(crate) fn edges_with_weights(
     with_weights: bool,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
+    edges_of_lengths(plan, frame, None, with_weights, memory)
+}
+
+/// The same, in the memory of the lengths of normals where they are given: `frame` no longer has them.
+pub(crate) fn edges_of_lengths(
+    plan: &Plan,
+    frame: &Frame,
+    lengths: Option<Plane>,
+    with_weights: bool,
+    memory: &Memory,
+) -> (Weights, Vector2Planes) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
+    let in_place = lengths.is_some();
     let mut edges = Weights {
         silhouette: with_weights.then(blank),
         crease: with_weights.then(blank),
-        conductance: blank(),
+        conductance: lengths.unwrap_or_else(blank),
     };
     let mut gradient = memory.vectors(&frame.mask);
     let sources = Sources::new(plan, frame);
@@ -68,6 +80,7 @@ pub(crate) fn edges_with_weights(
                 silhouette,
                 crease,
                 conductance,
+                has_lengths: in_place,
                 gradient: [x, y],
             };
             sources.fill(&mut band, scratch);
@@ -139,7 +152,9 @@ struct Band<'a> {
     top: usize,
     silhouette: Option<&'a mut [f32]>,
     crease: Option<&'a mut [f32]>,
+    /// The lengths of normals, if it has them.
     conductance: &'a mut [f32],
+    has_lengths: bool,
     gradient: [&'a mut [f32]; 2],
 }
 
@@ -224,19 +239,28 @@ impl<'a> Sources<'a> {
         let width = self.frame.mask.width();
         let rows = band.conductance.len() / width;
         let [gradient_x, gradient_y] = &mut band.gradient;
+        let mut lengths = vec![0.0; width];
         for row in 0..rows {
             let y = band.top + row;
             let of_row = row * width..(row + 1) * width;
+            let conductance = &mut band.conductance[of_row.clone()];
+            if band.has_lengths {
+                lengths.copy_from_slice(conductance);
+                self.blank_outside(conductance, y);
+            }
+            let of_frame = self.frame.normal_length.as_ref();
             let given = Given {
                 normals: NormalRows::around(&self.frame.normal, y),
-                lengths: self.frame.normal_length.as_ref().map(|plane| plane.row(y)),
+                lengths: match band.has_lengths {
+                    true => Some(&lengths),
+                    false => of_frame.map(|plane| plane.row(y)),
+                },
             };
             self.add_log_depth(y, row == 0, scratch);
             let slopes = [
                 &mut gradient_x[of_row.clone()],
                 &mut gradient_y[of_row.clone()],
             ];
-            let conductance = &mut band.conductance[of_row.clone()];
             self.fill_row(y, &given, conductance, slopes, scratch);
             for (plane, weights) in [
                 (&mut band.silhouette, &scratch.silhouette),
@@ -285,14 +309,19 @@ impl<'a> Sources<'a> {
                 lengths: band.has_lengths.then_some(&lengths),
             };
             self.add_log_depth(at, row == 0, scratch);
-            let span = self.frame.mask.span(at);
             for out in [&mut *conductance, &mut *x, &mut *y] {
-                out[..span.start].fill(0.0);
-                out[span.end..].fill(0.0);
+                self.blank_outside(out, at);
             }
             self.fill_row(at, &given, conductance, [x, y], scratch);
             std::mem::swap(&mut above, &mut here);
         }
+    }
+
+    /// Blanks row `y` of an output where there is no surface to its end.
+    fn blank_outside(&self, out: &mut [f32], y: usize) {
+        let span = self.frame.mask.span(y);
+        out[..span.start].fill(0.0);
+        out[span.end..].fill(0.0);
     }
 
     /// Fills the span of row `y` of the outputs, and of the scratch rows of both edge weights.
@@ -460,10 +489,15 @@ mod tests {
             let plan = plan.unwrap();
             let (expected, slopes) = edges_and_gradient(&plan, &frame, &memory);
             assert!(expected.conductance.samples().contains(&1.0));
+            frame.normal_length = None;
             let normal = frame.normal.clone();
-            let (found, found_slopes) = edges_in_place(&plan, &frame, normal, lengths, &memory);
-            assert_eq!(found.conductance, expected.conductance);
-            assert_eq!(found_slopes, slopes);
+            let in_normals = edges_in_place(&plan, &frame, normal, lengths.clone(), &memory);
+            let in_lengths = edges_of_lengths(&plan, &frame, lengths, true, &memory);
+            for (found, found_slopes) in [&in_normals, &in_lengths] {
+                assert_eq!(found.conductance, expected.conductance);
+                assert_eq!(found_slopes, &slopes);
+            }
+            assert_eq!(in_lengths.0.crease, expected.crease);
         }
     }
 }
