@@ -236,7 +236,8 @@ fn sequence<C: FrameCommand>(
     };
     let work = command.work();
     let in_memory = work.run.max_memory.bytes() / work.frame_bytes(&first.input).max(1);
-    Lanes::of(frames.len(), in_memory).each(|| run.make_frames());
+    let free_to_use_more = work.run.compute.threads.is_none();
+    Lanes::of(frames.len(), in_memory, free_to_use_more).each(|| run.make_frames());
     let failed = run.failed.load(Ordering::Relaxed);
     let tally = log.end(quiet);
     Ok(match stop::asked() {

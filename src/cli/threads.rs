@@ -76,17 +76,15 @@ pub(super) struct Lanes {
 
 impl Lanes {
     /// One lane for each pair of threads, at least two, as far as memory allows: the single-threaded parts of a frame,
-    /// such as reading and compressing, then overlap with the work of another. `in_memory` frames fit.
-    pub(super) fn of(frames: usize, in_memory: u64) -> Self {
+    /// such as reading and compressing, then overlap with the work of another. `in_memory` frames fit. `and_one_more`
+    /// works while others wait until their frames are on disk.
+    pub(super) fn of(frames: usize, in_memory: u64, and_one_more: bool) -> Self {
         let threads = rayon::current_num_threads();
-        let lanes = threads
-            .div_ceil(2)
-            .max(2)
-            .min(threads)
-            .min(frames)
-            .min(usize::try_from(in_memory).unwrap_or(usize::MAX))
-            .max(1);
-        let share = |lane: usize| threads / lanes + usize::from(lane < threads % lanes);
+        let fit = frames.min(usize::try_from(in_memory).unwrap_or(usize::MAX));
+        let paired = threads.div_ceil(2).max(2).min(threads);
+        let lanes = (paired + usize::from(and_one_more)).min(fit).max(1);
+        let sharing = lanes.min(paired);
+        let share = |lane: usize| threads / sharing + usize::from(lane < threads % sharing);
         Self {
             threads: (0..lanes).map(share).collect(),
         }
@@ -107,5 +105,27 @@ impl Lanes {
         if begun == 0 {
             lane();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_lane_more_has_as_many_threads_as_others_and_takes_none_from_them() {
+        let lanes = |threads, frames, in_memory, more| {
+            pool_of(threads).install(|| Lanes::of(frames, in_memory, more).threads)
+        };
+        assert_eq!(lanes(2, 9, 9, false), [1, 1]);
+        assert_eq!(lanes(2, 9, 9, true), [1, 1, 1]);
+        assert_eq!(lanes(5, 9, 9, false), [2, 2, 1]);
+        assert_eq!(lanes(5, 9, 9, true), [2, 2, 1, 1]);
+        // Threads of lanes that no frame or no memory is left for go to others.
+        assert_eq!(lanes(4, 1, 9, true), [4]);
+        assert_eq!(lanes(4, 9, 1, true), [4]);
+        assert_eq!(lanes(4, 2, 9, true), [2, 2]);
+        assert_eq!(lanes(1, 9, 9, true), [1, 1]);
+        assert_eq!(lanes(1, 9, 0, true), [1]);
     }
 }
