@@ -2,6 +2,7 @@
 
 use crate::frame::{DepthKind, Frame, Projection};
 use glam::{DVec2, DVec3};
+use std::ops::Range;
 
 /// The sight lines of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -193,6 +194,11 @@ impl PixelLines {
     #[inline]
     pub(crate) fn across(&self, x: usize) -> f64 {
         self.x[x]
+    }
+
+    /// The same of several columns.
+    pub(crate) fn across_in(&self, columns: Range<usize>) -> &[f64] {
+        &self.x[columns]
     }
 
     /// What distinguishes the sight lines of a row.

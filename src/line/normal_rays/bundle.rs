@@ -9,6 +9,7 @@ use glam::DVec3;
 pub(crate) const LANES: usize = 32;
 
 /// Pixels of one row, with those at whose rays each looks.
+#[cfg_attr(test, derive(Debug, PartialEq))]
 pub(crate) struct Bundle {
     pub(crate) here: Pixels,
     /// Left, right, below and above.
@@ -18,6 +19,7 @@ pub(crate) struct Bundle {
 }
 
 /// What pixels show.
+#[cfg_attr(test, derive(Debug, PartialEq))]
 pub(crate) struct Pixels {
     pub(crate) normal: [[f32; LANES]; 3],
     /// Where points are taken from depth.

@@ -10,6 +10,7 @@ use crate::line::normal_rays::LocalShape;
 use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::plan::Plan;
+use std::ops::Range;
 
 /// Unit directions in the picture where covered, 0 elsewhere.
 pub(crate) fn directions(
@@ -79,8 +80,10 @@ impl<'a> WalkedSurface<'a> {
         while !pixels.is_empty() {
             let mut without = Vec::new();
             for pixels in pixels.chunks(LANES) {
-                for (lane, &x) in pixels.iter().enumerate() {
-                    self.look_around(&mut bundle, lane, (x, y), step);
+                if !self.look_around_all(&mut bundle, pixels, y, step) {
+                    for (lane, &x) in pixels.iter().enumerate() {
+                        self.look_around(&mut bundle, lane, (x, y), step);
+                    }
                 }
                 self.simd
                     .larger_curvature_directions(&mut found, &bundle, &self.source);
@@ -95,6 +98,45 @@ impl<'a> WalkedSurface<'a> {
             pixels = without;
             step = (STEP_GROWTH * step).min(most);
         }
+    }
+
+    /// [`Self::look_around`] of all lanes at once, if these pixels fill them side by side and the surface continues so far
+    /// on all sides, as it mostly does; returns whether.
+    fn look_around_all(
+        &self,
+        bundle: &mut Bundle,
+        pixels: &[usize],
+        y: usize,
+        most_px: usize,
+    ) -> bool {
+        let &[x, .., last] = pixels else {
+            return false;
+        };
+        let end = x + LANES;
+        let (width, height) = (self.conductance.width(), self.conductance.height());
+        let has_room =
+            x >= most_px && end + most_px <= width && y >= most_px && y + most_px < height;
+        if last + 1 != end || !has_room {
+            return false;
+        }
+        let are_open = |y: usize, columns: Range<usize>| {
+            let row = &self.conductance.row(y)[columns];
+            row.iter().fold(true, |all, &open| all & (open > 0.0))
+        };
+        let rows = (y - most_px..=y + most_px).filter(|&row| row != y);
+        if !are_open(y, x - most_px..end + most_px)
+            || !rows.clone().all(|row| are_open(row, x..end))
+        {
+            return false;
+        }
+        let [at_left, at_right, at_below, at_above] = &mut bundle.beside;
+        self.take_all(&mut bundle.here, x, y);
+        self.take_all(at_left, x - most_px, y);
+        self.take_all(at_right, x + most_px, y);
+        self.take_all(at_below, x, y + most_px);
+        self.take_all(at_above, x, y - most_px);
+        bundle.steps_px = [[most_px as f32; LANES]; 2];
+        true
     }
 
     /// Takes a pixel and those beside it into a lane: equally far on both sides, at most `most_px`, as far as the surface
@@ -141,6 +183,25 @@ impl<'a> WalkedSurface<'a> {
         steps_y[lane] = step as f32;
     }
 
+    /// Takes pixels of a row, from column `x` on, into all lanes.
+    fn take_all(&self, pixels: &mut Pixels, x: usize, y: usize) {
+        let columns = x..x + LANES;
+        let normal = &self.frame.normal;
+        for (to, plane) in pixels
+            .normal
+            .iter_mut()
+            .zip([&normal.x, &normal.y, &normal.z])
+        {
+            to.copy_from_slice(&plane.row(y)[columns.clone()]);
+        }
+        if let Some(depth) = self.setting.depth {
+            pixels.depth.copy_from_slice(&depth.row(y)[columns.clone()]);
+        }
+        pixels.across.copy_from_slice(self.lines.across_in(columns));
+        pixels.up = [self.lines.up(y); LANES];
+        pixels.is_there = [1; LANES];
+    }
+
     #[inline]
     fn take(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
         let normal = &self.frame.normal;
@@ -152,5 +213,44 @@ impl<'a> WalkedSurface<'a> {
         if let Some(depth) = self.setting.depth {
             pixels.depth[lane] = depth.at(x, y);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal};
+    use crate::report::scenes::Scene;
+
+    /// Rows of a picture with a hole, at steps of 1 to 3: lanes side by side where all is open, and elsewhere not.
+    #[test]
+    fn all_lanes_at_once_are_those_one_by_one() {
+        let frame = Scene::barriers(90, 40).frame;
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling).unwrap();
+        let open = |x: usize, y: usize| f32::from(x > 2 && x.abs_diff(60) + y.abs_diff(30) > 4);
+        let conductance = Plane::from_fn(90, 40, open);
+        let surface = WalkedSurface::new(&plan, &frame, &conductance);
+        let mut taken = 0;
+        for (x, y, step) in (0..=90 - LANES)
+            .flat_map(|x| (0..40).flat_map(move |y| (1..4).map(move |step| (x, y, step))))
+        {
+            let pixels: Vec<_> = (x..x + LANES).collect();
+            let (mut all, mut each) = (Bundle::default(), Bundle::default());
+            if surface.look_around_all(&mut all, &pixels, y, step) {
+                for (lane, &x) in pixels.iter().enumerate() {
+                    surface.look_around(&mut each, lane, (x, y), step);
+                }
+                each.here.is_there = [1; LANES];
+                assert_eq!(all, each, "{x} {y} {step}");
+                taken += usize::from((y, step) == (10, 1));
+            }
+        }
+        // From column 4 on, where the one on the left is open, to 57, where the last one on the right is within.
+        assert_eq!(taken, 57 - 4 + 1);
+        let gap: Vec<_> = (10..9 + LANES).chain([70]).collect();
+        assert!(!surface.look_around_all(&mut Bundle::default(), &gap, 5, 1));
+        assert!(!surface.look_around_all(&mut Bundle::default(), &gap[..9], 5, 1));
     }
 }
