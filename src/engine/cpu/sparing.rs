@@ -88,21 +88,20 @@ impl Runner {
             .relighting
             .as_ref()
             .filter(|lit| is_large && !lit.traced);
-        // Until the shape is found nothing reads pictures, and relighting may read the albedo alone.
+        // Until the shape is found nothing reads pictures, and relighting may read the albedo alone. Slopes take the planes
+        // of the picture.
         let albedo = relights.and_then(|_| stow(&mut frame.albedo, drop));
         let color = relights.filter(|lit| !lit.albedo.is_of_picture());
         let color = color.and_then(|_| stow(&mut frame.color, |plane| memory.recycle([plane])));
         let later = SHAPE[1..].iter().chain(&PICTURE);
         let readers = later.filter(|stage| plan.has(stage) && stage.reads_normals);
         let readers: Vec<_> = readers.collect();
+        let are_read_last = is_large && readers.is_empty() && plan.has(SHAPE[0]);
+        let normals = are_read_last.then(|| take_normals(frame));
         let Begun {
             outcome,
             undiffused,
-        } = {
-            let read_last = is_large && readers.is_empty() && plan.has(SHAPE[0]);
-            let normals = read_last.then(|| take_normals(frame));
-            self.after_edges(plan, frame, normals, inputs, watch)?
-        };
+        } = self.after_edges(plan, frame, normals, inputs, watch)?;
         if is_large && !readers.iter().any(|stage| (stage.reads_depth)(plan)) {
             memory.recycle(frame.depth.take());
         }

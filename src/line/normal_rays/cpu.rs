@@ -123,10 +123,8 @@ impl<'a> WalkedSurface<'a> {
             let row = &self.conductance.row(y)[columns];
             row.iter().fold(true, |all, &open| all & (open > 0.0))
         };
-        let rows = (y - most_px..=y + most_px).filter(|&row| row != y);
-        if !are_open(y, x - most_px..end + most_px)
-            || !rows.clone().all(|row| are_open(row, x..end))
-        {
+        let mut rows = (y - most_px..=y + most_px).filter(|&row| row != y);
+        if !are_open(y, x - most_px..end + most_px) || !rows.all(|row| are_open(row, x..end)) {
             return false;
         }
         let [at_left, at_right, at_below, at_above] = &mut bundle.beside;
