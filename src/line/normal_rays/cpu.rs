@@ -116,7 +116,7 @@ impl<'a> WalkedSurface<'a> {
         let (width, height) = (self.conductance.width(), self.conductance.height());
         let has_room =
             x >= most_px && end + most_px <= width && y >= most_px && y + most_px < height;
-        if last + 1 != end || !has_room {
+        if pixels.len() < LANES || last + 1 != end || !has_room {
             return false;
         }
         let are_open = |y: usize, columns: Range<usize>| {
@@ -249,6 +249,7 @@ mod tests {
         assert_eq!(taken, 57 - 4 + 1);
         let gap: Vec<_> = (10..9 + LANES).chain([70]).collect();
         assert!(!surface.look_around_all(&mut Bundle::default(), &gap, 5, 1));
-        assert!(!surface.look_around_all(&mut Bundle::default(), &gap[..9], 5, 1));
+        let few = [10, 9 + LANES];
+        assert!(!surface.look_around_all(&mut Bundle::default(), &few, 5, 1));
     }
 }
