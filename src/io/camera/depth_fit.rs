@@ -28,6 +28,10 @@ const FLAT_ERROR: f64 = 0.003;
 const BEND_ERROR: f64 = 0.3;
 /// A fit is replaced by a later one whose loss is less than this share of its own.
 const CLEARLY_BETTER: f64 = 0.8;
+/// A rough fit is given up if its loss is more than this many times the least. That counts as no less than `ROUGH`: a
+/// lens a hundredth off loses up to 0.01, by which exact depth of a narrow view would choose among equals.
+const HOPELESS: f64 = 3.0;
+const ROUGH: f64 = 0.03;
 /// Facets under smooth normals bias the whole fit one way: the rotation by about this share of the mean residual, the
 /// lens by all of it. On the renders tried, the actual error of the lens was between a hundredth and three times this
 /// estimate, that of the rotation between a fiftieth and three times.
@@ -171,8 +175,8 @@ impl Fit {
         loss.is_finite().then_some(fit)
     }
 
-    /// The best fit over a range of the lens: a scan in even steps of the logarithm, then a golden
-    /// section, both on some of the patches.
+    /// A rough fit over a range of the lens: a scan in even steps of the logarithm, then a golden section, both on a few
+    /// of the patches.
     pub(super) fn scanned(
         kind: Kind,
         (low, high): (f64, f64),
@@ -195,7 +199,20 @@ impl Fit {
             .map(|log| (cost(log), log))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         let log = golden_section(best.1 - step, best.1 + step, cost);
-        Self::at(lens(log), &spread_out(patches, RANKED), ROUNDS)
+        Self::at(lens(log), &some, SCAN_ROUNDS)
+    }
+
+    /// Those of rough fits that may turn out to be the best, fitted to more of the patches.
+    pub(super) fn ranked(rough: &[Fit], patches: &[Patch]) -> Vec<Self> {
+        let some = spread_out(patches, RANKED);
+        let least = rough
+            .iter()
+            .map(|fit| fit.loss)
+            .fold(f64::INFINITY, f64::min);
+        let most = HOPELESS * least.max(ROUGH);
+        let likely = rough.iter().filter(|fit| fit.loss <= most);
+        let fitted = likely.filter_map(|fit| Self::at(fit.lens, &some, ROUNDS));
+        fitted.collect()
     }
 
     /// The first of these fits, unless another is clearly better, then polished.

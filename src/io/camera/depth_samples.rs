@@ -179,16 +179,44 @@ impl NormalsAndDepth<'_> {
         let rows = (reach..height.saturating_sub(reach)).step_by(stride);
         rows.flat_map(|y| {
             let columns = (reach..width.saturating_sub(reach)).step_by(stride);
-            columns.filter_map(move |x| self.patch(x, y, choice))
+            let likely = self.likely(columns, y, reach);
+            likely.filter_map(move |x| self.patch(x, y, choice))
         })
         .collect()
     }
 
+    /// Those columns where the middle pixel of every row of a patch around row `y` has samples.
+    ///
+    /// The rows lie far apart in memory. Looked at one after the other, they come much sooner than patch by patch, where
+    /// sums would wait for each of them.
+    fn likely(
+        &self,
+        columns: impl Iterator<Item = usize>,
+        y: usize,
+        reach: usize,
+    ) -> impl Iterator<Item = usize> {
+        let covered = columns.filter(|&x| self.mask.at(x, y));
+        let mut likely: Vec<(usize, bool)> = covered.map(|x| (x, true)).collect();
+        let n = self.normal;
+        for row in y - reach..y + reach + 1 {
+            let planes = [&n.x, &n.y, &n.z, self.depth].map(|plane| plane.row(row));
+            let mask = self.mask.row(row);
+            for samples in planes {
+                for (x, likely) in &mut likely {
+                    *likely &= samples[*x].is_finite();
+                }
+            }
+            for (x, likely) in &mut likely {
+                *likely &= mask[*x];
+            }
+        }
+        likely
+            .into_iter()
+            .filter_map(|(x, likely)| likely.then_some(x))
+    }
+
     /// The patch around a pixel; `None` unless it is one smooth surface.
     fn patch(&self, x: usize, y: usize, choice: Choice) -> Option<Patch> {
-        if !self.mask.at(x, y) {
-            return None;
-        }
         let reach = choice.reach;
         let sums = self.sums(x, y, reach, choice.shortest)?;
         let side = (2 * reach + 1) as f64;

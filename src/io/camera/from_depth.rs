@@ -209,6 +209,7 @@ fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
         .into_iter()
         .filter_map(|kind| Fit::scanned(kind, range(kind, patches, width)?, STEPS, patches))
         .collect();
+    let scanned = Fit::ranked(&scanned, patches);
     let facing = Fit::best(&scanned)?.facing(patches);
     let patches = if facing.len() >= FEWEST {
         facing
