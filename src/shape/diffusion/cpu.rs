@@ -30,9 +30,10 @@ pub(crate) fn diffusion(
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
     let threads = rayon::current_num_threads();
-    let size = even_tiles(options.tile, mask.width(), mask.height(), threads);
-    let tiling = Tiling::new(mask, size);
     let updates = updates(sweeps);
+    let pixels = [mask.width(), mask.height()];
+    let size = even_tiles(options.tile, pixels, threads, updates.len());
+    let tiling = Tiling::new(mask, size);
     let weights = match (&sweeps.readout, importance) {
         (Readout::Sums(sums), _) => Weights::Sums(sums),
         (_, Some(levels)) => Weights::ByLevel {
