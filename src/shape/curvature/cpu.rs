@@ -2,13 +2,15 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::{map_covered, map_rows};
-use crate::engine::cpu::simd::Simd;
+use crate::engine::cpu::simd::{Simd, widened};
+use crate::fast_math::select;
 use crate::frame::CurvaturePlanes;
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::shape::Rows;
 use crate::shape::curvature::{
     mapped_curvature as kappa, principal_curvatures, principal_direction,
 };
+use std::ops::Range;
 
 /// Trace of the Hessian.
 pub(crate) fn trace(
@@ -43,11 +45,8 @@ pub(crate) fn hessian(
 /// Trace of an existing Hessian.
 pub(crate) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
     let [trace] = map_covered(mask, memory, |y| {
-        let entries = entries(hessian, y);
-        move |x| {
-            let [xx, _, yy] = entries(x);
-            [xx + yy]
-        }
+        let [xx, _, yy] = rows(hessian, y);
+        move |x| [xx[x] + yy[x]]
     });
     trace
 }
@@ -58,37 +57,109 @@ pub(crate) fn curvatures(
     mask: &Mask,
     memory: &Memory,
 ) -> CurvaturePlanes {
-    let [u, v, mean] = map_covered(mask, memory, |y| {
-        let entries = entries(hessian, y);
-        move |x| {
-            let h = entries(x);
-            let [u, v] = principal_curvatures(h);
-            [u, v, 0.5 * (h[0] + h[2])]
-        }
+    let simd = Simd::widest();
+    let [u, v, mean] = map_rows(mask, memory, |y, out| {
+        simd.curvatures_row(out, rows(hessian, y), mask.row(y), mask.span(y));
     });
     CurvaturePlanes { u, v, mean }
 }
 
 /// Directions of the larger principal curvature by magnitude.
 pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
-    let [x, y] = map_covered(mask, memory, |y| {
-        let entries = entries(hessian, y);
-        move |x| principal_direction(entries(x))
+    let simd = Simd::widest();
+    let [x, y] = map_rows(mask, memory, |y, out| {
+        simd.directions_row(out, rows(hessian, y), mask.row(y), mask.span(y));
     });
     Vector2Planes { x, y }
 }
 
 /// Mapped curvature.
 pub(crate) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask, memory: &Memory) -> Plane {
-    let [mapped] = map_covered(mask, memory, |y| {
-        let trace = trace.row(y);
-        move |x| [kappa(trace[x], gain)]
+    let simd = Simd::widest();
+    let [mapped] = map_rows(mask, memory, |y, out| {
+        simd.mapped_row(out, [trace.row(y)], gain, mask.row(y), mask.span(y));
     });
     mapped
 }
 
-/// The entries [xx, xy, yy] of row `y` by column.
-fn entries(hessian: &SymmetricPlanes, y: usize) -> impl Fn(usize) -> [f32; 3] {
-    let rows = [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y));
-    move |x| rows.map(|row| row[x])
+/// Row `y` of the entries xx, xy, yy.
+fn rows(hessian: &SymmetricPlanes, y: usize) -> [&[f32]; 3] {
+    [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y))
+}
+
+#[inline(always)]
+fn curvatures_row(
+    out: [&mut [f32]; 3],
+    hessian: [&[f32]; 3],
+    covered: &[bool],
+    columns: Range<usize>,
+) {
+    map_row(out, hessian, covered, columns, |h| {
+        let [u, v] = principal_curvatures(h);
+        [u, v, 0.5 * (h[0] + h[2])]
+    });
+}
+
+#[inline(always)]
+fn directions_row(
+    out: [&mut [f32]; 2],
+    hessian: [&[f32]; 3],
+    covered: &[bool],
+    columns: Range<usize>,
+) {
+    map_row(out, hessian, covered, columns, principal_direction);
+}
+
+#[inline(always)]
+fn mapped_row(
+    out: [&mut [f32]; 1],
+    trace: [&[f32]; 1],
+    gain: f32,
+    covered: &[bool],
+    columns: Range<usize>,
+) {
+    map_row(out, trace, covered, columns, |[trace]| [kappa(trace, gain)]);
+}
+
+widened! {
+    fn curvatures_row(
+        out: [&mut [f32]; 3],
+        hessian: [&[f32]; 3],
+        covered: &[bool],
+        columns: Range<usize>,
+    );
+    fn directions_row(
+        out: [&mut [f32]; 2],
+        hessian: [&[f32]; 3],
+        covered: &[bool],
+        columns: Range<usize>,
+    );
+    fn mapped_row(
+        out: [&mut [f32]; 1],
+        trace: [&[f32]; 1],
+        gain: f32,
+        covered: &[bool],
+        columns: Range<usize>,
+    );
+}
+
+/// `of` the samples of the pixels of a row in `columns`; 0 where these are not covered.
+#[inline(always)]
+fn map_row<const N: usize, const M: usize>(
+    out: [&mut [f32]; N],
+    samples: [&[f32]; M],
+    covered: &[bool],
+    columns: Range<usize>,
+    of: impl Fn([f32; M]) -> [f32; N],
+) {
+    let count = columns.len();
+    let mut out = out.map(|row| &mut row[columns.clone()][..count]);
+    let samples = samples.map(|row| &row[columns.clone()][..count]);
+    let covered = &covered[columns][..count];
+    for i in 0..count {
+        let found = of(samples.map(|row| row[i]));
+        for (row, value) in out.iter_mut().zip(found) {
+            row[i] = select(covered[i], value, 0.0);
+        }
+    }
 }

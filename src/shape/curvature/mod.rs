@@ -6,7 +6,7 @@ pub(crate) mod cpu;
 pub(crate) mod gpu;
 pub(crate) mod stage;
 
-use crate::fast_math::tanh;
+use crate::fast_math::{select, tanh};
 
 /// Principal curvatures `k_u >= k_v` per pixel of a symmetric Hessian [xx, xy, yy]. Concave is
 /// positive, convex negative: [LW]'s sign.
@@ -31,9 +31,7 @@ fn spread(half_difference: f32, xy: f32) -> f64 {
 pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let (half_difference, mean) = (0.5 * (xx - yy), 0.5 * (xx + yy));
     let spread = spread(half_difference, xy);
-    if spread <= f64::from(UMBILIC * mean.abs()) || spread == 0.0 {
-        return [0.0, 0.0];
-    }
+    let has_none = (spread <= f64::from(UMBILIC * mean.abs())) | (spread == 0.0);
     // Half the angle of (half_difference, xy): cos^2 = (1 + cos 2a) / 2 gives the larger of sine and cosine, sin 2a the
     // other.
     let [cosine, sine] = [half_difference, xy].map(|v| f64::from(v) / spread);
@@ -44,7 +42,8 @@ pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
         false => [lesser.abs(), larger.copysign(sine)],
     }
     .map(|v| v as f32);
-    if mean >= 0.0 { [x, y] } else { [-y, x] }
+    let [x, y] = if mean >= 0.0 { [x, y] } else { [-y, x] };
+    [x, y].map(|v| select(has_none, 0.0, v))
 }
 
 /// Relative difference of the principal curvatures below which a point is umbilic: a few roundings
