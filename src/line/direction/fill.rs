@@ -146,9 +146,12 @@ impl Field<'_> {
         Vec2::new(x.samples()[i], y.samples()[i])
     }
 
-    fn set(&mut self, i: usize, direction: Vec2) {
-        self.directions.x.samples_mut()[i] = direction.x;
-        self.directions.y.samples_mut()[i] = direction.y;
+    fn set_all(&mut self, found: &[(Pixel, Vec2)]) {
+        let Vector2Planes { x, y } = &mut *self.directions;
+        let (x, y) = (x.samples_mut(), y.samples_mut());
+        for &(i, direction) in found {
+            [x[i as usize], y[i as usize]] = direction.to_array();
+        }
     }
 
     fn lacks(&self, i: usize) -> bool {
@@ -229,9 +232,7 @@ impl Field<'_> {
             if found.is_empty() {
                 break;
             }
-            for &(i, direction) in &found {
-                self.set(i as usize, direction);
-            }
+            self.set_all(&found);
             if waiting.is_none() {
                 let mut filled = found.iter().map(|&(i, _)| i).peekable();
                 wave.retain(|i| filled.next_if_eq(i).is_none());
@@ -266,12 +267,15 @@ impl Field<'_> {
         next
     }
 
-    fn fix(&mut self, pixels: &[Pixel], fixed: impl Fn(usize) -> Vec2) {
-        for i in pixels.iter().map(|&i| i as usize) {
-            if self.lacks(i) {
-                self.set(i, fixed(i));
-            }
-        }
+    /// Gives those of `pixels` that lack a direction the fixed one.
+    fn fix(&mut self, pixels: &[Pixel], fixed: impl Fn(usize) -> Vec2 + Sync) {
+        let found: Vec<(Pixel, Vec2)> = pixels
+            .par_iter()
+            .with_min_len(PIXELS_PER_TASK)
+            .filter(|&&i| self.lacks(i as usize))
+            .map(|&i| (i, fixed(i as usize)))
+            .collect();
+        self.set_all(&found);
     }
 }
 
