@@ -35,7 +35,7 @@ pub(super) fn compress(raw: &[u8], is_smooth: bool) -> Option<Vec<u8>> {
         let [differences, bytes] = buffers.each_mut().map(|buffer| sized(buffer, raw.len()));
         difference(raw, differences);
         let size = match is_smooth {
-            true => smooth::deflate(differences, bytes, zlib::deflate),
+            true => smooth::deflate(differences, bytes, &zlib::QUICKER, zlib::deflate),
             false => zlib::deflate(differences, bytes),
         };
         let size = size.filter(|&size| size < raw.len())?;

@@ -1,11 +1,12 @@
 //! zlib for samples computed here, which are smooth: by zlib-rs in less time than it takes to look for all repetitions,
 //! where a sample of a block shows that this makes it hardly larger.
 //!
-//! There are two such ways, to look for runs alone, and to take the first repetition and codes that are given; each half
-//! of a block goes the one that makes it smaller. 20 layers of shape of a render of 1920x1080 become 22.0 % at 440 MB/s
-//! of one core, where looking for all repetitions makes 22.2 % at 275 MB/s. libdeflate takes 265 to 300 MB/s for 22.1 to
-//! 22.3 %. As 32-bit floats those of seven renders become 1.05 to 1.07 times as large. Strokes repeat themselves: by
-//! runs they would be half as large again.
+//! There are three such ways, the quickest first: to look for runs alone, and to take the first repetition, with codes
+//! that are given or with codes of its own. The first that is enough is taken, with runs in its place for the half of a
+//! block that they make smaller. 20 layers of shape of a render of 1920x1080 become 22.0 % at 440 MB/s of one core, where
+//! looking for all repetitions makes 22.2 % at 275 MB/s. libdeflate takes 265 to 300 MB/s for 22.1 to 22.3 %. As 32-bit
+//! floats those of seven renders become 1.05 to 1.07 times as large. Strokes repeat themselves: by runs they would be half
+//! as large again.
 
 use std::cell::RefCell;
 use zlib_rs::adler32::adler32;
@@ -15,8 +16,9 @@ use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Status, Strategy};
 /// one core; with 2, 13.1 MB in 0.40 s; with 4, 12.1 MB in 0.64 s; with 6, 11.6 MB in 1.00 s. Level 4 of
 /// miniz_oxide, which the `exr` crate uses, makes 12.2 MB in 1.41 s. Runs take the same at any.
 pub(super) const LEVEL: i32 = 3;
-/// The effort that takes the first repetition found, and codes that are given.
+/// The efforts that take the first repetition found: with codes that are given, and with codes of its own.
 const LEAST_LEVEL: i32 = 1;
+const LITTLE_LEVEL: i32 = 2;
 /// The window, as a power of two; the largest possible.
 pub(super) const WINDOW_BITS: i32 = 15;
 /// Room for literals and matches that share a code; the most possible. Fewer codes take 7 % less time than with the
@@ -38,17 +40,24 @@ const HEADER: [u8; 2] = [0x78, 0x01];
 
 /// How a half of a block is compressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Way {
+pub(super) enum Way {
     /// By runs alone.
     Runs,
     /// By the first repetition found, and codes that are given.
     First,
+    /// By the first repetition found, and codes of its own.
+    #[cfg_attr(
+        feature = "libdeflate",
+        allow(dead_code, reason = "as quick by all means")
+    )]
+    Coded,
 }
 
 /// zlib's working state: costly to make, and reused by all blocks of a thread.
 struct Compressors {
     runs: Deflate,
     first: Deflate,
+    coded: Deflate,
     sample: Vec<u8>,
 }
 
@@ -84,13 +93,14 @@ fn begun(by: &mut Deflate, bytes: &[u8], into: &mut [u8]) -> Option<usize> {
     (by.total_in() == bytes.len() as u64 && size < into.len()).then_some(size)
 }
 
-/// Compresses smooth samples into `into`, as `by_all_means` compresses others.
+/// Compresses smooth samples into `into`: in one of the `quicker` ways, or as `by_all_means` compresses others.
 pub(super) fn deflate(
     bytes: &[u8],
     into: &mut [u8],
+    quicker: &[Way],
     by_all_means: impl Fn(&[u8], &mut [u8]) -> Option<usize>,
 ) -> Option<usize> {
-    COMPRESSORS.with_borrow_mut(|by| match by.ways(bytes, into, &by_all_means) {
+    COMPRESSORS.with_borrow_mut(|by| match by.ways(bytes, into, quicker, &by_all_means) {
         Some(ways) => by.deflate(bytes, into, ways),
         None => by_all_means(bytes, into),
     })
@@ -101,36 +111,42 @@ impl Compressors {
         Self {
             runs: deflate_by(LEVEL, Strategy::Rle, -WINDOW_BITS),
             first: deflate_by(LEAST_LEVEL, Strategy::Default, -WINDOW_BITS),
+            coded: deflate_by(LITTLE_LEVEL, Strategy::Default, -WINDOW_BITS),
             sample: Vec::new(),
         }
     }
 
-    /// The ways for the low bytes and for the high ones that make a sample hardly larger than `by_all_means`, if there are
-    /// any.
+    /// The ways for the low bytes and for the high ones, among the `quicker` ones, that make a sample hardly larger than
+    /// `by_all_means`, if there are any.
     fn ways(
         &mut self,
         bytes: &[u8],
         into: &mut [u8],
+        quicker: &[Way],
         by_all_means: impl Fn(&[u8], &mut [u8]) -> Option<usize>,
     ) -> Option<[Way; 2]> {
         if bytes.len() < LEAST_BLOCK {
             return None;
         }
         self.take_sample(bytes);
-        let halves = self.sample.split_at(self.sample.len() / 2);
-        let all = by_all_means(&self.sample, into).unwrap_or(self.sample.len());
+        let sample = std::mem::take(&mut self.sample);
+        let all = by_all_means(&sample, into).unwrap_or(sample.len());
         let most = (MOST * all as f64) as usize;
-        let runs = sizes(&mut self.runs, halves, into);
-        if runs.iter().sum::<usize>() <= most {
-            return Some([Way::Runs; 2]);
-        }
-        let first = sizes(&mut self.first, halves, into);
-        let shorter = [0, 1].map(|half| match runs[half] <= first[half] {
-            true => (runs[half], Way::Runs),
-            false => (first[half], Way::First),
+        let halves = sample.split_at(sample.len() / 2);
+        let mut by_runs = [usize::MAX; 2];
+        let found = quicker.iter().find_map(|&way| {
+            let by_way = sizes(self.by(way), halves, into);
+            if way == Way::Runs {
+                by_runs = by_way;
+            }
+            let [low, high] = [0, 1].map(|half| match by_runs[half] <= by_way[half] {
+                true => (by_runs[half], Way::Runs),
+                false => (by_way[half], way),
+            });
+            (low.0 + high.0 <= most).then_some([low.1, high.1])
         });
-        let [(low, _), (high, _)] = shorter;
-        (low + high <= most).then(|| shorter.map(|(_, way)| way))
+        self.sample = sample;
+        found
     }
 
     /// Takes as many bytes of either half.
@@ -171,6 +187,7 @@ impl Compressors {
         match way {
             Way::Runs => &mut self.runs,
             Way::First => &mut self.first,
+            Way::Coded => &mut self.coded,
         }
     }
 }
@@ -197,16 +214,21 @@ mod tests {
         (0..count).map(|_| next()).collect()
     }
 
-    /// Bytes to a way's liking: runs of 40, which are all that repeats, or a pattern without runs.
+    /// Bytes to a way's liking: runs of 40, which are all that repeats; a pattern without runs; or parts of it between
+    /// bytes of few values, which codes of their own make half as long.
     fn liked_by(way: Way, count: usize, seed: u32) -> Vec<u8> {
         let random = random(count, seed);
         let byte = |i: usize| match way {
             Way::Runs if (i / 40).is_multiple_of(2) => 9,
             Way::Runs => random[i],
             Way::First => random[i % 100],
+            Way::Coded if (i / 64).is_multiple_of(2) => random[i] % 16,
+            Way::Coded => random[i % 64],
         };
         (0..count).map(byte).collect()
     }
+
+    const ALL: [Way; 3] = [Way::Runs, Way::First, Way::Coded];
 
     /// All means of zlib-rs, in builds with libdeflate too.
     fn by_all_means(bytes: &[u8], into: &mut [u8]) -> Option<usize> {
@@ -216,17 +238,25 @@ mod tests {
 
     #[test]
     fn each_half_goes_its_way_and_comes_back() {
-        use Way::{First, Runs};
+        use Way::{Coded, First, Runs};
         let mut by = Compressors::new();
         // One sample, and one in each of two parts.
         for count in [LEAST_BLOCK / 2, 2 * PART + 6] {
-            for expected in [[Runs, Runs], [Runs, First], [First, Runs], [First, First]] {
+            for expected in [
+                [Runs, Runs],
+                [Runs, First],
+                [First, Runs],
+                [First, First],
+                [Runs, Coded],
+                [Coded, Runs],
+                [Coded, Coded],
+            ] {
                 let [low, high] = expected;
                 let bytes = [liked_by(low, count, 7), liked_by(high, count, 8)].concat();
                 let mut into = vec![0; bytes.len()];
-                let ways = by.ways(&bytes, &mut into, by_all_means);
+                let ways = by.ways(&bytes, &mut into, &ALL, by_all_means);
                 assert_eq!(ways, Some(expected), "{count}");
-                let size = deflate(&bytes, &mut into, by_all_means).unwrap();
+                let size = deflate(&bytes, &mut into, &ALL, by_all_means).unwrap();
                 let mut back = vec![0; bytes.len()];
                 inflate(&into[..size], &mut back).unwrap();
                 assert!(back == bytes, "{expected:?}");
@@ -237,16 +267,16 @@ mod tests {
                 }
             }
         }
-        // Repetitions that take a search: neither way will do.
+        // Words that begin alike: the first repetition found is seldom the longest, so no way will do.
         let random = random(LEAST_BLOCK, 7);
-        let words = (0..LEAST_BLOCK).map(|i| {
-            let word = usize::from(random[i / 8]) % 32;
-            random[8 * word + i % 8] % 128
+        let words = (0..LEAST_BLOCK).map(|i| match i % 16 {
+            place @ ..10 => random[place],
+            place => random[16 * (1 + usize::from(random[i / 16] % 4)) + place],
         });
         let words: Vec<u8> = words.collect();
         let mut into = vec![0; words.len()];
-        assert_eq!(by.ways(&words, &mut into, by_all_means), None);
+        assert_eq!(by.ways(&words, &mut into, &ALL, by_all_means), None);
         // Too small to try.
-        assert_eq!(by.ways(&words[2..], &mut into, by_all_means), None);
+        assert_eq!(by.ways(&words[2..], &mut into, &ALL, by_all_means), None);
     }
 }
