@@ -71,10 +71,10 @@ impl Tiling {
 
 /// Minimum number of rows when tiles are shrunk for more threads.
 const FEWEST_ROWS: usize = 64;
-/// Tiles for each thread, where that leaves this many rows for each sweep: a thread that waits for memory leaves tiles to
-/// others, while the rim takes less than a sixteenth of the time.
+/// Tiles for each of several threads, where that leaves this many rows for each sweep: a thread that waits for memory
+/// leaves tiles to others, while the rim takes less than a sixteenth of the time.
 const TILES_OF_THREAD: usize = 4;
-const ROWS_PER_SWEEP: usize = 16;
+const AMPLE_ROWS_PER_SWEEP: usize = 16;
 
 /// Tiles within `size` that give each of `threads` the same number, for a frame of `width` by `height` pixels: of the
 /// largest, several for each thread, unless this many sweeps would waste too much work on their rims.
@@ -85,8 +85,11 @@ pub(crate) fn even_tiles(
     sweeps: usize,
 ) -> TileSize {
     let across = width.div_ceil(size.width.get()).max(1);
-    let several = (TILES_OF_THREAD * threads).div_ceil(across);
-    let most = height / (ROWS_PER_SWEEP * sweeps).max(FEWEST_ROWS);
+    let several = match threads {
+        1 => 1,
+        _ => (TILES_OF_THREAD * threads).div_ceil(across),
+    };
+    let most = height / (AMPLE_ROWS_PER_SWEEP * sweeps).max(FEWEST_ROWS);
     let least = height.div_ceil(size.height.get()).max(1);
     let mut down = least.max(several.min(most));
     while !(across * down).is_multiple_of(threads) && height / (down + 1) >= FEWEST_ROWS {
@@ -159,6 +162,8 @@ mod tests {
         assert_eq!(even(60, 64), size(1920, 68));
         // With 16 rows for each of 8 sweeps or fewer, four bands for each of two threads.
         assert_eq!(even(2, 8), size(1920, 135));
+        // One thread leaves none to others.
+        assert_eq!(even(1, 8), size(1920, 540));
         // Four bands of 256 rows would have 16 for each of 16 sweeps.
         assert_eq!(even(2, 16), size(1920, 270));
         assert_eq!(even_tiles(size(2048, 640), [0, 0], 4, 8), size(1, 1));
