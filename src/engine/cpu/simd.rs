@@ -186,9 +186,17 @@ mod tests {
         simd.conductance_row(&mut conductance, &gx[0], &gy[0], &covered[0]);
         let [mut half_x, mut half_y] = [gx[0].clone(), gy[0].clone()];
         simd.halve_row(&mut half_x, &mut half_y);
+        let hessian = [&gx[0][..], &gy[0], &gx[1]];
+        let [u, v, mean] = &mut [(); 3].map(|()| blank());
+        simd.curvatures_row([u, v, mean], hessian, &covered[1], columns());
+        let [along, upward, mapped] = &mut [(); 3].map(|()| blank());
+        simd.directions_row([along, upward], hessian, &covered[1], columns());
+        simd.mapped_row([mapped], [&gx[0]], 3.0, &covered[1], columns());
 
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);
+        let of_curvature = [u, v, mean, along, upward, mapped];
+        results.extend(of_curvature.map(std::mem::take));
         let value = |row: usize, i| [gx[row][i], gy[row][i], gx[row + 1][i], 1.0];
         let chain: Vec<[Weighted; 2]> = (0..WIDTH).map(|i| [value(0, i), value(1, i)]).collect();
         let reach: Vec<f32> = gy[1].iter().map(|v| 0.5 + 9.0 * v).collect();

@@ -163,3 +163,48 @@ fn map_row<const N: usize, const M: usize>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_their_pixels_where_covered_and_0_elsewhere() {
+        let samples = [
+            0.3,
+            -0.2,
+            0.0,
+            f32::NAN,
+            f32::INFINITY,
+            1e-30,
+            7.0,
+            -0.5,
+            2.0,
+        ];
+        let entry = |shift: usize| (0..40).map(|x| samples[(x * x + shift) % 9]).collect();
+        let [xx, xy, yy]: [Vec<f32>; 3] = [0, 3, 7].map(entry);
+        let hessian = [&xx[..], &xy, &yy];
+        let covered: Vec<bool> = (0..40).map(|x| x % 5 != 2).collect();
+        let columns = 3..37;
+        let mut found = [(); 6].map(|()| vec![9.0; 40]);
+        let [u, v, mean, x, y, mapped] = &mut found;
+        let simd = Simd::widest();
+        simd.curvatures_row([u, v, mean], hessian, &covered, columns.clone());
+        simd.directions_row([x, y], hessian, &covered, columns.clone());
+        simd.mapped_row([mapped], [&xy], 2.0, &covered, columns.clone());
+        for i in 0..40 {
+            let h = [xx[i], xy[i], yy[i]];
+            let ([u, v], [x, y]) = (principal_curvatures(h), principal_direction(h));
+            let of_pixel = [u, v, 0.5 * (h[0] + h[2]), x, y, kappa(xy[i], 2.0)];
+            let expected = match (columns.contains(&i), covered[i]) {
+                (true, true) => of_pixel,
+                (true, false) => [0.0; 6],
+                (false, _) => [9.0; 6],
+            };
+            for (found, expected) in found.iter().zip(expected) {
+                let same = found[i] == expected || found[i].is_nan() && expected.is_nan();
+                assert!(same, "{i}: {} and {expected} of {h:?}", found[i]);
+            }
+        }
+    }
+}
