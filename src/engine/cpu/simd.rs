@@ -188,10 +188,10 @@ mod tests {
         simd.halve_row(&mut half_x, &mut half_y);
         let hessian = [&gx[0][..], &gy[0], &gx[1]];
         let [u, v, mean] = &mut [(); 3].map(|()| blank());
-        simd.curvatures_row([u, v, mean], hessian, &covered[1], columns());
+        simd.curvatures_row([u, v, mean], hessian, &covered[1][..WIDTH]);
         let [along, upward, mapped] = &mut [(); 3].map(|()| blank());
-        simd.directions_row([along, upward], hessian, &covered[1], columns());
-        simd.mapped_row([mapped], [&gx[0]], 3.0, &covered[1], columns());
+        simd.directions_row([along, upward], hessian, &covered[1][..WIDTH]);
+        simd.mapped_row([mapped], &gx[0], 3.0, &covered[1][..WIDTH]);
 
         let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
         results.extend([half_x, half_y]);

@@ -45,7 +45,7 @@ pub(crate) fn hessian(
 /// Trace of an existing Hessian.
 pub(crate) fn trace_of(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Plane {
     let [trace] = map_covered(mask, memory, |y| {
-        let [xx, _, yy] = rows(hessian, y);
+        let [xx, yy] = [&hessian.xx, &hessian.yy].map(|plane| plane.row(y));
         move |x| [xx[x] + yy[x]]
     });
     trace
@@ -59,7 +59,9 @@ pub(crate) fn curvatures(
 ) -> CurvaturePlanes {
     let simd = Simd::widest();
     let [u, v, mean] = map_rows(mask, memory, |y, out| {
-        simd.curvatures_row(out, rows(hessian, y), mask.row(y), mask.span(y));
+        let part = mask.span(y);
+        let entries = entries(hessian, y, &part);
+        simd.curvatures_row(cut(out, &part), entries, &mask.row(y)[part]);
     });
     CurvaturePlanes { u, v, mean }
 }
@@ -68,7 +70,9 @@ pub(crate) fn curvatures(
 pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
     let simd = Simd::widest();
     let [x, y] = map_rows(mask, memory, |y, out| {
-        simd.directions_row(out, rows(hessian, y), mask.row(y), mask.span(y));
+        let part = mask.span(y);
+        let entries = entries(hessian, y, &part);
+        simd.directions_row(cut(out, &part), entries, &mask.row(y)[part]);
     });
     Vector2Planes { x, y }
 }
@@ -77,85 +81,59 @@ pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory
 pub(crate) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask, memory: &Memory) -> Plane {
     let simd = Simd::widest();
     let [mapped] = map_rows(mask, memory, |y, out| {
-        simd.mapped_row(out, [trace.row(y)], gain, mask.row(y), mask.span(y));
+        let part = mask.span(y);
+        let trace = &trace.row(y)[part.clone()];
+        simd.mapped_row(cut(out, &part), trace, gain, &mask.row(y)[part]);
     });
     mapped
 }
 
-/// Row `y` of the entries xx, xy, yy.
-fn rows(hessian: &SymmetricPlanes, y: usize) -> [&[f32]; 3] {
-    [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y))
+/// The entries xx, xy, yy of part of row `y`.
+fn entries<'a>(hessian: &'a SymmetricPlanes, y: usize, part: &Range<usize>) -> [&'a [f32]; 3] {
+    let SymmetricPlanes { xx, xy, yy } = hessian;
+    [xx, xy, yy].map(|plane| &plane.row(y)[part.clone()])
+}
+
+/// That part of rows.
+fn cut<'a, const N: usize>(rows: [&'a mut [f32]; N], part: &Range<usize>) -> [&'a mut [f32]; N] {
+    rows.map(|row| &mut row[part.clone()])
 }
 
 #[inline(always)]
-fn curvatures_row(
-    out: [&mut [f32]; 3],
-    hessian: [&[f32]; 3],
-    covered: &[bool],
-    columns: Range<usize>,
-) {
-    map_row(out, hessian, covered, columns, |h| {
+fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]) {
+    map_row(out, hessian, covered, |h| {
         let [u, v] = principal_curvatures(h);
         [u, v, 0.5 * (h[0] + h[2])]
     });
 }
 
 #[inline(always)]
-fn directions_row(
-    out: [&mut [f32]; 2],
-    hessian: [&[f32]; 3],
-    covered: &[bool],
-    columns: Range<usize>,
-) {
-    map_row(out, hessian, covered, columns, principal_direction);
+fn directions_row(out: [&mut [f32]; 2], hessian: [&[f32]; 3], covered: &[bool]) {
+    map_row(out, hessian, covered, principal_direction);
 }
 
 #[inline(always)]
-fn mapped_row(
-    out: [&mut [f32]; 1],
-    trace: [&[f32]; 1],
-    gain: f32,
-    covered: &[bool],
-    columns: Range<usize>,
-) {
-    map_row(out, trace, covered, columns, |[trace]| [kappa(trace, gain)]);
+fn mapped_row(out: [&mut [f32]; 1], trace: &[f32], gain: f32, covered: &[bool]) {
+    map_row(out, [trace], covered, |[trace]| [kappa(trace, gain)]);
 }
 
 widened! {
-    fn curvatures_row(
-        out: [&mut [f32]; 3],
-        hessian: [&[f32]; 3],
-        covered: &[bool],
-        columns: Range<usize>,
-    );
-    fn directions_row(
-        out: [&mut [f32]; 2],
-        hessian: [&[f32]; 3],
-        covered: &[bool],
-        columns: Range<usize>,
-    );
-    fn mapped_row(
-        out: [&mut [f32]; 1],
-        trace: [&[f32]; 1],
-        gain: f32,
-        covered: &[bool],
-        columns: Range<usize>,
-    );
+    fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]);
+    fn directions_row(out: [&mut [f32]; 2], hessian: [&[f32]; 3], covered: &[bool]);
+    fn mapped_row(out: [&mut [f32]; 1], trace: &[f32], gain: f32, covered: &[bool]);
 }
 
-/// `of` the samples of the pixels of a row in `columns`; 0 where these are not covered.
+/// `of` the samples of each covered pixel of a row; 0 for the others.
 #[inline(always)]
 fn map_row<const N: usize, const M: usize>(
     out: [&mut [f32]; N],
     samples: [&[f32]; M],
     covered: &[bool],
-    columns: Range<usize>,
     of: impl Fn([f32; M]) -> [f32; N],
 ) {
-    let count = columns.len();
-    let mut out = out.map(|row| &mut row[columns.clone()][..count]);
-    let samples = samples.map(|row| &row[columns.clone()][..count]);
-    let covered = &covered[columns][..count];
+    let count = covered.len();
+    let mut out = out.map(|row| &mut row[..count]);
+    let samples = samples.map(|row| &row[..count]);
     for i in 0..count {
         let found = of(samples.map(|row| row[i]));
         for (row, value) in out.iter_mut().zip(found) {
@@ -185,22 +163,17 @@ mod tests {
         let [xx, xy, yy]: [Vec<f32>; 3] = [0, 3, 7].map(entry);
         let hessian = [&xx[..], &xy, &yy];
         let covered: Vec<bool> = (0..40).map(|x| x % 5 != 2).collect();
-        let columns = 3..37;
         let mut found = [(); 6].map(|()| vec![9.0; 40]);
         let [u, v, mean, x, y, mapped] = &mut found;
         let simd = Simd::widest();
-        simd.curvatures_row([u, v, mean], hessian, &covered, columns.clone());
-        simd.directions_row([x, y], hessian, &covered, columns.clone());
-        simd.mapped_row([mapped], [&xy], 2.0, &covered, columns.clone());
+        simd.curvatures_row([u, v, mean], hessian, &covered);
+        simd.directions_row([x, y], hessian, &covered);
+        simd.mapped_row([mapped], &xy, 2.0, &covered);
         for i in 0..40 {
             let h = [xx[i], xy[i], yy[i]];
             let ([u, v], [x, y]) = (principal_curvatures(h), principal_direction(h));
             let of_pixel = [u, v, 0.5 * (h[0] + h[2]), x, y, kappa(xy[i], 2.0)];
-            let expected = match (columns.contains(&i), covered[i]) {
-                (true, true) => of_pixel,
-                (true, false) => [0.0; 6],
-                (false, _) => [9.0; 6],
-            };
+            let expected = if covered[i] { of_pixel } else { [0.0; 6] };
             for (found, expected) in found.iter().zip(expected) {
                 let same = found[i] == expected || found[i].is_nan() && expected.is_nan();
                 assert!(same, "{i}: {} and {expected} of {h:?}", found[i]);

@@ -76,8 +76,8 @@ const FEWEST_ROWS: usize = 64;
 const TILES_OF_THREAD: usize = 4;
 const AMPLE_ROWS_PER_SWEEP: usize = 16;
 
-/// Tiles within `size` that give each of `threads` the same number, for a frame of `width` by `height` pixels: of the
-/// largest, several for each thread, unless this many sweeps would waste too much work on their rims.
+/// Tiles within `size` that give each of `threads` the same number, for a frame of `width` by `height` pixels: the
+/// largest, or where this many sweeps waste little work on their rims, smaller ones and several for each.
 pub(crate) fn even_tiles(
     size: TileSize,
     [width, height]: [usize; 2],
