@@ -129,6 +129,14 @@ pub(crate) fn varying(plane: Option<&Plane>) -> Option<Plane> {
     varies.then(|| plane.clone())
 }
 
+/// Coverage brought to 0..1; NaN covers nothing.
+pub(crate) fn shares(mut plane: Plane) -> Plane {
+    for sample in plane.samples_mut() {
+        *sample = if *sample > 0.0 { sample.min(1.0) } else { 0.0 };
+    }
+    plane
+}
+
 /// Replaces NaN by 0 and infinities by the largest half float. Returns the number of samples replaced.
 pub(crate) fn sanitise(plane: &mut Plane) -> usize {
     let mut replaced = 0;
@@ -160,6 +168,13 @@ mod tests {
             of_normals(&normal, None, None, None).row(0),
             [false, false, false, false, true, false]
         );
+    }
+
+    #[test]
+    fn coverage_is_a_share() {
+        let stored = vec![0.25, 1.0002, 1e10, f32::INFINITY, -0.1, -1e38, f32::NAN];
+        let read = shares(Plane::from_samples(7, 1, stored));
+        assert_eq!(read.row(0), [0.25, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     }
 
     #[test]

@@ -101,7 +101,7 @@ fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [us
     else {
         return;
     };
-    let own = alpha.at(x, y).clamp(0.0, 1.0);
+    let own = alpha.at(x, y);
     let share = 1.0 - own;
     for (to, from) in [
         (&mut color.r, &other.r),
@@ -111,5 +111,5 @@ fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [us
         to.row_mut(y)[x] += share * from.at(bx, by);
     }
     let beyond = behind.alpha.as_ref().map_or(1.0, |alpha| alpha.at(bx, by));
-    alpha.row_mut(y)[x] = own + share * beyond.clamp(0.0, 1.0);
+    alpha.row_mut(y)[x] = own + share * beyond;
 }

@@ -1,11 +1,11 @@
 //! The strength of the effect in each pixel.
 
 use super::Plane;
+use super::coverage::shares;
 
 /// Strength of the effect, 0..1: the share that the chosen objects cover times the mask; `None` without either. NaN
 /// changes nothing.
 pub(crate) fn strength_of(mask: Option<Plane>, objects: Option<Plane>) -> Option<Plane> {
-    let shares = |plane: Plane| plane.map(|share| if share > 0.0 { share.min(1.0) } else { 0.0 });
     match (mask.map(shares), objects.map(shares)) {
         (Some(mut mask), Some(objects)) => {
             let samples = mask.samples_mut().iter_mut().zip(objects.samples());

@@ -245,7 +245,7 @@ impl Planes {
             return (None, None);
         };
         let replaced = read.sanitise();
-        let alpha = read.alpha.take();
+        let alpha = read.take_coverage();
         if replaced > 0 {
             self.warnings.push(format!(
                 "{replaced} colour samples were not finite: NaN became 0, infinity 65504"

@@ -6,7 +6,7 @@ use super::photo::StoredPhoto;
 use super::points::Points;
 use super::roles::{Match, Role};
 use super::srgb;
-use crate::frame::coverage::sanitise;
+use crate::frame::coverage::{sanitise, shares};
 use crate::frame::halves;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use half::f16;
@@ -158,6 +158,11 @@ impl RolePlanes {
     pub(super) fn into_color_in(mut self, spare: &mut Vec<Plane>) -> ColorPlanes {
         self.expand(spare);
         ColorPlanes::of(self.planes)
+    }
+
+    /// Takes out the coverage of a picture, 0..1.
+    pub(super) fn take_coverage(&mut self) -> Option<Plane> {
+        self.alpha.take().map(shares)
     }
 
     /// Replaces non-finite samples; returns their number.

@@ -223,7 +223,7 @@ impl Layer<'_> {
                 Role::Normal => normal = Some(read.into_vector()),
                 _ => {
                     read.sanitise();
-                    alpha = read.alpha.take();
+                    alpha = read.take_coverage();
                     color = Some(read.into_color());
                 }
             }

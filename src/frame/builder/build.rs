@@ -1,7 +1,7 @@
 //! Decodes, transforms and sanitises the samples given to a builder.
 
 use super::FrameBuilder;
-use super::light::{colors, colors_of, finite};
+use super::light::{colors, colors_of};
 use super::samples::{Name, Samples, bad};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered, cover};
@@ -149,12 +149,12 @@ impl FrameBuilder<'_> {
     fn picture(&self) -> Result<(Option<ColorPlanes>, Option<Plane>)> {
         let own_alpha = self.scalar("alpha", &self.alpha)?;
         let Some(samples) = &self.color else {
-            return Ok((None, own_alpha.map(finite)));
+            return Ok((None, own_alpha.map(coverage::shares)));
         };
         samples.refuse_integers("color")?;
         let mut planes = samples.planes("color", self.size, &[1, 3, 4])?;
         let with_color = (planes.len() == 4).then(|| planes.remove(3));
-        let alpha = own_alpha.or(with_color).map(finite);
+        let alpha = own_alpha.or(with_color).map(coverage::shares);
         Ok((Some(colors_of(planes)), alpha))
     }
 
