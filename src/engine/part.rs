@@ -2,7 +2,7 @@
 
 use crate::engine::inputs::Inputs;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, SpecularScene, Vector2Planes, Vector3Planes, Window};
+use crate::frame::{Frame, SpecularScene, Vector2Planes, Window};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::plan::Plan;
 
@@ -33,24 +33,26 @@ impl Part {
             });
         }
         inputs.check(plan, frame)?;
-        let around = around(region, whole, plan.reach(), frame.wraps);
+        let plan = match frame.is_tile() {
+            true => plan.clone().of_tile(whole, frame.wraps),
+            false => plan.clone(),
+        };
+        let around = match plan.tile {
+            // Some stages take all of a tile: whatever the region, all of it is run.
+            Some(tile) => tile.grown(plan.reach()),
+            None => region.grown_within(plan.reach(), &whole),
+        };
         let motion = inputs.sequence.and_then(|sequence| sequence.motion);
         Ok(Self {
             frame: match frame.is_tile() {
                 true => frame.repeated(around),
                 false => frame.crop(around),
             },
-            plan: match frame.is_tile() {
-                true => plan.clone().of_tile(whole, frame.wraps),
-                false => plan.clone(),
-            },
+            plan,
             specular: inputs
                 .specular
                 .map(|scene| specular_in(scene, whole, around)),
-            motion: motion.map(|Vector2Planes { x, y }| Vector2Planes {
-                x: x.repeated(whole, around),
-                y: y.repeated(whole, around),
-            }),
+            motion: motion.map(|motion| motion.mapped(|plane| plane.repeated(whole, around))),
         })
     }
 
@@ -67,33 +69,12 @@ impl Part {
     }
 }
 
-/// The pixels within `reach` of a region: across a border of the frame only where it wraps.
-fn around(region: Window, whole: Window, reach: usize, wraps: [bool; 2]) -> Window {
-    let reach = i32::try_from(reach).unwrap_or(i32::MAX);
-    let bounds = |wraps: bool, from: i32, to: i32| match wraps {
-        true => (i32::MIN, i32::MAX),
-        false => (from, to),
-    };
-    let (x0, x1) = bounds(wraps[0], whole.x0, whole.x1);
-    let (y0, y1) = bounds(wraps[1], whole.y0, whole.y1);
-    Window {
-        x0: region.x0.saturating_sub(reach).max(x0),
-        y0: region.y0.saturating_sub(reach).max(y0),
-        x1: region.x1.saturating_add(reach).min(x1),
-        y1: region.y1.saturating_add(reach).min(y1),
-    }
-}
-
 /// A scene with the samples of a part of the frame, or of its repetition.
 fn specular_in(scene: &SpecularScene, whole: Window, part: Window) -> SpecularScene {
     let points = scene.hit_position.as_ref();
     SpecularScene {
         mask: scene.mask.as_ref().map(|mask| mask.repeated(whole, part)),
-        hit_position: points.map(|Vector3Planes { x, y, z }| Vector3Planes {
-            x: x.repeated(whole, part),
-            y: y.repeated(whole, part),
-            z: z.repeated(whole, part),
-        }),
+        hit_position: points.map(|points| points.mapped(|plane| plane.repeated(whole, part))),
         ..scene.clone()
     }
 }

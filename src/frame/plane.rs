@@ -295,11 +295,30 @@ pub struct Vector3Planes {
     pub z: Plane,
 }
 
+impl Vector2Planes {
+    /// The vectors of planes that `change` makes of these.
+    pub(crate) fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            x: change(&self.x),
+            y: change(&self.y),
+        }
+    }
+}
+
 impl Vector3Planes {
     /// The vectors of three planes, or of one plane used for all components.
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [x, y, z] = three(planes);
         Self { x, y, z }
+    }
+
+    /// The vectors of planes that `change` makes of these.
+    pub(crate) fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            x: change(&self.x),
+            y: change(&self.y),
+            z: change(&self.z),
+        }
     }
 
     /// The vector at column `x` of row `y`.

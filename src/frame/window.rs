@@ -84,6 +84,17 @@ impl Window {
         }
     }
 
+    /// The pixels of `whole` within `reach` of this window, which lies inside it.
+    pub(crate) fn grown_within(&self, reach: usize, whole: &Window) -> Window {
+        let reach = i32::try_from(reach).unwrap_or(i32::MAX);
+        Window {
+            x0: self.x0.saturating_sub(reach).max(whole.x0),
+            y0: self.y0.saturating_sub(reach).max(whole.y0),
+            x1: self.x1.saturating_add(reach).min(whole.x1),
+            y1: self.y1.saturating_add(reach).min(whole.y1),
+        }
+    }
+
     /// The smallest window that encloses both.
     pub(crate) fn joined(&self, other: &Window) -> Window {
         Window {

@@ -40,6 +40,22 @@ pub(crate) struct Tile {
     pub(crate) wraps: [bool; 2],
 }
 
+impl Tile {
+    /// The tile with so many pixels of its repetition on every side.
+    pub(crate) fn grown(&self, by: usize) -> Window {
+        let grown = self.window.grown(by);
+        let [x, y] = self
+            .wraps
+            .map(|wraps| if wraps { grown } else { self.window });
+        Window {
+            x0: x.x0,
+            y0: y.y0,
+            x1: x.x1,
+            y1: y.y1,
+        }
+    }
+}
+
 /// The stages of a run in order, the reason for each step kept or dropped, and the parameters of the run.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -115,6 +131,7 @@ impl Plan {
             tile: Some(Tile { window, wraps }),
             ..self
         }
+        .follow()
     }
 
     /// All steps in the order of execution, kept or dropped, with reasons.

@@ -275,7 +275,7 @@ impl Plan {
     }
 
     /// Follows dependencies from the first stage to the last: the reach of samples, and the keys of results.
-    fn follow(mut self) -> Self {
+    pub(super) fn follow(mut self) -> Self {
         let mut made: BTreeMap<Product, (usize, String)> = BTreeMap::new();
         self.reach = 0;
         for stage in running(&self) {

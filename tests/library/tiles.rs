@@ -117,6 +117,116 @@ fn a_tile_is_the_middle_of_its_repetition() {
     assert!((alone.at(0, 10) - wrapped.at(0, 10)).abs() > 0.01);
 }
 
+/// Slopes 0.1 cos(k x), k = TAU / 40 (-n_x: the default takes no foreshortening), are an eigenvector of diffusion with joined borders, of the eigenvalue
+/// 2 cos k - 2: after the time sigma^2 / 2 exp(-sigma^2 (1 - cos k)) of them is left, however far the scale reaches.
+#[test]
+fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
+    let [width, height] = SIZE;
+    let k = TAU / width as f64;
+    let slope = |x: usize| 0.1 * (k * x as f64).cos();
+    let normals: Vec<f32> = (0..width * height)
+        .flat_map(|i| {
+            let p = slope(i % width);
+            [-p as f32, 0.0, (1.0 - p * p).sqrt() as f32]
+        })
+        .collect();
+    let frame = Frame::builder(width, height)
+        .normals(Normals::view(&normals))
+        .build();
+    let frame = Frame {
+        wraps: [true; 2],
+        ..frame.unwrap()
+    };
+    for sigma in [2.0_f32, 8.0, 30.0, 300.0, 1000.0] {
+        let shape = ShapeParams {
+            scale: Scale::Sigma(sigma),
+            tolerance: 1e-6,
+            ..ShapeParams::default()
+        };
+        let request = Request::layers(shape, given());
+        let made = Engine::cpu().run(&request, &frame, &Run::new()).unwrap();
+        let gradient = made.shape.gradient.unwrap();
+        let left = (-f64::from(sigma * sigma) * (1.0 - k.cos())).exp();
+        for (x, y) in [(0, 0), (7, 27), (20, 13), (39, 1)] {
+            let apart = (f64::from(gradient.x.at(x, y)) - left * slope(x)).abs();
+            assert!(apart < 2e-6, "sigma {sigma} at {x}, {y}: {apart:e}");
+        }
+    }
+}
+
+/// A region of a tile has the samples of all of it.
+#[test]
+fn a_region_of_a_tile_is_cut_from_the_whole() {
+    let tile = tile([true; 2]);
+    let shape = ShapeParams {
+        scale: Scale::Sigma(3.0),
+        ..ShapeParams::default()
+    };
+    let request = Request::layers(shape, ScalingParams::default());
+    let whole = Engine::cpu().run(&request, &tile, &Run::new()).unwrap();
+    let region = Window::at(31, 5, 9, 12);
+    let part = Engine::cpu()
+        .run(&request, &tile, &Run::new().region(region))
+        .unwrap();
+    assert_eq!(part.gain, whole.gain);
+    let all = Window::from_size(SIZE[0], SIZE[1]);
+    for ((product, part), (_, whole)) in part.products().zip(whole.products()) {
+        for (part, whole) in part.iter().zip(whole) {
+            assert_eq!(**part, whole.crop(all, region), "{product:?}");
+        }
+    }
+}
+
+/// The sky is hidden by what lies around a tile, as far as the radius reaches: nine tiles laid out are a tile that sees
+/// the same, but for the tolerance of the height, which is 1e-4 of the slopes.
+#[test]
+fn the_sky_is_that_over_an_endless_surface() {
+    let sky = |frame: &Frame| {
+        let shape = ShapeParams {
+            occlusion_radius: 100.0,
+            ..ShapeParams::default()
+        };
+        let request = Request::layers(shape, given()).named(&[Product::Sky]);
+        let made = Engine::cpu().run(&request, frame, &Run::new());
+        made.unwrap().shape.sky.unwrap()
+    };
+    let waves = |width: usize, height: usize| {
+        let normals: Vec<f32> = (0..width * height)
+            .flat_map(|i| {
+                let [u, v] = [(i % width) as f64 / 40.0, (i / width) as f64 / 28.0];
+                let slope = [0.9 * (TAU * u).cos(), 0.6 * (TAU * v).sin()];
+                let n = glam::DVec3::new(-slope[0], slope[1], 1.0).normalize();
+                n.as_vec3().to_array()
+            })
+            .collect();
+        let frame = Frame::builder(width, height)
+            .normals(Normals::view(&normals))
+            .build();
+        Frame {
+            wraps: [true; 2],
+            ..frame.unwrap()
+        }
+    };
+    let [width, height] = SIZE;
+    let (one, nine) = (
+        sky(&waves(width, height)),
+        sky(&waves(3 * width, 3 * height)),
+    );
+    let mut least = 1.0_f32;
+    for y in 0..height {
+        for x in 0..width {
+            let there = nine.at(width + x, height + y);
+            assert!(
+                (one.at(x, y) - there).abs() < 1e-3,
+                "{x}, {y}: {} {there}",
+                one.at(x, y)
+            );
+            least = least.min(there);
+        }
+    }
+    assert!(least < 0.8, "{least}");
+}
+
 /// Where a tile is cut changes nothing but where its results begin, automatic choices included.
 #[test]
 fn a_rolled_tile_gives_rolled_results() {

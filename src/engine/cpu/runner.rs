@@ -169,7 +169,7 @@ mod tests {
     use crate::engine::watch::CancelToken;
     use crate::frame::{Mask, Plane};
     use crate::params::RunOptions;
-    use crate::shape::diffusion::cpu::diffusion;
+    use crate::shape::diffusion::cpu::{Medium, diffusion};
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -208,7 +208,8 @@ mod tests {
             };
             let memory = Memory::default().for_run(Some(token));
             let options = RunOptions::default();
-            let spread = diffusion(field, &ones, &mask, None, &sweeps, &options, &memory);
+            let medium = Medium::of_whole(&ones, &mask);
+            let spread = diffusion(field, medium, &sweeps, &options, &memory);
             spread[0].x.samples().iter().sum::<f32>()
         };
         let token = CancelToken::new();

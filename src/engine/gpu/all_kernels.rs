@@ -18,7 +18,7 @@ use crate::line::normal_rays::gpu::NORMAL_RAYS;
 use crate::shape::auto_levels::gpu::{COUNT, NARROW};
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
-use crate::shape::diffusion::gpu::{DIFFUSION, FACES, SWEEP};
+use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
@@ -28,8 +28,6 @@ pub(crate) static ALL: [&Kernel; 36] = [
     &EDGE_LISTS,
     &CRACKS,
     &DIFFUSION,
-    &FACES,
-    &SWEEP,
     &HESSIAN,
     &CURVATURES,
     &COUNT,

@@ -149,17 +149,6 @@ impl Device {
         lost.clone()
     }
 
-    /// The device presented as software, or as hardware.
-    #[cfg(test)]
-    pub(crate) fn taken_for(self, is_software: bool) -> Self {
-        let mut info = self.info;
-        info.device_type = match is_software {
-            true => wgpu::DeviceType::Cpu,
-            false => wgpu::DeviceType::Other,
-        };
-        Self { info, ..self }
-    }
-
     /// Loses the device, as after a driver reset.
     #[cfg(test)]
     pub(crate) fn lose(&self) {

@@ -243,6 +243,11 @@ impl Runner {
             Some(_) => plan.clone().without(Product::Direction).reach(),
             None => plan.reach(),
         };
+        if plan.tile.is_some() && most_rows < height as u64 {
+            return Err(Fault::Strips(self.device.error(format_args!(
+                "takes {most_rows} rows of this picture at a time, and a tile is diffused as a whole"
+            ))));
+        }
         let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
             return Err(Fault::Strips(self.device.error(format_args!(
                 "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"

@@ -4,7 +4,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes};
 use crate::line::grid::parts;
 use crate::params::RunOptions;
-use crate::shape::diffusion::cpu::diffusion;
+use crate::shape::diffusion::cpu::{Medium, diffusion};
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -141,15 +141,9 @@ impl Level {
         options: &RunOptions,
         memory: &Memory,
     ) -> Vec<Vector2Planes> {
-        diffusion(
-            Vector2Planes { x, y },
-            &self.conductance,
-            &self.frame.mask,
-            None,
-            sweeps,
-            options,
-            &memory.at_other_size(),
-        )
+        let medium = Medium::of_whole(&self.conductance, &self.frame.mask);
+        let memory = &memory.at_other_size();
+        diffusion(Vector2Planes { x, y }, medium, sweeps, options, memory)
     }
 
     fn units(&self, across: &Vector2Planes, z: &Plane) -> Plane<Vec3> {

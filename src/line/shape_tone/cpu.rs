@@ -12,7 +12,7 @@ use crate::line::grid::Grid;
 use crate::line::tone::ToneOf;
 use crate::params::{RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
-use crate::shape::diffusion::cpu::diffusion;
+use crate::shape::diffusion::cpu::{Medium, diffusion};
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use glam::Vec3;
 
@@ -357,15 +357,8 @@ impl Cells<'_> {
     fn spread(&self, field: Vector2Planes, conductance: &Plane, sigma: f32) -> Vector2Planes {
         let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
         let (mask, options) = (&self.grid.mask, self.options);
-        let mut spread = diffusion(
-            field,
-            conductance,
-            mask,
-            None,
-            &sweeps,
-            options,
-            self.memory,
-        );
+        let medium = Medium::of_whole(conductance, mask);
+        let mut spread = diffusion(field, medium, &sweeps, options, self.memory);
         spread.pop().expect("one scale is read out")
     }
 }

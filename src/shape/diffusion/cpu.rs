@@ -16,25 +16,48 @@ use rayon::prelude::*;
 const ROWS_PER_SWEEP: usize = 8;
 /// Sweeps of a pass over the lowest tiles: with fewer, planes would be read and written too often.
 const SHALLOW: usize = 32;
+/// The same for pictures with joined borders, which may be far smaller than a rim.
+const SHALLOW_IF_JOINED: usize = 4;
+
+/// What slopes spread through.
+#[derive(Clone, Copy)]
+pub(crate) struct Medium<'a> {
+    pub(crate) conductance: &'a Plane,
+    pub(crate) mask: &'a Mask,
+    pub(crate) importance: Option<&'a Levels>,
+    /// Whether left and right borders are joined, and upper and lower ones; nothing passes through the others.
+    pub(crate) wraps: [bool; 2],
+}
+
+impl<'a> Medium<'a> {
+    /// A medium equally important everywhere, which nothing leaves.
+    pub(crate) fn of_whole(conductance: &'a Plane, mask: &'a Mask) -> Self {
+        Self {
+            conductance,
+            mask,
+            importance: None,
+            wraps: [false; 2],
+        }
+    }
+}
 
 /// The gradient after all sweeps, at every scale read out.
 ///
 /// Sweeps are grouped into passes; a pass hands the last two terms of the recurrence and the sums so far to the next.
 pub(crate) fn diffusion(
     gradient: Vector2Planes,
-    conductance: &Plane,
-    mask: &Mask,
-    importance: Option<&Levels>,
+    medium: Medium,
     sweeps: &DiffusionSchedule,
     options: &RunOptions,
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
+    let Medium { mask, wraps, .. } = medium;
     let threads = rayon::current_num_threads();
     let updates = updates(sweeps);
     let pixels = [mask.width(), mask.height()];
     let size = even_tiles(options.tile, pixels, threads, updates.len());
     let tiling = Tiling::new(mask, size);
-    let weights = match (&sweeps.readout, importance) {
+    let weights = match (&sweeps.readout, medium.importance) {
         (Readout::Sums(sums), _) => Weights::Sums(sums),
         (_, Some(levels)) => Weights::ByLevel {
             levels: &levels.plane,
@@ -43,7 +66,12 @@ pub(crate) fn diffusion(
         },
         _ => Weights::None,
     };
+    let shortest = pixels.into_iter().zip(wraps).filter(|&(_, wraps)| wraps);
+    let shortest = shortest
+        .map(|(length, _)| length / (2 * ROWS_PER_SWEEP))
+        .min();
     let deepest = (size.height.get() / ROWS_PER_SWEEP).max(SHALLOW);
+    let deepest = shortest.map_or(deepest, |most| deepest.min(most.max(SHALLOW_IF_JOINED)));
     let passes = updates
         .len()
         .div_ceil(options.sweeps_per_pass.get().min(deepest));
@@ -65,8 +93,9 @@ pub(crate) fn diffusion(
             is_final: i + 1 == passes,
             last: &terms.last,
             earlier: terms.earlier.as_ref(),
-            conductance,
+            conductance: medium.conductance,
             mask,
+            wraps,
             simd: Simd::widest(),
             memory,
         };

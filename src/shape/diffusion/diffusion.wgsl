@@ -57,11 +57,29 @@ fn is_reached(local: vec2<u32>, holds_surface: bool) -> bool {
     return workgroupUniformLoad(&region[0]).x > 0.0;
 }
 
+// A coordinate within the tile from `start` on that the frame repeats, so that its borders are joined.
+fn within(at: i32, start: u32, length: u32, wraps: u32) -> i32 {
+    if wraps == 0u {
+        return at;
+    }
+    let period = i32(length);
+    let offset = (at - i32(start)) % period;
+    return i32(start) + select(offset, offset + period, offset < 0);
+}
+
+fn source(x: i32, y: i32) -> vec2<i32> {
+    return vec2<i32>(
+        within(x, params.tile_x, params.tile_width, params.wraps_x),
+        within(y, params.tile_y, params.tile_height, params.wraps_y),
+    );
+}
+
 fn conductance_at(x: i32, y: i32) -> f32 {
-    if !is_inside(x, y) {
+    let at = source(x, y);
+    if !is_inside(at.x, at.y) {
         return 0.0;
     }
-    return conductance[index_of(u32(x), u32(y))];
+    return conductance[index_of(u32(at.x), u32(at.y))];
 }
 
 // Passes a pixel's terms and sum to the next pass, as far as it needs them.
@@ -124,8 +142,9 @@ fn main(
         before[k] = vec2<f32>(0.0);
         sum[k] = vec2<f32>(0.0);
         level[k] = 0u;
-        if is_inside(x, y) {
-            let i = index_of(u32(x), u32(y));
+        let from = source(x, y);
+        if is_inside(from.x, from.y) {
+            let i = index_of(u32(from.x), u32(from.y));
             g = last[i];
             if IS_EXPANSION && params.first_term > 0u {
                 before[k] = earlier[i];

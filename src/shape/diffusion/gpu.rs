@@ -1,4 +1,4 @@
-//! Diffusion of the gradient: several sweeps at a time in workgroup memory, or one by one.
+//! Diffusion of the gradient: several sweeps at a time in workgroup memory.
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{
@@ -7,7 +7,7 @@ use crate::engine::gpu::constants::{
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::U32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::plan::Plan;
@@ -20,7 +20,7 @@ pub(crate) const FACE_CONDUCTANCE: Wgsl = wgsl!("../face_conductance.wgsl");
 const FLUX: Wgsl = wgsl!("flux.wgsl");
 
 uniforms! {
-    /// Uniforms of `diffusion.wgsl` and `sweep.wgsl`.
+    /// Uniforms of `diffusion.wgsl`.
     DiffusionParams {
         width: u32,
         height: u32,
@@ -34,13 +34,18 @@ uniforms! {
         level_count: u32,
         /// Length of an explicit step.
         time_step: f32,
+        /// The tile that the frame repeats: its first column and row, their numbers, and whether each of them repeats.
+        tile_x: u32,
+        tile_y: u32,
+        tile_width: u32,
+        tile_height: u32,
+        wraps_x: u32,
+        wraps_y: u32,
     }
 }
 
 bindings! {
     DiffusionBuffers { last, earlier, conductance, term_weights, levels, covered, next_last, next_earlier, sums }
-    FacesBuffers { conductance, faces }
-    SweepBuffers { last, faces, term_weights, levels, next, sums }
 }
 
 /// Several sweeps in the memory of a workgroup.
@@ -63,16 +68,6 @@ pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBu
         ),
     ],
 );
-
-/// The conductance of the faces between pixels.
-pub(crate) static FACES: Kernel = Kernel::new::<SizeParams, FacesBuffers>(
-    "Faces",
-    &[INDEX, FACE_CONDUCTANCE, wgsl!("faces.wgsl")],
-);
-
-/// A single sweep.
-pub(crate) static SWEEP: Kernel =
-    Kernel::new::<DiffusionParams, SweepBuffers>("Sweep", &[INDEX, FLUX, wgsl!("sweep.wgsl")]);
 
 /// Weights for summing the terms of a recurrence.
 enum TermWeights<'a> {
@@ -187,14 +182,16 @@ impl Run<'_> {
             time_step,
             count,
         };
-        match self.device.is_software() {
-            true => self.swept_one_by_one(&sweeping),
-            false => self.swept_in_tiles(&sweeping),
-        }
+        self.swept_in_regions(&sweeping)
     }
 
-    fn swept_in_tiles(&mut self, sweeping: &Sweeping) -> wgpu::Buffer {
+    fn swept_in_regions(&mut self, sweeping: &Sweeping) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
+        let whole = self.host.frame.data_window;
+        let (tile, wraps) = match self.plan.tile {
+            Some(tile) => (tile.window.relative_to(whole), tile.wraps),
+            None => (whole.relative_to(whole), [false; 2]),
+        };
         let bytes = 2 * self.surface.plane_bytes();
         let (is_expansion, is_summed) = (sweeping.is_expansion, sweeping.is_summed());
         let two = |wanted: bool| [(); 2].map(|()| self.take(if wanted { bytes } else { NOWHERE }));
@@ -212,6 +209,12 @@ impl Run<'_> {
                 is_final: u32::from(pass + 1 == passes),
                 level_count: sweeping.level_count,
                 time_step: sweeping.time_step,
+                tile_x: tile.x0 as u32,
+                tile_y: tile.y0 as u32,
+                tile_width: tile.width() as u32,
+                tile_height: tile.height() as u32,
+                wraps_x: wraps[0].into(),
+                wraps_y: wraps[1].into(),
             };
             // Output of one pass is input of the next.
             let (from, to) = ((pass + 1) % 2, pass % 2);
@@ -248,136 +251,5 @@ impl Run<'_> {
         self.buffers.recycle(other);
         self.buffers.recycle(earlier);
         result
-    }
-
-    fn swept_one_by_one(&mut self, sweeping: &Sweeping) -> wgpu::Buffer {
-        let [width, height] = self.surface.size;
-        let bytes = 2 * self.surface.plane_bytes();
-        let is_summed = sweeping.is_summed();
-        let faces = self.take(bytes);
-        self.recorder.over_pixels(
-            "diffusion",
-            (&FACES, &[]),
-            &SizeParams { width, height },
-            &FacesBuffers {
-                conductance: sweeping.conductance,
-                faces: &faces,
-            },
-            [width, height],
-        );
-        let terms = [(); 2].map(|()| self.take(bytes));
-        let sums = self.take(if is_summed { bytes } else { NOWHERE });
-        for sweep in 0..sweeping.count {
-            let params = DiffusionParams {
-                width,
-                height,
-                sweeps: 1,
-                first_term: sweep as u32,
-                is_final: u32::from(sweep + 1 == sweeping.count),
-                level_count: sweeping.level_count,
-                time_step: sweeping.time_step,
-            };
-            // Odd terms are added together with the one before.
-            let is_odd = sweep % 2 == 0;
-            let is_last = sweep + 1 == sweeping.count;
-            let switches = [
-                ("IS_EXPANSION", sweeping.is_expansion),
-                ("BY_LEVEL", sweeping.by_level),
-                ("ADDS_TWO", is_summed && is_odd),
-                ("ADDS_OWN", is_summed && !is_odd && is_last),
-            ];
-            let last = match sweep {
-                0 => sweeping.gradient,
-                _ => &terms[(sweep + 1) % 2],
-            };
-            let importance = self.surface.importance.as_ref();
-            let buffers = SweepBuffers {
-                last,
-                faces: &faces,
-                term_weights: &sweeping.term_weights,
-                levels: importance.map_or(&self.surface.covered, |i| &i.levels),
-                next: &terms[sweep % 2],
-                sums: &sums,
-            };
-            let kernel: (&Kernel, &[_]) = (&SWEEP, &switches);
-            self.recorder
-                .over_pixels("diffusion", kernel, &params, &buffers, [width, height]);
-            if sweep == 0 && sweeping.is_expansion {
-                // The term before the first is the initial gradient.
-                self.recorder.copy(sweeping.gradient, &terms[1]);
-            }
-        }
-        let [even, odd] = terms;
-        let (result, other) = match (is_summed, sweeping.count % 2 == 1) {
-            (true, _) => (sums, [even, odd]),
-            (false, true) => (even, [odd, sums]),
-            (false, false) => (odd, [even, sums]),
-        };
-        self.buffers.recycle(other);
-        self.buffers.recycle([faces]);
-        result
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::engine::gpu::device::{Choice, Device, to_test_on};
-    use crate::engine::gpu::runner::Runner;
-    use crate::engine::inputs::Inputs;
-    use crate::frame::{Frame, Mask, Plane};
-    use crate::params::{Scale, ShapeParams, Solver};
-    use crate::plan::{Goal, Plan};
-    use crate::product::Product;
-    use crate::report::scenes::Scene;
-    use crate::report::timing;
-
-    fn plan(frame: &Frame, solver: Solver, steps: u32) -> Plan {
-        let shape = ShapeParams {
-            solver,
-            scale: Scale::Iterations(steps),
-            ..ShapeParams::default()
-        };
-        timing::plan(Goal::Layers, frame, shape).unwrap()
-    }
-
-    /// On a surface so small that most groups hold none of it, in memory that still contains the results of a whole
-    /// frame.
-    #[test]
-    fn tiles_make_what_sweeps_one_by_one_do() {
-        let open = |is_software| {
-            let device = to_test_on(Device::open(Choice::Any))?;
-            Some(Runner::new(device.taken_for(is_software)))
-        };
-        let Some((one_by_one, in_tiles)) = open(true).zip(open(false)) else {
-            return;
-        };
-        let mut whole = Scene::waves(300, 140).frame;
-        for (solver, steps, by_level) in [
-            (Solver::Chebyshev, 40, false),
-            (Solver::Explicit, 9, false),
-            (Solver::Chebyshev, 40, true),
-            (Solver::Explicit, 9, true),
-        ] {
-            whole.importance = by_level.then(|| Plane::from_fn(300, 140, |x, _| x as f32 / 299.0));
-            let disc = |x: usize, y: usize| (x as f32 - 60.0).hypot(y as f32 - 50.0) < 30.0;
-            let small = Frame {
-                mask: Mask::new(Plane::from_fn(300, 140, disc)),
-                ..whole.clone()
-            };
-            let gradient = |runner: &Runner, frame: &Frame| {
-                let plan = plan(frame, solver, steps);
-                let found = runner.execute(&plan, frame, Inputs::default());
-                found.unwrap().shape.gradient.unwrap()
-            };
-            gradient(&in_tiles, &whole);
-            let found = gradient(&in_tiles, &small);
-            let expected = gradient(&one_by_one, &small);
-            for (found, expected) in [(&found.x, &expected.x), (&found.y, &expected.y)] {
-                let apart = Product::Gradient.difference(&[found], &[expected]);
-                assert!(apart <= Product::Gradient.tolerance(), "{apart:e}");
-                let mut samples = found.samples().iter().zip(small.mask.plane().samples());
-                assert!(samples.all(|(&g, &is_covered)| is_covered || g == 0.0));
-            }
-        }
     }
 }

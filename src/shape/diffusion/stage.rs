@@ -1,10 +1,13 @@
 //! Diffusion of the gradient ([LW] section 4.3): one gradient per scale.
 
 use crate::engine::cpu::run::Run;
+use crate::frame::{Vector2Planes, Window};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
+use crate::plan::planned::Tile;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
+use crate::shape::diffusion::cpu::Medium;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::{REACH, cpu};
 
@@ -13,7 +16,11 @@ pub(crate) static DIFFUSION: Stage = Stage {
     // Without sweeps the gradient is kept unchanged.
     also_runs: |plan| plan.wants(Product::Gradient),
     takes: |_| vec![Product::Gradient, Product::Conductance],
-    reach_px: |plan| plan.sweeps.count() * REACH,
+    // A tile is diffused as a whole, with its borders joined.
+    reach_px: |plan| match plan.tile {
+        Some(_) => 0,
+        None => plan.sweeps.count() * REACH,
+    },
     depends_on: |plan| format!("{:?}", plan.sweeps),
     reads_normals: false,
     name: "diffusion",
@@ -71,17 +78,19 @@ fn diffuse(run: &mut Run) {
             let conductance = run.outcome.shape.conductance.take();
             let conductance = conductance.expect("slopes spread by conductance");
             let diffused = run.timed("diffusion", || {
+                let importance = Levels::of(frame, &plan.sweeps);
+                let medium = Medium {
+                    importance: importance.as_ref(),
+                    ..Medium::of_whole(&conductance, &frame.mask)
+                };
                 let sweeps = &plan.sweeps;
-                let importance = Levels::of(frame, sweeps);
-                cpu::diffusion(
-                    undiffused,
-                    &conductance,
-                    &frame.mask,
-                    importance.as_ref(),
-                    sweeps,
-                    options,
-                    memory,
-                )
+                let Some(tile) = plan.tile else {
+                    return cpu::diffusion(undiffused, medium, sweeps, options, memory);
+                };
+                let memory = &memory.at_other_size();
+                in_tile(undiffused, medium, tile, frame.data_window, |g, medium| {
+                    cpu::diffusion(g, medium, sweeps, options, memory)
+                })
             });
             run.outcome.shape.conductance = Some(conductance);
             diffused
@@ -89,4 +98,31 @@ fn diffuse(run: &mut Run) {
     };
     run.more_gradients = gradients.split_off(1);
     run.outcome.shape.gradient = gradients.pop();
+}
+
+/// Diffusion in a frame, of the window `whole`, that repeats a tile: in the tile alone, with its borders joined.
+fn in_tile(
+    mut gradient: Vector2Planes,
+    medium: Medium,
+    tile: Tile,
+    whole: Window,
+    spread: impl FnOnce(Vector2Planes, Medium) -> Vec<Vector2Planes>,
+) -> Vec<Vector2Planes> {
+    let importance = medium.importance.map(|levels| Levels {
+        plane: levels.plane.crop(whole, tile.window),
+        weights: levels.weights.clone(),
+        ..*levels
+    });
+    for plane in [&mut gradient.x, &mut gradient.y] {
+        plane.crop_in_place(whole, tile.window);
+    }
+    let of_tile = Medium {
+        conductance: &medium.conductance.crop(whole, tile.window),
+        mask: &medium.mask.crop(whole, tile.window),
+        importance: importance.as_ref(),
+        wraps: tile.wraps,
+    };
+    let spread = spread(gradient, of_tile).into_iter();
+    let repeated = spread.map(|field| field.mapped(|plane| plane.repeated(tile.window, whole)));
+    repeated.collect()
 }

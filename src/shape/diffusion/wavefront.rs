@@ -35,6 +35,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) conductance: &'a Plane,
     /// Coverage: the terms are 0 outside.
     pub(crate) mask: &'a Mask,
+    /// Whether left and right borders are joined, and upper and lower ones.
+    pub(crate) wraps: [bool; 2],
     /// Vectors to compute with.
     pub(crate) simd: Simd,
     /// Whether the run has been cancelled.
@@ -130,6 +132,8 @@ pub(crate) struct Results<'a> {
 pub(crate) struct WavefrontTile<const N: usize> {
     /// Columns left of the tile, in whole chunks.
     pad: usize,
+    /// The columns of the picture that are read, and their position in the row.
+    columns: Vec<(Range<usize>, usize)>,
     /// Chunks of a row.
     stride: usize,
     /// Rows of a ring.
@@ -153,10 +157,20 @@ impl<const N: usize> WavefrontTile<N> {
         let sweeps = pass.updates.len();
         let height = pass.conductance.height();
         self.make_room(pass, tile.columns.len(), results.sums.len());
+        self.find_columns(pass, tile);
+        // Joined borders: rows continue above and below, numbered from as many whole pictures above as are reached.
+        let (above, bottom) = match pass.wraps[1] {
+            true => (height * sweeps.div_ceil(height), usize::MAX),
+            false => (0, height),
+        };
+        let tile = &Tile {
+            columns: tile.columns.clone(),
+            rows: tile.rows.start + above..tile.rows.end + above,
+        };
         // Rows that sweep `k` must produce so that later ones can produce the tile.
         let rows = |k: usize| {
             let rim = sweeps - k;
-            tile.rows.start.saturating_sub(rim)..(tile.rows.end + rim).min(height)
+            tile.rows.start.saturating_sub(rim)..(tile.rows.end + rim).min(bottom)
         };
         // The rows processed by sweep `k` while those from `front` on enter.
         let at_work = |front: usize, k: usize| {
@@ -171,9 +185,9 @@ impl<const N: usize> WavefrontTile<N> {
             for y in at_work(front, 0) {
                 self.enter(pass, tile, y, y == rows(0).start, results);
             }
-            if (front..front + TOGETHER).contains(&height) {
+            if (front..front + TOGETHER).contains(&bottom) {
                 // No flow through the lower border of the picture.
-                let below = self.row(height);
+                let below = self.row(bottom);
                 self.chunks[below].fill(Chunk::EMPTY);
             }
             for k in 1..=sweeps {
@@ -209,6 +223,27 @@ impl<const N: usize> WavefrontTile<N> {
         }
     }
 
+    /// Finds the columns of the picture read by the sweeps, across joined borders as often as they reach.
+    fn find_columns(&mut self, pass: &Pass, tile: &Tile) {
+        let (reach, width) = (pass.updates.len(), pass.conductance.width());
+        self.columns.clear();
+        if !pass.wraps[0] {
+            let columns =
+                tile.columns.start.saturating_sub(reach)..(tile.columns.end + reach).min(width);
+            let at = columns.start + self.pad - tile.columns.start;
+            self.columns.push((columns, at));
+            return;
+        }
+        let end = self.pad + tile.columns.len() + reach;
+        let mut at = self.pad - reach;
+        let mut x = (tile.columns.start + width * reach.div_ceil(width) - reach) % width;
+        while at < end {
+            let count = (width - x).min(end - at);
+            self.columns.push((x..x + count, at));
+            (x, at) = (0, at + count);
+        }
+    }
+
     /// Position of row `y` in a ring.
     fn row(&self, y: usize) -> Range<usize> {
         let start = y % self.in_flight * self.stride;
@@ -217,19 +252,17 @@ impl<const N: usize> WavefrontTile<N> {
 
     /// Loads row `y`: terms, conductances of its faces, and the sum so far.
     fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
-        // Columns of the picture read by the sweeps, and their position in the row.
-        let reach = pass.updates.len();
-        let picture = tile.columns.start.saturating_sub(reach)
-            ..(tile.columns.end + reach).min(pass.conductance.width());
-        let at = picture.start + self.pad - tile.columns.start;
-
+        let in_picture = y % pass.conductance.height();
         let [even, odd] = &mut self.open;
         let (open, open_above) = if y.is_multiple_of(2) {
             (even, odd)
         } else {
             (odd, even)
         };
-        open[at..at + picture.len()].copy_from_slice(&pass.conductance.row(y)[picture.clone()]);
+        let conductance = pass.conductance.row(in_picture);
+        for (columns, at) in &self.columns {
+            open[*at..][..columns.len()].copy_from_slice(&conductance[columns.clone()]);
+        }
         pass.simd
             .face_conductance_row(&mut self.left[1..], open, &open[1..]);
         if is_first {
@@ -251,8 +284,10 @@ impl<const N: usize> WavefrontTile<N> {
         for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
             let Some(term) = term else { continue };
             for (c, plane) in [&term.x, &term.y].into_iter().enumerate() {
-                let samples = &plane.row(y)[picture.clone()];
-                place(chunks, at, samples, |chunk| &mut chunk.terms[k][c]);
+                for (columns, at) in &self.columns {
+                    let samples = &plane.row(in_picture)[columns.clone()];
+                    place(chunks, *at, samples, |chunk| &mut chunk.terms[k][c]);
+                }
             }
         }
 
@@ -272,7 +307,7 @@ impl<const N: usize> WavefrontTile<N> {
         if let Weights::ByLevel { levels, .. } = pass.weights {
             let row = self.levels[row].as_flattened_mut();
             row[self.pad..][..tile.columns.len()]
-                .copy_from_slice(&levels.row(y)[tile.columns.clone()]);
+                .copy_from_slice(&levels.row(in_picture)[tile.columns.clone()]);
         }
     }
 
@@ -282,18 +317,24 @@ impl<const N: usize> WavefrontTile<N> {
         // Only where a row is covered: elsewhere all terms are 0.
         let span = at_work
             .clone()
-            .map(|y| pass.mask.span(y))
+            .map(|y| pass.mask.span(y % pass.mask.height()))
             .filter(|span| !span.is_empty())
             .reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
         let Some(span) = span else { return };
-        let first = span.start.max(tile.columns.start.saturating_sub(rim));
-        let last = span.end.min(tile.columns.end + rim);
-        if first >= last {
+        // Positions in the row.
+        let reached = self.pad - rim..self.pad + tile.columns.len() + rim;
+        let swept = match pass.wraps[0] {
+            true => reached,
+            false => {
+                let at = |x: usize| (x + self.pad).saturating_sub(tile.columns.start);
+                reached.start.max(at(span.start))..reached.end.min(at(span.end))
+            }
+        };
+        if swept.is_empty() {
             return;
         }
         // With a neighbour at both ends.
-        let chunks = (first + self.pad - tile.columns.start) / N - 1
-            ..(last + self.pad - tile.columns.start).div_ceil(N) + 1;
+        let chunks = swept.start / N - 1..swept.end.div_ceil(N) + 1;
         let added = pass.added_at(k);
         let weights = match (added, pass.weights) {
             (Some(added), Weights::Sums(all)) => added.of_sum(&all[0]),

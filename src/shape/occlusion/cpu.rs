@@ -1,8 +1,9 @@
 //! From a frame with its height to the sky it sees.
 
+use super::stage::radius_px;
 use super::{NOTHING, Sky, sky};
 use crate::engine::cpu::run::Run;
-use crate::frame::{Frame, Plane, Projection, SightLines};
+use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 
 /// The sky seen from each pixel.
 pub(super) fn find_sky(run: &mut Run) {
@@ -13,7 +14,21 @@ pub(super) fn find_sky(run: &mut Run) {
         let pixels = in_pixels(known, frame);
         let shape = &plan.shape;
         let (radius, slices) = (shape.occlusion_radius, shape.occlusion_slices);
-        sky(&pixels, &frame.normal, &frame.mask, radius, slices)
+        match plan.tile {
+            None => sky(&pixels, &frame.normal, &frame.mask, radius, slices),
+            Some(tile) => {
+                let (whole, around) = (frame.data_window, tile.grown(radius_px(plan)));
+                let repeated = |plane: &Plane| {
+                    let own = plane.crop(whole, tile.window);
+                    own.repeated(tile.window, around)
+                };
+                let covered = frame.mask.plane().crop(whole, tile.window);
+                let mask = Mask::new(covered.moved(tile.window, around, false));
+                let normal = frame.normal.mapped(repeated);
+                let found = sky(&repeated(&pixels), &normal, &mask, radius, slices);
+                found.mapped(|plane| plane.crop(around, tile.window).repeated(tile.window, whole))
+            }
+        }
     });
     let shape = &mut run.outcome.shape;
     (shape.height, shape.sky, shape.bent) = (height, Some(seen), Some(bent));

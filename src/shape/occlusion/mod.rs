@@ -108,6 +108,16 @@ pub(crate) struct Sky {
     pub(crate) bent: Vector3Planes,
 }
 
+impl Sky {
+    /// The same of planes that `change` makes of these.
+    fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            seen: change(&self.seen),
+            bent: self.bent.mapped(change),
+        }
+    }
+}
+
 /// The sky seen from each pixel of a surface with this height, in pixels, and these normals, within a radius in pixels.
 /// What is higher than a pixel hides the sky behind it; outside the mask and the picture is nothing.
 pub(crate) fn sky(

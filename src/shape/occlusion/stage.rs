@@ -20,7 +20,11 @@ pub(crate) static OCCLUSION: Stage = Stage {
         },
     }],
     takes: |_| vec![Product::Height],
-    reach_px: |plan| plan.shape.occlusion_radius.ceil() as usize,
+    reach_px: |plan| match plan.tile {
+        // What lies around a tile is known from the tile.
+        Some(_) => 0,
+        None => radius_px(plan),
+    },
     depends_on: |plan| {
         format!(
             "{} {}",
@@ -32,6 +36,11 @@ pub(crate) static OCCLUSION: Stage = Stage {
     gpu_lacks: |_| Some("occlusion"),
     ..Stage::DEFAULT
 };
+
+/// How far whole pixels may hide the sky.
+pub(super) fn radius_px(plan: &Plan) -> usize {
+    plan.shape.occlusion_radius.ceil() as usize
+}
 
 fn is_wanted(plan: &Plan) -> bool {
     plan.wants(Product::Sky) || plan.wants(Product::BentNormal)

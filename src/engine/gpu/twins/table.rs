@@ -54,7 +54,7 @@ use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature::{
     mapped_curvature, mapped_curvature_toward, principal_curvatures, principal_direction,
 };
-use crate::shape::diffusion::gpu::{FACES, SWEEP};
+use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::diffusion::{Update, flux, through};
 use crate::shape::edges::gpu::EDGES;
 use crate::shape::gradient::{depth_gradient, facing};

@@ -181,13 +181,13 @@ fn gradient() -> Vec<Twin> {
         twin!(
             face_conductance,
             face_conductance,
-            FACES,
+            DIFFUSION,
             |a: f32, b: f32| face_conductance(a, b)
         ),
         twin!(
             flux,
             flux,
-            SWEEP,
+            DIFFUSION,
             |g: [f32; 2], sides: [[f32; 2]; 4], joined: [f32; 4]| {
                 [0, 1].map(|k| {
                     let side = |i: usize| through(joined[i], sides[i][k], g[k]);
@@ -198,7 +198,7 @@ fn gradient() -> Vec<Twin> {
         twin!(
             updated,
             Update::updated,
-            SWEEP,
+            DIFFUSION,
             |g: [f32; 2],
              lg: [f32; 2],
              earlier: [f32; 2],
