@@ -170,6 +170,72 @@ impl Drawing {
         let lines = self.contours.iter().chain(&self.interior);
         std::iter::once(&self.hatching).chain(lines).collect()
     }
+
+    /// Crops the target coverage, which is no product, and lines and dots from the window `from` to the window `to`.
+    fn crop(&mut self, from: Window, to: Window) {
+        if let Some(asked) = &mut self.asked {
+            asked.crop_in_place(from, to);
+        }
+        let corner = Vec2::new((to.x0 - from.x0) as f32, (to.y0 - from.y0) as f32);
+        let page = Page {
+            first: corner,
+            last: corner + Vec2::new(to.width() as f32, to.height() as f32),
+        };
+        let strokes = self.lines.iter().flat_map(|line| {
+            let parts = page.parts_of(&line.points, &line.widths);
+            parts.map(|(points, widths)| Streamline {
+                points,
+                widths,
+                ..*line
+            })
+        });
+        self.lines = strokes.collect();
+        for lines in [&mut self.contour_lines, &mut self.interior_lines] {
+            let contours = lines.iter().flat_map(|line| {
+                let parts = page.parts_of(&line.points, &line.widths);
+                parts.map(|(points, widths)| Contour {
+                    points,
+                    widths,
+                    ..*line
+                })
+            });
+            *lines = contours.collect();
+        }
+        self.dots.retain(|dot| page.distance(dot.at) < dot.radius);
+        self.dots.iter_mut().for_each(|dot| dot.at -= corner);
+    }
+}
+
+/// The part of a drawing that is kept, by two corners.
+#[derive(Clone, Copy)]
+struct Page {
+    first: Vec2,
+    last: Vec2,
+}
+
+impl Page {
+    fn distance(self, at: Vec2) -> f32 {
+        at.distance(at.clamp(self.first, self.last))
+    }
+
+    /// The parts of a line that are on the page, counted from its corner: points and widths, each with the next point
+    /// beyond the border at either end.
+    fn parts_of<'a>(
+        self,
+        points: &'a [Vec2],
+        widths: &'a [f32],
+    ) -> impl Iterator<Item = (Vec<Vec2>, Vec<f32>)> + use<'a> {
+        let is_on = move |at: &Vec2| self.distance(*at) == 0.0;
+        let mut next = 0;
+        let runs = points.chunk_by(move |a, b| is_on(a) == is_on(b));
+        runs.filter_map(move |run| {
+            let start = next;
+            next += run.len();
+            let part = start.saturating_sub(1)..(next + 1).min(points.len());
+            let moved = points[part.clone()].iter().map(|&point| point - self.first);
+            is_on(&run[0]).then(|| (moved.collect(), widths[part].to_vec()))
+        })
+    }
 }
 
 /// The result of a run.
@@ -394,17 +460,9 @@ impl Outcome {
     /// Crops results of the window `from` to the window `to`.
     pub(crate) fn crop(&mut self, from: Window, to: Window) {
         self.for_each_plane(|plane| plane.crop_in_place(from, to));
-        let Some(drawing) = &mut self.drawing else {
-            return;
-        };
-        let corner = Vec2::new((to.x0 - from.x0) as f32, (to.y0 - from.y0) as f32);
-        let strokes = drawing.lines.iter_mut().map(|line| &mut line.points);
-        let contours = drawing.contour_lines.iter_mut();
-        let contours = contours.chain(&mut drawing.interior_lines);
-        let contours = contours.map(|line| &mut line.points);
-        let dots = drawing.dots.iter_mut().map(|dot| &mut dot.at);
-        let points = strokes.chain(contours).flatten().chain(dots);
-        points.for_each(|point| *point -= corner);
+        if let Some(drawing) = &mut self.drawing {
+            drawing.crop(from, to);
+        }
     }
 
     /// The picture, if one was computed: `None` if the frame's own is unchanged.
@@ -442,5 +500,31 @@ impl ScaleShape {
     pub fn channels(&self) -> impl Iterator<Item = (String, &Plane)> {
         Product::all()
             .flat_map(|product| product.channels_at(self.sigma_px).zip(self.planes(product)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line across a page of 3 by 3 pixels at (1, 1) enters it at x = 1 and leaves it at x = 4; the one after that
+    /// comes back on its lower border.
+    #[test]
+    fn lines_of_a_cropped_drawing_end_a_point_beyond_its_page() {
+        let across = (0..7).map(|x| Vec2::new(x as f32, 2.0));
+        let back = (2..7).rev().map(|x| Vec2::new(x as f32, 4.0));
+        let points: Vec<Vec2> = across.chain(back).collect();
+        let widths: Vec<f32> = (0..points.len()).map(|i| i as f32).collect();
+        let page = Page {
+            first: Vec2::splat(1.0),
+            last: Vec2::splat(4.0),
+        };
+        let parts: Vec<_> = page.parts_of(&points, &widths).collect();
+        let at = |x: f32, y: f32| Vec2::new(x, y);
+        let first = (-1..=4).map(|x| at(x as f32, 1.0)).collect::<Vec<_>>();
+        let second = vec![at(4.0, 3.0), at(3.0, 3.0), at(2.0, 3.0), at(1.0, 3.0)];
+        assert_eq!(parts.len(), 2);
+        assert_eq!(parts[0], (first, (0..6).map(|i| i as f32).collect()));
+        assert_eq!(parts[1], (second, vec![8.0, 9.0, 10.0, 11.0]));
     }
 }

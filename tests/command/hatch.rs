@@ -1,7 +1,9 @@
 //! `relievo hatch` as a user runs it.
 
-use crate::common::exr::channel;
-use crate::common::program::{Ran, fixture, run};
+use crate::common::exr::{Part, channel};
+use crate::common::program::{Ran, fixture, relievo, run};
+use glam::DVec3;
+use relievo::frame::{Plane, Vector3Planes};
 use relievo::io::photo::Photo;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -215,6 +217,95 @@ fn a_folder_of_pictures_draws_and_one_without_is_refused() {
         .unwrap();
     let refused = hatch(desk.path(), "bust.exr", "--style dots -o a.png");
     assert!(refused.error(1).contains("odd.png"));
+}
+
+/// A frame of 40 by 32 pixels, a dome on a floor, whose coverage is `alpha`.
+fn dome(path: &Path, alpha: impl Fn(usize, usize) -> f32) {
+    let (width, height) = (40, 32);
+    let normal = Vector3Planes::from_fn(width, height, |x, y| {
+        let [right, up] = [x as f64 - 19.5, 15.5 - y as f64].map(|v| v / 12.0);
+        let toward = 1.0 - right * right - up * up;
+        match toward > 0.0 {
+            true => DVec3::new(right, up, toward.sqrt()),
+            false => DVec3::Z,
+        }
+    });
+    let grey = Plane::from_fn(width, height, |x, _| 0.2 + 0.01 * x as f32);
+    let alpha = Plane::from_fn(width, height, alpha);
+    let of_normal = [("N.X", &normal.x), ("N.Y", &normal.y), ("N.Z", &normal.z)];
+    let of_picture = [("R", &grey), ("G", &grey), ("B", &grey), ("A", &alpha)];
+    Part::of(of_normal.into_iter().chain(of_picture)).write(path);
+}
+
+/// What a drawing is written as has the size of its frame: in every style, across every border, of a part or all.
+#[test]
+fn drawings_of_tiles_have_the_size_of_their_frame() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    dome(&here.join("in.exr"), |x, _| if x < 3 { 0.0 } else { 1.0 });
+    let mask = Plane::from_fn(40, 32, |x, _| x as f32 / 39.0);
+    Part::of([("mask.Y", &mask)]).write(&here.join("mask.exr"));
+    let styles = ["pen", "pencil", "lines", "engraving", "stipple"];
+    for (style, wrap) in styles
+        .iter()
+        .flat_map(|style| ["x", "y", "xy", "auto"].map(|wrap| (style, wrap)))
+    {
+        for more in [
+            "",
+            " --mask mask.exr",
+            " --enlarge 2 --layers results",
+            " --contours off --interior off",
+        ] {
+            let times = if more.contains("enlarge") { 2 } else { 1 };
+            let words = format!("hatch in.exr --style {style} --wrap {wrap}{more} -q");
+            relievo(here, &format!("{words} -o out.exr")).done();
+            let strokes = channel(&here.join("out.exr"), "strokes.hatching");
+            assert_eq!(
+                (strokes.width(), strokes.height()),
+                (40 * times, 32 * times),
+                "{words}"
+            );
+            relievo(here, &format!("{words} -o out.png")).done();
+            let picture = Photo::read(&here.join("out.png")).unwrap();
+            assert_eq!(
+                (picture.width, picture.height),
+                (40 * times, 32 * times),
+                "{words}"
+            );
+            assert!((0.02..1.0).contains(&light(&picture)), "{words}");
+            if *style == "pencil" || more.contains("mask") {
+                continue;
+            }
+            relievo(here, &format!("{words} -o out.svg")).done();
+            let page = std::fs::read_to_string(here.join("out.svg")).unwrap();
+            assert!(page.contains(&format!("viewBox=\"0 0 {} {}\"", 40 * times, 32 * times)));
+        }
+    }
+}
+
+/// Coverage is read as a share: beyond 0 and 1 it draws what 0 and 1 draw.
+#[test]
+fn coverage_beyond_its_range_is_brought_into_it() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let wild = [1e10, f32::NEG_INFINITY, 1e38, f32::NAN, 0.5, -1e30, 65504.0];
+    let stored = |x: usize, y: usize| match (x * y) % 5 {
+        0 => wild[(x + 3 * y) % 7],
+        _ => f32::from(u8::from(x > 5)),
+    };
+    dome(&here.join("wild.exr"), stored);
+    dome(&here.join("sane.exr"), |x, y| {
+        let share = stored(x, y);
+        if share > 0.0 { share.min(1.0) } else { 0.0 }
+    });
+    for style in ["pen", "lines", "engraving", "stipple"] {
+        let [wild, sane] = ["wild", "sane"].map(|name| {
+            let words = format!("hatch {name}.exr --style {style} -o drawing.png -q");
+            relievo(here, &words).done();
+            Photo::read(&here.join("drawing.png")).unwrap().channels
+        });
+        assert!(wild == sane, "{style}");
+    }
 }
 
 #[test]
