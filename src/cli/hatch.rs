@@ -194,7 +194,7 @@ impl HatchArgs {
     }
 
     fn load(&self, kit: &HatchInputs, job: &Job) -> Result<(Loaded, Duration)> {
-        job.work.refuse_too_large(&job.work.input)?;
+        self.refuse_too_large(&job.work.input)?;
         let (mut inputs, mut needs) = self.reading(&kit.looks, &kit.illumination, job.frame);
         if let Some(frame) = job.frame.filter(|_| job.follows()) {
             needs.motion = true;

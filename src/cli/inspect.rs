@@ -106,7 +106,7 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
 fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
     let files = InputFiles::open_within(&inputs, MOST_OF_A_PHOTO)?;
     let height = files.extent(&inputs, EVERYTHING)?.window.height();
-    let bytes = frame_bytes(&inputs.picture, 0);
+    let bytes = frame_bytes(&inputs.picture, 0, false);
     let mut note = None;
     if bytes > MOST_BYTES {
         let row = bytes.div_ceil(height.max(1) as u64);

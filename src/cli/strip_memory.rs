@@ -9,18 +9,11 @@ use crate::error::{Error, Result};
 use crate::io::exr::encoding_bytes;
 use crate::io::inputs::Wrap;
 use crate::io::picture::Gathered;
-use crate::io::{decoding_bytes, surroundings_bytes};
+use crate::io::{decoding_bytes, program_bytes, surroundings_bytes};
 use std::path::Path;
 
 /// Most that a photo takes where no amount is given: beyond it goes in strips.
 const PHOTO_BYTES: u64 = 1536 << 20;
-
-/// Memory that is taken whatever the strips are: the program, histograms. Measured: 17 to 22 MiB in all, with strips of
-/// a few rows.
-const FIXED_BYTES: u64 = 24 << 20;
-
-/// The same for each thread: tiles, and lights of a batch.
-const THREAD_BYTES: u64 = 2 << 20;
 
 /// Most that blocks are taken to need while they are encoded: those of wide pictures and many threads may take more, but
 /// planes of strips less than they are taken to.
@@ -106,11 +99,10 @@ impl Cost {
     ) -> Self {
         let row = whole_bytes(job).div_ceil(height.max(1) as u64).max(1);
         let output = job.work.output.output.as_ref();
-        let threads = rayon::current_num_threads() as u64;
         let [samples, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
-            fixed: FIXED_BYTES + threads * THREAD_BYTES + samples + photo_bytes.max(encoding),
+            fixed: program_bytes() + samples + photo_bytes.max(encoding),
             row,
             decoding: decoding_bytes(&job.work.input),
             is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),

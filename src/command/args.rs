@@ -7,10 +7,10 @@ use super::sequence::{SequenceArgs, inputs_of_frame, numbered, numbered_path};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::io::exr::{OutputCompression, OutputType};
-use crate::io::frame_bytes;
-use crate::io::inputs::Inputs;
+use crate::io::inputs::{Inputs, Wrap};
 use crate::io::picture::ViewTransform;
 use crate::io::sequence::path_of_frame;
+use crate::io::{frame_bytes, program_bytes};
 use crate::params::Group;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -87,14 +87,20 @@ impl WorkArgs {
 
     /// Estimated memory, in bytes, for processing `picture`.
     pub(crate) fn frame_bytes(&self, picture: &Path) -> u64 {
-        frame_bytes(picture, self.flags.more_scales().len())
+        let may_wrap = self.roles.wrap != Wrap::None;
+        frame_bytes(picture, self.flags.more_scales().len(), may_wrap)
     }
 
     /// Refuses a `picture` over the memory limit, for commands that need the whole of it.
     pub(crate) fn refuse_too_large(&self, picture: &Path) -> Result<()> {
-        let bytes = self.frame_bytes(picture);
+        self.refuse_above(picture, 0, "needs the picture whole")
+    }
+
+    /// Refuses a `picture` that takes more than the memory limit together with so many bytes `beside` it, and says `why`.
+    pub(super) fn refuse_above(&self, picture: &Path, beside: u64, why: &str) -> Result<()> {
+        let bytes = program_bytes() + self.frame_bytes(picture).saturating_add(beside);
         match bytes > self.run.max_memory.most() {
-            true => Err(self.too_large(picture, "needs the picture whole", bytes)),
+            true => Err(self.too_large(picture, why, bytes)),
             false => Ok(()),
         }
     }
@@ -106,7 +112,7 @@ impl WorkArgs {
             path: picture.to_path_buf(),
             found: format!(
                 "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
-                gib(self.frame_bytes(picture)),
+                gib(self.frame_bytes(picture).max(least)),
                 gib(self.run.max_memory.most()),
             ),
             remedy: format!(

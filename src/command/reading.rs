@@ -100,7 +100,11 @@ impl Source {
     /// # Errors
     /// As [`io::load`] and [`load_specular`]; [`crate::Error::Unsupported`] beyond the memory limit.
     pub(crate) fn load(&self, command: &Command) -> Result<(Loaded, Option<SpecularScene>)> {
-        work_of(command).refuse_too_large(&self.inputs.picture)?;
+        let picture = &self.inputs.picture;
+        match command {
+            Command::Hatch(args) => args.refuse_too_large(picture)?,
+            _ => work_of(command).refuse_too_large(picture)?,
+        }
         let mut loaded = io::load(&self.inputs, self.needs)?;
         let scene = match (&self.specular, command) {
             (Some((inputs, _)), Command::Relight(args)) => {

@@ -60,8 +60,7 @@ pub(crate) use borders::wrapped;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
 #[cfg(feature = "cli")]
-pub(crate) use footprint::decoding_bytes;
-pub(crate) use footprint::frame_bytes;
+pub(crate) use footprint::{decoding_bytes, frame_bytes, picture_size, program_bytes};
 #[cfg(feature = "cli")]
 pub(crate) use frame_sources::motion_layer_names;
 pub use inputs::Needs;

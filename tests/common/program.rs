@@ -2,7 +2,8 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 /// The program, to be run in a directory.
 pub fn program(directory: &Path) -> Command {
@@ -33,16 +34,36 @@ pub struct Ran {
 
 impl Ran {
     pub fn of(command: &mut Command) -> Self {
+        Self::of_output(command.output().unwrap())
+    }
+
+    fn of_output(output: Output) -> Self {
         let Output {
             status,
             stdout,
             stderr,
-        } = command.output().unwrap();
+        } = output;
         Self {
             code: status.code(),
             stdout: String::from_utf8(stdout).unwrap(),
             stderr: String::from_utf8(stderr).unwrap(),
         }
+    }
+
+    /// The outcome, and the most memory that the run has held, in bytes, as far as Linux tells.
+    pub fn measured(command: &mut Command) -> (Self, u64) {
+        let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = piped.spawn().unwrap();
+        let status = format!("/proc/{}/status", child.id());
+        let mut peak = 0;
+        while child.try_wait().unwrap().is_none() {
+            let text = std::fs::read_to_string(&status).unwrap_or_default();
+            let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let kib = line.and_then(|rest| rest.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+            peak = kib.map_or(peak, |kib| kib << 10);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        (Self::of_output(child.wait_with_output().unwrap()), peak)
     }
 
     /// Expects success.

@@ -3,7 +3,7 @@
 use super::dark_dots::{covered, mended};
 use super::room::fitted;
 use super::settled::settled;
-use super::spread::{Field, places};
+use super::spread::{self, Field, places};
 use super::{Dot, LaidDot};
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane};
@@ -11,7 +11,7 @@ use crate::line::carried::Carrier;
 use crate::line::density::coverage_at;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
-use crate::params::StrokeParams;
+use crate::params::{Stroke, StrokeParams};
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ pub(crate) fn stippled(
     frame: &Frame,
     memory: &Memory,
 ) -> Stippled {
-    let radius = (0.5 * params.stroke(resolution_factor).width_px).max(LEAST_RADIUS);
+    let radius = radius_of(&params.stroke(resolution_factor));
     let ink = densities.mapped(frame, memory, |_| |_, density| coverage_at(density));
     let field = Field::new(&ink, radius);
     let (laid, dots) = carried_on(&field, params.seed, sequence, frame, memory)
@@ -58,6 +58,16 @@ pub(crate) fn stippled(
 
 /// Radius of the smallest dots, in pixels: smaller ones turn everything grey.
 const LEAST_RADIUS: f32 = 0.3;
+
+/// Radius of a whole dot, in pixels.
+fn radius_of(stroke: &Stroke) -> f32 {
+    (0.5 * stroke.width_px).max(LEAST_RADIUS)
+}
+
+/// Dots in a pixel where all is black.
+pub(crate) fn most_dots_per_px(stroke: &Stroke) -> f32 {
+    spread::most_dots_per_px(radius_of(stroke))
+}
 
 /// Dots that begin with this frame, and their sizes.
 fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Dot>) {

@@ -120,6 +120,11 @@ impl Tool {
         })
     }
 
+    /// Points of lines in a pixel where all is black, at most.
+    pub(crate) fn most_points_per_px(&self) -> f32 {
+        (self.closest() * self.step()).recip()
+    }
+
     /// The widths it can draw.
     pub(super) fn widths(&self) -> [f32; 2] {
         match self {
