@@ -24,6 +24,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import zlib
 
 import files
 
@@ -116,7 +117,7 @@ class Attack:
                                preexec_fn=prepare, start_new_session=True)
         return run, said
 
-    def run(self, words, **how):
+    def run(self, words, most=SECONDS, **how):
         """Runs the program; a code below 0 is a signal."""
         began = time.monotonic()
         run, said = self.start(words, **how)
@@ -125,7 +126,7 @@ class Attack:
             seconds = time.monotonic() - began
             if pid:
                 break
-            if seconds > SECONDS:
+            if seconds > most:
                 os.kill(run.pid, signal.SIGKILL)
                 _, status, usage = os.wait4(run.pid, 0)
                 break
@@ -149,18 +150,18 @@ class Attack:
         shutil.copytree(self.desk, kept, symlinks=True, ignore=lambda folder, names: [n for n in names if is_special(pathlib.Path(folder, n))])
         return kept
 
-    def check(self, words, *, cap=CAP, before="", may_abort=False, spoiled=False, **how):
+    def check(self, words, *, cap=CAP, before="", may_abort=False, spoiled=False, seconds=SECONDS, **how):
         """Runs the program and checks all that must hold after it."""
         inputs = self.inputs(words)
         hashes = {path: digest(path) for path in inputs}
-        outcome = self.run(words, **how)
+        outcome = self.run(words, seconds, **how)
         counts = self.counts[self.group]
         counts["runs"] += 1
         counts[f"exit {outcome.code}"] += 1
         text = outcome.said.decode(errors="replace")
         wrong = []
-        if outcome.seconds > SECONDS:
-            wrong.append(f"takes more than {SECONDS} s")
+        if outcome.seconds > seconds:
+            wrong.append(f"takes more than {seconds} s")
         elif may_abort and outcome.code == -signal.SIGABRT and "memory allocation" in text:
             counts["no memory"] += 1
         elif not 0 <= outcome.code <= 3:
@@ -526,8 +527,128 @@ def memory(attack, runs):
         attack.check(line, cap=200 * MIB)
 
 
-GROUPS = {"mutations": (mutations, 0.42), "command_lines": (command_lines, 0.42), "kills": (kills, 0.03), "paths": (paths, 0.05),
-          "pipes": (pipes, 0.03), "names": (names, 0.03), "limits": (limits, 0.02), "memory": (memory, 0.005)}
+STYLES = ["pen", "pencil", "lines", "engraving", "stipple"]
+WORK = [["enhance"], ["shape"], ["relight", "--light", "135,40"], *(["hatch", "--style", style] for style in STYLES)]
+
+
+def tiles(attack, runs):
+    """Joined borders with every command, at every scale: no more memory or time than without."""
+    scales = ["0", "0.5", "4", "30", "300", "1000"]
+    cases = [(line, "frame.exr", ["--scale", scale], out) for line in WORK for scale in scales for out in ("exr", "png", "svg")
+             if out != "svg" or line[-1] in STYLES and line[-1] != "pencil"]
+    maps = ["curvature", "convex,concave,edges", "height", "occlusion"]
+    cases += [(["map", "--map", name], "plain.png", ["--scale", scale], out) for name in maps for scale in scales for out in ("exr", "png")
+              if out == "exr" or "," not in name]
+    cases += [(["map", "--map", "occlusion"], "plain.png", ["--occlusion-radius", radius], "png") for radius in ("1", "64", "1024")]
+    cases += [(["hatch", "--style", style], "frame.exr", ["--enlarge", "3", "--layers", "results"], out) for style in STYLES for out in ("exr", "png")]
+    cases = [(*case, wrap) for case in cases for wrap in ("x", "y", "xy", "auto")]
+    for line, picture, more, out, wrap in attack.random.sample(cases, min(runs, len(cases))):
+        attack.reset()
+        attack.check([line[0], picture, *line[1:], *more, "--wrap", wrap, "-o", f"out.{out}", "--max-memory", str(CAP)], seconds=2)
+
+
+def coverage(attack, runs):
+    """Coverage, masks and maps with samples far beyond 0 and 1, in every command and style."""
+    wild = [1e10, -math.inf, math.inf, 1e38, -1e38, math.nan, 0.5, 65504.0, -1e-30, 2.0]
+    roles = {"A": None, "mask.Y": ["--mask", "mask"], "occ.Y": ["--occlusion", "occ"], "imp.Y": ["--importance", "imp"]}
+    cases = [(line, channel, share, out) for line in WORK for channel in roles for share in (0.02, 0.3, 1.0) for out in ("exr", "png", "svg")
+             if out != "svg" or line[-1] in STYLES and line[-1] != "pencil"]
+    pick = attack.random
+    for line, channel, share, out in pick.sample(cases, min(runs, len(cases))):
+        attack.reset()
+        of_few = pick.sample(wild, 3)
+        samples = [[pick.choice(of_few) if pick.random() < share else float(x > 8) for x in range(24)] for _ in range(18)]
+        layers = files.bumps()
+        # Depth would show coverage instead.
+        if channel in ("A", "occ.Y"):
+            del layers["Z"]
+        layers[channel] = lambda x, y: samples[y][x]
+        attack.put("wild.exr", files.exr(layers, 24, 18))
+        words = [line[0], "wild.exr", *line[1:], *(roles[channel] or []), "-o", f"out.{out}", "--compression", "none", "--max-memory", str(CAP)]
+        # What lies in the picture's own alpha is carried through.
+        attack.check(words, seconds=2, spoiled=True)
+
+
+def metadata(attack, runs):
+    """Metadata that is far larger than its file, or says what cannot be."""
+    bomb = zlib.compress(bytes(300 * MIB), 9)
+    chunks = {"profile": files.chunk(b"iCCP", b"x\0\0" + bomb), "text": files.chunk(b"zTXt", b"Comment\0\0" + bomb),
+              "wide text": files.chunk(b"iTXt", b"Comment\0\1\0\0\0" + bomb), "many": files.chunk(b"tEXt", b"a\0b") * 100000}
+    rational = lambda tag, at: (tag, 5, 1, struct.pack("<I", at))
+    blocks = {"no resolution": files.exif([rational(282, 38), rational(283, 38)]) + struct.pack("<2I", 0, 1),
+              "by nothing": files.exif([rational(282, 38), rational(283, 38)]) + struct.pack("<2I", 300, 0),
+              "65535 entries": files.exif([rational(282, 38)], 65535) + bytes(12 * 4000),
+              "itself": files.exif([(0x8769, 4, 1, struct.pack("<I", 8))]), "beyond": files.exif([(34665, 4, 1, b"\xff" * 4), (274, 3, 1, b"\xff" * 4)])}
+    jpeg = attack.clean["photo.jpg"]
+    makers = [("odd.png", lambda part=part: files.colored_png(24, 18, part)) for part in chunks.values()]
+    makers += [("odd.png", lambda block=block: files.colored_png(24, 18, files.chunk(b"eXIf", block))) for block in blocks.values()]
+    makers += [("odd.jpg", lambda block=block: files.with_exif(jpeg, block)) for block in blocks.values()]
+    roles = [["inspect", "F"], ["shape", "F", "--normal", "plain.png", "-o", "out.png"], ["shape", "plain.png", "--normal", "F", "-o", "out.jpg"],
+             ["relight", "frame.exr", "--environment", "F", "-o", "out.png"], ["relight", "frame.exr", "--lit-sphere", "F", "-o", "out.png"],
+             *(["enhance", "F", "--normal", "plain.png", "-o", f"out.{kind}"] for kind in ("jpg", "png", "tif", "exr"))]
+    cases = [(maker, role) for maker in makers for role in roles]
+    for (name, make), role in attack.random.sample(cases, min(runs, len(cases))):
+        attack.reset()
+        attack.put(name, make())
+        words = [name if w == "F" else w for w in role]
+        outcome = attack.check(words, seconds=2)
+        written = attack.desk / "out.jpg"
+        if outcome.code == 0 and written.exists() and (wrong := zero_resolution(written.read_bytes())):
+            attack.fail(words, wrong)
+
+
+def zero_resolution(jpeg):
+    """What is wrong with the resolution that the EXIF of a JPEG tells, if anything."""
+    at = jpeg.find(b"Exif\0\0")
+    if at < 0:
+        return None
+    block = jpeg[at + 6:]
+    order = "<" if block[:2] == b"II" else ">"
+    first = struct.unpack_from(order + "I", block, 4)[0]
+    for entry in range(struct.unpack_from(order + "H", block, first)[0]):
+        tag, kind, _, place = struct.unpack_from(order + "HHII", block, first + 2 + 12 * entry)
+        if tag in (282, 283) and kind == 5 and 0 in struct.unpack_from(order + "2I", block, place):
+            return f"its EXIF holds a resolution of {struct.unpack_from(order + '2I', block, place)}"
+    return None
+
+
+def caps(attack, runs):
+    """Every command and style within the least memory that its own message names."""
+    sides = [(1600, 1200), (3000, 2000)]
+    rows = {}
+
+    def large(width, height):
+        """Bumps that repeat every 24 rows."""
+        if width not in rows:
+            layers = files.bumps()
+            names = sorted(layers)
+            samples = [struct.pack(f"<{len(names) * width}f", *(layers[n](x, y) for n in names for x in range(width))) for y in range(24)]
+            rows[width] = files.exr(layers, width, height, chunks=[struct.pack("<ii", y, len(samples[0])) + samples[y % 24] for y in range(height)])
+        return rows[width]
+
+    lines = [[*line, "-o", f"out.{out}"] for line in WORK for out in ("exr", "png", "svg") if out != "svg" or line[-1] in STYLES and line[-1] != "pencil"]
+    lines += [["hatch", "--style", style, "--tone", "relight", "-o", "out.png"] for style in STYLES]
+    lines += [["shape", "--scale", "2,4,8", "-o", "out.exr"], ["relight", "--environment", "sky.hdr", "--method", "warp", "-o", "out.png"],
+              ["shape", "--wrap", "xy", "--scale", "100", "-o", "out.png"]]
+    cases = [(line, side) for side in sides for line in lines]
+    for line, side in attack.random.sample(cases, min(runs, len(cases))):
+        attack.reset()
+        attack.put("large.exr", large(*side))
+        words = [line[0], "large.exr", *line[1:], "-q", "--max-memory"]
+        refused = attack.check([*words, "1M"], cap=CAP, seconds=60)
+        named = re.search(rb"--max-memory (\d+)M", refused.said)
+        if not named:
+            attack.fail([*words, "1M"], "names no memory that is enough")
+            continue
+        least = int(named.group(1))
+        outcome = attack.check([*words, f"{least}M"], cap=least * MIB - START, seconds=120)
+        if outcome.code:
+            attack.fail([*words, f"{least}M"], "fails with the memory that it asked for")
+
+
+GROUPS = {"mutations": (mutations, 0.36), "command_lines": (command_lines, 0.36), "kills": (kills, 0.03), "paths": (paths, 0.05),
+          "pipes": (pipes, 0.03), "names": (names, 0.03), "limits": (limits, 0.02), "tiles": (tiles, 0.04), "coverage": (coverage, 0.04),
+          "metadata": (metadata, 0.02), "memory": (memory, 0.005), "caps": (caps, 0.005)}
 
 
 def main():

@@ -66,21 +66,34 @@ def bumps(number=0):
     return layers
 
 
-def png(width, height, rows, *, kind=2, bits=8):
-    """A PNG file; rows are the bytes of all rows, each with its filter."""
+def chunk(name, data):
+    """A chunk of a PNG."""
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
-    def chunk(name, data):
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
+def png(width, height, rows, *, kind=2, bits=8, more=b""):
+    """A PNG file; rows are the bytes of all rows, each with its filter; more holds chunks of metadata."""
     head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
     body = chunk(b"IDAT", zlib.compress(rows, 9))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + body + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + more + body + chunk(b"IEND", b"")
 
 
-def colored_png(width, height):
+def exif(entries, count=None):
+    """A block of EXIF: entries are (tag, type, count, four bytes of value); count replaces their number."""
+    table = b"".join(struct.pack("<HHI", *entry[:3]) + entry[3] for entry in entries)
+    return b"II*\0" + struct.pack("<IH", 8, len(entries) if count is None else count) + table + bytes(4)
+
+
+def with_exif(jpeg, block):
+    """A JPEG with a block of EXIF in front."""
+    block = b"Exif\0\0" + block
+    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", 2 + len(block)) + block + jpeg[2:]
+
+
+def colored_png(width, height, more=b""):
     """A PNG that passes for a photo and for a normal map."""
     row = lambda y: bytes([0]) + b"".join(bytes([96 + 64 * x // width, 160 - 64 * y // height, 240]) for x in range(width))
-    return png(width, height, b"".join(row(y) for y in range(height)))
+    return png(width, height, b"".join(row(y) for y in range(height)), more=more)
 
 
 def hdr(width, height, pixels=None):
