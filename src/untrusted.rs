@@ -7,6 +7,13 @@ use std::path::Path;
 /// Most characters of a name in a message: of longer ones the middle is left out.
 const LONGEST_NAME: usize = 120;
 
+/// As many of them are left for the folders of a path.
+const LEAST_OF_FOLDERS: usize = 20;
+
+/// Most characters of a word: a name in quotes or brackets, with a colon.
+#[cfg(feature = "cli")]
+const LONGEST_WORD: usize = LONGEST_NAME + 8;
+
 /// Most characters of a list of names in a message.
 const LONGEST_LIST: usize = 1000;
 
@@ -80,9 +87,18 @@ impl Untrusted<'_> {
     }
 }
 
-/// A path, displayed as [`Untrusted`] names are.
+/// A path, displayed as [`Untrusted`] names are: its folders are cut first, so that the name of the file stays readable.
 pub(crate) fn shown(path: &Path) -> String {
-    Untrusted(&path.to_string_lossy()).to_string()
+    let path = path.to_string_lossy();
+    let path = printable(&path);
+    let name_at = path.rfind(std::path::is_separator).map_or(0, |at| at + 1);
+    if name_at == 0 || path.chars().count() <= LONGEST_NAME {
+        return cut(&path, LONGEST_NAME).into();
+    }
+    let (folders, name) = path.split_at(name_at);
+    let name = cut(name, LONGEST_NAME - LEAST_OF_FOLDERS);
+    let folders = cut(folders, LONGEST_NAME - name.chars().count());
+    [folders, name].concat()
 }
 
 /// Names in a message, as many as fit.
@@ -102,7 +118,11 @@ pub(crate) fn listed<T: AsRef<str>>(names: &[T]) -> String {
 #[cfg(feature = "cli")]
 pub(crate) fn bounded(line: &str) -> String {
     let line = printable(line);
-    let words = line.split(' ').map(|word| cut(word, LONGEST_NAME));
+    let words = line.split(' ').map(|word| match word.chars().count() {
+        // Cut already, or short.
+        ..=LONGEST_WORD => word.into(),
+        _ => cut(word, LONGEST_NAME),
+    });
     cut(&words.collect::<Vec<_>>().join(" "), LONGEST_LINE).into_owned()
 }
 
@@ -168,6 +188,19 @@ mod tests {
         assert_eq!(Untrusted(&name).to_string(), expected);
         let whole = "é".repeat(120);
         assert_eq!(Untrusted(&whole).to_string(), whole);
+        // 100 characters are left of the file's name, and of the folders the first 10, the mark and the last 9.
+        let path = format!("/{}/{}", "folder/".repeat(99), "x".repeat(300));
+        let expected_path = format!(
+            "/folder/fo{LEFT_OUT}/folder//{}{LEFT_OUT}{}",
+            "x".repeat(50),
+            "x".repeat(49)
+        );
+        assert_eq!(shown(Path::new(&path)), expected_path);
+        let path = format!("/{}{}.exr", "folder/".repeat(99), "n".repeat(80));
+        assert!(shown(Path::new(&path)).ends_with(&format!("/{}.exr", "n".repeat(80))));
+        // Marks do not make a name longer.
+        let line = format!("'{expected_path}': no");
+        assert_eq!(bounded(&line), line);
         // Words are cut each, and a line of many as a whole.
         let line = bounded(&format!("a.exr: {name} is no layer; name one"));
         assert_eq!(line, format!("a.exr: {expected} is no layer; name one"));
