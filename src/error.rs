@@ -1,5 +1,6 @@
 //! The error type, split by what a caller can do about each case.
 
+use crate::untrusted::shown;
 use std::fmt::{Display, LowerExp};
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// A required layer is neither in the file nor named.
-    #[error("{}: {found}; {remedy}", path.display())]
+    #[error("{}: {found}; {remedy}", shown(path))]
     MissingAov {
         /// The file searched.
         path: PathBuf,
@@ -21,7 +22,7 @@ pub enum Error {
         remedy: String,
     },
     /// Two inputs that must have the same pixels do not.
-    #[error("{}: is {found}, but {expected}; give inputs of one size", path.display())]
+    #[error("{}: is {found}, but {expected}; give inputs of one size", shown(path))]
     SizeMismatch {
         /// The file that does not fit.
         path: PathBuf,
@@ -47,7 +48,7 @@ pub enum Error {
         found: String,
     },
     /// The file is of a kind, or uses a feature, that cannot be read or written.
-    #[error("{}: {found}; {remedy}", path.display())]
+    #[error("{}: {found}; {remedy}", shown(path))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -57,7 +58,7 @@ pub enum Error {
         remedy: String,
     },
     /// The file contradicts itself or ends too early.
-    #[error("{}: {found}; write or copy the file again", path.display())]
+    #[error("{}: {found}; write or copy the file again", shown(path))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -65,7 +66,7 @@ pub enum Error {
         found: String,
     },
     /// The data leave a required property ambiguous.
-    #[error("{}: {found}; {remedy}", path.display())]
+    #[error("{}: {found}; {remedy}", shown(path))]
     Undetermined {
         /// The file.
         path: PathBuf,
@@ -83,7 +84,7 @@ pub enum Error {
         remedy: String,
     },
     /// A recipe cannot be used as it stands.
-    #[error("{}: {found}; {remedy}", path.display())]
+    #[error("{}: {found}; {remedy}", shown(path))]
     Recipe {
         /// The recipe.
         path: PathBuf,
@@ -120,7 +121,10 @@ pub enum Error {
     #[error("the run was cancelled")]
     Cancelled,
     /// A bug in this program: it panicked.
-    #[error("{}: a fault of relievo itself ({found}); please report it, with this file", path.display())]
+    #[error(
+        "{}: a fault of relievo itself ({found}); please report it, with this file",
+        shown(path)
+    )]
     Fault {
         /// The file being processed.
         path: PathBuf,
@@ -128,7 +132,10 @@ pub enum Error {
         found: String,
     },
     /// A stage produced non-finite samples from finite inputs.
-    #[error("{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme", path.display())]
+    #[error(
+        "{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme",
+        shown(path)
+    )]
     NotFinite {
         /// The picture being processed.
         path: PathBuf,
@@ -138,7 +145,7 @@ pub enum Error {
         found: String,
     },
     /// The system refused a file operation.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {source}", shown(path))]
     Io {
         /// The file.
         path: PathBuf,

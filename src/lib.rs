@@ -111,6 +111,7 @@ mod quantile;
 pub mod report;
 pub mod shape;
 pub mod trace;
+mod untrusted;
 #[cfg(feature = "view")]
 pub mod view;
 

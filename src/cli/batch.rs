@@ -10,7 +10,7 @@ use crate::command::batch::Batch;
 use crate::command::invocation::Invocation;
 use crate::command::recipe::RecipeText;
 use crate::error::{Error, Result};
-use crate::io::output::directory_of;
+use crate::io::output::{check_folder, directory_of};
 use std::path::Path;
 
 /// A command for one picture, with its record for the recipe.
@@ -64,12 +64,14 @@ fn each<C: FrameCommand>(batch: &Batch, invocation: &Invocation) -> Result<i32> 
 
 /// The command line for one picture.
 fn own<C: FrameCommand>(batch: &Batch, input: &Path, invocation: &Invocation) -> Result<Own<C>> {
-    let invocation = invocation.named(&Batch::name_of(input));
+    let name = Batch::name_of(input)?;
+    let invocation = invocation.named(&name);
     let (mut command, recipe) = command_of::<C>(&invocation);
-    batch.give(input, command.work_mut());
+    batch.give(input, name, command.work_mut());
     Ok((command, recipe, invocation))
 }
 
 fn make_folder(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(Error::io(folder, "make"))
+    std::fs::create_dir_all(folder).map_err(Error::io(folder, "make"))?;
+    check_folder(folder)
 }

@@ -6,6 +6,8 @@ use crate::command::frames_there::frames_on_disk;
 use crate::error::{Error, Result};
 use crate::io::layers;
 use crate::io::sequence::path_of_frame;
+use crate::untrusted::Untrusted;
+use clap::ValueHint;
 use clap_complete::Shell;
 use clap_complete::engine::{
     ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
@@ -53,21 +55,51 @@ pub(super) fn answered(words: &[OsString]) -> Option<i32> {
     }
 }
 
-/// The program, whose options know the layers of the input among `words`.
+/// The program, whose options know the files that there are, and the layers of the input among `words`.
 fn with_layers(words: &[OsString]) -> clap::Command {
     let input = input_of(words);
     command().mut_subcommands(|command| {
         command.mut_args(|arg| {
             let form = arg.get_value_names().and_then(<[_]>::first);
-            let Some(rest) = form.and_then(|form| form.strip_prefix(LAYER)) else {
-                return arg;
+            let layer = form.and_then(|form| form.strip_prefix(LAYER));
+            let Some(rest) = layer else {
+                return match files_of(arg.get_value_hint()) {
+                    Some(files) => arg.add(offering(move |typed| files.complete(typed))),
+                    None => arg,
+                };
             };
             let (none, input) = (rest.strip_prefix('|').map(String::from), input.clone());
-            arg.add(ArgValueCompleter::new(move |typed: &OsStr| {
+            arg.add(offering(move |typed| {
                 named(typed, input.as_deref(), none.as_deref())
             }))
         })
     })
+}
+
+/// Offers those of the candidates that a shell takes as they stand: names of layers and files are untrusted, and bash
+/// runs what is in some of them.
+fn offering<C>(candidates: C) -> ArgValueCompleter
+where
+    C: Fn(&OsStr) -> Vec<CompletionCandidate> + Send + Sync + 'static,
+{
+    ArgValueCompleter::new(move |typed: &OsStr| {
+        let mut offered = candidates(typed);
+        offered.retain(|one| {
+            let word = one.get_value().to_str();
+            word.is_some_and(|word| Untrusted(word).shell_word().is_some())
+        });
+        offered
+    })
+}
+
+/// The files that a value of this kind may name.
+fn files_of(hint: ValueHint) -> Option<PathCompleter> {
+    match hint {
+        ValueHint::AnyPath => Some(PathCompleter::any()),
+        ValueHint::FilePath => Some(PathCompleter::file()),
+        ValueHint::DirPath => Some(PathCompleter::dir()),
+        _ => None,
+    }
 }
 
 /// The input of the command line after `--`: its first frame if it is a sequence.
@@ -90,7 +122,7 @@ fn named(typed: &OsStr, input: Option<&Path>, none: Option<&str>) -> Vec<Complet
     let layers = found.into_iter().flatten();
     let layers = layers.filter(|layer| !layer.name.is_empty());
     let layers = layers.map(|layer| {
-        let components = layer.components.join(" ");
+        let components = Untrusted(&layer.components.join(" ")).to_string();
         CompletionCandidate::new(layer.name).help(Some(components.into()))
     });
     let typed_text = typed.to_string_lossy();

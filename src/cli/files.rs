@@ -3,6 +3,7 @@
 use crate::command::args::WorkArgs;
 use crate::error::{Error, Result};
 use crate::io::output::{check_writable, directory_of, remove_leftovers};
+use crate::untrusted::shown;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
     {
         return Err(Error::BadParameter {
             name: "-o",
-            found: format!("{} exists already", output.display()),
+            found: format!("{} exists already", shown(output)),
             remedy: "choose another name or leave out --no-clobber".into(),
         });
     }

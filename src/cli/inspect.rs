@@ -12,6 +12,7 @@ use crate::io::{
     self, Finding, InputFiles, Loaded, Needs, ObjectSurvey, PartSurvey, Survey, frame_bytes,
 };
 use crate::params::ScalingParams;
+use crate::untrusted::{Untrusted, bounded, listed};
 use serde::Serialize;
 use std::path::Path;
 
@@ -143,16 +144,17 @@ fn lines(inspection: &Inspection) -> Vec<String> {
         problem,
     } = inspection;
     let mut lines = vec![
-        file.clone(),
+        Untrusted(file).to_string(),
         format!(
             "  display {}, pixel aspect {}",
             survey.display_window, survey.pixel_aspect
         ),
     ];
     if let Some(view) = &survey.view {
-        let views = survey.views.join(", ");
+        let (view, views) = (Untrusted(view), listed(&survey.views));
+        let flag = view.word();
         lines.push(format!(
-            "  view {view} of {views}; force with --view {view}"
+            "  view {view} of {views}; force with --view {flag}"
         ));
     }
     lines.extend(survey.parts.iter().flat_map(part_lines));
@@ -180,7 +182,10 @@ fn lines(inspection: &Inspection) -> Vec<String> {
     lines.extend(warnings.map(|warning| format!("    warning: {warning}")));
     let problem = problem.iter();
     lines.extend(problem.map(|problem| format!("    cannot be used as it stands: {problem}")));
-    lines.iter().flat_map(|line| wrapped(line)).collect()
+    lines
+        .iter()
+        .flat_map(|line| wrapped(&bounded(line)))
+        .collect()
 }
 
 /// A line as several of at most [`WIDTH`] characters, those after the first further to the right; words stay whole.
@@ -210,12 +215,13 @@ fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
         true => "",
         false => " without a manifest, the largest by their hashes",
     };
-    let mut lines = vec![format!("    {}{unnamed}", survey.layer)];
+    let mut lines = vec![format!("    {}{unnamed}", Untrusted(&survey.layer))];
     let mut line = String::new();
     for (i, name) in survey.names.iter().enumerate() {
+        let name = Untrusted(name);
         let name = &match survey.shares.get(i) {
             Some(share) => format!("{name} ({:.1} %)", 100.0 * share),
-            None => name.clone(),
+            None => name.to_string(),
         };
         if !line.is_empty() && line.len() + name.len() + 2 > WIDTH - 6 {
             lines.push(format!("      {line},"));
@@ -235,12 +241,12 @@ fn object_lines(survey: &ObjectSurvey) -> Vec<String> {
 
 fn part_lines(part: &PartSurvey) -> Vec<String> {
     let name = part.name.as_deref();
-    let name = name.map_or(String::new(), |name| format!(" \"{name}\""));
+    let name = name.map_or(String::new(), |name| format!(" \"{}\"", Untrusted(name)));
     let head = format!("  part{name}: {}, {}", part.data_window, part.compression);
     let layers = part.layers.iter().map(|layer| {
         let name = match layer.name.as_str() {
-            "" => "(bare)",
-            name => name,
+            "" => Untrusted("(bare)"),
+            name => Untrusted(name),
         };
         let components = layer.components.join(" ");
         format!("    {name:<32} {components:<8} {}", layer.sample_type)

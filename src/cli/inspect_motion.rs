@@ -6,6 +6,7 @@ use crate::io::inputs::Inputs;
 use crate::io::motion::{FrameBefore, MotionLayers};
 use crate::io::motion_layer_names;
 use crate::io::{self, Finding, Needs};
+use crate::untrusted::Untrusted;
 use std::path::{Path, PathBuf};
 
 const NEEDS: Needs = Needs {
@@ -28,7 +29,7 @@ pub(super) fn finding(inputs: &Inputs) -> Result<Option<Finding>> {
     let Some(first) = names.first() else {
         return Ok(None);
     };
-    let flag = format!("--motion \"{first}\"");
+    let flag = format!("--motion {}", Untrusted(first).quoted());
     // Only comparing frames shows whether layers without a telling name hold motion.
     let unread = |evidence: &str| {
         mean_motion.then(|| Finding {

@@ -22,6 +22,7 @@ use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_pi
 use crate::io::svg;
 use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
+use crate::untrusted::shown;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -174,7 +175,7 @@ impl<'a> Job<'a> {
     pub(super) fn note(&self, text: &str) {
         if !self.work.run.quiet && !self.log.is_sequence() {
             self.log
-                .say(&format!("{}: {text}", self.work.input.display()));
+                .say(&format!("{}: {text}", shown(&self.work.input)));
         }
     }
 
@@ -185,7 +186,7 @@ impl<'a> Job<'a> {
             return;
         }
         let name = match with_name {
-            true => format!("{}: ", self.work.input.display()),
+            true => format!("{}: ", shown(&self.work.input)),
             false => String::new(),
         };
         self.log.say(&format!("{kind}: {name}{text}"));
@@ -495,7 +496,7 @@ impl<'a> Job<'a> {
             let words = [chosen.in_words(), message::whites(whites)];
             let words = words.into_iter().filter(|words| !words.is_empty());
             let words: String = words.map(|words| words + ", ").collect();
-            let path = path.display();
+            let path = shown(path);
             self.log.say(&format!("{path}: {words}{seconds:.2} s"));
         }
         Ok(())

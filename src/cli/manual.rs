@@ -3,6 +3,7 @@
 use super::{PROGRAM, command, message};
 use crate::command::commands::ManArgs;
 use crate::error::{Error, Result};
+use crate::untrusted::Untrusted;
 use clap_mangen::Man;
 use std::path::Path;
 
@@ -16,7 +17,7 @@ pub(super) fn man(args: &ManArgs) -> Result<()> {
             let found = program.find_subcommand(name).cloned();
             let found = found.ok_or_else(|| Error::BadParameter {
                 name: "COMMAND",
-                found: format!("is {name}, which {PROGRAM} does not have"),
+                found: format!("is {}, which {PROGRAM} does not have", Untrusted(name)),
                 remedy: format!("see {PROGRAM} --help"),
             })?;
             found.name(format!("{PROGRAM}-{name}"))

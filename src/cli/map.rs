@@ -5,7 +5,7 @@ use super::job::{Done, Job};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::map::{Made, MapArgs, Part, Samples};
-use crate::command::output::{Kind, MAP};
+use crate::command::output::Kind;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::{self, Engine};
 use crate::error::Result;
@@ -86,9 +86,7 @@ impl MapArgs {
     fn write(&self, job: &Job, done: &Done, samples: &Samples) -> Result<Chosen> {
         let (parts, mask) = (self.parts(), &done.loaded.frame.mask);
         let is_exr = job.work.output.kind()? == Kind::Exr;
-        let output = job.work.output.output.clone().unwrap_or_default();
-        let has_own = output.to_string_lossy().contains(MAP);
-        if is_exr && !has_own {
+        if is_exr && !job.work.output.is_per_map() {
             let made: Vec<_> = parts
                 .iter()
                 .map(|part| (part, self.made(part, samples, mask)))

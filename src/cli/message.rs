@@ -6,9 +6,9 @@ use crate::error::{Error, Result};
 use crate::io::Finding;
 use crate::io::picture::Whites;
 use crate::params::Highlights;
+use crate::untrusted::{bounded, printable};
 use clap::error::ErrorKind;
 use serde::Serialize;
-use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
@@ -35,8 +35,11 @@ pub(super) fn exit_code(error: &Error) -> i32 {
 pub(super) fn misuse(error: &clap::Error) -> i32 {
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if is_help || !error.use_stderr() {
-        // A closed pipe is not an error.
-        let _ = error.print();
+        let printed = error.print().and_then(|()| std::io::stdout().flush());
+        if let Err(failed) = written(printed) {
+            self::error(&failed);
+            return exit::FAILED;
+        }
     } else {
         say(&format!("{}; see --help", misuse_line(error)));
     }
@@ -88,7 +91,12 @@ pub(super) fn burnt(whites: Whites, highlights: Highlights) -> Option<String> {
 
 /// Writes one line to stderr; a failure to do so cannot be reported.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", printable(line));
+    let _ = writeln!(std::io::stderr(), "{}", bounded(line));
+}
+
+/// Writes an event to stderr as a line of JSON.
+pub(super) fn event(event: &serde_json::Value) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(&event.to_string()));
 }
 
 /// Writes results to stdout, line by line; a closed pipe is not an error, a full disk is.
@@ -110,51 +118,15 @@ pub(super) fn json(value: &impl Serialize) -> Result<()> {
 /// Writes a text to stdout; a closed pipe is no error.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    written(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// The outcome of writing to stdout; a closed pipe is no error.
+fn written(outcome: std::io::Result<()>) -> Result<()> {
+    match outcome {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::io(Path::new("stdout"), "write")(error))
         }
         _ => Ok(()),
-    }
-}
-
-/// `line` with characters escaped as in JSON that would control the terminal, end the line or change the writing
-/// direction. Names come from untrusted files.
-fn printable(line: &str) -> Cow<'_, str> {
-    if !line.contains(steers) {
-        return line.into();
-    }
-    let spelled = |c: char| match steers(c) {
-        true => format!("\\u{:04x}", u32::from(c)),
-        false => c.to_string(),
-    };
-    line.chars().map(spelled).collect::<String>().into()
-}
-
-/// Whether a terminal interprets `c` instead of showing it: control characters, line and paragraph separators, and
-/// marks of writing direction. All have at most four hexadecimal digits.
-fn steers(c: char) -> bool {
-    let turns = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{206f}');
-    c.is_control() || turns(c)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_would_steer_a_terminal_is_spelled_out() {
-        let said = printable("a\u{1b}[31mb\u{7}\rc\nd\u{9b}2Je\u{202e}f\u{7f}");
-        assert_eq!(
-            said,
-            r"a\u001b[31mb\u0007\u000dc\u000ad\u009b2Je\u202ef\u007f"
-        );
-        for plain in ["Übung 面 é 🦀 ViewLayer.Normal.X", ""] {
-            assert!(matches!(printable(plain), Cow::Borrowed(text) if text == plain));
-        }
-        // JSON reads the same spelling back as the same characters.
-        let json = serde_json::to_string("\u{1b}\u{202e}\u{85}").unwrap();
-        let read: String = serde_json::from_str(&printable(&json)).unwrap();
-        assert_eq!(read, "\u{1b}\u{202e}\u{85}");
     }
 }

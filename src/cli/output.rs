@@ -10,6 +10,7 @@ use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
 use crate::params::{Params, PixelSize};
+use crate::untrusted::Untrusted;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -227,7 +228,11 @@ fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {
     let every: Vec<&str> = all.iter().flat_map(|name| names_of(name)).collect();
     Error::BadParameter {
         name: "--write",
-        found: format!("no channel called {wanted} (there are {})", all.join(", ")),
+        found: format!(
+            "no channel called {} (there are {})",
+            Untrusted(wanted),
+            all.join(", ")
+        ),
         remedy: match likest(&every, wanted) {
             Some(meant) => format!("did you mean {meant}?"),
             None => "give their names, or those of their layers".into(),

@@ -1,6 +1,6 @@
 //! Progress of a sequence: a bar on a terminal, otherwise lines of text or of JSON.
 
-use super::message::say;
+use super::message::{event, say};
 use crate::command::args::{ProgressArg, RunArgs};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -80,7 +80,7 @@ impl Progress {
             ProgressArg::Auto | ProgressArg::Bar => Shown::Bar(bar(total)),
         };
         if let Shown::Json = shown {
-            say(&json!({ "event": "begin", "total": total }).to_string());
+            event(&json!({ "event": "begin", "total": total }));
         }
         Self {
             shown,
@@ -110,14 +110,14 @@ impl Progress {
                 "[{finished}/{total}] {what}: {name}, {seconds:.2} s, {left:.0} s left"
             )),
             Shown::Json => {
-                let mut event = json!({
+                let mut ended = json!({
                     "event": "frame", "frame": frame, "status": name, "finished": finished,
                     "total": total, "seconds": seconds, "eta_seconds": left,
                 });
                 if status == Status::Failed {
-                    event["message"] = what.to_string().into();
+                    ended["message"] = what.to_string().into();
                 }
-                say(&event.to_string());
+                event(&ended);
             }
         }
     }
@@ -144,11 +144,10 @@ impl Progress {
         } = &tally;
         match &self.shown {
             Shown::Bar(bar) => bar.finish_and_clear(),
-            Shown::Json => say(&json!({
+            Shown::Json => event(&json!({
                 "event": "end", "done": done, "skipped": skipped, "missing": missing,
                 "failed": failed.len(),
-            })
-            .to_string()),
+            })),
             Shown::Plain | Shown::Nothing => {}
         }
         if !quiet && !matches!(self.shown, Shown::Json) {

@@ -9,12 +9,13 @@ use crate::command::commands::ReportArgs;
 use crate::command::sequence::inputs_of_frame;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
-use crate::io::output::{Files, Replace, remove_leftovers, write_atomically};
+use crate::io::output::{Files, Replace, check_folder, remove_leftovers, write_atomically};
 use crate::io::{self, Loaded, Needs};
 use crate::params::ShapeParams;
 use crate::report::coherence::{self, MovingFrame};
 use crate::report::surface::Surface;
 use crate::report::{Asked, Extent, Report, advice, html, markdown, plots, run as measure};
+use crate::untrusted::shown;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -39,6 +40,9 @@ fn report(args: &ReportArgs) -> Result<()> {
         Some(frames) => inputs_of_frame(&args.roles, &args.input, frames[0]),
         None => args.roles.inputs(&args.input),
     };
+    args.output
+        .iter()
+        .try_for_each(|folder| check_folder(folder))?;
     let loaded = load(args, &first)?;
     if loaded.frame.importance.is_some() {
         return Err(Error::BadParameter {
@@ -104,7 +108,7 @@ fn load(args: &ReportArgs, inputs: &Inputs) -> Result<Loaded> {
     };
     let loaded = io::load(inputs, needs)?;
     for warning in &loaded.warnings {
-        let picture = inputs.picture.display();
+        let picture = shown(&inputs.picture);
         message::warning(args.quiet, &format!("{picture}: {warning}"));
     }
     Ok(loaded)
@@ -152,7 +156,7 @@ fn refuse_collisions(args: &ReportArgs) -> Result<()> {
     if directory.exists() && !directory.is_dir() {
         return Err(Error::BadParameter {
             name: "-o",
-            found: format!("{} is not a directory", directory.display()),
+            found: format!("{} is not a directory", shown(directory)),
             remedy: "name a directory for the report's files".into(),
         });
     }

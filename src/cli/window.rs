@@ -7,6 +7,7 @@ use crate::command::flags::Flag;
 use crate::command::invocation::Invocation;
 use crate::command::look::{Look, Opening, Said};
 use crate::error::Result;
+use crate::untrusted::shown;
 use crate::view::View;
 use eframe::egui::Context;
 use std::path::Path;
@@ -24,7 +25,7 @@ fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), Sai
     let typed = look.invocation(input, output);
     match run_typed(&typed.with(&[Flag::switch("quiet")])) {
         Ok(0) => Ok(()),
-        Ok(code) => Err(format!("{} was not written ({code})", output.display())),
+        Ok(code) => Err(format!("{} was not written ({code})", shown(output))),
         Err(error) => Err(line_of(&error)),
     }
 }

@@ -12,6 +12,7 @@ use crate::io::picture::ViewTransform;
 use crate::io::sequence::path_of_frame;
 use crate::io::{frame_bytes, program_bytes};
 use crate::params::Group;
+use crate::untrusted::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -58,7 +59,7 @@ impl WorkArgs {
             Some(path) if frames.is_some() && path_of_frame(path, 0).is_none() => {
                 Err(Error::BadParameter {
                     name: "--timings",
-                    found: format!("{} is one file for all frames", path.display()),
+                    found: format!("{} is one file for all frames", shown(path)),
                     remedy: "put #### where their numbers go".into(),
                 })
             }
@@ -138,6 +139,9 @@ pub(crate) struct OutputArgs {
     /// What {map} in its name stands for, each in a file of its own.
     #[arg(skip)]
     pub(crate) parts: Vec<String>,
+    /// Its name as given, and what {name} in it stands for, where it has a place for that.
+    #[arg(skip)]
+    pub(crate) named: Option<(PathBuf, String)>,
     /// EXR: keep the input's bytes and append a part; write channels into its re-encoded first part, for readers that
     /// see no other; or write the results only.
     #[arg(long, value_name = "WHAT", default_value = "keep")]

@@ -3,6 +3,7 @@
 use super::args::WorkArgs;
 use super::output::Kind;
 use crate::error::{Error, Result};
+use crate::untrusted::{Untrusted, shown};
 use std::path::{Path, PathBuf};
 
 /// Placeholder in file names for the input's name without folder and extension.
@@ -13,6 +14,8 @@ pub(crate) const NAME: &str = "{name}";
 pub(crate) struct Batch {
     inputs: Vec<PathBuf>,
     folder: Option<PathBuf>,
+    /// The output as given, with its placeholders.
+    pattern: Option<PathBuf>,
 }
 
 impl Batch {
@@ -22,21 +25,52 @@ impl Batch {
     }
 
     /// The text that replaces [`NAME`] in files written for `input`.
-    pub(crate) fn name_of(input: &Path) -> String {
-        let stem = input.file_stem().unwrap_or_default();
-        stem.to_string_lossy().into_owned()
-    }
-
-    /// Restricts `work` to `input`.
-    pub(crate) fn give(&self, input: &Path, work: &mut WorkArgs) {
-        work.input = input.to_path_buf();
-        work.more.clear();
-        if let Some(folder) = &self.folder {
-            let mut name = input.file_stem().unwrap_or_default().to_os_string();
-            name.push(".png");
-            work.output.output = Some(folder.join(name));
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for one that would lead to another folder.
+    pub(crate) fn name_of(input: &Path) -> Result<String> {
+        let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+        match Untrusted(&stem).path_component() {
+            Some(name) => Ok(name.into()),
+            None => Err(Error::BadParameter {
+                name: "IN",
+                found: format!(
+                    "{} leaves '{stem}' as the name of its results",
+                    shown(input)
+                ),
+                remedy: "rename it".into(),
+            }),
         }
     }
+
+    /// Restricts `work` to `input`, whose files are called `name`.
+    pub(crate) fn give(&self, input: &Path, name: String, work: &mut WorkArgs) {
+        work.input = input.to_path_buf();
+        work.more.clear();
+        match (&self.folder, &self.pattern) {
+            (Some(folder), _) => {
+                let mut file = input.file_stem().unwrap_or_default().to_os_string();
+                file.push(".png");
+                work.output.output = Some(folder.join(file));
+            }
+            (None, Some(pattern)) => work.output.named = Some((pattern.clone(), name)),
+            (None, None) => {}
+        }
+    }
+}
+
+/// `pattern` with each placeholder replaced by its text, which may look like another one.
+pub(crate) fn filled(pattern: &str, texts: &[(&str, &str)]) -> String {
+    let mut made = String::new();
+    let mut rest = pattern;
+    while let Some(next) = rest.chars().next() {
+        let found = texts.iter().find(|(place, _)| rest.starts_with(place));
+        let own = &rest[..next.len_utf8()];
+        let &(place, text) = found.unwrap_or(&(own, own));
+        made += text;
+        rest = &rest[place.len()..];
+    }
+    made
 }
 
 impl WorkArgs {
@@ -77,6 +111,7 @@ impl WorkArgs {
         Ok(Some(Batch {
             inputs: first.chain(&self.more).cloned().collect(),
             folder: folder.map(Path::to_path_buf),
+            pattern: output.map(Path::to_path_buf),
         }))
     }
 
@@ -92,14 +127,16 @@ impl WorkArgs {
     /// Error for a single file shared by all pictures. One of the inputs may have been meant as the output.
     fn one_for_all(&self, name: &'static str, path: &Path) -> Error {
         let is_stray = |path: &&PathBuf| !path.exists() && Kind::of(path).is_ok();
-        let stray = self.more.iter().find(is_stray).map(|path| path.display());
+        let stray = self.more.iter().find(is_stray);
+        let stray = stray.map(|path| path.to_string_lossy());
+        let stray = stray.as_deref().map(Untrusted);
         let folder = if name == "-o" { "a folder, or " } else { "" };
         let several = format!("give {folder}a name with {NAME} for theirs");
         Error::BadParameter {
             name,
-            found: format!("{} is one file for all pictures", path.display()),
+            found: format!("{} is one file for all pictures", shown(path)),
             remedy: match stray {
-                Some(stray) => format!("{several}; to write {stray}, give -o {stray}"),
+                Some(stray) => format!("{several}; to write {stray}, give -o {}", stray.word()),
                 None => several,
             },
         }

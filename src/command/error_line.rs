@@ -2,12 +2,13 @@
 
 use super::output::Kind;
 use crate::error::Error;
+use crate::untrusted::{Untrusted, bounded};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::path::Path;
 
 /// The error's message with line breaks as spaces.
 pub(crate) fn line_of(error: &Error) -> String {
-    error.to_string().replace('\n', " ")
+    bounded(&error.to_string().replace('\n', " "))
 }
 
 /// One line for a misused command line: `error: ...`.
@@ -16,7 +17,10 @@ pub(crate) fn misuse_line(error: &clap::Error) -> String {
         return line;
     }
     // Usage and the pointer to the help follow the message as separate paragraphs.
-    let text = error.to_string();
+    let mut text = error.to_string();
+    for typed in typed_in(error) {
+        text = text.replace(typed, &Untrusted(typed).to_string());
+    }
     let message: Vec<_> = text
         .lines()
         .map(str::trim)
@@ -24,7 +28,17 @@ pub(crate) fn misuse_line(error: &clap::Error) -> String {
         // Clap's tip for passing a flag as a value never applies here.
         .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
         .collect();
-    message.join(" ").replace(" tip:", "; tip:")
+    bounded(&message.join(" ").replace(" tip:", "; tip:"))
+}
+
+/// The words of the command line that the message repeats.
+fn typed_in(error: &clap::Error) -> impl Iterator<Item = &str> {
+    let words = error.context().flat_map(|(_, value)| match value {
+        ContextValue::String(word) => std::slice::from_ref(word),
+        ContextValue::Strings(words) => words,
+        _ => &[],
+    });
+    words.map(String::as_str).filter(|word| !word.is_empty())
 }
 
 /// Message for a stray word that is not a flag.
@@ -33,9 +47,11 @@ fn stray_file(error: &clap::Error) -> Option<String> {
         return None;
     };
     let is_stray = error.kind() == ErrorKind::UnknownArgument && !word.starts_with('-');
-    let remedy = match Kind::of(Path::new(word)) {
-        Ok(_) => format!("to write it, give -o {word}"),
+    let kind = Kind::of(Path::new(word));
+    let word = Untrusted(word);
+    let remedy = match kind {
+        Ok(_) => format!("to write it, give -o {}", word.word()),
         Err(_) => "only one input is taken; in front of a value goes its flag".into(),
     };
-    is_stray.then(|| format!("error: unexpected '{word}'; {remedy}"))
+    is_stray.then(|| bounded(&format!("error: unexpected '{word}'; {remedy}")))
 }

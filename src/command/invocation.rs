@@ -5,6 +5,7 @@ use super::commands::{Cli, command_named, help_on_all, long, program, typed_ids}
 use super::flags::Flag;
 use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
 use crate::error::Result;
+use crate::untrusted::shown;
 use clap::{ArgMatches, Command, FromArgMatches};
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -92,7 +93,7 @@ impl Invocation {
         let kept: Vec<Flag> = kept.cloned().collect();
         let is_left = !takes_chosen && !chosen.is_empty() && !typed.contains("quiet");
         let note = is_left.then(|| {
-            let (path, of) = (recipe.path.display(), recipe.frames().unwrap_or("others"));
+            let (path, of) = (shown(&recipe.path), recipe.frames().unwrap_or("others"));
             format!("{path}: what was chosen for {of} is chosen anew; {KEEP_LEVELS} takes it")
         });
         let start = [
@@ -116,6 +117,10 @@ impl Invocation {
     /// Replaces the name placeholder by `name`.
     pub(crate) fn named(&self, name: &str) -> Self {
         let named = |word: &OsString| match word.to_str() {
+            // A file is called so, and no option.
+            Some(text) if text.starts_with(NAME) && name.starts_with('-') => {
+                format!("./{}", text.replace(NAME, name)).into()
+            }
             Some(text) => text.replace(NAME, name).into(),
             None => word.clone(),
         };

@@ -2,7 +2,7 @@
 
 use super::args::WorkArgs;
 use super::flags::{Section, one_of};
-use super::output::{Kind, MAP};
+use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Mask, Plane};
@@ -241,8 +241,8 @@ impl MapArgs {
         };
         let (parts, sigmas) = (self.parts(), self.sigmas());
         let kind = self.work.output.kind()?;
-        let output = self.work.output.output.as_deref();
-        let named = output.is_none_or(|path| path.to_string_lossy().contains(MAP));
+        let output = &self.work.output;
+        let named = output.output.is_none() || output.is_per_map();
         if parts.len() > 1 && !named && kind != Kind::Exr {
             let found = format!("is one picture for {} maps", parts.len());
             return bad("-o", found, "put {map} into its name, or write an .exr");

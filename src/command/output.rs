@@ -1,6 +1,7 @@
 //! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
+use super::batch::{NAME, filled};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
@@ -8,11 +9,12 @@ use crate::io::colorspace::{Chromaticities, converted, rec709_from};
 use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, ViewTransform};
 use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
+use crate::untrusted::shown;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Placeholder in the output's name for the map.
-pub(crate) const MAP: &str = "{map}";
+const MAP: &str = "{map}";
 
 /// The kind of file that an output path names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +33,7 @@ impl Kind {
             Some(format) => Ok(Self::Picture(format)),
             None => Err(Error::BadParameter {
                 name: "-o",
-                found: format!("{} has no known extension", path.display()),
+                found: format!("{} has no known extension", shown(path)),
                 remedy: "end it in .exr, .png, .jpg, .tif or .hdr".into(),
             }),
         }
@@ -109,13 +111,27 @@ impl OutputArgs {
         let Some(output) = &self.output else {
             return Vec::new();
         };
-        match output.to_str() {
-            Some(name) if name.contains(MAP) && !self.parts.is_empty() => {
+        match self.pattern().and_then(Path::to_str) {
+            Some(pattern) if pattern.contains(MAP) && !self.parts.is_empty() => {
+                let name = self.named.as_ref().map_or(NAME, |(_, name)| name);
                 let parts = self.parts.iter();
-                parts.map(|part| name.replace(MAP, part).into()).collect()
+                let file = |part: &String| filled(pattern, &[(NAME, name), (MAP, part)]).into();
+                parts.map(file).collect()
             }
             _ => vec![output.clone()],
         }
+    }
+
+    /// Whether its name has a place for the map.
+    pub(crate) fn is_per_map(&self) -> bool {
+        let pattern = self.pattern().map(Path::to_string_lossy);
+        pattern.is_some_and(|pattern| pattern.contains(MAP))
+    }
+
+    /// Its name as given.
+    fn pattern(&self) -> Option<&Path> {
+        let named = self.named.as_ref().map(|(pattern, _)| pattern.as_path());
+        named.or(self.output.as_deref())
     }
 
     /// Refuses --quality for files that are not JPEG, and a choice of channels for files that are not EXR.
@@ -131,7 +147,7 @@ impl OutputArgs {
         let of = |name, format: &str, extension: &str| {
             Err(Error::BadParameter {
                 name,
-                found: format!("is of {format} alone, and {} is none", path.display()),
+                found: format!("is of {format} alone, and {} is none", shown(path)),
                 remedy: format!("write a {extension} or leave it out"),
             })
         };

@@ -2,6 +2,7 @@
 
 use crate::frame::{Camera, Projection};
 use crate::io::inputs::KnownCamera;
+use crate::untrusted::Untrusted;
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -48,8 +49,12 @@ impl FromStr for StillCamera {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let written: Written = serde_json::from_str(text)
-            .map_err(|error| format!("expected a camera that --save-recipe wrote: {error}"))?;
+        let written: Written = serde_json::from_str(text).map_err(|error| {
+            format!(
+                "expected a camera that --save-recipe wrote: {}",
+                Untrusted(&error.to_string())
+            )
+        })?;
         let view_from_world = DAffine3::from_cols_array(&written.view_from_world);
         let turn = view_from_world.matrix3;
         let is_rigid = (turn * turn.transpose()).abs_diff_eq(glam::DMat3::IDENTITY, 1e-6);

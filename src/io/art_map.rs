@@ -4,6 +4,7 @@ use super::environment::{color_size, read_color};
 use super::picture::is_picture_name;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
+use crate::untrusted::shown;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ pub fn read_art_map(path: &Path, most_bytes: u64) -> Result<Vec<Plane>> {
             return Err(Error::SizeMismatch {
                 path: file.clone(),
                 found: format!("{}x{}", size[0], size[1]),
-                expected: format!("{} is {width}x{height}", files[0].display()),
+                expected: format!("{} is {width}x{height}", shown(&files[0])),
             });
         }
     }

@@ -7,6 +7,8 @@
 use super::exr::{ChannelId, ExrFile};
 use super::open::read_text;
 use crate::frame::{Plane, Window};
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -53,17 +55,27 @@ pub(super) fn layers(file: &ExrFile) -> Vec<Cryptomatte> {
 /// they cannot be read.
 fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTreeMap<String, u32>> {
     let text = match (declared.get("manifest"), declared.get("manif_file")) {
-        (Some(text), _) => text.clone(),
+        (Some(text), _) => Cow::Borrowed(text.as_str()),
         (None, Some(name)) => {
             let path = picture.parent()?.join(Path::new(name).file_name()?);
-            read_text(&path, MOST_OF_A_MANIFEST).ok()?
+            Cow::Owned(read_text(&path, MOST_OF_A_MANIFEST).ok()?)
         }
         (None, None) => return None,
     };
-    let numbers: BTreeMap<String, String> = serde_json::from_str(&text).ok()?;
+    let numbers: BTreeMap<String, Hex> = serde_json::from_str(&text).ok()?;
     let numbers = numbers.into_iter();
-    let numbers = numbers.filter_map(|(name, hex)| Some((name, parsed(&hex)?)));
+    let numbers = numbers.filter_map(|(name, Hex(number))| Some((name, number?)));
     Some(numbers.collect())
+}
+
+/// A number as a manifest spells it, of which there may be millions; `None` where it is none.
+struct Hex(Option<u32>);
+
+impl<'de> Deserialize<'de> for Hex {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = Cow::<str>::deserialize(from)?;
+        Ok(Self(parsed(&text)))
+    }
 }
 
 /// The number of an object of this name: its MurmurHash3 (32 bits, seed 0), with one bit flipped if the float of these

@@ -130,7 +130,7 @@ impl Lights {
         };
         let file = Opened::open_held(path, None, holding)?;
         let sources = color_sources(&file).ok_or_else(|| {
-            let layers = file.layer_names().join(", ");
+            let layers = file.found("nothing");
             Error::Unsupported {
                 path: path.to_path_buf(),
                 found: format!("has no colour to light with (found {layers})"),

@@ -3,6 +3,7 @@
 //! A block is a TIFF without pixels: a byte order, the offset of its first directory, and directories of entries whose
 //! longer values are elsewhere in the block. New values are appended, so that all unknown data keep their offsets.
 
+use super::photo::RESOLUTIONS as SOUND;
 use crate::params::MM_PER_INCH;
 
 /// An entry: its tag, the kind and number of its values, and these or their place in the block.
@@ -33,10 +34,14 @@ const SOFTWARE: u16 = 0x0131;
 const TEXT: u16 = 2;
 const SHORT: u16 = 3;
 const RATIONAL: u16 = 5;
+const SIGNED_RATIONAL: u16 = 10;
 
 /// Resolution units.
 const INCH: u16 = 2;
 const CENTIMETRE: u16 = 3;
+
+/// Most entries of a directory; cameras write some twenty.
+const MOST_ENTRIES: u16 = 1000;
 
 /// Bytes of an entry.
 const ENTRY_BYTES: usize = 12;
@@ -67,17 +72,19 @@ impl Exif {
         };
         let at = exif.long(bytes.get(4..8)?) as usize;
         let count = exif.short(bytes.get(at..)?.get(..2)?);
+        if count > MOST_ENTRIES {
+            return None;
+        }
         let entries = bytes.get(at + 2..)?;
         let entries = entries.get(..usize::from(count) * ENTRY_BYTES)?;
         let entries = entries.as_chunks::<ENTRY_BYTES>().0.iter();
-        exif.entries = entries
-            .map(|entry| Entry {
-                tag: exif.short(&entry[..2]),
-                kind: exif.short(&entry[2..4]),
-                count: exif.long(&entry[4..8]),
-                value: [entry[8], entry[9], entry[10], entry[11]],
-            })
-            .collect();
+        let entries = entries.map(|entry| Entry {
+            tag: exif.short(&entry[..2]),
+            kind: exif.short(&entry[2..4]),
+            count: exif.long(&entry[4..8]),
+            value: [entry[8], entry[9], entry[10], entry[11]],
+        });
+        exif.entries = entries.filter(|entry| exif.is_sound(entry)).collect();
         Some(exif)
     }
 
@@ -116,7 +123,16 @@ impl Exif {
         }
     }
 
-    pub(super) fn set_dpi(&mut self, dpi: [f32; 2]) {
+    /// Sets the resolution; without one, an unsound one is left out.
+    pub(super) fn set_dpi(&mut self, dpi: Option<[f32; 2]>) {
+        let Some(dpi) = dpi else {
+            let is_sound = |tag| self.rational(tag).is_none_or(|dpi| SOUND.contains(&dpi));
+            if !RESOLUTIONS.into_iter().all(is_sound) {
+                let of_resolution = |tag| RESOLUTIONS.contains(&tag) || tag == RESOLUTION_UNIT;
+                self.entries.retain(|entry| !of_resolution(entry.tag));
+            }
+            return;
+        };
         for (tag, dpi) in RESOLUTIONS.into_iter().zip(dpi) {
             let [n, d] = thousandths(dpi).map(|number| self.of_long(number));
             self.set(tag, RATIONAL, 1, &[n, d].concat());
@@ -149,6 +165,29 @@ impl Exif {
         self.bytes[4..8].copy_from_slice(&at);
         self.bytes.extend(directory);
         self.bytes
+    }
+
+    /// Whether the values of an entry are in the block, and no fraction of them divides by 0.
+    fn is_sound(&self, entry: &Entry) -> bool {
+        let size = match entry.kind {
+            1 | TEXT | 6 | 7 => 1,
+            SHORT | 8 => 2,
+            4 | 9 | 11 | 13 => 4,
+            RATIONAL | SIGNED_RATIONAL | 12 => 8,
+            _ => return false,
+        };
+        let Some(length) = (entry.count as usize).checked_mul(size) else {
+            return false;
+        };
+        let at = self.long(&entry.value) as usize;
+        let values = match length {
+            ..=4 => Some(&entry.value[..length]),
+            _ => self.bytes.get(at..).and_then(|rest| rest.get(..length)),
+        };
+        values.is_some_and(|values| match entry.kind {
+            RATIONAL | SIGNED_RATIONAL => values.chunks(8).all(|pair| self.long(&pair[4..]) != 0),
+            _ => true,
+        })
     }
 
     fn get(&self, tag: u16, kind: u16, count: u32) -> Option<&Entry> {
@@ -232,7 +271,7 @@ impl Exif {
 
 /// A resolution as a fraction: above and below the line.
 pub(super) fn thousandths(dpi: f32) -> [u32; 2] {
-    [(dpi * 1000.0).round() as u32, 1000]
+    [((dpi * 1000.0).round() as u32).max(1), 1000]
 }
 
 #[cfg(test)]
@@ -251,7 +290,7 @@ mod tests {
         let mut exif = Exif::read(&block).unwrap();
         assert_eq!((exif.dpi(), exif.description()), (None, None));
         exif.set_upright();
-        exif.set_dpi([72.5, 300.0]);
+        exif.set_dpi(Some([72.5, 300.0]));
         exif.set_software("program 1");
         exif.set_description("a = 1\nb = 2");
         let written = exif.into_bytes();
@@ -272,7 +311,7 @@ mod tests {
     #[test]
     fn what_is_no_block_or_ends_too_early_says_nothing() {
         let mut exif = Exif::default();
-        exif.set_dpi([300.0; 2]);
+        exif.set_dpi(Some([300.0; 2]));
         exif.set_description("long enough to lie elsewhere");
         let whole = exif.into_bytes();
         for end in 0..whole.len() {
@@ -284,5 +323,62 @@ mod tests {
         far[4..8].fill(255);
         assert_eq!(Exif::read(&far), None);
         assert_eq!(Exif::read(b"no block at all"), None);
+    }
+
+    /// A little-endian block whose directory at 8 has these entries, with eight bytes after it at 14 and 12 for each.
+    fn block(entries: &[[u8; ENTRY_BYTES]], after: [u8; 8]) -> Vec<u8> {
+        let count = (entries.len() as u16).to_le_bytes();
+        let start = [&b"II*\0\x08\0\0\0"[..], &count].concat();
+        [start, entries.concat(), vec![0; 4], after.to_vec()].concat()
+    }
+
+    #[test]
+    fn unsound_entries_are_left_out() {
+        let tags = |bytes: &[u8], dpi| {
+            let mut exif = Exif::read(bytes).unwrap();
+            exif.set_dpi(dpi);
+            let read = Exif::read(&exif.into_bytes()).unwrap();
+            read.entries
+                .iter()
+                .map(|entry| entry.tag)
+                .collect::<Vec<_>>()
+        };
+        // Across (0x11a), a unit (0x128), and the artist (0x13b) in 200 bytes, of which there are not as many.
+        let entries = [
+            *b"\x1a\x01\x05\0\x01\0\0\0\x32\0\0\0",
+            *b"\x28\x01\x03\0\x01\0\0\0\x02\0\0\0",
+            *b"\x3b\x01\x02\0\xc8\0\0\0\x32\0\0\0",
+        ];
+        for (fraction, kept) in [
+            ([0, 1], &[][..]),
+            ([1, 0], &[RESOLUTION_UNIT]),
+            ([u32::MAX, 1], &[]),
+            ([72, 1], &[RESOLUTIONS[0], RESOLUTION_UNIT]),
+        ] {
+            let bytes = block(
+                &entries,
+                fraction.map(u32::to_le_bytes).concat().try_into().unwrap(),
+            );
+            assert_eq!(tags(&bytes, None), kept, "{fraction:?}");
+            let all = [RESOLUTIONS[0], RESOLUTIONS[1], RESOLUTION_UNIT];
+            assert_eq!(tags(&bytes, Some([300.0; 2])), all);
+        }
+        assert_eq!(thousandths(1e-9), [1, 1000]);
+    }
+
+    #[test]
+    fn a_directory_without_end_is_none() {
+        let entry = *b"\x3b\x01\x01\0\x01\0\0\0\x01\0\0\0";
+        // With the four that are added 65,535 entries and more would wrap around.
+        for count in [usize::from(MOST_ENTRIES) + 1, 65_535] {
+            assert_eq!(Exif::read(&block(&vec![entry; count], [0; 8])), None);
+        }
+        let most = block(&vec![entry; usize::from(MOST_ENTRIES)], [0; 8]);
+        let mut exif = Exif::read(&most).unwrap();
+        exif.set_software("x");
+        let written = exif.into_bytes();
+        // The place of the new directory, and its 1000 and one more entries.
+        let at = u32::from_le_bytes(written[4..8].try_into().unwrap()) as usize;
+        assert_eq!(written[at..at + 2], 1001u16.to_le_bytes());
     }
 }

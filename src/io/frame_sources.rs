@@ -12,6 +12,7 @@ use super::roles::Role;
 use super::sources::{RoleSource, missing, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Vector3Planes, Window};
+use crate::untrusted::shown;
 use std::rc::Rc;
 
 /// Silhouettes use one map: an occlusion map named explicitly makes depth unnecessary.
@@ -186,7 +187,7 @@ fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Resu
         (None, Some((stored, number))) if stored == [width, height] => format!(
             "is {width}x{height} and has no orientation, but {} is stored as {}x{} with orientation {number}, upright {}x{}: \
              which way these normals go is not known",
-            picture.file.path().display(),
+            shown(picture.file.path()),
             stored[0],
             stored[1],
             picture.window().width(),

@@ -9,6 +9,7 @@ use super::role_planes::RolePlanes;
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
+use crate::untrusted::Untrusted;
 use std::rc::Rc;
 
 /// Passes that differ from their picture by more than this, in the median, do not recombine to it: lossy
@@ -373,7 +374,8 @@ fn no_group(main: &Opened, name: &str) -> Error {
     Error::MissingAov {
         path: main.path().to_path_buf(),
         found: format!(
-            "no light group called {name} (found {})",
+            "no light group called {} (found {})",
+            Untrusted(name),
             main.found("no layers")
         ),
         remedy: "give --light-group the NAME of a layer Combined_NAME or RGBA_NAME".into(),

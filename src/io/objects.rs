@@ -8,6 +8,7 @@ use super::roles::{Layer, Match, Role, by_name};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Vector3Planes, Window};
 use crate::params::{Fallback, ObjectAngle};
+use crate::untrusted::{Untrusted, listed};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::path::Path;
@@ -101,7 +102,10 @@ pub(super) fn refuse_numbers(name: &str, main: &Opened) -> Result<()> {
     match is_hashed || is_index {
         true => Err(Error::Unsupported {
             path: file.path.clone(),
-            found: format!("{name} holds numbers of objects, and no coverage"),
+            found: format!(
+                "{} holds numbers of objects, and no coverage",
+                Untrusted(name)
+            ),
             remedy: "choose objects by name with --object NAME".into(),
         }),
         false => Ok(()),
@@ -328,13 +332,14 @@ fn unknown(name: &str, file: &ExrFile, layers: &[Layer], hashed: &[Cryptomatte])
     if hashed.is_empty() && !has_index {
         return untold(&file.path);
     }
+    let called = Untrusted(name);
     let found = match (all.is_empty(), has_index) {
-        (false, _) => format!("no object called {name} (found {})", listed(&all)),
-        (true, true) => format!("no object called {name}: its passes hold numbers"),
+        (false, _) => format!("no object called {called} (found {})", first_of(&all)),
+        (true, true) => format!("no object called {called}: its passes hold numbers"),
         (true, false) => "has Cryptomatte, and no manifest that names its objects".into(),
     };
     let remedy = match (nearest::likest(&all, name), all.is_empty(), has_index) {
-        (Some(meant), ..) => format!("did you mean {meant}? * stands for any letters"),
+        (Some(meant), ..) => format!("did you mean {}? * stands for any letters", Untrusted(meant)),
         (None, false, _) => "give one of them; * stands for any letters".into(),
         (None, true, true) => "give the number of an object, as in --object 2".into(),
         (None, true, false) => {
@@ -349,8 +354,8 @@ fn unknown(name: &str, file: &ExrFile, layers: &[Layer], hashed: &[Cryptomatte])
 }
 
 /// The first of these names, and how many more there are.
-fn listed(names: &[&str]) -> String {
-    let first = names[..names.len().min(LISTED)].join(", ");
+fn first_of(names: &[&str]) -> String {
+    let first = listed(&names[..names.len().min(LISTED)]);
     match names.len().saturating_sub(LISTED) {
         0 => first,
         more => format!("{first} and {more} more"),

@@ -10,6 +10,7 @@ use super::roles::{self, Layer, Role};
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::Window;
+use crate::untrusted::listed;
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -220,7 +221,7 @@ impl Opened {
     pub(super) fn found(&self, otherwise: &str) -> String {
         match self.layer_names() {
             names if names.is_empty() => otherwise.into(),
-            names => names.join(", "),
+            names => listed(&names),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Sequences: lists of frame numbers, and file names that hold one.
 
 use crate::error::{Error, Result};
+use crate::untrusted::{Untrusted, shown};
 use std::path::{Path, PathBuf};
 
 /// Frame numbers in order, each once; at least one.
@@ -31,7 +32,7 @@ impl std::str::FromStr for FrameList {
             }
         }
         if numbers.is_empty() {
-            return Err(format!("'{text}' leaves no frame"));
+            return Err(format!("'{}' leaves no frame", Untrusted(text)));
         }
         numbers.sort_unstable();
         numbers.dedup();
@@ -41,8 +42,9 @@ impl std::str::FromStr for FrameList {
 
 /// The frames of one item of a list.
 fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
+    let name = Untrusted(item);
     let expected = || {
-        format!("'{item}' is no list of frames; expected 7, 1-12, 1-12x2, 1-12:2, 1-12y2 or 1,5,9")
+        format!("'{name}' is no list of frames; expected 7, 1-12, 1-12x2, 1-12:2, 1-12y2 or 1,5,9")
     };
     let (first, rest) = leading_number(item).ok_or_else(expected)?;
     let Some(rest) = rest.strip_prefix('-') else {
@@ -54,7 +56,7 @@ fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
     let (last, rest) = leading_number(rest).ok_or_else(expected)?;
     if last < first {
         return Err(format!(
-            "'{item}' runs backward; give the lower frame first"
+            "'{name}' runs backward; give the lower frame first"
         ));
     }
     let mut signs = rest.chars();
@@ -67,7 +69,7 @@ fn frames(item: &str) -> std::result::Result<Vec<i32>, String> {
         Some(_) => return Err(expected()),
     };
     if step == 0 {
-        return Err(format!("'{item}' has a step of 0; give 1 or more"));
+        return Err(format!("'{name}' has a step of 0; give 1 or more"));
     }
     // One more than is allowed is enough to refuse them.
     let most = MOST_FRAMES + 1;
@@ -131,7 +133,7 @@ pub(crate) fn frames_of<'a>(
     let bad = |name, path: &Path, what: &str, remedy: &str| {
         Err(Error::BadParameter {
             name,
-            found: format!("{} {what}", path.display()),
+            found: format!("{} {what}", shown(path)),
             remedy: remedy.into(),
         })
     };

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::frame::{
     UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped,
 };
+use crate::untrusted::Untrusted;
 use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
@@ -206,8 +207,11 @@ impl RoleSource {
         let role = self.role.name();
         match &self.layer {
             Some(layer) if layer.layer.is_empty() => format!("--{role} NAME|FILE"),
-            Some(layer) => format!("--{role} \"{}\"", layer.layer),
-            None => format!("--{role} \"{}\"", self.file.path().display()),
+            Some(layer) => format!("--{role} {}", Untrusted(&layer.layer).quoted()),
+            None => {
+                let path = self.file.path().to_string_lossy();
+                format!("--{role} {}", Untrusted(&path).quoted())
+            }
         }
     }
 
@@ -369,7 +373,7 @@ pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
             file.found("a photo")
         ),
         remedy: match file.nearest(role) {
-            Some(layer) => format!("did you mean {layer}? name one with {flag}"),
+            Some(layer) => format!("did you mean {}? name one with {flag}", Untrusted(layer)),
             None => format!("name one with {flag}"),
         },
     }
@@ -377,11 +381,13 @@ pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
 
 fn no_such_layer(role: Role, name: &str, file: &Opened) -> Error {
     let meant = match file.alike(name) {
-        Some(layer) => format!("did you mean {layer}? "),
+        Some(layer) => format!("did you mean {}? ", Untrusted(layer)),
         None => String::new(),
     };
     let (role, found) = (role.name(), file.found("no layers"));
-    let found = match is_picture_name(Path::new(name)) {
+    let is_picture = is_picture_name(Path::new(name));
+    let name = Untrusted(name);
+    let found = match is_picture {
         true => format!("{name} is no file, and no layer either (found {found})"),
         false => format!("no {role} called {name} (found {found})"),
     };

@@ -6,6 +6,7 @@
 use super::exr::ExrFile;
 use super::roles::Layer;
 use crate::error::{Error, Result};
+use crate::untrusted::{Untrusted, listed};
 
 /// Views that need no list where both occur.
 const EYES: [&str; 2] = ["left", "right"];
@@ -63,11 +64,11 @@ pub(super) fn keep(
         (Some(wanted), None) => {
             let there = match views {
                 [] => "no views".into(),
-                views => views.join(", "),
+                views => listed(views),
             };
             return Err(Error::MissingAov {
                 path: file.path.clone(),
-                found: format!("no view called {wanted} (found {there})"),
+                found: format!("no view called {} (found {there})", Untrusted(wanted)),
                 remedy: "name one of them with --view, or leave it out".into(),
             });
         }

@@ -4,6 +4,7 @@ use crate::frame::{Frame, Mask};
 use crate::params::ShapeParams;
 use crate::report::surface::Surface;
 use crate::report::timing::Effort;
+use crate::untrusted::Untrusted;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -40,7 +41,16 @@ impl On {
 /// Name and size.
 impl Display for On {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {}x{}", self.name, self.width, self.height)
+        let name = Untrusted(&self.name);
+        write!(f, "{name}, {}x{}", self.width, self.height)
+    }
+}
+
+impl On {
+    /// Name and size as text of Markdown.
+    pub(super) fn markdown(&self) -> String {
+        let name = Untrusted(&self.name).markdown();
+        format!("{name}, {}x{}", self.width, self.height)
     }
 }
 

@@ -17,6 +17,7 @@ use super::sweeps::directions::Sweep;
 use super::sweeps::rim::{BANDS, FORESHORTENINGS};
 use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use super::timing::Utilisation;
+use crate::untrusted::Untrusted;
 use std::fmt::{self, Display};
 
 /// Stages named on the first page.
@@ -81,7 +82,7 @@ pub(crate) fn first_page(report: &Report) -> String {
     format!(
         "# relievo report: {}\n\n{}x{}, {} pixels of surface; relievo {} on {} threads.{unoptimised}\n{sheet}\n{}\n\n\
          ![Error against time]({})\n\n{}\n\n## Warnings\n\n{warnings}\n{}",
-        frame.on.name,
+        Untrusted(&frame.on.name).markdown(),
         frame.on.width,
         frame.on.height,
         frame.on.covered,
@@ -145,7 +146,7 @@ impl Table {
 
 impl Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Escapes bars, which would end a cell.
+        // Escapes bars, which would end a cell; names have none.
         let line = |cells: &[String]| cells.join("\0").replace('|', "\\|").replace('\0', " | ");
         writeln!(
             f,
@@ -285,7 +286,7 @@ fn solvers(sweep: &SceneSweep, title: &str, plot: &str) -> String {
     format!(
         "## {title}\n\n{}, {} pixels covered: {}. Largest errors of edge weights, 0 to 1: silhouettes {silhouette}, creases \
          {crease}, conductance {conductance}.\n\n![Error against time]({plot})\n{}",
-        sweep.on,
+        sweep.on.markdown(),
         sweep.on.covered,
         sweep.about,
         sweep.scales.iter().map(scale).collect::<String>()
@@ -372,7 +373,7 @@ fn runs(report: &Report) -> String {
 
 fn precision(report: &Report) -> String {
     let table = table!(&report.precision, row => {
-        "frame": row.frame,
+        "frame": Untrusted(&row.frame).markdown(),
         "stored as": format!("{:?}", row.stored).to_lowercase(),
         "scale": row.scale,
         "gradient mean / 99 % / max": row.gradient,

@@ -17,6 +17,7 @@ use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
 use super::sweeps::solver::{ScaleSweep, SceneSweep, SolverRow};
 use crate::params::Solver;
+use crate::untrusted::Untrusted;
 use figure::{FAINT, FRONT, Marks, Panel, Point, SERIES, Series, figure, figure_up_to, ticks};
 use plotters::style::text_anchor::HPos;
 
@@ -36,8 +37,8 @@ pub(super) fn of_scene(scene: &SceneSweep) -> String {
 
 /// Names of the plots of light: by number of lights, by equation.
 pub(super) fn of_light(subject: &Subject) -> [String; 2] {
-    // A frame is named after its file.
-    let name = match subject.on.name.contains('.') {
+    // A frame may have any name.
+    let name = match subject.is_frame {
         true => "",
         false => &format!("{}-", subject.on.name),
     };
@@ -248,7 +249,7 @@ fn error_of_directions(sweeps: &[field::Sweep]) -> String {
             ..Point::new(1e3 * row.stage.min, row.from_full.p95, row.cell_px)
         });
         Panel::new(
-            &sweep.on.name,
+            Untrusted(&sweep.on.name).to_string(),
             [Series::new(SERIES[0], Marks::Discs(4), points)],
         )
     });
@@ -332,7 +333,7 @@ fn error_of_pictures(name: &str, rows: &[PictureRow]) -> String {
         ];
         Panel::new(&row.picture, series)
     });
-    let title = format!("{name}: new light and drawings");
+    let title = format!("{}: new light and drawings", Untrusted(name));
     let legend = [("on the CPU", SERIES[0]), ("on the GPU", SERIES[2])];
     figure(&title, &legend, ["all stages, ms", "largest error"], panels)
 }

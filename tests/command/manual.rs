@@ -1,6 +1,8 @@
 //! Completions, manual pages, and the reference of the guide.
 
+use crate::common::exr::Part;
 use crate::common::program::{fixture, program, relievo};
+use relievo::frame::Plane;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
@@ -58,6 +60,13 @@ const SHELLS: [(&str, &[&str], &str); 3] = [
     ("fish", &["--no-config"], "complete -C \"LINE\"\n"),
 ];
 
+/// The lines that make `shell` complete.
+fn registered(shell: &str) -> String {
+    // zsh registers with a completion system that only a terminal has.
+    let system = "compdef() { }\n".repeat(usize::from(shell == "zsh"));
+    system + &printed(&format!("completions {shell}")) + "\n"
+}
+
 /// Commands and options are completed, and after an option that names a layer, the layers of the file on the line.
 #[test]
 fn shells_complete_commands_options_and_layers() {
@@ -89,9 +98,7 @@ fn shells_complete_commands_options_and_layers() {
         ),
     ];
     for (shell, arguments, script) in SHELLS {
-        // zsh registers with a completion system that only a terminal has.
-        let registered = "compdef() { }\n".repeat(usize::from(shell == "zsh"));
-        let registered = registered + &printed(&format!("completions {shell}")) + "\n";
+        let registered = registered(shell);
         for (line, expected) in &cases {
             // fish takes an empty last word as a space.
             let line = if shell == "fish" {
@@ -123,6 +130,103 @@ fn shells_complete_commands_options_and_layers() {
     }
 }
 
+/// Names of layers and files that a shell would run or change are not offered, and those that are, it takes as they stand.
+#[cfg(unix)]
+#[test]
+fn no_name_is_run_by_a_shell() {
+    let place = tempfile::tempdir().unwrap();
+    let here = place.path();
+    let plane = Plane::filled(4, 4, 0.5);
+    let hostile = [
+        "$(touch pwned)Normal",
+        "`touch pwned`",
+        "a;touch pwned;",
+        "a\ntouch pwned",
+        "a\u{b}$(touch pwned)",
+        "a&touch pwned",
+        "a|touch pwned",
+        "two words",
+        "{a,b}",
+        "*",
+        "?",
+        "[a]",
+        "~",
+        "!x",
+        "a\tb",
+        "a\u{1b}[31m",
+        "'",
+        "\"",
+        "\\",
+        "#a",
+        "<a",
+        ">pwned",
+        "--output=pwned",
+    ];
+    let names = hostile.iter().chain(&["Fine_Normal-1"]);
+    let channels = names.flat_map(|name| ["X", "Y", "Z"].map(|axis| format!("{name}.{axis}")));
+    // A component is shown beside a name.
+    let channels = channels.chain(["Fine_Normal-1.\u{1b}]0;\u{7}".to_string()]);
+    Part::of(channels.map(|name| (name, &plane))).write(&here.join("in.exr"));
+    for name in hostile {
+        fs::write(here.join(format!("{name}.png")), "").unwrap();
+    }
+    let file = relievo::io::survey(&here.join("in.exr"), None).unwrap();
+    let layers = file.parts[0].layers.iter();
+    let layers: Vec<_> = layers.map(|layer| layer.name.as_str()).collect();
+    assert!(
+        hostile.iter().all(|name| layers.contains(name)),
+        "{layers:?}"
+    );
+    let cases = [
+        (
+            "inspect in.exr --normal ''",
+            &["Fine_Normal-1", "in.exr"][..],
+        ),
+        ("inspect ''", &["in.exr"]),
+        (
+            "enhance in.exr --normal=",
+            &["--normal=Fine_Normal-1", "--normal=in.exr"],
+        ),
+    ];
+    for (shell, arguments, script) in SHELLS {
+        for (line, expected) in cases {
+            let line = format!("relievo {line}");
+            let line = match shell {
+                "fish" => line.trim_end_matches('\''),
+                _ => &line,
+            };
+            let script = registered(shell) + &script.replace("LINE", line);
+            let Some(found) = run_in(shell, arguments, here, &script) else {
+                break;
+            };
+            let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
+            assert!(found.chars().all(is_plain), "{shell}: {found:?}");
+            let offered = found
+                .lines()
+                .map(|line| line.split([':', '\t']).next().unwrap());
+            let offered: Vec<_> = offered.collect();
+            for name in expected {
+                assert!(offered.contains(name), "{shell}: {line}: {offered:?}");
+            }
+            let is_word = |c: char| c.is_alphanumeric() || "._-:/+@,=".contains(c);
+            for word in offered {
+                let is_option = word.starts_with('-') && word != "--output=pwned";
+                assert!(
+                    word.chars().all(is_word) && !word.is_empty(),
+                    "{shell}: {word:?}"
+                );
+                assert!(is_option || !word.starts_with('-'), "{shell}: {word:?}");
+                // As if it were accepted and entered.
+                if !is_option {
+                    let entered = format!("relievo inspect in.exr --normal {word}; true\n");
+                    run_in(shell, arguments, here, &entered);
+                }
+            }
+        }
+    }
+    assert!(!here.join("pwned").exists(), "a shell has run a name");
+}
+
 /// Every command has a page that names all of its flags, and that mandoc has nothing to say against.
 #[test]
 fn every_command_has_a_manual_page() {
@@ -149,15 +253,18 @@ fn every_command_has_a_manual_page() {
 /// A reader that closes the pipe early ends the program without a word.
 #[test]
 fn a_closed_pipe_is_no_error() {
-    let mut child = program(Path::new("."))
-        .args(["man", "hatch"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    drop(child.stdout.take());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    for words in ["man hatch", "--help", "hatch --help-all"] {
+        let mut child = program(Path::new("."))
+            .args(words.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+        assert_eq!(output.status.code(), Some(0), "{words}");
+    }
 }
 
 /// The guide's reference is what the program writes.

@@ -4,6 +4,7 @@ use super::inputs::desk;
 use crate::common::exr::Part;
 use crate::common::program::{Ran, program, relievo, run};
 use relievo::frame::Plane;
+use std::fs;
 
 /// A colour, a bell, the start of a line, a new line, a one-byte escape, and writing from right to left.
 const STEERING: &str = "\u{1b}[31mA\u{7}B\rC\nD\u{9b}2JE\u{202e}F\u{2066}G";
@@ -111,4 +112,166 @@ fn a_name_that_is_no_text_loses_no_results() {
     let files: Vec<_> = (0..2).map(|i| read[i]["file"].as_str().unwrap()).collect();
     assert_eq!(files, ["in.0001.exr", "b\u{fffd}d.exr"]);
     Ran::of(program(here).args(["enhance", "-o", "o.png"]).arg(name)).done();
+}
+
+/// Most characters of a message: a few names of 120, and what is said about them.
+const LONGEST: usize = 900;
+
+/// Whatever the length of a name, messages stay readable: names lose their middle, and the remedy is there.
+#[test]
+fn long_names_lose_their_middle_in_messages() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    let plane = Plane::filled(4, 4, 0.5);
+    // Blanks and none, below what a system allows as one argument.
+    for name in ["long name ".repeat(10_000), "x".repeat(100_000)] {
+        let mut named = Part::of([("R", &plane), ("G", &plane), ("B", &plane)]).named(&name);
+        named = named.text("view", &name);
+        named.write(&here.join("part.exr"));
+        let manifest = format!("{{\"{name}\": \"3f800000\", \"b\": \"3f900000\"}}");
+        let ranks = ["R", "G", "B", "A"].map(|c| (format!("Crypto00.{c}"), &plane));
+        Part::of(ranks)
+            .text("cryptomatte/1234567/name", "Crypto")
+            .text("cryptomatte/1234567/manifest", &manifest)
+            .write(&here.join("objects.exr"));
+        let recipe = |line: &str| format!("version = 1\ncommand = \"enhance\"\n{line}\n");
+        fs::write(here.join("key.toml"), recipe(&format!("{name:?} = 1"))).unwrap();
+        fs::write(
+            here.join("value.toml"),
+            recipe(&format!("scaling = {name:?}")),
+        )
+        .unwrap();
+        fs::write(here.join("word.toml"), recipe(&name)).unwrap();
+        let camera = format!("{{\"camera_type\": {name:?}, \"{name}\": 1}}");
+        fs::write(here.join("camera.json"), camera).unwrap();
+        let make = ["enhance", "in.0001.exr", "-o", "o.png"];
+        let with = |more: &[&'static str]| [&make[..], more, &[&name]].concat();
+        for words in [
+            vec![&*name],
+            vec!["inspect", &name],
+            vec!["inspect", "--view", &name, "part.exr"],
+            vec!["report", &name],
+            vec!["run", &name],
+            vec!["man", &name],
+            vec!["completions", &name],
+            vec!["enhance", &name, "-o", "o.png"],
+            vec!["enhance", &name, "other.exr", "-o", "o.png"],
+            vec!["enhance", "in.0001.exr", "-o", &name],
+            vec!["enhance", "in.0001.exr", &name],
+            vec!["enhance", "objects.exr", "-o", "o.png", "--object", &name],
+            vec!["enhance", "objects.exr", "-o", "o.png", "--object", "none"],
+            vec!["enhance", "part.exr", "-o", "o.png"],
+            vec!["enhance", "in.0001.exr", "-o", "o.exr", "--write", &name],
+            vec!["run", "key.toml", "in.0001.exr", "-o", "o.png"],
+            vec!["run", "value.toml", "in.0001.exr", "-o", "o.png"],
+            vec!["run", "word.toml", "in.0001.exr", "-o", "o.png"],
+            vec![
+                "relight",
+                "in.0001.exr",
+                "-o",
+                "o.png",
+                "--environment",
+                &name,
+            ],
+            vec!["hatch", "in.0001.exr", "-o", "o.png", "--style", &name],
+            vec![
+                "hatch",
+                "in.0001.exr",
+                "-o",
+                "o.png",
+                "--camera",
+                "camera.json",
+            ],
+            with(&["--normal"]),
+            with(&["--depth"]),
+            with(&["--mask"]),
+            with(&["--scaling"]),
+            with(&["--frames"]),
+            with(&["--camera"]),
+            with(&["--light-group"]),
+            with(&["--motion"]),
+            with(&["--threads"]),
+            with(&["--max-memory"]),
+            with(&["--timings"]),
+            with(&["--save-recipe"]),
+            with(&["--crease"]),
+        ] {
+            let ran = run(here, &words);
+            let shown: Vec<_> = words
+                .iter()
+                .map(|word| &word[..word.len().min(20)])
+                .collect();
+            let long = ran
+                .stderr
+                .lines()
+                .find(|line| line.chars().count() > LONGEST);
+            assert_eq!(long, None, "{shown:?}");
+            if let Some(code @ 1..) = ran.code {
+                let line = ran.refused(code);
+                assert!(!line.contains(&name[..130]), "{shown:?}: {line}");
+            }
+        }
+        for file in ["part.exr", "objects.exr"] {
+            let text = run(here, ["inspect", file]).done().stdout;
+            let long = text.lines().find(|line| line.chars().count() > LONGEST);
+            assert_eq!(long, None);
+            // JSON loses nothing.
+            let json = run(here, ["inspect", "--json", file]).done().stdout;
+            let read: serde_json::Value = serde_json::from_str(&json).unwrap();
+            let whole = match file {
+                "part.exr" => &read[0]["parts"][0]["name"],
+                _ => &read[0]["objects"][0]["names"],
+            };
+            assert!(whole.to_string().contains(&name));
+        }
+    }
+}
+
+/// A name of an input stays within the folder that results go to, and stands as it is.
+#[cfg(unix)]
+#[test]
+fn names_of_inputs_are_put_into_names_of_outputs_once() {
+    let desk = desk(1..=1);
+    let here = desk.path();
+    fs::create_dir(here.join("out")).unwrap();
+    let copy = |name: &str| fs::copy(here.join("in.0001.exr"), here.join(name)).unwrap();
+    // Their stems are `..` and `.`.
+    for name in ["...exr", "..exr"] {
+        copy(name);
+        for output in ["out/{name}/escaped.png", "out/{name}.png", "out/"] {
+            let line = run(here, ["shape", name, "in.0001.exr", "-o", output]).refused(2);
+            assert!(line.contains("rename it"), "{line}");
+        }
+    }
+    assert!(!here.join("escaped.png").exists());
+    for name in ["{map}.exr", "{name}.exr", "-o.exr", "%d#.exr", "{.exr"] {
+        copy(name);
+        let input = format!("./{name}");
+        let words = [
+            "map",
+            &input,
+            "-o",
+            "{name}_{map}.png",
+            "--map",
+            "curvature,edges",
+        ];
+        run(here, words).done();
+        let stem = name.trim_end_matches(".exr");
+        for map in ["curvature", "edges"] {
+            assert!(here.join(format!("{stem}_{map}.png")).exists(), "{name}");
+        }
+    }
+    // The name alone has no place for the map.
+    let words = [
+        "map",
+        "{map}.exr",
+        "-o",
+        "{name}.png",
+        "--map",
+        "curvature,edges",
+    ];
+    let line = run(here, words).refused(2);
+    assert!(line.contains("put {map} into its name"), "{line}");
+    run(here, ["map", "{map}.exr", "-o", "{name}.png"]).done();
+    assert!(here.join("{map}.png").exists());
 }

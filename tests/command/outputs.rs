@@ -1,7 +1,7 @@
 //! Outputs that cannot be written give one line and leave no debris, and layers go where requested.
 
 use super::inputs::{bytes, desk};
-use crate::common::program::{Ran, names, relievo};
+use crate::common::program::{Ran, names, program, relievo};
 use relievo::io::exr::ExrFile;
 use std::fs;
 
@@ -77,7 +77,7 @@ fn what_cannot_be_written_is_one_line_and_no_debris() {
         eprintln!("skipped: this user may write anywhere");
     } else {
         let said = output.ended(1);
-        assert_eq!(said.matches("cannot write").count(), 2, "{said}");
+        assert_eq!(said.matches("cannot write").count(), 1, "{said}");
     }
     assert_eq!(names(here, ".relievo"), [""; 0]);
 }
@@ -261,4 +261,64 @@ fn pipes_are_not_waited_for() {
     }
     let said = relievo(here, "enhance in.0001.exr -o pipe").ended(2);
     assert!(said.contains("no known extension"), "{said}");
+}
+
+/// Where no file can be made, that is said before anything is read: the input does not even exist. /proc takes none,
+/// whoever asks.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_file_is_named_before_any_work() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    fs::write(here.join("file"), "").unwrap();
+    for words in [
+        "shape none.exr -o /proc/out.png",
+        "shape none.exr other.exr -o /proc/",
+        "shape none.exr other.exr -o /proc/out",
+        "shape none.exr other.exr -o file/out",
+        "enhance none.####.exr --frames 1-2 -o /proc/out.####.exr",
+        "map none.exr -o /proc/{map}.png --map curvature,edges",
+        "hatch none.exr -o out.png --save-recipe /proc/look.toml",
+        "relight none.exr -o out.png --timings missing/t.json",
+        "report none.exr -o /proc",
+        "report none.exr -o /proc/report",
+        "report none.exr -o file/report",
+    ] {
+        let line = relievo(here, words).refused(1);
+        let is_said = ["cannot write", "cannot make"]
+            .iter()
+            .any(|said| line.contains(said));
+        assert!(is_said && !line.contains("none.exr"), "{words}: {line}");
+    }
+    assert_eq!(names(here, ""), ["file"]);
+}
+
+/// A full disk loses no help and no list without a word.
+#[cfg(target_os = "linux")]
+#[test]
+fn results_that_cannot_be_printed_are_an_error() {
+    let desk = desk(1..=1);
+    for words in [
+        "--help",
+        "--version",
+        "shape --help",
+        "shape --help-all",
+        "help hatch",
+        "completions bash",
+        "man",
+        "schema",
+        "reference",
+        "inspect in.0001.exr",
+        "inspect --json in.0001.exr",
+    ] {
+        let mut command = program(desk.path());
+        let full = fs::File::create("/dev/full").unwrap();
+        command.args(words.split(' ')).stdout(full);
+        let said = Ran::of(&mut command).ended(1);
+        assert!(
+            said.starts_with("error: stdout: cannot write: "),
+            "{words}: {said}"
+        );
+        assert_eq!(said.lines().count(), 1, "{words}: {said}");
+    }
 }

@@ -1,6 +1,8 @@
 //! `relievo report`: its files, and bounds on their numbers.
 
+use crate::common::exr::Part;
 use crate::common::program::{Ran, fixture, run};
+use relievo::frame::Plane;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -759,4 +761,51 @@ fn a_device_is_not_told_of() {
     let refused = relievo(&["report", paths[0], "-o", paths[1], "--backend", "gpu"]);
     let line = refused.refused(1);
     assert!(line.contains("--features gpu"), "{line}");
+}
+
+/// A name that looks like markup, of Markdown or HTML, is a text on the page.
+#[cfg(unix)]
+#[test]
+fn no_name_is_markup() {
+    let place = tempfile::tempdir().unwrap();
+    let name = "<img src=x onerror=alert(1)><script>alert(2)</script>".replace('/', "&sol;")
+        + "[a](javascript:alert(3))![b](http:b)`c`|*d*&lt;\u{1b}";
+    let plane = Plane::from_fn(24, 24, |x, y| (x + y) as f32 / 48.0);
+    let up = Plane::filled(24, 24, 1.0);
+    let flat = Plane::filled(24, 24, 0.0);
+    let picture = ["R", "G", "B"].map(|channel| (channel, &plane));
+    let normals = [("N.X", &flat), ("N.Y", &flat), ("N.Z", &up)];
+    Part::of(picture.into_iter().chain(normals)).write(&place.path().join(&name));
+    run(place.path(), ["report", &name, "-o", "report"]).done();
+    let read = |file: &str| fs::read_to_string(place.path().join("report").join(file)).unwrap();
+    let page = read("report.html");
+    let shown = "&lt;img src=x onerror=alert(1)&gt;&lt;script&gt;alert(2)&lt;&amp;sol;script&gt;\
+        [a](javascript:alert(3))![b](http:b)`c`|*d*&amp;lt;\\u001b";
+    assert!(
+        page.contains(&format!("<h1>relievo report: {shown}</h1>")),
+        "{page}"
+    );
+    assert!(
+        page.contains("content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\"")
+    );
+    // Every tag is one that we write, without a handler.
+    let known = [
+        "!doctype", "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p",
+        "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "code", "strong", "em", "figure",
+        "img", "svg", "rect", "text", "line", "circle", "polyline", "polygon", "path",
+    ];
+    for tag in page.split('<').skip(1) {
+        let tag = tag.split('>').next().unwrap();
+        let kind = tag
+            .trim_start_matches('/')
+            .split([' ', '/', '\n'])
+            .next()
+            .unwrap();
+        assert!(known.contains(&kind) && !tag.contains(" on"), "<{tag}>");
+        assert!(kind != "img" || tag.contains("src=\"data:"), "<{tag}>");
+    }
+    let text = read("report.md");
+    assert!(!text.contains("<img") && !text.contains("<script") && !text.contains("[a]"));
+    let json: Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!(json["frame"]["name"].as_str(), Some(&*name));
 }

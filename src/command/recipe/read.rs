@@ -6,6 +6,7 @@ use crate::command::commands::{command_named, long, names_of};
 use crate::command::flags::Flag;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
+use crate::untrusted::Untrusted;
 use clap::{Arg, Command};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -61,7 +62,7 @@ impl Recipe {
             let line = error.span().map_or(1, |span| {
                 1 + text[..span.start].bytes().filter(|&b| b == b'\n').count()
             });
-            let found = format!("line {line}: {}", error.message().replace('\n', " "));
+            let found = format!("line {line}: {}", Untrusted(error.message()));
             bad(path, &found, "write it as name = value")
         })?;
         match settings.remove("version") {
@@ -165,7 +166,7 @@ impl Recipe {
 
     fn flags_of(&self, arg: &Arg, name: &str, value: &Value) -> Result<Vec<Flag>> {
         let wrong = |expected: &str| {
-            let found = format!("{name} is {}", value.type_str());
+            let found = format!("{} is {}", Untrusted(name), value.type_str());
             Err(bad(&self.path, &found, &format!("write {expected}")))
         };
         if is_switch(arg) {
@@ -200,8 +201,11 @@ impl Recipe {
             None => format!("see relievo {} --help", self.command),
         };
         let found = match long(command, name) {
-            Some(_) => format!("{name} is for the command line, not for a recipe"),
-            None => format!("{} has no setting {name}", self.command),
+            Some(_) => format!(
+                "{} is for the command line, not for a recipe",
+                Untrusted(name)
+            ),
+            None => format!("{} has no setting {}", self.command, Untrusted(name)),
         };
         bad(&self.path, &found, &remedy)
     }

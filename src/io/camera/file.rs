@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
+use crate::untrusted::Untrusted;
 use glam::{DAffine3, DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
@@ -96,7 +97,7 @@ pub(crate) fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
 
 fn not_json(error: serde_json::Error) -> Rejected {
     Rejected::new(
-        format!("not a JSON camera ({error})"),
+        format!("not a JSON camera ({})", Untrusted(&error.to_string())),
         "write an object with world_to_camera and focal_px",
     )
 }

@@ -14,6 +14,7 @@ pub(super) use layers::{means_motion, motion_sources};
 
 use super::sources::RoleSource;
 use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
+use crate::untrusted::Untrusted;
 
 /// The layers of a frame that may hold its motion, as stored.
 #[derive(Debug, Clone)]
@@ -95,13 +96,11 @@ impl MotionLayers {
     /// The flags by which a pair is read so.
     fn flags(&self, pair: usize, convention: MotionConvention) -> String {
         let layer = &self.pairs[pair].layer;
+        let name = Untrusted(layer).quoted();
         let first = self.pairs.iter().position(|pair| pair.layer == *layer);
         match first == Some(pair) {
-            true => format!(
-                "--motion \"{layer}\" --motion-convention {}",
-                convention.flag()
-            ),
-            false => format!("--motion \"{layer}\""),
+            true => format!("--motion {name} --motion-convention {}", convention.flag()),
+            false => format!("--motion {name}"),
         }
     }
 

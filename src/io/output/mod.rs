@@ -11,6 +11,7 @@ pub(crate) use temporary::{drop_unfinished, remove_leftovers};
 use super::exr::{ExrFile, Limits};
 use super::open::open_input;
 use crate::error::{Error, Result};
+use crate::untrusted::shown;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -91,12 +92,34 @@ fn tail(path: &Path, count: usize) -> io::Result<Vec<u8>> {
 /// Refuses a `path` that [`write_atomically`] could not write to, before any work is done for it.
 ///
 /// # Errors
-/// [`Error::Io`] if its directory is missing, if it is a directory or another thing that is not a file, and if it exists
+/// [`Error::Io`] if its directory is missing or takes no file, if it is a directory or another thing that is not a file, and if it exists
 /// and `replace` keeps it.
 pub fn check_writable(path: &Path, replace: Replace) -> Result<()> {
-    Target::of(path, replace)
-        .map(|_| ())
-        .map_err(Error::io(path, "write"))
+    let target = Target::of(path, replace).map_err(Error::io(path, "write"))?;
+    can_hold(directory_of(&target.path), path)
+}
+
+/// Refuses a `folder`, perhaps still to be made, that no file can be written in.
+///
+/// # Errors
+/// [`Error::Io`].
+#[cfg(feature = "cli")]
+pub(crate) fn check_folder(folder: &Path) -> Result<()> {
+    let mut above = folder
+        .ancestors()
+        .filter(|path| !path.as_os_str().is_empty());
+    let existing = above.find(|path| path.exists());
+    can_hold(existing.unwrap_or(Path::new(".")), folder)
+}
+
+/// Tries to make a file in `directory`, for `path`: only that tells for all file systems and users.
+fn can_hold(directory: &Path, path: &Path) -> Result<()> {
+    let made = Temporary::beside(&directory.join("file"));
+    let made = made.map_err(|error| {
+        let (folder, why) = (shown(directory), error.kind());
+        io::Error::new(why, format!("no file can be made in {folder} ({why})"))
+    });
+    made.map(|_| ()).map_err(Error::io(path, "write"))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Target of a result: the file behind a path, and whether it may be replaced.
 
 use crate::error::{Error, Result};
+use crate::untrusted::shown;
 use std::collections::HashMap;
 use std::ffi::OsString;
 use std::fs::{self, Permissions};
@@ -45,7 +46,7 @@ impl Target {
                 }),
                 false => Err(io::Error::new(
                     io::ErrorKind::NotFound,
-                    format!("there is no directory {}", directory.display()),
+                    format!("there is no directory {}", shown(directory)),
                 )),
             };
         };
@@ -92,13 +93,36 @@ fn is_writable(_: &Path, data: &fs::Metadata) -> bool {
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
-        let is_link = fs::symlink_metadata(&path).is_ok_and(|data| data.is_symlink());
-        if !is_link {
+        let data = fs::symlink_metadata(&path);
+        let Some(link) = data.ok().filter(fs::Metadata::is_symlink) else {
             return Ok(path);
+        };
+        if !may_follow(&link, directory_of(&path))? {
+            return Err(io::Error::new(
+                io::ErrorKind::PermissionDenied,
+                "it is a link of another user in a folder that all may write to; remove it, or write elsewhere",
+            ));
         }
         path = directory_of(&path).join(fs::read_link(&path)?);
     }
     Err(io::Error::other("its links lead in a circle"))
+}
+
+/// Whether the `link` in `directory` is followed. In a sticky folder that all may write to, such as /tmp, it has to belong
+/// to the user or the folder's owner. That is Linux's rule too (`protected_symlinks`), for links that it reads itself.
+#[cfg(unix)]
+fn may_follow(link: &fs::Metadata, directory: &Path) -> io::Result<bool> {
+    use rustix::fs::Mode;
+    use std::os::unix::fs::MetadataExt;
+    let folder = fs::metadata(directory)?;
+    let is_shared = Mode::from_raw_mode(folder.mode()).contains(Mode::SVTX | Mode::WOTH);
+    let owners = [rustix::process::geteuid().as_raw(), folder.uid()];
+    Ok(!is_shared || owners.contains(&link.uid()))
+}
+
+#[cfg(not(unix))]
+fn may_follow(_: &fs::Metadata, _: &Path) -> io::Result<bool> {
+    Ok(true)
 }
 
 /// The directory that the file `path` is in.
@@ -184,25 +208,78 @@ impl Files {
         let refused = |found: String| {
             Err(Error::BadParameter {
                 name,
-                found: format!("{} {found}", path.display()),
+                found: format!("{} {found}", shown(path)),
                 remedy: "write to another file".into(),
             })
         };
         if let Some(input) = self.read.get(&id) {
-            return refused(format!("is the input {}", input.display()));
+            return refused(format!("is the input {}", shown(input)));
         }
         let directory = followed(path).ok();
         let directory = directory.and_then(|path| FileId::of(directory_of(&path)));
         if let Some(folder) = directory.and_then(|directory| self.folders.get(&directory)) {
-            let folder = folder.display();
+            let folder = shown(folder);
             return refused(format!("lies in {folder}, all of which is read"));
         }
         if let Some((other, theirs)) = self.written.insert(id, (name, path.into())) {
             return refused(match other == name {
-                true => format!("is {} too, of another frame", theirs.display()),
+                true => format!("is {} too, of another frame", shown(&theirs)),
                 false => format!("is the output of {other} too"),
             });
         }
         Ok(())
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::{PermissionsExt, lchown, symlink};
+
+    /// In a sticky folder that all may write to, a link is followed where it is the user's own or that of the folder's
+    /// owner. Only the superuser can make links of others.
+    #[test]
+    fn links_of_others_in_shared_folders_are_not_followed() {
+        const OTHER: u32 = 12_345;
+        const THIRD: u32 = 12_346;
+        let desk = tempfile::tempdir().unwrap();
+        let victim = desk.path().join("victim");
+        fs::write(&victim, "").unwrap();
+        let folder = desk.path().join("shared");
+        fs::create_dir(&folder).unwrap();
+        let link = folder.join("link");
+        let place = |mode: u32, owners: [Option<u32>; 2]| {
+            let _ = fs::remove_file(&link);
+            symlink(&victim, &link)?;
+            lchown(&link, owners[0], None)?;
+            lchown(&folder, owners[1], None)?;
+            fs::set_permissions(&folder, fs::Permissions::from_mode(mode))
+        };
+        place(0o1777, [None, None]).unwrap();
+        assert_eq!(followed(&link).unwrap(), victim);
+        if place(0o1777, [Some(OTHER), None]).is_err() {
+            println!("SKIPPED: only the superuser makes links of other users");
+            return;
+        }
+        let refused = followed(&link).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::PermissionDenied);
+        assert!(Target::of(&link, Replace::Always).is_err());
+        for (mode, link_owner, folder_owner, is_followed) in [
+            (0o1777, OTHER, THIRD, false),
+            (0o1777, OTHER, OTHER, true),
+            (0o1777, 0, OTHER, true),
+            // Not sticky, and not for all to write to.
+            (0o777, OTHER, THIRD, true),
+            (0o1755, OTHER, THIRD, true),
+        ] {
+            place(mode, [Some(link_owner), Some(folder_owner)]).unwrap();
+            let case = format!("{mode:o} {link_owner} {folder_owner}");
+            assert_eq!(followed(&link).is_ok(), is_followed, "{case}");
+        }
+        // One more link in front of it changes nothing.
+        place(0o1777, [Some(OTHER), Some(THIRD)]).unwrap();
+        let first = desk.path().join("first");
+        symlink(&link, &first).unwrap();
+        assert!(followed(&first).is_err());
     }
 }

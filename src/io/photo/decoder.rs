@@ -12,6 +12,8 @@ use std::path::Path;
 const MAX_SIDE: u32 = 1 << 16;
 /// Most bytes for the samples of a picture, and as many again for its decoder.
 const MAX_BYTES: u64 = 1 << 30;
+/// Most bytes for the profile of a PNG, which is inflated as its header is read, and all else beside its samples.
+const MAX_PNG_METADATA: u64 = 1 << 26;
 
 /// Calls `read` with a decoder of the picture at `path`, whose header has been read, and its format.
 ///
@@ -44,13 +46,16 @@ fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
     let mut reader = open_input(path)
         .and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
         .map_err(Error::io(path, "read"))?;
+    // Unrecognised files are refused with the decoders' own message.
+    let format = reader.format().unwrap_or(ImageFormat::Png);
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
+    limits.max_alloc = Some(match format {
+        ImageFormat::Png => MAX_PNG_METADATA,
+        _ => MAX_BYTES,
+    });
     reader.limits(limits);
-    // Unrecognised files are refused with the decoders' own message.
-    let format = reader.format().unwrap_or(ImageFormat::Png);
     Ok((reader, format))
 }
 

@@ -40,6 +40,7 @@ impl PhotoMetadata {
     pub(super) fn of(photo: &PhotoHeader) -> Result<Self> {
         let (profile, exif) = with_decoder(&photo.path, |mut decoder, _| {
             let profile = decoder.icc_profile().unwrap_or_default();
+            let profile = profile.filter(|profile| profile.len() <= MAX_PROFILE);
             Ok((profile, decoder.exif_metadata().unwrap_or_default()))
         })?;
         let said = || Exif::read(exif.as_ref()?)?.dpi();
@@ -53,7 +54,7 @@ impl PhotoMetadata {
         let dpi = dpi.or_else(said).filter(is_sound);
         Ok(Self {
             width: photo.width,
-            profile: profile.filter(|profile| profile.len() <= MAX_PROFILE),
+            profile,
             exif,
             dpi: dpi.map(|dpi| upright(photo.orientation, dpi)),
         })

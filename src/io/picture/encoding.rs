@@ -92,9 +92,7 @@ impl Encoding {
     /// The block updated for this picture.
     fn said(&self, mut exif: Exif, dpi: Option<[f32; 2]>) -> Vec<u8> {
         exif.set_upright();
-        if let Some(dpi) = dpi {
-            exif.set_dpi(dpi);
-        }
+        exif.set_dpi(dpi);
         if let Some(software) = &self.software {
             exif.set_software(&ascii(software));
         }

@@ -33,6 +33,9 @@ pub(crate) struct Subject {
     /// The part that was lit, around the centre of the covered pixels.
     #[serde(flatten)]
     pub on: On,
+    /// Whether it is the frame, not a scene.
+    #[serde(skip)]
+    pub is_frame: bool,
     pub samples: Vec<samples::Sweep>,
     pub equations: Vec<samples::Equations>,
     pub prefiltered: Vec<samples::Prefiltered>,
@@ -76,7 +79,10 @@ pub(crate) fn run(asked: &Asked) -> Result<LightReport> {
         let waves = middle(&waves, most);
         let shape = ShapeParams::default();
         let bench = LitFrame::new(&waves, shape, &environment, effort);
-        subjects.push(subject("waves", &bench, 1024, progress)?);
+        subjects.push(Subject {
+            is_frame: false,
+            ..subject("waves", &bench, 1024, progress)?
+        });
     }
     progress("light: elementary functions");
     let functions = functions::measured(extent);
@@ -105,6 +111,7 @@ fn subject(
     let prefiltered = samples::prefiltered(bench, &references)?;
     Ok(Subject {
         on: On::new(name, &bench.frame.mask),
+        is_frame: true,
         samples,
         equations,
         prefiltered,

@@ -34,7 +34,8 @@ fn field(sweep: &field::Sweep) -> String {
     });
     format!(
         "On {}, {} pixels covered:\n\n{table}",
-        sweep.on, sweep.on.covered,
+        sweep.on.markdown(),
+        sweep.on.covered,
     )
 }
 
@@ -54,7 +55,7 @@ fn levels(sweep: &strokes::Sweep) -> String {
          levels are within half a degree of. Strokes are unbroken as far as ink is like that a sixth of a stroke farther along \
          the field: 100 % is a straight hatching. Blotches are the error of tone over some two strokes' distances, root mean square; \
          a straight hatching has {}. `hatch` takes {} levels and {} set.\n\n![Strokes by levels]({STROKES})\n\n{table}",
-        sweep.on,
+        sweep.on.markdown(),
         sweep.pixels,
         percent_to_a_tenth(sweep.straight_blotches),
         usual.levels,

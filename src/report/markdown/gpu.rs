@@ -8,6 +8,7 @@ use crate::report::numbers::scientific;
 use crate::report::pictures::{COMPARED, PictureRow, Reference};
 use crate::report::plots::PICTURES;
 use crate::report::sweeps::solver::GpuRow;
+use crate::untrusted::Untrusted;
 
 /// The section; empty in a build without device support.
 pub(super) fn section(report: &Report) -> String {
@@ -25,10 +26,11 @@ pub(super) fn section(report: &Report) -> String {
     };
     let software = if *is_software { ", in software" } else { "" };
     format!(
-        "## On a GPU\n\n{device}{software}. Its errors stand beside those of the CPU, in the tables of the frame and of the \
+        "## On a GPU\n\n{}{software}. Its errors stand beside those of the CPU, in the tables of the frame and of the \
          scenes; in software, what was not asked for and would take long is left out. Copies to it and from it and its kernels, min / median, for a picture of the curvature; `all` has the time of \
          recording its commands too.{}\n\n{}{}How far what it makes is from what the CPU makes, relative to the largest value of \
          each plane, of directions and ink on average:\n\n{}",
+        Untrusted(device).markdown(),
         clock(report),
         times(report),
         pictures(rows),
@@ -65,7 +67,7 @@ fn times(report: &Report) -> String {
         stages.collect::<Vec<_>>().join("; ")
     };
     let table = table!(rows(report), (name, scale, row) => {
-        "frame": name,
+        "frame": Untrusted(name).markdown(),
         "scale": scale,
         "setting": format!("{:?}, {}", row.row.solver, row.row.setting),
         "upload": row.parts.upload,
@@ -130,7 +132,7 @@ fn differences(products: &[ProductRow]) -> String {
     let table = table!(products, row => {
         "product": row.product.row().name,
         "largest difference": scientific(row.difference),
-        "in": row.frame,
+        "in": Untrusted(&row.frame).markdown(),
         "allowed": scientific(row.tolerance),
         "within": yes_or("**no**", row.is_within),
     });

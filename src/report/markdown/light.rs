@@ -8,6 +8,7 @@ use crate::report::light::samples::Sample;
 use crate::report::light::{LightReport, REFERENCE_LIGHTS, Subject};
 use crate::report::numbers::{milliseconds, rounded, scientific};
 use crate::report::plots::of_light as plot_names;
+use crate::untrusted::Untrusted;
 
 pub(super) fn section(light: &LightReport) -> String {
     format!(
@@ -82,7 +83,7 @@ fn of_subject(subject: &Subject) -> String {
          both against the same reference, that of equation 2:\n\n![Error against time by equation]({equations_plot})\n\n{equations}\n\
          Prefiltered maps, looked up once per pixel (where light is warped, in the warped direction), against the sum over the \
          reference's lights:\n\n{prefiltered}",
-        subject.on.name,
+        Untrusted(&subject.on.name).markdown(),
         subject.on.width,
         subject.on.height,
         subject.on.covered,
