@@ -52,7 +52,7 @@ impl FrameCommand for EnhanceArgs {
             args: self,
             runner: engine.cpu_runner(),
         };
-        if strip_memory::is_too_large(job) {
+        if strip_memory::goes_in_strips(job)? {
             return strips::make(&work, job, inputs, needs);
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;

@@ -81,7 +81,7 @@ impl FrameCommand for RelightArgs {
         if !specular.is_empty() {
             job.work.refuse_too_large(&job.work.input)?;
             strip_memory::refuse_large_surroundings(job, specular.surroundings.as_deref())?;
-        } else if strip_memory::is_too_large(job) {
+        } else if strip_memory::goes_in_strips(job)? {
             return strips::make(&work, job, self.inputs(job.frame), needs);
         }
         let (mut loaded, read) = job.load(&self.inputs(job.frame), needs)?;

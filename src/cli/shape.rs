@@ -56,7 +56,7 @@ impl FrameCommand for ShapeArgs {
         let (inputs, needs) = self.work.reading(work.goal, job.frame);
         if self.work.takes_whole() {
             job.work.refuse_too_large(&job.work.input)?;
-        } else if strip_memory::is_too_large(job) {
+        } else if strip_memory::goes_in_strips(job)? {
             return strips::make(&work, job, inputs, needs);
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;

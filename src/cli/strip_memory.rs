@@ -23,8 +23,15 @@ const ENCODED_BYTES: u64 = 160 << 20;
 pub(super) const FEWEST_ROWS: usize = 16;
 
 /// Whether a frame takes more memory than it may have, and goes in strips.
-pub(super) fn is_too_large(job: &Job) -> bool {
-    whole_bytes(job) > allowed(job)
+///
+/// # Errors
+/// [`Error::Unsupported`] for such a tile: strips have no borders to join.
+pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
+    if job.work.roles.wrap != Wrap::None {
+        job.work.refuse_too_large(&job.work.input)?;
+        return Ok(false);
+    }
+    Ok(whole_bytes(job) > allowed(job))
 }
 
 /// Refuses surroundings that are too large to go with the frame.
@@ -62,9 +69,6 @@ fn whole_bytes(job: &Job) -> u64 {
 fn allowed(job: &Job) -> u64 {
     let run = &job.work.run;
     let bytes = run.max_memory.bytes();
-    if job.work.roles.wrap != Wrap::None {
-        return run.max_memory.most();
-    }
     let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
     match run.max_memory {
         MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {

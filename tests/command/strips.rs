@@ -164,6 +164,7 @@ fn the_least_memory_that_is_named_is_enough() {
         "hatch in.exr --style engraving -o out.svg",
         "hatch in.exr --style lines --tone relight --environment sky.hdr -o out.exr",
         "hatch in.exr --style stipple --wrap xy -o out.png",
+        "shape in.exr --wrap xy -o out.exr",
         "map n8.png --map height,occlusion --wrap xy -o out.exr",
     ] {
         let within = |mib: u64| {

@@ -9,6 +9,7 @@ and, for each failure, the command that shows it again; exit code 1 if there is 
 import argparse
 import collections
 import hashlib
+import html.parser
 import math
 import os
 import pathlib
@@ -36,6 +37,7 @@ CAP = 300 * MIB
 START = 32 * MIB
 # Of C0, C1 and the characters that turn the direction of text, only the line feed is ours.
 RAW = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+MESSAGES, LONGEST_LINE = ("error: ", "warning: ", "note: "), 2020
 HOSTILE_WORDS = [0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x7F800000, 0x7FC00000, 0xFF7FFFFF]
 HOSTILE_VALUES = ["0", "-1", "1e-300", "1e300", "1e38", "-1e38", "nan", "inf", "-inf", "65535", "65536", "4294967295", "", "auto",
                   "none", "--", "-", "1,2", "1,2,3,4,5,6", "frame.exr", "absent", "\x1b[31m", "\u202ex", "1-3", "é", "1e-45"]
@@ -103,7 +105,7 @@ class Attack:
             self.put(name, data)
         (self.desk / "sub").mkdir()
 
-    def start(self, words, limits=(), user=None):
+    def start(self, words, limits=(), user=None, env=None, out=None):
         def prepare():
             for kind, value in limits:
                 resource.setrlimit(kind, (value, value))
@@ -113,27 +115,28 @@ class Attack:
                 os.setuid(user)
 
         said = tempfile.TemporaryFile()
-        run = subprocess.Popen([self.binary, *words], cwd=self.desk, stdin=subprocess.DEVNULL, stdout=said, stderr=said,
-                               preexec_fn=prepare, start_new_session=True)
+        run = subprocess.Popen([self.binary, *words], cwd=self.desk, stdin=subprocess.DEVNULL, stdout=out or said, stderr=said,
+                               preexec_fn=prepare, start_new_session=True, env={**os.environ, **(env or {})})
         return run, said
 
     def run(self, words, most=SECONDS, **how):
         """Runs the program; a code below 0 is a signal."""
-        began = time.monotonic()
+        began, rss = time.monotonic(), 0
         run, said = self.start(words, **how)
         while True:
-            pid, status, usage = os.wait4(run.pid, os.WNOHANG)
+            rss = memory_of(run.pid) or rss
+            pid, status = os.waitpid(run.pid, os.WNOHANG)
             seconds = time.monotonic() - began
             if pid:
                 break
             if seconds > most:
                 os.kill(run.pid, signal.SIGKILL)
-                _, status, usage = os.wait4(run.pid, 0)
+                _, status = os.waitpid(run.pid, 0)
                 break
             time.sleep(0.002)
         run.returncode = os.waitstatus_to_exitcode(status)
         said.seek(0)
-        return Outcome(run.returncode, said.read(), seconds, usage.ru_maxrss << 10)
+        return Outcome(run.returncode, said.read(), seconds, rss)
 
     def fail(self, words, why, before=""):
         self.counts[self.group]["failures"] += 1
@@ -172,6 +175,8 @@ class Attack:
             wrong.append(f"panics: {text[-300:]!r}")
         if outcome.rss > cap + START:
             wrong.append(f"takes {outcome.rss / MIB:.0f} MiB where {cap / MIB:.0f} are allowed")
+        long = [line for line in text.splitlines() if line.startswith(MESSAGES) and len(line) > LONGEST_LINE]
+        wrong += [f"says a line of {len(line)} characters: {line[:120]!r}" for line in long[:1]]
         if raw := RAW.search(text):
             wrong.append(f"says {raw.group()!r} raw: {text[max(raw.start() - 80, 0):raw.end() + 20]!r}")
         wrong += [f"{path} is changed" for path, was in hashes.items() if digest(path) != was]
@@ -206,6 +211,15 @@ class Attack:
     def left_behind(self):
         left = [p for p in self.desk.rglob(".relievo-*") if not p.is_fifo()]
         return [f"{path.name} is left behind" for path in left]
+
+
+def memory_of(pid):
+    """The most memory that a program has held, in bytes: what the system counts of a child holds that of its parent, too."""
+    try:
+        found = re.search(r"VmHWM:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text())
+    except OSError:
+        return 0
+    return int(found.group(1)) << 10 if found else 0
 
 
 def is_special(path):
@@ -487,6 +501,83 @@ def names(attack, runs):
         attack.check([w.replace("F", file_name) if w == "F" else w.replace("N", os.fsdecode(bytes_of[:200])) if "N" in w else w for w in view])
 
 
+def sinks(attack, runs):
+    """Names that a shell, a page or a path would take for more than text."""
+    odd = ["$(touch pwned)Normal", "`touch pwned`", "a;touch pwned", "a\ntouch pwned", "{a,b}", "*", "~root", "-o", "#a", "a b", "\\x", "'", '"', "Übung"]
+    plain = re.compile(r"[\w.\-:/+@,=]*")
+    completed = [(name, shell, line) for name in odd for shell in ("bash", "zsh", "fish") for line in (
+        ["enhance", "F", "--normal", ""], ["enhance", "F", "--object", ""], ["enhance", "F", "--color", ""], ["shape", ""], ["run", ""])]
+    stems = ["..", ".", "{map}", "{name}", "%d#", "####", "-o", "--save-recipe=x", "{name}{map}", "a..b"]
+    filled = [(stem, out) for stem in stems for out in ("o/{name}.png", "o/{name}/x.png", "o/{name}.{name}.exr", "o")]
+    pages = ["<img src=x onerror=alert(1)>", "<script>alert(1)</script>", "[x](javascript:alert(1))", "![x](http://x.example/y.png)",
+             "a|b`c`", "<svg onload=alert(1)>", "&lt;b&gt;"]
+    printing = [["--help"], ["--version"], ["shape", "--help"], ["completions", "bash"], ["man"], ["schema"], ["inspect", "frame.exr"]]
+    cases = [("complete", case) for case in completed] + [("fill", case) for case in filled] + [("print", line) for line in printing]
+    # Reports take a second each.
+    cases = attack.random.sample(cases, min(runs, len(cases))) + [("page", name) for name in pages[:max(1, runs // 20)]]
+    for kind, case in cases:
+        attack.reset()
+        if kind == "print":
+            with open("/dev/full", "w") as full:
+                if attack.check(case, out=full).code != 1:
+                    attack.fail(case, "output that no disk takes is no error", "> /dev/full")
+        elif kind == "complete":
+            name, shell, line = case
+            layers = files.bumps()
+            layers.update({f"{name}.{axis}": lambda x, y: 0.5 for axis in "RGB"})
+            attack.put("named.exr", files.exr(layers, 24, 18))
+            if "/" not in name:
+                attack.put(name + ".exr", files.exr(files.bumps(), 24, 18))
+            words = ["--", "relievo", *("named.exr" if w == "F" else w for w in line)]
+            env = {"RELIEVO_COMPLETE": shell, "_CLAP_COMPLETE_INDEX": str(len(words) - 2), "_CLAP_IFS": "\n", "_CLAP_COMPLETE_COMP_TYPE": "9"}
+            said = attack.run(words, env=env).said.decode(errors="replace")
+            attack.counts[attack.group]["runs"] += 1
+            # zsh and fish are given an explanation behind each word.
+            split = {"bash": None, "zsh": ":", "fish": "\t"}[shell]
+            offered = [line.split(split)[0] if split else line for line in said.splitlines()]
+            wrong = [word for word in offered if not plain.fullmatch(word)]
+            if wrong:
+                attack.fail(words, f"offers {wrong[0]!r} to {shell}")
+        elif kind == "fill":
+            stem, out = case
+            (attack.desk / "o").mkdir()
+            attack.put(f"{stem}.exr", files.exr(files.bumps(), 24, 18))
+            beyond = lambda: {p for p in [*attack.desk.rglob("*"), *attack.desk.parent.glob("*")] if attack.desk / "o" not in p.parents}
+            before = beyond()
+            words = ["shape", f"./{stem}.exr", "frame.exr", "-o", out]
+            attack.check(words)
+            # Other programs may write beside the desk.
+            strays = [p for p in beyond() - before if attack.desk in p.parents or p.suffix in (".png", ".exr")]
+            if strays:
+                attack.fail(words, f"writes outside of its folder: {strays}")
+        else:
+            name = case.replace("/", "\u2215")
+            attack.put(f"{name}.exr", files.exr(files.bumps(), 24, 18))
+            words = ["report", f"{name}.exr", "-o", "rep", "-q"]
+            outcome = attack.check(words, seconds=60)
+            page = attack.desk / "rep/report.html"
+            text = page.read_text() if page.exists() else ""
+            live = Live()
+            live.feed(text)
+            if outcome.code == 0 and (not text or live.found or "Content-Security-Policy" not in text):
+                attack.fail(words, f"its page holds {live.found or 'no policy'}")
+
+
+class Live(html.parser.HTMLParser):
+    """What in a page would run, or be loaded from elsewhere."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attributes):
+        if tag in ("script", "iframe", "object", "embed", "base"):
+            self.found.append(tag)
+        for name, value in attributes:
+            if name.startswith("on") or name in ("src", "href") and not (value or "").startswith(("data:image/", "#")):
+                self.found.append(f"{name}={value}")
+
+
 def limits(attack, runs):
     """Little memory, few threads, small files, as the system allows them."""
     nobody = 65534 if os.getuid() == 0 else None
@@ -621,6 +712,7 @@ def caps(attack, runs):
         """Bumps that repeat every 24 rows."""
         if width not in rows:
             layers = files.bumps()
+            del layers["Z"]
             names = sorted(layers)
             samples = [struct.pack(f"<{len(names) * width}f", *(layers[n](x, y) for n in names for x in range(width))) for y in range(24)]
             rows[width] = files.exr(layers, width, height, chunks=[struct.pack("<ii", y, len(samples[0])) + samples[y % 24] for y in range(height)])
@@ -647,7 +739,7 @@ def caps(attack, runs):
 
 
 GROUPS = {"mutations": (mutations, 0.36), "command_lines": (command_lines, 0.36), "kills": (kills, 0.03), "paths": (paths, 0.05),
-          "pipes": (pipes, 0.03), "names": (names, 0.03), "limits": (limits, 0.02), "tiles": (tiles, 0.04), "coverage": (coverage, 0.04),
+          "pipes": (pipes, 0.03), "names": (names, 0.03), "sinks": (sinks, 0.02), "limits": (limits, 0.02), "tiles": (tiles, 0.04), "coverage": (coverage, 0.04),
           "metadata": (metadata, 0.02), "memory": (memory, 0.005), "caps": (caps, 0.005)}
 
 

@@ -3,8 +3,9 @@
 
 import pathlib
 import struct
+import zlib
 
-from files import attribute, bumps, colored_png, exr, hdr, png, tiff
+from files import attribute, bumps, chunk, colored_png, exr, hdr, png, tiff
 
 FOUND = pathlib.Path(__file__).parent / "found"
 
@@ -64,6 +65,14 @@ def files():
     yield "command_line/inspect_large_png", words("inspect", "extra", extra=png(18000, 18000, bytes(18000 * 2251), kind=0, bits=1))
     recipe = 'version = 1\ncommand = "shape"\nscale = [' + "2," * 5000 + "]\n"
     yield "command_line/scales_by_the_thousand", words("run", "extra", "frame.exr", "-o", "out.exr", extra=recipe.encode())
+    wild = [1e10, float("-inf"), 1e38, 65504.0]
+    covered = bumps() | {"A": lambda x, y: wild[(x + 3 * y) % 4] if x * y % 5 == 0 else float(x > 8)}
+    del covered["Z"]
+    yield "command_line/wild_coverage", words("hatch", "extra", "--style", "engraving", "-o", "out.svg", extra=exr(covered, 24, 18))
+    yield "command_line/tile_at_a_large_scale", words("shape", "frame.exr", "--wrap", "xy", "--scale", "1000", "-o", "out.png")
+    yield "command_line/tile_drawn", words("hatch", "frame.exr", "--wrap", "xy", "--mask", "N.Z", "-o", "out.exr")
+    bomb = chunk(b"iCCP", b"x\0\0" + zlib.compress(bytes(300 << 20), 9))
+    yield "pictures/profile_of_300_mib", colored_png(8, 6, bomb)
     yield "command_line/json_of_a_name_in_bytes", words("inspect", "--json", "bytes\udcff\udcfe.exr")
 
 

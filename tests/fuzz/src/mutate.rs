@@ -20,16 +20,19 @@ static PROGRAM: LazyLock<Command> = LazyLock::new(|| {
     program
 });
 
-const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "inspect", "run"];
+const COMMANDS: [&str; 7] = [
+    "shape", "enhance", "relight", "hatch", "map", "inspect", "run",
+];
 
 /// Names on the desk of `targets`, in several spellings, and one that does not exist.
-const PATHS: [&str; 26] = [
+const PATHS: [&str; 27] = [
     "frame.exr",
     "./frame.exr",
     "sub/../frame.exr",
     "link.exr",
     "astray.exr",
     "spoiled.exr",
+    "wild.exr",
     "torn.exr",
     "shot.####.exr",
     "shot.%04d.exr",

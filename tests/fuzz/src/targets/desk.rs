@@ -298,6 +298,7 @@ fn things() -> BTreeMap<PathBuf, Thing> {
         (b"shot.0003.exr", self::frame(3)),
         (b"torn.exr", torn),
         (b"spoiled.exr", spoiled()),
+        (b"wild.exr", wild()),
         (b"esc\x1b]0;x\x07.exr", frame.clone()),
         (b"bytes\xff\xfe.exr", frame),
         (b"plain.png", picture("png", SIZE)),
@@ -337,7 +338,7 @@ fn frame(number: usize) -> Vec<u8> {
         let length = (slope[0] * slope[0] + slope[1] * slope[1] + 1.0).sqrt();
         [slope[0] / length, slope[1] / length, 1.0 / length]
     };
-    exr(&|channel, x, y| match channel {
+    exr(&["Z"], &|channel, x, y| match channel {
         "N.X" => normal(x, y)[0],
         "N.Y" => normal(x, y)[1],
         "N.Z" => normal(x, y)[2],
@@ -349,16 +350,34 @@ fn frame(number: usize) -> Vec<u8> {
 /// A frame with one sample in five that is not finite, in every layer.
 fn spoiled() -> Vec<u8> {
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-    exr(&|channel, x, y| match (x + 3 * y + channel.len()) % 5 {
-        0 => bad[(x + y) % 3],
+    exr(
+        &["Z"],
+        &|channel, x, y| match (x + 3 * y + channel.len()) % 5 {
+            0 => bad[(x + y) % 3],
+            _ => 0.5,
+        },
+    )
+}
+
+/// A frame whose coverage, and the maps of which are named by flags, are far beyond 0 and 1.
+fn wild() -> Vec<u8> {
+    let wild = [1e10, -1e30, 1e38, 65504.0, -0.5, 2.0];
+    exr(&["A", "mask", "occ"], &|channel, x, y| match channel {
+        "A" | "mask" | "occ" if x * y % 5 == 0 => wild[(x + 3 * y) % 6],
+        "A" | "mask" | "occ" => f32::from(u8::from(x > SIZE[0] / 3)),
+        "N.X" | "N.Y" => 0.0,
+        "N.Z" => 1.0,
         _ => 0.5,
     })
 }
 
-fn exr(sample: &dyn Fn(&str, usize, usize) -> f32) -> Vec<u8> {
+/// A frame with normals, a picture and these channels.
+fn exr(more: &[&str], sample: &dyn Fn(&str, usize, usize) -> f32) -> Vec<u8> {
     let [width, height] = SIZE;
-    let names = ["R", "G", "B", "N.X", "N.Y", "N.Z", "Z"];
-    let planes = names.map(|n| Plane::from_fn(width, height, |x, y| sample(n, x, y)));
+    let names = ["R", "G", "B", "N.X", "N.Y", "N.Z"].iter().chain(more);
+    let names: Vec<_> = names.copied().collect();
+    let plane = |n: &&str| Plane::from_fn(width, height, |x, y| sample(n, x, y));
+    let planes: Vec<_> = names.iter().map(plane).collect();
     let channels = names
         .iter()
         .zip(&planes)
