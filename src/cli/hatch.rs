@@ -4,6 +4,7 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use super::motion::Steps;
 use super::output::color_channels;
+use super::progress::passes_bar;
 use super::strip_memory::refuse_large_surroundings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
@@ -11,7 +12,8 @@ use crate::command::hatch::{Drawn, Looks, inked, is_svg, page};
 use crate::command::line_args::HatchArgs;
 use crate::command::output::Kind;
 use crate::command::relight::illumination;
-use crate::engine::{self, Engine, Run};
+use crate::engine::run::ENLARGE;
+use crate::engine::{self, Engine, Progress, Run};
 use crate::error::Result;
 use crate::frame::{Frame, SpecularScene, Surroundings};
 use crate::io::exr::{OutputChannel, OutputType};
@@ -24,7 +26,7 @@ use crate::params::StrokeParams;
 use crate::plan::planned::DrawnAs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Inputs and state shared by all drawn frames.
 pub(super) struct HatchInputs {
@@ -97,7 +99,21 @@ impl FrameCommand for HatchArgs {
 
     fn make(&self, kit: &HatchInputs, job: &Job) -> Result<Chosen> {
         let (mut loaded, read) = self.load(kit, job)?;
-        let times = self.enlarge(job, &mut loaded)?;
+        let is_watched = self.times(&loaded.frame)? != 1.0 && !job.is_in_sequence();
+        let bar = passes_bar(&job.work.run, is_watched);
+        let warn = |text: &str| bar.suspend(|| job.warn(text));
+        let tell = |at: Progress| {
+            bar.set_message(at.stage);
+            bar.set_position((100.0 * at.done) as u64);
+        };
+        let run = Run::new().warn(&warn);
+        let run = match bar.is_hidden() {
+            true => run,
+            false => run.progress(&tell),
+        };
+        let began = Instant::now();
+        let times = self.enlarge(job, &mut loaded, &run)?;
+        let enlarging = began.elapsed();
         let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
         let illumination = kit.illumination.clone();
@@ -126,8 +142,6 @@ impl FrameCommand for HatchArgs {
             art_map: kit.art_map.as_ref(),
             sequence: None,
         };
-        let warn = |text: &str| job.warn(text);
-        let run = Run::new().warn(&warn);
         let draw = |frame: &mut Frame, inputs: engine::Inputs| {
             kit.engine.execute_sparingly(&plan, frame, inputs, &run)
         };
@@ -151,6 +165,10 @@ impl FrameCommand for HatchArgs {
             }),
             _ => draw(&mut loaded.frame, inputs),
         }?;
+        bar.finish_and_clear();
+        if times != 1.0 {
+            outcome.timings.insert(0, (ENLARGE, enlarging));
+        }
         job.keep_picture_alone(&kit.engine, &mut outcome);
         if let (Some(drawing), false) = (&mut outcome.drawing, is_svg(&job.work)) {
             self.mix(drawing, &loaded.frame, times);
@@ -169,7 +187,7 @@ impl FrameCommand for HatchArgs {
 
 impl HatchArgs {
     /// Makes the frame as large as its drawing is to be; how many times as large.
-    fn enlarge(&self, job: &Job, loaded: &mut Loaded) -> Result<f64> {
+    fn enlarge(&self, job: &Job, loaded: &mut Loaded, run: &Run) -> Result<f64> {
         let times = self.times(&loaded.frame)?;
         if times == 1.0 {
             return Ok(times);
@@ -188,7 +206,7 @@ impl HatchArgs {
             let remedy = "give --layers results, or write a picture".into();
             return Err(self.cannot_enlarge(found, remedy));
         }
-        loaded.frame = loaded.frame.enlarged(times);
+        loaded.frame = run.enlarged(&loaded.frame, times)?;
         loaded.enlarged = times;
         Ok(times)
     }

@@ -15,7 +15,7 @@ mod map;
 mod message;
 mod motion;
 mod output;
-mod panics;
+pub(crate) mod panics;
 mod progress;
 mod reference;
 mod relight;

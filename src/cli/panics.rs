@@ -12,7 +12,7 @@ static PLACE: Mutex<String> = Mutex::new(String::new());
 static HOOK: Once = Once::new();
 
 /// Keeps panics from printing: [`caught`] makes an error of one line of them. With RUST_BACKTRACE set they still do.
-pub(super) fn keep_quiet() {
+pub(crate) fn keep_quiet() {
     HOOK.call_once(|| {
         let usual = take_hook();
         set_hook(Box::new(move |info: &PanicHookInfo| {
@@ -31,12 +31,19 @@ pub(super) fn keep_quiet() {
 ///
 /// State that `work` shares is either immutable or behind locks that keep it consistent.
 pub(super) fn caught<T>(path: &Path, work: impl FnOnce() -> Result<T>) -> Result<T> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let place = PLACE.lock().unwrap_or_else(PoisonError::into_inner);
+    unless_panicked(work).unwrap_or_else(|found| {
         Err(Error::Fault {
             path: path.into(),
-            found: format!("{} at {place}", message_of(&*panic)),
+            found,
         })
+    })
+}
+
+/// The result of `work`, or the message of a panic and where it was.
+pub(crate) fn unless_panicked<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let place = PLACE.lock().unwrap_or_else(PoisonError::into_inner);
+        format!("{} at {place}", message_of(&*panic))
     })
 }
 

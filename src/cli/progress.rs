@@ -159,6 +159,20 @@ impl Progress {
 
 /// A bar for the strips of one picture if progress is shown as bars; otherwise an invisible one.
 pub(super) fn strips_bar(args: &RunArgs, doing: &'static str, total: usize) -> ProgressBar {
+    let template = "{msg} {bar:40} {pos}/{len} strips, {eta} left";
+    part_bar(args, template, total).with_message(doing)
+}
+
+/// The same for the passes of a run, in percent; an invisible one unless it is `wanted`.
+pub(super) fn passes_bar(args: &RunArgs, wanted: bool) -> ProgressBar {
+    match wanted {
+        true => part_bar(args, "{msg} {bar:40} {pos} %, {eta} left", 100),
+        false => ProgressBar::hidden(),
+    }
+}
+
+/// A bar for the parts of one picture.
+fn part_bar(args: &RunArgs, template: &str, total: usize) -> ProgressBar {
     let on_terminal = std::io::stderr().is_terminal();
     let is_shown = match args.progress {
         ProgressArg::Bar => true,
@@ -168,11 +182,8 @@ pub(super) fn strips_bar(args: &RunArgs, doing: &'static str, total: usize) -> P
     if !is_shown {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} strips, {eta} left");
-    let style = style.expect("the template is well formed");
-    ProgressBar::new(total as u64)
-        .with_style(style)
-        .with_message(doing)
+    let style = ProgressStyle::with_template(template).expect("the template is well formed");
+    ProgressBar::new(total as u64).with_style(style)
 }
 
 fn bar(total: usize) -> ProgressBar {

@@ -119,7 +119,8 @@ impl Engine {
     /// Runs `request` on `frame`.
     ///
     /// # Errors
-    /// [`Error::BadParameter`] for a parameter outside its range, and those of [`Engine::execute`].
+    /// [`Error::BadParameter`] for a parameter outside its range, [`Error::Unfit`] for a picture that the frame lacks, and
+    /// those of [`Engine::execute`].
     pub fn run(&self, request: &Request, frame: &Frame, run: &Run) -> Result<Outcome> {
         let plan = request.plan(Available::in_frame(frame))?;
         self.execute(&plan, frame, request.inputs(), run)

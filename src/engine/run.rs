@@ -3,18 +3,26 @@
 use crate::engine::outcome::Outcome;
 use crate::engine::target::Target;
 use crate::engine::watch::{CancelToken, Progress, Tell, Watch};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{Frame, Window};
 use crate::product::Product;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+/// The name of the pass that enlarges a frame.
+pub(crate) const ENLARGE: &str = "enlarge";
+
+/// The share of a drawing's run that enlarging its frame takes, about.
+const ENLARGING: f32 = 0.25;
+
 /// Options of a run.
 #[derive(Default)]
 pub struct Run<'a> {
     progress: Option<&'a Tell<'a>>,
     furthest: AtomicU32,
+    /// The share of the work that is done before the passes begin, as bits.
+    before: AtomicU32,
     cancel: Option<&'a CancelToken>,
     pub(crate) region: Option<Window>,
     warn: Option<&'a (dyn Fn(&str) + Sync)>,
@@ -80,8 +88,24 @@ impl<'a> Run<'a> {
     pub(crate) fn watch(&self) -> Watch<'_> {
         Watch {
             progress: self.progress.map(|tell| (tell, &self.furthest)),
+            before: f32::from_bits(self.before.load(Ordering::Relaxed)),
             cancel: self.cancel,
         }
+    }
+
+    /// [`Frame::enlarged`] as the first pass of this run, before those of a plan.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) fn enlarged(&self, frame: &Frame, factor: f64) -> Result<Frame> {
+        self.before.store(0, Ordering::Relaxed);
+        self.furthest.store(0, Ordering::Relaxed);
+        let watch = self.watch();
+        let tell = |done: f32| watch.begins(ENLARGE, ENLARGING * done);
+        let goes_on = || watch.check().is_ok();
+        let enlarged = self.install(|| frame.enlarged_while(factor, &goes_on, &tell));
+        self.before.store(ENLARGING.to_bits(), Ordering::Relaxed);
+        enlarged.ok_or(Error::Cancelled)
     }
 
     /// Begins a run of a picture of this size: checks that the caller's memory fits it.
@@ -89,7 +113,8 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Target::check`].
     pub(crate) fn begin(&self, size: [usize; 2]) -> Result<()> {
-        self.furthest.store(0, Ordering::Relaxed);
+        let before = self.before.load(Ordering::Relaxed);
+        self.furthest.store(before, Ordering::Relaxed);
         let targets = self.targets.lock().unwrap_or_else(PoisonError::into_inner);
         let mut targets = targets.iter();
         targets.try_for_each(|(product, target)| target.check(*product, size))
@@ -130,5 +155,56 @@ impl<'a> Run<'a> {
         if let Some(tell) = self.warn {
             tell(text);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::watch::Progress;
+    use crate::engine::{Engine, Inputs};
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal, Plan};
+    use crate::report::scenes::Scene;
+
+    #[test]
+    fn enlarging_is_the_first_quarter_of_a_run() {
+        let (frame, said) = (Scene::waves(30, 20).frame, Mutex::new(Vec::new()));
+        let tell = |at: Progress| said.lock().unwrap().push((at.stage, at.done));
+        let run = Run::new().progress(&tell);
+        let large = run.enlarged(&frame, 2.0).unwrap();
+        assert_eq!(large.normal, frame.enlarged(2.0).normal);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Layers, Available::in_frame(&large), shape, scaling).unwrap();
+        let engine = Engine::cpu();
+        engine
+            .execute(&plan, &large, Inputs::default(), &run)
+            .unwrap();
+        let said = said.into_inner().unwrap();
+        assert!(said.is_sorted_by(|a, b| a.1 <= b.1), "{said:?}");
+        let passes = said.iter().filter(|at| at.0 == ENLARGE).count();
+        let (enlarging, rest) = said.split_at(passes);
+        // The mask, depth, and three planes of normals, twice: as they are, and beside jumps.
+        assert_eq!(passes, 1 + 1 + 2 * 3);
+        assert!(
+            enlarging
+                .iter()
+                .all(|at| at.0 == ENLARGE && at.1 < ENLARGING)
+        );
+        assert!(rest.iter().all(|at| at.1 >= ENLARGING));
+        assert_eq!(rest.last(), Some(&("done", 1.0)));
+    }
+
+    #[test]
+    fn enlarging_ends_where_its_run_is_cancelled() {
+        let (frame, token) = (Scene::waves(30, 20).frame, CancelToken::new());
+        let begun = AtomicU32::new(0);
+        let tell = |_: Progress| {
+            if begun.fetch_add(1, Ordering::Relaxed) == 1 {
+                token.cancel();
+            }
+        };
+        let run = Run::new().progress(&tell).cancel(&token);
+        assert!(matches!(run.enlarged(&frame, 3.0), Err(Error::Cancelled)));
     }
 }

@@ -41,6 +41,8 @@ pub(crate) struct Watch<'a> {
     /// The caller's function, and the largest share reported so far, as bits: non-negative floats order like their
     /// bits.
     pub(super) progress: Option<(&'a Tell<'a>, &'a AtomicU32)>,
+    /// The share of the work that came before these passes.
+    pub(super) before: f32,
     pub(super) cancel: Option<&'a CancelToken>,
 }
 
@@ -52,7 +54,8 @@ impl Watch<'_> {
     /// a part, so the share never decreases.
     pub(crate) fn begins(&self, stage: &'static str, done: f32) {
         if let Some((tell, furthest)) = self.progress {
-            let done = done.clamp(0.0, 1.0).to_bits();
+            let done = self.before + (1.0 - self.before) * done.clamp(0.0, 1.0);
+            let done = done.to_bits();
             let done = furthest.fetch_max(done, Ordering::Relaxed).max(done);
             tell(Progress {
                 stage,

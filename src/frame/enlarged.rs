@@ -1,6 +1,8 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
+use super::plane::each_row_of;
 use super::{Camera, Frame, Mask, Plane, Vector3Planes, Window};
+use std::cell::Cell;
 
 /// Samples belong to one surface if neither is nearer than this share of the other's depth.
 const SAME: f32 = 0.965;
@@ -14,10 +16,24 @@ impl Frame {
     /// # Panics
     /// If `factor` is less than 1.
     pub fn enlarged(&self, factor: f64) -> Frame {
+        let enlarged = self.enlarged_while(factor, &|| true, &|_| ());
+        enlarged.expect("nobody stops it")
+    }
+
+    /// [`Frame::enlarged`], told the share that is done as each plane begins; `None` where it no longer `goes_on`, which
+    /// is asked at every row.
+    pub(crate) fn enlarged_while(
+        &self,
+        factor: f64,
+        goes_on: &(dyn Fn() -> bool + Sync),
+        tell: &dyn Fn(f32),
+    ) -> Option<Frame> {
         assert!(factor >= 1.0, "a frame is enlarged");
         if factor == 1.0 {
-            return self.clone();
+            return Some(self.clone());
         }
+        let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
+        let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
         let (data, display) = (self.data_window, self.display_window);
         let across = Side::new([data.x0, display.x0], data.width(), display.width(), factor);
         let down = Side::new(
@@ -28,9 +44,12 @@ impl Frame {
         );
         let (width, height) = (across.data_length, down.data_length);
         let around = |x, y| self.around(across.place(x), down.place(y));
-        let mask = Mask::new(samples(width, height, |x, y| around(x, y).is_some()));
+        begins();
+        let is_covered = |x, y| around(x, y).is_some();
+        let mask = Mask::new(samples_while(width, height, goes_on, is_covered));
         let plane = |plane: &Plane| {
-            samples(width, height, |x, y| match around(x, y) {
+            begins();
+            samples_while(width, height, goes_on, |x, y| match around(x, y) {
                 Some(around) => around
                     .iter()
                     .map(|&([x, y], weight)| weight * plane.at(x, y))
@@ -59,17 +78,38 @@ impl Frame {
             frame.normal = Vector3Planes { x, y, z };
             frame.normal_length = self.normal_length.as_ref().map(unmixed);
         }
+        if !goes_on() {
+            return None;
+        }
         // An edge within a pixel is spread over several.
-        for length in frame.normal_length.iter_mut().flat_map(Plane::samples_mut) {
-            *length = (length.clamp(0.0, 1.0).acos() / factor as f32).cos();
+        if let Some(lengths) = &mut frame.normal_length {
+            lengths.each_row(|_, row| {
+                for length in row {
+                    *length = (length.clamp(0.0, 1.0).acos() / factor as f32).cos();
+                }
+            });
         }
-        for [x, y, z] in frame.normal.components_mut() {
-            let length = (*x * *x + *y * *y + *z * *z).sqrt();
-            if length > 0.0 {
-                (*x, *y, *z) = (*x / length, *y / length, *z / length);
+        let Vector3Planes { x, y, z } = &mut frame.normal;
+        each_row_of([x, y, z], |_, [x, y, z]| {
+            for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+                let length = (*x * *x + *y * *y + *z * *z).sqrt();
+                if length > 0.0 {
+                    (*x, *y, *z) = (*x / length, *y / length, *z / length);
+                }
             }
-        }
-        frame
+        });
+        Some(frame)
+    }
+
+    /// How many planes an enlarged frame takes: the mask, its own, and beside jumps the normals once more.
+    fn planes_to_enlarge(&self) -> usize {
+        let count = Cell::new(1);
+        self.with_planes(self.mask.clone(), |_| {
+            count.set(count.get() + 1);
+            Plane::default()
+        });
+        let again = 3 + usize::from(self.normal_length.is_some());
+        count.get() + self.depth.as_ref().map_or(0, |_| again)
     }
 
     /// The samples around a pixel of the enlarged frame that belong to the surface seen there, with weights that add up
@@ -243,8 +283,19 @@ fn samples<T: Copy + Default + Send>(
     height: usize,
     sample: impl Fn(usize, usize) -> T + Sync,
 ) -> Plane<T> {
+    samples_while(width, height, &|| true, sample)
+}
+
+/// [`samples`] of the rows that begin while it `goes_on`.
+fn samples_while<T: Copy + Default + Send>(
+    width: usize,
+    height: usize,
+    goes_on: &(dyn Fn() -> bool + Sync),
+    sample: impl Fn(usize, usize) -> T + Sync,
+) -> Plane<T> {
     let mut plane = Plane::filled(width, height, T::default());
     plane.each_row(|y, row| {
+        let row = if goes_on() { row } else { &mut [] };
         for (x, out) in row.iter_mut().enumerate() {
             *out = sample(x, y);
         }

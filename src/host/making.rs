@@ -161,7 +161,8 @@ impl Work {
         if times != 1.0 {
             args.refuse_enlarged(frame, times, is_specular)?;
         }
-        let enlarged = (times != 1.0).then(|| frame.enlarged(times));
+        let enlarged = (times != 1.0).then(|| run.enlarged(frame, times));
+        let enlarged = enlarged.transpose()?;
         let frame = enlarged.as_ref().unwrap_or(frame);
         let drawn = drawn(times, scene);
         let (mut plan, light) = plan_of(&self.command, frame, self.light.clone(), drawn)?;

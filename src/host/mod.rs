@@ -20,6 +20,7 @@
 //! # }
 //! ```
 
+mod fault;
 mod given;
 mod made;
 mod making;
@@ -29,8 +30,12 @@ mod sequence;
 mod thumbnail;
 mod work;
 
+/// The most threads that an engine may have.
+pub const MOST_THREADS: u16 = crate::command::args::MOST_THREADS;
+
 pub use crate::command::recipe::COMMANDS;
 pub use crate::command::setting::{Kind, Setting, settings_of};
+pub use fault::without_fault;
 pub use given::Given;
 pub use made::{Layer, Made};
 pub use normals::normals_of;

@@ -35,6 +35,7 @@ pub fn chosen_for_all(
     let samples = work.sequence().samples(frames);
     let (mut each, mut first_error) = (Vec::new(), None);
     for &number in &samples {
+        run.watch().check()?;
         let scene = work.load(&file(number), None);
         match scene.and_then(|scene| work.run(engine, &scene, run)) {
             Ok(made) => {

@@ -61,7 +61,8 @@ impl Plan {
     /// The plan for `goal` over a frame with the given inputs.
     ///
     /// # Errors
-    /// [`crate::Error::BadParameter`] for a parameter outside its range.
+    /// [`crate::Error::BadParameter`] for a parameter outside its range; [`crate::Error::Unfit`] for enhancing without a
+    /// picture.
     pub fn new(
         goal: Goal,
         available: Available,
@@ -184,6 +185,12 @@ impl Plan {
             shows_shape,
             line_scale,
         } = asked;
+        if goal == Goal::Enhance && !available.color {
+            return Err(Error::Unfit {
+                found: "enhancing takes a picture, and the frame has none".into(),
+                remedy: "give one",
+            });
+        }
         shape.validate()?;
         check_scales(1 + more_px.len())?;
         if !more_px.is_empty() {

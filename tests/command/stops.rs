@@ -126,3 +126,19 @@ fn a_signal_lets_the_frame_in_hand_be_finished() {
         assert_eq!(names(here, ".relievo"), [""; 0]);
     }
 }
+
+/// Enlarging takes seconds, and a minute what comes after it.
+#[test]
+fn a_signal_ends_a_drawing_while_its_frame_is_enlarged() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_frame(here, 1, 600, 0.5);
+    let words = "hatch in.0001.exr --enlarge 8 --max-memory 64G -o out.png";
+    let mut child = begun(here, words);
+    std::thread::sleep(Duration::from_secs(2));
+    let sent = Instant::now();
+    send(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(sent.elapsed() < Duration::from_secs(5));
+    assert_eq!(names(here, ""), ["in.0001.exr"]);
+}

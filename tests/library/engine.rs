@@ -1,14 +1,18 @@
 //! The engine as a caller meets it: requests, and how they are run.
 
 use crate::common::bits;
+use glam::{DAffine3, DVec3, Vec3};
 use relievo::Error;
 use relievo::engine::{
     CancelToken, Drawing, Engine, Inputs, Progress, Request, Run, SequenceInputs, Session, Tone,
 };
-use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Window};
+use relievo::frame::{
+    Camera, ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Plane, Projection,
+    Vector2Planes, Vector3Planes, Window,
+};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
-    Adaptive, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
+    Adaptive, AlbedoSource, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
 };
 use relievo::plan::{Available, LightKinds, Plan};
 use relievo::product::Product;
@@ -89,6 +93,187 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
         let line = error.to_string();
         assert!(matches!(error, Error::Unfit { .. }), "{line}");
         assert!(line.contains(what) && line.lines().count() == 1, "{line}");
+    }
+}
+
+/// The layers that a frame may lack.
+const LAYERS: [fn(&mut Frame); 9] = [
+    |frame| frame.color = None,
+    |frame| frame.albedo = None,
+    |frame| frame.depth = None,
+    |frame| frame.camera = None,
+    |frame| frame.occlusion = None,
+    |frame| frame.importance = None,
+    |frame| frame.stroke_fallback = None,
+    |frame| frame.light.lobes.clear(),
+    |frame| frame.light.groups.clear(),
+];
+
+/// A frame with all of them.
+fn with_all_layers() -> Frame {
+    let frame = waves().crop(Window::at(10, 10, 24, 20));
+    let color = frame.color.clone();
+    let ones = Plane::filled(24, 20, 1.0);
+    let lobe = |lobe| LobeLayers {
+        lobe,
+        direct: color.clone(),
+        indirect: color.clone(),
+        color: None,
+        albedo: None,
+    };
+    let group = LightGroup {
+        name: "key".into(),
+        light: color.clone().unwrap(),
+        to_light: vec![Vec3::Z],
+    };
+    Frame {
+        albedo: color.clone(),
+        depth: Some(Plane::from_fn(24, 20, |x, _| 50.0 + x as f32)),
+        camera: Some(Camera {
+            view_from_world: DAffine3::IDENTITY,
+            projection: Projection::Perspective {
+                fx: 40.0,
+                fy: 40.0,
+                cx: 12.0,
+                cy: 10.0,
+            },
+        }),
+        occlusion: Some(ones.clone()),
+        importance: Some(ones),
+        stroke_fallback: Some(Vector3Planes::from_fn(24, 20, |_, _| DVec3::ZERO)),
+        light: LightLayers {
+            lobes: vec![lobe(Lobe::Diffuse), lobe(Lobe::Specular)],
+            groups: vec![group],
+            ..LightLayers::default()
+        },
+        ..frame
+    }
+}
+
+/// Requests of every kind, and whether they cannot do without a picture.
+fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
+    let (shape, scaling, relight) = (shape(), ScalingParams::default(), RelightParams::default());
+    let point = |tone, change: fn(&mut LineParams)| {
+        let mut line = LineParams::default();
+        change(&mut line);
+        Request::hatch(shape, scaling, tone, line)
+    };
+    let idle = ScalingParams {
+        scaling: 0.0,
+        ..scaling
+    };
+    let of_picture = RelightParams {
+        albedo: AlbedoSource::Estimate,
+        ..relight
+    };
+    let relief = [Product::Height, Product::Sky, Product::BentNormal];
+    let relit = Some((relight, light));
+    vec![
+        ("layers", false, Request::layers(shape, scaling)),
+        (
+            "relief",
+            false,
+            Request::layers(shape, scaling).named(&relief),
+        ),
+        ("display", false, Request::display(shape, scaling)),
+        ("enhance", true, Request::enhance(shape, scaling)),
+        ("enhance by 0", true, Request::enhance(shape, idle)),
+        (
+            "relight",
+            false,
+            Request::relight(shape, scaling, relight, light),
+        ),
+        (
+            "relight its colours",
+            true,
+            Request::relight(shape, scaling, of_picture, light),
+        ),
+        ("tone of the picture", true, point(Tone::Picture, |_| ())),
+        ("tone enhanced", true, point(Tone::Enhanced, |_| ())),
+        (
+            "tone relit",
+            false,
+            point(Tone::Relit(relight, light), |_| ()),
+        ),
+        ("tone of shape", false, point(Tone::Shape(None), |_| ())),
+        (
+            "tone of shape, lit",
+            false,
+            point(Tone::Shape(relit), |_| ()),
+        ),
+        (
+            "engraving",
+            false,
+            point(Tone::Shape(None), |line| {
+                line.strokes.style = Style::Engraving
+            }),
+        ),
+        (
+            "stipple",
+            false,
+            point(Tone::Shape(None), |line| {
+                line.strokes.style = Style::Stipple
+            }),
+        ),
+        (
+            "lines only",
+            false,
+            point(Tone::Picture, |line| line.lines_only = true),
+        ),
+        (
+            "shadows",
+            false,
+            point(Tone::Shape(None), |line| {
+                line.interior.as_mut().unwrap().shadow_share = 0.5;
+            }),
+        ),
+    ]
+}
+
+/// Any two layers are missing, or all, or none: a request runs, unless it takes a picture that is not there. Its plan for
+/// all layers runs nowhere else.
+#[test]
+fn a_request_without_its_layers_is_an_error_of_one_line() {
+    let (whole, light, engine) = (with_all_layers(), lamp(), Engine::cpu());
+    let mut frames = vec![whole.clone()];
+    for (first, lose) in LAYERS.iter().enumerate() {
+        for lose_more in &LAYERS[first..] {
+            let mut frame = whole.clone();
+            lose(&mut frame);
+            lose_more(&mut frame);
+            frames.push(frame);
+        }
+    }
+    let mut bare = whole.clone();
+    LAYERS.iter().for_each(|lose| lose(&mut bare));
+    frames.push(bare);
+    for (name, takes_picture, request) in requests(&light) {
+        let plan = request.plan(Available::in_frame(&whole)).unwrap();
+        for frame in &frames {
+            let available = Available::in_frame(frame);
+            let done = engine.run(&request, frame, &Run::new());
+            let fails = takes_picture && frame.color.is_none();
+            assert_eq!(
+                done.is_err(),
+                fails,
+                "{name}: {:?} {available:?}",
+                done.err()
+            );
+            if let Err(error) = done {
+                let line = error.to_string();
+                assert!(line.contains("picture") && !line.contains('\n'), "{line}");
+            }
+            let done = engine.execute(&plan, frame, request.inputs(), &Run::new());
+            // Strokes do without the directions of objects.
+            let object_angles = true;
+            let needed = Available {
+                object_angles,
+                ..available
+            };
+            let is_fit = needed == Available::in_frame(&whole);
+            let is_unfit = matches!(done, Err(Error::Unfit { .. }));
+            assert_eq!(is_unfit, !is_fit, "{name}: {:?} {available:?}", done.err());
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Arrays as samples, and planes as arrays.
 
+use crate::watched::detached;
 use half::f16;
 use ndarray::ArrayView3;
 use ndarray::{Axis, Ix3};
@@ -158,11 +159,11 @@ pub(crate) fn array_of<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let shape = [planes[0].height(), planes[0].width(), planes.len()];
     let Some(out) = out else {
-        let samples = py.detach(|| {
+        let samples = detached(py, || {
             let mut samples = vec![0.0_f32; shape.iter().product()];
             interleave(planes, &mut samples);
-            samples
-        });
+            Ok(samples)
+        })?;
         let array = PyArray1::from_vec(py, samples).reshape(shape)?;
         return Ok(array.into_any());
     };
@@ -183,14 +184,17 @@ pub(crate) fn array_of<'py>(
         .try_readwrite()
         .map_err(|_| bad("cannot be written to"))?;
     let mut view = written.as_array_mut();
-    py.detach(|| match view.as_slice_mut() {
-        Some(slice) => interleave(planes, slice),
-        None => {
-            for (mut component, plane) in view.axis_iter_mut(Axis(2)).zip(planes) {
-                component.assign(&plane.view());
+    detached(py, || {
+        match view.as_slice_mut() {
+            Some(slice) => interleave(planes, slice),
+            None => {
+                for (mut component, plane) in view.axis_iter_mut(Axis(2)).zip(planes) {
+                    component.assign(&plane.view());
+                }
             }
         }
-    });
+        Ok(())
+    })?;
     drop(written);
     Ok(out)
 }
@@ -199,12 +203,12 @@ pub(crate) fn array_of<'py>(
 pub(crate) fn stacked<'py>(py: Python<'py>, planes: &[&Plane]) -> PyResult<Bound<'py, PyAny>> {
     let size = |side: fn(&Plane) -> usize| planes.first().map_or(0, |plane| side(plane));
     let (width, height) = (size(Plane::width), size(Plane::height));
-    let samples = py.detach(|| {
+    let samples = detached(py, || {
         let mut samples = vec![0.0_f32; planes.len() * width * height];
         let rows = samples.par_chunks_mut(width.max(1)).enumerate();
         rows.for_each(|(at, row)| row.copy_from_slice(planes[at / height].row(at % height)));
-        samples
-    });
+        Ok(samples)
+    })?;
     let array = PyArray1::from_vec(py, samples).reshape([planes.len(), height, width])?;
     Ok(array.into_any())
 }

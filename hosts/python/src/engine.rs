@@ -3,20 +3,70 @@
 use crate::errors::raised;
 use crate::frame::{Frame, Settings};
 use crate::made::Made;
+use crate::process::PerProcess;
+use crate::threads::{own_pool, pool_of};
 use crate::watched::watched;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use relievo::cli::recipe::Recipe;
 use relievo::engine;
-use relievo::host::{Work, chosen_for_all};
+use relievo::host::{MOST_THREADS, Work, chosen_for_all};
 use std::path::{Path, PathBuf};
+
+/// The processes that have looked for a GPU.
+static LOOKED_FOR_GPU: PerProcess<()> = PerProcess::new();
 
 /// Runs commands, on the CPU or a GPU, and keeps their memory for the next run.
 #[pyclass(frozen, module = "pyrelievo")]
 pub(crate) struct Engine {
-    engine: engine::Engine,
-    pool: Option<ThreadPool>,
+    backend: Backend,
+    threads: Option<usize>,
+    engine: PerProcess<engine::Engine>,
+    pool: PerProcess<ThreadPool>,
+}
+
+#[derive(Clone, Copy)]
+enum Backend {
+    Auto,
+    Cpu,
+    Gpu,
+}
+
+impl Backend {
+    fn named(name: &str) -> PyResult<Self> {
+        match name {
+            "auto" => Ok(Self::Auto),
+            "cpu" => Ok(Self::Cpu),
+            "gpu" => Ok(Self::Gpu),
+            other => {
+                let said = format!("backend is {other:?}; give auto, cpu or gpu");
+                Err(PyValueError::new_err(said))
+            }
+        }
+    }
+
+    /// An engine of this process. A GPU's driver does not work in a process that was forked off one that has loaded it.
+    fn engine(self) -> PyResult<engine::Engine> {
+        let has_gpu = cfg!(feature = "gpu") && !matches!(self, Self::Cpu);
+        if has_gpu && LOOKED_FOR_GPU.is_inherited() {
+            return match self {
+                Self::Gpu => Err(PyRuntimeError::new_err(
+                    "the GPU belongs to the process that this one was forked off; start processes by spawn or \
+                     forkserver, or give backend=\"cpu\"",
+                )),
+                _ => Ok(engine::Engine::cpu()),
+            };
+        }
+        if has_gpu {
+            LOOKED_FOR_GPU.get(|| PyResult::Ok(()))?;
+        }
+        match self {
+            Self::Auto => Ok(engine::Engine::auto()),
+            Self::Cpu => Ok(engine::Engine::cpu()),
+            Self::Gpu => engine::Engine::gpu().map_err(raised),
+        }
+    }
 }
 
 #[pymethods]
@@ -24,26 +74,19 @@ impl Engine {
     #[new]
     #[pyo3(signature = (*, threads = None, backend = "auto"))]
     fn new(threads: Option<u16>, backend: &str) -> PyResult<Self> {
-        let engine = match backend {
-            "auto" => engine::Engine::auto(),
-            "cpu" => engine::Engine::cpu(),
-            "gpu" => engine::Engine::gpu().map_err(raised)?,
-            other => {
-                let said = format!("backend is {other:?}; give auto, cpu or gpu");
-                return Err(PyValueError::new_err(said));
-            }
+        if let Some(count) = threads.filter(|count| !(1..=MOST_THREADS).contains(count)) {
+            let said = format!("threads is {count}; give 1 to {MOST_THREADS}");
+            return Err(PyValueError::new_err(said));
+        }
+        let engine = Self {
+            backend: Backend::named(backend)?,
+            threads: threads.map(usize::from),
+            engine: PerProcess::new(),
+            pool: PerProcess::new(),
         };
-        let pool = threads.map(|count| {
-            if count == 0 {
-                return Err(PyValueError::new_err("threads is 0; give 1 or more"));
-            }
-            let pool = ThreadPoolBuilder::new().num_threads(count.into()).build();
-            pool.map_err(|error| PyValueError::new_err(error.to_string()))
-        });
-        Ok(Self {
-            engine,
-            pool: pool.transpose()?,
-        })
+        // A GPU that is missing, or threads, are told of now.
+        engine.own()?;
+        Ok(engine)
     }
 
     /// What a command makes of a frame with these settings: planes, or a picture shown in 8 bits too, or lines.
@@ -97,9 +140,9 @@ impl Engine {
         frames: Vec<i32>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Settings> {
-        watched(py, progress, |run| {
-            let engine = &self.engine;
-            self.install(|| chosen_for_all(engine, command, &settings, &pattern, &frames, run))
+        let (engine, pool) = self.own()?;
+        watched(py, pool, progress, |run| {
+            chosen_for_all(engine, command, &settings, &pattern, &frames, run)
         })
     }
 }
@@ -113,33 +156,35 @@ impl Engine {
         progress: Option<&Bound<'_, PyAny>>,
         work: impl Fn() -> relievo::Result<Work> + Send + Sync,
     ) -> PyResult<Made> {
-        watched(py, progress, |run| {
-            self.install(|| {
-                let work = work()?;
-                let work = match form {
-                    "lines" => work.in_lines()?,
-                    _ => work,
-                };
-                let scene = frame.scene(&work)?;
-                let mut made = work.run(&self.engine, &scene, run)?;
-                let shown = match form {
-                    "shown" => work.shown(&scene, &mut made),
-                    _ => None,
-                };
-                Ok(Made {
-                    recipe: work.recipe(Some(&made)),
-                    shown,
-                    made,
-                })
+        let (engine, pool) = self.own()?;
+        watched(py, pool, progress, |run| {
+            let work = work()?;
+            let work = match form {
+                "lines" => work.in_lines()?,
+                _ => work,
+            };
+            let scene = frame.scene(&work)?;
+            let mut made = work.run(engine, &scene, run)?;
+            let shown = match form {
+                "shown" => work.shown(&scene, &mut made),
+                _ => None,
+            };
+            Ok(Made {
+                recipe: work.recipe(Some(&made)),
+                shown,
+                made,
             })
         })
     }
 
-    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
+    /// The engine of this process, and its threads.
+    fn own(&self) -> PyResult<(&engine::Engine, &ThreadPool)> {
+        let engine = self.engine.get(|| self.backend.engine())?;
+        let pool = match self.threads {
+            Some(threads) => self.pool.get(|| pool_of(threads))?,
+            None => own_pool()?,
+        };
+        Ok((engine, pool))
     }
 }
 

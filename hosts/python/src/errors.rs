@@ -1,10 +1,11 @@
 //! Errors as Python's, with the sentence that the command line would print.
 
-use pyo3::PyErr;
 use pyo3::exceptions::{
     PyKeyboardInterrupt, PyNotImplementedError, PyOSError, PyRuntimeError, PyValueError,
 };
+use pyo3::{PyErr, PyResult};
 use relievo::Error;
+use relievo::host::without_fault;
 
 /// The exception for an error: what the caller can mend in the arguments is a ValueError, a file that cannot be read or
 /// written an OSError.
@@ -23,5 +24,13 @@ pub(crate) fn raised(error: Error) -> PyErr {
             PyRuntimeError::new_err(said)
         }
         _ => PyValueError::new_err(said),
+    }
+}
+
+/// The result of `work`; its errors, and panics too, are exceptions.
+pub(crate) fn caught<T>(work: impl FnOnce() -> relievo::Result<T>) -> PyResult<T> {
+    match without_fault(work) {
+        Ok(made) => made.map_err(raised),
+        Err(fault) => Err(PyRuntimeError::new_err(fault)),
     }
 }

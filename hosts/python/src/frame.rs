@@ -1,14 +1,14 @@
 //! Frames: of arrays, or of files that are read as far as a command needs them.
 
 use crate::arrays::{Borrowed, View, array_of};
-use crate::errors::raised;
+use crate::watched::detached;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use relievo::frame::Plane;
 use relievo::host::{File, Given, Scene, Work};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 /// A setting by its name in recipes, and its value as typed.
 pub(crate) type Settings = Vec<(String, String)>;
@@ -73,7 +73,7 @@ impl Frame {
             view(&importance),
             view(&albedo),
         ];
-        let scene = py.detach(|| {
+        let scene = detached(py, || {
             let [
                 color,
                 depth,
@@ -108,7 +108,7 @@ impl Frame {
             given.scene(&Work::new("shape", &roles, None)?)
         });
         Ok(Self {
-            kind: Kind::Arrays(Arc::new(scene.map_err(raised)?)),
+            kind: Kind::Arrays(Arc::new(scene?)),
             roles,
         })
     }
@@ -134,7 +134,7 @@ impl Frame {
             let color = color.as_ref();
             color.map(|c| vec![c.r.clone(), c.g.clone(), c.b.clone()])
         };
-        let planes = match name {
+        let planes = || match name {
             "normal" => Some(normals(frame).into()),
             "color" => colors(&frame.color),
             "albedo" => colors(&frame.albedo),
@@ -149,6 +149,7 @@ impl Frame {
             }
             _ => None,
         };
+        let planes = detached(py, || Ok(planes()))?;
         let array = |planes: Vec<_>| array_of(py, &planes.iter().collect::<Vec<_>>(), None);
         planes.map(array).transpose()
     }
@@ -219,10 +220,12 @@ impl Frame {
         match &self.kind {
             Kind::Arrays(scene) => Ok(scene.clone()),
             Kind::File { file, held } => {
-                let lock = || held.lock().unwrap_or_else(PoisonError::into_inner);
-                let last = lock().clone();
+                // Nobody waits: the thread that holds it may be of a process that this one was forked off.
+                let last = held.try_lock().ok().and_then(|held| held.clone());
                 let scene = work.load(file, last)?;
-                *lock() = Some(scene.clone());
+                if let Ok(mut held) = held.try_lock() {
+                    *held = Some(scene.clone());
+                }
                 Ok(scene)
             }
         }
@@ -230,9 +233,7 @@ impl Frame {
 
     /// The scene as the command line would describe it: with everything that there is.
     fn read(&self, py: Python<'_>) -> PyResult<Arc<Scene>> {
-        let read =
-            || -> relievo::Result<_> { self.scene(&self.work("relight", &Settings::new())?) };
-        py.detach(read).map_err(raised)
+        detached(py, || self.scene(&self.work("relight", &Settings::new())?))
     }
 }
 

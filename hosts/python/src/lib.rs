@@ -6,10 +6,13 @@ mod engine;
 mod errors;
 mod frame;
 mod made;
+mod process;
+mod threads;
 mod watched;
 
 use crate::arrays::{Borrowed, array_of};
-use crate::errors::raised;
+use crate::errors::caught;
+use crate::watched::detached;
 use numpy::PyReadonlyArray3;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -58,19 +61,23 @@ fn settings<'py>(py: Python<'py>, command: &str) -> PyResult<Vec<Bound<'py, PyDi
         row.set_item("kind", kind)?;
         Ok(row)
     };
-    settings_of(command).into_iter().map(of_setting).collect()
+    let all = caught(|| Ok(settings_of(command)))?;
+    all.into_iter().map(of_setting).collect()
 }
 
 /// The frames of a sequence that are on disk, by a name with #### or %04d; None for a single file.
 #[pyfunction]
-fn frames_on_disk(pattern: PathBuf) -> Option<Vec<i32>> {
-    frames_of(&pattern)
+fn frames_on_disk(py: Python<'_>, pattern: PathBuf) -> PyResult<Option<Vec<i32>>> {
+    detached(py, || Ok(frames_of(&pattern)))
 }
 
 /// Runs a command line, with the program's name first; returns its exit code.
 #[pyfunction]
-fn run_command_line(py: Python<'_>, words: Vec<OsString>) -> i32 {
-    py.detach(|| relievo::cli::run_words(words))
+fn run_command_line(py: Python<'_>, words: Vec<OsString>) -> PyResult<i32> {
+    process::handle_signals();
+    let pool = threads::own_pool()?;
+    // It hears signals by itself.
+    py.detach(|| caught(|| Ok(pool.install(|| relievo::cli::run_words(words)))))
 }
 
 #[pymodule(gil_used = false)]
@@ -81,6 +88,8 @@ mod _relievo {
     use super::frame::Frame;
     #[pymodule_export]
     use super::made::Made;
+    #[pymodule_export]
+    use super::process::forked;
     #[pymodule_export]
     use super::{
         commands, frames_on_disk, normals, png, read_recipe, recipe, recipe_settings,
@@ -96,24 +105,27 @@ fn commands() -> Vec<&'static str> {
 
 /// A command with its settings, as a recipe.
 #[pyfunction]
-fn recipe(command: &str, settings: frame::Settings) -> PyResult<String> {
-    let work = Work::new(command, &settings, None).map_err(raised)?;
-    Ok(work.recipe(None))
+fn recipe(py: Python<'_>, command: &str, settings: frame::Settings) -> PyResult<String> {
+    detached(py, || Ok(Work::new(command, &settings, None)?.recipe(None)))
 }
 
 /// The command of a recipe and its text: of a file or a preset, or of `text`, called by the path in errors.
 #[pyfunction]
-fn read_recipe(path: PathBuf, text: Option<String>) -> PyResult<(String, String)> {
-    let recipe = engine::recipe_of(&path, text.as_deref()).map_err(raised)?;
-    Ok((recipe.command().into(), recipe.text()))
+fn read_recipe(py: Python<'_>, path: PathBuf, text: Option<String>) -> PyResult<(String, String)> {
+    detached(py, || {
+        let recipe = engine::recipe_of(&path, text.as_deref())?;
+        Ok((recipe.command().into(), recipe.text()))
+    })
 }
 
 /// The settings of a recipe, by their names on the command line.
 #[pyfunction]
-fn recipe_settings(path: PathBuf, text: String) -> PyResult<frame::Settings> {
-    let recipe = engine::recipe_of(&path, Some(&text)).map_err(raised)?;
-    let work = Work::of_recipe(&recipe, &[], None).map_err(raised)?;
-    Ok(work.settings().to_vec())
+fn recipe_settings(py: Python<'_>, path: PathBuf, text: String) -> PyResult<frame::Settings> {
+    detached(py, || {
+        let recipe = engine::recipe_of(&path, Some(&text))?;
+        let work = Work::of_recipe(&recipe, &[], None)?;
+        Ok(work.settings().to_vec())
+    })
 }
 
 /// Normals of the surface that a depth shows, rows by columns by 3. Settings tell how depth is read; the camera is the
@@ -128,11 +140,11 @@ fn normals<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let depth = Borrowed::of("depth", depth)?;
     let (size, view) = (depth.size(), depth.view());
-    let made = py.detach(|| {
+    let made = detached(py, || {
         let work = Work::new("shape", &roles, None)?;
         normals_of(size, &view.samples(), &camera, pixel_aspect, &work)
-    });
-    array_of(py, &made.map_err(raised)?.each_ref(), None)
+    })?;
+    array_of(py, &made.each_ref(), None)
 }
 
 /// A small picture of an array of rows, columns and 3 channels, as a PNG: of linear light, or of values as they are.
@@ -147,6 +159,8 @@ fn png<'py>(
     if channels < 3 {
         return Err(PyValueError::new_err("a picture has 3 channels"));
     }
-    let pixels = thumbnail([columns, rows], |x, y, c| view[[y, x, c]], is_linear);
-    Ok(PyBytes::new(py, &pixels.map_err(raised)?))
+    let pixels = detached(py, || {
+        thumbnail([columns, rows], |x, y, c| view[[y, x, c]], is_linear)
+    })?;
+    Ok(PyBytes::new(py, &pixels))
 }

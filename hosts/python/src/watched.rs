@@ -1,71 +1,72 @@
-//! Work on a thread of its own, so that the interpreter can interrupt it and hear how far it has come.
+//! Work on other threads, so that the interpreter can interrupt it and hear how far it has come.
 
-use crate::errors::raised;
+use crate::errors::caught;
+use crate::threads::own_pool;
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use relievo::engine::{CancelToken, Progress, Run};
+use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 /// The interpreter is asked this often whether it was interrupted.
 const ASKED_EVERY: Duration = Duration::from_millis(50);
 
-enum Said<T> {
-    Progress(Progress),
-    Done(T),
+/// Calls `work` on the module's threads without the interpreter's lock. An interrupt is raised when it has ended.
+pub(crate) fn detached<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> relievo::Result<T> + Send,
+) -> PyResult<T> {
+    watched(py, own_pool()?, None, |_| work())
 }
 
-/// Calls `work` without the interpreter's lock; `progress` is called with the name of each stage and the share done. An
-/// interrupt, or an exception of `progress`, cancels the work and is raised.
+/// Calls `work` on the threads of `pool` without the interpreter's lock; `progress` is called with the name of each stage
+/// and the share done. An interrupt, or an exception of `progress`, cancels the work and is raised.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
+    pool: &ThreadPool,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Run) -> relievo::Result<T> + Send,
 ) -> PyResult<T> {
     let token = CancelToken::new();
     let progress = progress.map(|tell| tell.clone().unbind());
+    let tells = progress.is_some();
     py.detach(|| {
-        std::thread::scope(|scope| {
-            let (tell, hear) = channel();
-            let (cancel, tells) = (&token, progress.is_some());
-            scope.spawn(move || {
-                let report = |at| {
-                    // Nobody listens after an exception.
-                    let _ = tell.send(Said::Progress(at));
-                };
-                let report = std::sync::Mutex::new(report);
-                let locked = |at| {
-                    if let Ok(report) = report.lock() {
-                        report(at);
+        let (tell, hear) = channel();
+        let (end, ended) = channel();
+        let cancel = &token;
+        pool.in_place_scope(|scope| {
+            scope.spawn(move |_| {
+                let tell = Mutex::new(tell);
+                let report = |at: Progress| {
+                    if let Ok(tell) = tell.lock() {
+                        // Nobody listens after an exception.
+                        let _ = tell.send(at);
                     }
                 };
                 let run = Run::new().cancel(cancel);
                 let run = match tells {
-                    true => run.progress(&locked),
+                    true => run.progress(&report),
                     false => run,
                 };
-                let made = work(&run);
-                drop(run);
-                let _ = tell.send(Said::Done(made));
+                let _ = end.send(caught(|| work(&run)));
             });
+            // Progress ends with the work.
             loop {
-                let interrupted = match hear.recv_timeout(ASKED_EVERY) {
-                    Ok(Said::Done(made)) => return made.map_err(raised),
-                    Ok(Said::Progress(at)) => Python::attach(|py| {
-                        let Some(tell) = &progress else { return Ok(()) };
-                        tell.call1(py, (at.stage, at.done)).map(|_| ())
+                let asked = match hear.recv_timeout(ASKED_EVERY) {
+                    Ok(Progress { stage, done }) => Python::attach(|py| match &progress {
+                        Some(tell) => tell.call1(py, (stage, done)).map(|_| ()),
+                        None => Ok(()),
                     }),
                     Err(RecvTimeoutError::Timeout) => Python::attach(|py| py.check_signals()),
-                    Err(RecvTimeoutError::Disconnected) => {
-                        let fault =
-                            "a fault of relievo itself: its thread has ended; please report it";
-                        return Err(pyo3::exceptions::PyRuntimeError::new_err(fault));
-                    }
+                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
                 };
-                if let Err(raised) = interrupted {
+                if let Err(raised) = asked {
                     token.cancel();
                     return Err(raised);
                 }
             }
-        })
+        })?;
+        ended.recv().expect("work that ends says so")
     })
 }

@@ -54,6 +54,41 @@ def test_settings_are_checked(ball):
         pyrelievo.enhance(**ball, scaling=1.5)
 
 
+def test_a_picture_that_is_missing(ball):
+    for lacking in [
+        lambda: pyrelievo.enhance(None, ball["normal"]),
+        lambda: pyrelievo.enhance(None, ball["normal"], scaling=0),
+        lambda: pyrelievo.hatch(ball["normal"], tone="picture"),
+        lambda: pyrelievo.relight(ball["normal"], light=(135, 40), albedo_from="estimate"),
+    ]:
+        with pytest.raises(ValueError, match="picture"):
+            lacking()
+
+
+def test_a_fault_of_our_own_is_an_exception():
+    """A frame with more samples than addresses, of one byte, is refused by nobody before its planes are made."""
+    normal = np.broadcast_to(np.uint8(255), (2**31 - 2, 2**30 + 2**20, 3))
+    with pytest.raises(RuntimeError, match=r"^a fault of relievo itself \(capacity overflow at .+\); please report it$"):
+        pyrelievo.Frame(normal=normal)
+
+
+@pytest.mark.parametrize("number", [0, 1, 7.0, True, False, np.int64(0), ["camera.json"]])
+def test_numbers_are_no_files(ball, number):
+    depth = ball["depth"]
+    for opens in [
+        lambda: pyrelievo.normals(depth, number),
+        lambda: pyrelievo.Frame(normal=ball["normal"], camera=number),
+        lambda: pyrelievo.shape(ball["normal"], depth=depth, camera=number),
+    ]:
+        with pytest.raises(TypeError, match="^camera is .*; give a dict, or the path of a file$"):
+            opens()
+    for opens in [pyrelievo.load, pyrelievo.Recipe.read, pyrelievo.Recipe("enhance").write]:
+        with pytest.raises(TypeError):
+            opens(number)
+    with pytest.raises(TypeError):
+        next(pyrelievo.process(number, "shape"))
+
+
 def test_files_that_are_not_there(bust, tmp_path):
     with pytest.raises(FileNotFoundError):
         pyrelievo.load(tmp_path / "none.exr")
@@ -110,6 +145,27 @@ def test_ctrl_c_stops_a_run():
     timer.join()
 
 
+def test_enlarging_tells_its_progress_and_can_be_interrupted(ball):
+    told = []
+
+    def tell(stage, done):
+        told.append((stage, done))
+
+    def interrupt(stage, done):
+        tell(stage, done)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    pyrelievo.hatch(**ball, enlarge=2, progress=tell)
+    stages, shares = zip(*told, strict=True)
+    assert stages[0] == "enlarge" and told[-1] == ("done", 1.0)
+    assert list(shares) == sorted(shares) and stages.count("enlarge") > 5
+    told.clear()
+    with pytest.raises(KeyboardInterrupt):
+        # Enlarging takes seconds, and a minute what comes after it.
+        pyrelievo.hatch(*waves(400, 400)[1:], color=waves(400, 400)[0], enlarge=8, progress=interrupt)
+    assert {stage for stage, _ in told} == {"enlarge"}
+
+
 def test_other_threads_go_on_meanwhile():
     """Python runs while the engine does: a second thread counts on."""
     frame = pyrelievo.Frame(*waves(700, 700))
@@ -163,7 +219,8 @@ def test_a_thousand_runs_keep_no_memory(ball):
 
 def test_engines_are_checked():
     assert pyrelievo.Engine(threads=3, backend="cpu")
-    with pytest.raises(ValueError, match="give 1 or more"):
-        pyrelievo.Engine(threads=0)
+    for threads in [0, 513]:
+        with pytest.raises(ValueError, match=f"^threads is {threads}; give 1 to 512$"):
+            pyrelievo.Engine(threads=threads)
     with pytest.raises(ValueError, match="give auto, cpu or gpu"):
         pyrelievo.Engine(backend="tpu")

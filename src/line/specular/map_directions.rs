@@ -21,14 +21,15 @@ struct LastDirections {
 impl DirectionCache {
     /// The directions on these surroundings, computed unless cached.
     pub(crate) fn of(&self, surroundings: &Arc<Surroundings>) -> Arc<Vector3Planes> {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = kept.as_ref()
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept().as_ref()
             && Arc::ptr_eq(&kept.surroundings, surroundings)
         {
             return kept.directions.clone();
         }
+        // Not under the lock: while it waits for others, this thread may take up another run that asks for it too.
         let directions = Arc::new(directions(surroundings));
-        *kept = Some(LastDirections {
+        *kept() = Some(LastDirections {
             surroundings: surroundings.clone(),
             directions: directions.clone(),
         });

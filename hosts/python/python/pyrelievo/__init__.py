@@ -15,11 +15,17 @@ Every command of the command line is a function here, with the same settings: ``
 ``hatch`` and ``map``. Each takes arrays, or a frame that ``load`` has made of a file.
 """
 
+import os
+
+from . import _relievo
 from ._commands import enhance, hatch, map, process, relight, shape
 from ._frame import Finding, Frame, load, normals
 from ._recipe import Recipe
 from ._relievo import Engine
 from ._results import Drawing, Shape
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_relievo.forked)
 
 __all__ = [
     "Drawing",

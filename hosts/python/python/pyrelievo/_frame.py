@@ -72,6 +72,8 @@ def camera_text(camera: Any) -> str | None:
     if isinstance(camera, Mapping):
         plain = {name: np.asarray(value).tolist() for name, value in camera.items()}
         return json.dumps(plain)
+    if not isinstance(camera, (str, os.PathLike)):
+        raise TypeError(f"camera is {camera!r}; give a dict, or the path of a file")
     with open(camera, encoding="utf-8") as file:
         return file.read()
 

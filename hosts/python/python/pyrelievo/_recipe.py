@@ -50,7 +50,7 @@ class Recipe:
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Writes it to a file."""
-        with open(path, "w", encoding="utf-8") as file:
+        with open(os.fspath(path), "w", encoding="utf-8") as file:
             file.write(self._text)
 
     def __call__(

@@ -1,0 +1,206 @@
+"""Processes that are forked, spawned or served do what the one does that started them; none waits for ever."""
+
+import gc
+import hashlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import pyrelievo
+from conftest import FIXTURES
+from pyrelievo import _relievo
+
+BUST = str(FIXTURES / "bust.exr")
+
+#: Seconds after which a worker counts as hanging; it takes one or two.
+PATIENCE = 60
+
+#: From 3.12 on Python warns of threads at each fork.
+pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded:DeprecationWarning")
+
+
+def ball():
+    y, x = np.mgrid[1:-1:64j, -1:1:64j].astype(np.float32)
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    return np.dstack([z, z, z]), np.dstack([x, y, z]) * (z > 0)[..., None]
+
+
+COLOR, NORMAL = ball()
+ENGINE = pyrelievo.Engine(threads=2)
+
+
+def by_engine(folder):
+    return pyrelievo.enhance(COLOR, NORMAL, engine=ENGINE)
+
+
+def by_frame(folder):
+    frame = pyrelievo.Frame(COLOR, NORMAL)
+    return frame.normal
+
+
+def findings(folder):
+    return repr(pyrelievo.load(BUST).findings).encode()
+
+
+def thumbnail(folder):
+    return pyrelievo.load(BUST)._repr_png_()
+
+
+def enhanced(folder):
+    out = np.empty_like(COLOR)
+    return pyrelievo.enhance(COLOR, NORMAL, out=out)
+
+
+def shown(folder):
+    return pyrelievo.enhance(BUST, dtype=np.uint8)
+
+
+def relit(folder):
+    return pyrelievo.relight(NORMAL, light=(135, 40))
+
+
+def shape(folder):
+    return pyrelievo.shape(NORMAL, scale=(2, 4)).kappa
+
+
+def drawn(folder):
+    return pyrelievo.hatch(NORMAL, color=COLOR, enlarge=2).svg().encode()
+
+
+def maps(folder):
+    return pyrelievo.map(NORMAL, map=("curvature", "height"))["height"]
+
+
+def normals(folder):
+    return pyrelievo.normals(np.full((40, 40), 2.0), {"focal_px": 100})
+
+
+def sequence(folder):
+    pattern = str(FIXTURES / "wheel.####.exr")
+    return [made.kappa for _, made in pyrelievo.process(pattern, "shape")][-1]
+
+
+def recipe(folder):
+    return pyrelievo.Recipe.parse(pyrelievo.Recipe("enhance", scaling=0.7).toml())(COLOR, NORMAL)
+
+
+def settings(folder):
+    return repr(_relievo.settings("hatch")).encode()
+
+
+def command_line(folder):
+    """The codes of two commands: one has threads of its own, the other the module's."""
+    out = str(folder / f"{os.getpid()}.png")
+    codes = [
+        _relievo.run_command_line(["relievo", "inspect", BUST]),
+        _relievo.run_command_line(["relievo", "enhance", BUST, "-q", "-o", out]),
+    ]
+    return bytes(codes)
+
+
+CALLS = [by_engine, by_frame, findings, thumbnail, enhanced, shown, relit, shape, drawn, maps, normals, sequence, recipe]
+CALLS += [settings, command_line]
+
+
+def digest(call, folder):
+    return hashlib.sha256(call(folder)).hexdigest()
+
+
+def digests(calls, folder):
+    return [digest(call, folder) for call in calls]
+
+
+def worked(method, work, *given):
+    """What a worker makes of it, of a pool that then ends, as the signal tells it to."""
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        return pool.apply_async(work, given).get(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("call", CALLS, ids=lambda call: call.__name__)
+def test_after_a_fork_each_call_is_as_before(call, tmp_path):
+    expected = digest(call, tmp_path)
+    assert worked("fork", digest, call, tmp_path) == expected
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_workers_of_each_kind_do_all_calls(method, tmp_path):
+    expected = digests(CALLS, tmp_path)
+    assert worked(method, digests, CALLS, tmp_path) == expected
+
+
+def grandchild(folder):
+    """What a worker's own child makes, after both did the same."""
+    read, write = os.pipe()
+    digest(by_engine, folder)
+    if os.fork() == 0:
+        os.write(write, digest(by_engine, folder).encode())
+        os._exit(0)
+    os.close(write)
+    with open(read) as file:
+        return file.read()
+
+
+def test_a_fork_of_a_fork(tmp_path):
+    expected = digest(by_engine, tmp_path)
+    assert worked("fork", grandchild, tmp_path) == expected
+
+
+def test_a_fork_in_the_middle_of_a_run(tmp_path):
+    """Locks that another thread holds as the process is forked are held by nobody in the child."""
+    frame, begun, over = pyrelievo.Frame(np.tile(COLOR, (8, 8, 1)), np.tile(NORMAL, (8, 8, 1))), threading.Event(), []
+
+    def run():
+        def stop(stage, done):
+            begun.set()
+            if over:
+                raise InterruptedError
+
+        with pytest.raises(InterruptedError):
+            while True:
+                pyrelievo.hatch(frame, engine=ENGINE, progress=stop)
+
+    expected = digest(by_engine, tmp_path)
+    thread = threading.Thread(target=run)
+    thread.start()
+    assert begun.wait(PATIENCE)
+    try:
+        for _ in range(10):
+            assert worked("fork", digest, by_engine, tmp_path) == expected
+    finally:
+        over.append(True)
+        thread.join()
+
+
+def waits(ready):
+    ready.set()
+    time.sleep(PATIENCE)
+
+
+def test_a_worker_ends_by_a_signal_after_a_command_line(tmp_path):
+    """The thread that hears signals for the command line is not there to end it."""
+    command_line(tmp_path)
+    context = multiprocessing.get_context("fork")
+    ready = context.Event()
+    worker = context.Process(target=waits, args=(ready,))
+    worker.start()
+    assert ready.wait(PATIENCE)
+    worker.terminate()
+    worker.join(PATIENCE / 2)
+    assert worker.exitcode == -signal.SIGTERM
+
+
+def without_engine():
+    """Drops an engine of the parent, whose threads are not there to be joined."""
+    global ENGINE
+    del ENGINE
+    return gc.collect() >= 0
+
+
+def test_an_engine_of_the_parent_can_be_dropped():
+    pyrelievo.enhance(COLOR, NORMAL, engine=ENGINE)
+    assert worked("fork", without_engine)
