@@ -1,12 +1,14 @@
 //! Analytic scenes and real ones, with every solver and kind of readout.
 
-use super::{assert_same, on_gpu, plan, waves, with_color};
+use super::{assert_alike, assert_same, on_gpu, plan, waves, with_color};
 use glam::DVec3;
-use relievo::frame::Plane;
+use relievo::engine::{Engine, Run};
+use relievo::frame::{Frame, Plane};
 use relievo::io::inputs::Inputs;
 use relievo::io::{Needs, load};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
+use relievo::product::Product;
 use relievo::report::scenes::{ExactScene, Surface};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
@@ -65,6 +67,41 @@ fn several_scales_at_once() {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::at_scales(Goal::Layers, available, shape, scaling, &[1.0, 5.0]).unwrap();
         assert_same("scales", runner, &plan, &frame);
+    });
+}
+
+/// Joined borders, at scales that reach across several repetitions.
+#[test]
+fn tiles() {
+    on_gpu(|_| {
+        let engines = [Engine::gpu().unwrap(), Engine::cpu()];
+        let scaling = ScalingParams {
+            curvature_gain: Adaptive::Fixed(3.0),
+            ..ScalingParams::default()
+        };
+        for (wraps, sigma) in [
+            ([true, true], 25.0),
+            ([true, false], 6.0),
+            ([false, true], 40.0),
+        ] {
+            let frame = Frame {
+                wraps,
+                ..waves(67, 45)
+            };
+            let shape = ShapeParams {
+                scale: Scale::Sigma(sigma),
+                ..ShapeParams::default()
+            };
+            let plan = plan(Goal::Layers, &frame, shape, scaling);
+            let [found, expected] = engines.each_ref().map(|engine| {
+                let inputs = relievo::engine::Inputs::default();
+                engine.execute(&plan, &frame, inputs, &Run::new()).unwrap()
+            });
+            let name = format!("tile {wraps:?} at {sigma}");
+            assert_alike(&name, &found, &expected, |product| {
+                (product != Product::Picture).then(|| product.tolerance())
+            });
+        }
     });
 }
 
