@@ -6,6 +6,7 @@
 
 use super::exr::{ChannelId, ExrFile};
 use super::open::read_text;
+use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
@@ -15,8 +16,17 @@ use std::path::Path;
 /// Prefix of the attributes of Cryptomatte.
 const PREFIX: &str = "cryptomatte/";
 
-/// Most bytes of a manifest in a file of its own.
-const MOST_OF_A_MANIFEST: u64 = 64 << 20;
+/// Most bytes of the manifests in files of their own.
+const MOST_OF_MANIFESTS: u64 = 32 << 20;
+
+/// Most names in the manifests of a file; those of large scenes have 50,000.
+const MOST_NAMES: usize = 500_000;
+
+/// Most ranks of a layer; renderers write 6 to 16.
+const MOST_RANKS: usize = 256;
+
+/// Most layers of Cryptomatte in a file: three to a view layer are usual.
+const MOST_LAYERS: usize = 256;
 
 /// One layer of Cryptomatte: by object, by material, by asset.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,40 +39,85 @@ pub(super) struct Cryptomatte {
     ranks: Vec<[ChannelId; 2]>,
 }
 
+/// What a file declares of a layer, by the last parts of the attributes' names.
+type Declared<'f> = BTreeMap<String, Cow<'f, str>>;
+
 /// All layers of Cryptomatte that a file declares and has channels of.
-pub(super) fn layers(file: &ExrFile) -> Vec<Cryptomatte> {
-    let mut declared: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+///
+/// # Errors
+/// [`Error::Unsupported`] for more layers, ranks or names than any scene has.
+pub(super) fn layers(file: &ExrFile) -> Result<Vec<Cryptomatte>> {
+    let mut declared: BTreeMap<String, Declared> = BTreeMap::new();
     for (name, text) in file.strings(PREFIX) {
         if let Some((id, what)) = name.split_once('/') {
             let own = declared.entry(id.to_owned()).or_default();
             own.entry(what.to_owned()).or_insert(text);
         }
     }
-    let layers = declared.values().filter_map(|declared| {
-        let layer = declared.get("name")?.clone();
-        let ranks = ranks(file, &layer);
-        let has_ranks = !ranks.is_empty();
-        has_ranks.then(|| Cryptomatte {
-            manifest: manifest(declared, &file.path).unwrap_or_default(),
-            layer,
+    let named: Vec<_> = declared
+        .values()
+        .filter_map(|declared| Some((declared.get("name")?, declared)))
+        .collect();
+    let excess = |found: String| Error::Unsupported {
+        path: file.path.clone(),
+        found,
+        remedy: "remove its attributes that begin with cryptomatte/".into(),
+    };
+    if named.len() > MOST_LAYERS {
+        let found = format!("declares {} layers of Cryptomatte", named.len());
+        return Err(excess(found));
+    }
+    let (mut names, mut left) = (0, MOST_OF_MANIFESTS);
+    let mut layers = Vec::new();
+    for (layer, declared) in named {
+        let ranks = ranks(file, layer);
+        if ranks.is_empty() {
+            continue;
+        }
+        if ranks.len() > MOST_RANKS {
+            let found = format!("has {} ranks in a layer of Cryptomatte", ranks.len());
+            return Err(excess(found));
+        }
+        let text = manifest_text(declared, &file.path, &mut left).unwrap_or_default();
+        // A name and its number have four quotes.
+        names += text.bytes().filter(|&byte| byte == b'"').count() / 4;
+        if names > MOST_NAMES {
+            let found = format!("names more than {MOST_NAMES} objects of Cryptomatte");
+            return Err(excess(found));
+        }
+        layers.push(Cryptomatte {
+            layer: layer.to_string(),
+            manifest: manifest(&text).unwrap_or_default(),
             ranks,
-        })
-    });
-    layers.collect()
+        });
+    }
+    Ok(layers)
 }
 
-/// Names and numbers of a layer's objects, from the header or the file that it names; `None` where there are none, or
-/// they cannot be read.
-fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTreeMap<String, u32>> {
-    let text = match (declared.get("manifest"), declared.get("manif_file")) {
-        (Some(text), _) => Cow::Borrowed(text.as_str()),
+/// The manifest of a layer, from the header or the file that it names; `None` where there is none, or it cannot be read.
+/// Of the bytes of such files as many are `left`.
+fn manifest_text<'f>(
+    declared: &'f Declared,
+    picture: &Path,
+    left: &mut u64,
+) -> Option<Cow<'f, str>> {
+    match (declared.get("manifest"), declared.get("manif_file")) {
+        (Some(text), _) => Some(Cow::Borrowed(text)),
         (None, Some(name)) => {
-            let path = picture.parent()?.join(Path::new(name).file_name()?);
-            Cow::Owned(read_text(&path, MOST_OF_A_MANIFEST).ok()?)
+            let path = picture
+                .parent()?
+                .join(Path::new(name.as_ref()).file_name()?);
+            let text = read_text(&path, *left).ok()?;
+            *left -= text.len() as u64;
+            Some(Cow::Owned(text))
         }
-        (None, None) => return None,
-    };
-    let numbers: BTreeMap<String, Hex> = serde_json::from_str(&text).ok()?;
+        (None, None) => None,
+    }
+}
+
+/// Names and numbers of objects; `None` where they cannot be read.
+fn manifest(text: &str) -> Option<BTreeMap<String, u32>> {
+    let numbers: BTreeMap<String, Hex> = serde_json::from_str(text).ok()?;
     let numbers = numbers.into_iter();
     let numbers = numbers.filter_map(|(name, Hex(number))| Some((name, number?)));
     Some(numbers.collect())
@@ -72,7 +127,7 @@ fn manifest(declared: &BTreeMap<String, String>, picture: &Path) -> Option<BTree
 struct Hex(Option<u32>);
 
 impl<'de> Deserialize<'de> for Hex {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
         let text = Cow::<str>::deserialize(from)?;
         Ok(Self(parsed(&text)))
     }

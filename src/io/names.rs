@@ -329,14 +329,13 @@ pub(super) fn plain_attribute(name: &str) -> &str {
 
 /// The renderer whose marks a file bears, if any.
 fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
-    let attributes = || {
-        file.attributes
-            .iter()
-            .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
-    };
+    let attributes = file.attributes.iter();
+    let attributes: Vec<_> = attributes
+        .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
+        .collect();
     // A file rewritten by Nuke still has its renderer's layers.
     RENDERERS.iter().find(|renderer| {
-        attributes().any(|(name, text)| {
+        attributes.iter().any(|(name, text)| {
             let starts = |mark: &&str| name.starts_with(mark);
             renderer.attributes.iter().any(starts)
                 || MAKERS.contains(&name.as_str())

@@ -5,6 +5,9 @@ use super::roles::{Layer, Role};
 /// Similarity from which on a name is suggested as the intended one, 0..1.
 const ALIKE: f64 = 0.8;
 
+/// Most layers that are compared for a suggestion, which takes long.
+const MOST_COMPARED: usize = 1000;
+
 /// The layer with the channels of `role` whose name comes nearest to those that mean it.
 pub(super) fn nearest(layers: &[Layer], role: Role) -> Option<&str> {
     // Names of a letter or two are like many.
@@ -19,8 +22,8 @@ pub(super) fn nearest(layers: &[Layer], role: Role) -> Option<&str> {
         likeness.fold(0.0, f64::max)
     };
     let likeness = |layer: &Layer| {
-        let words = layer.said().words;
-        words.iter().map(likeness_of_word).fold(0.0, f64::max)
+        let words = layer.said().words.iter();
+        words.map(likeness_of_word).fold(0.0, f64::max)
     };
     let able = layers
         .iter()
@@ -51,7 +54,10 @@ pub(crate) fn likest<'a>(names: &[&'a str], name: &str) -> Option<&'a str> {
 /// The first of the likest layers, if it is like enough and has a name.
 fn best<'a>(layers: impl Iterator<Item = (&'a Layer, f64)>) -> Option<&'a str> {
     let mut best: Option<(&Layer, f64)> = None;
-    for (layer, likeness) in layers.filter(|(layer, _)| !layer.name.is_empty()) {
+    for (layer, likeness) in layers
+        .take(MOST_COMPARED)
+        .filter(|(layer, _)| !layer.name.is_empty())
+    {
         if likeness >= ALIKE && best.is_none_or(|(_, most)| likeness > most) {
             best = Some((layer, likeness));
         }

@@ -48,24 +48,26 @@ enum ObjectSource<'a> {
 
 /// The layers of Cryptomatte, with the names of their objects; without a manifest, the numbers of the largest objects in
 /// the form of `--object`, with their shares of the picture, or of as much of its middle as is read.
-pub(super) fn surveyed(file: &ExrFile) -> Vec<ObjectSurvey> {
-    let layers = cryptomatte::layers(file).into_iter();
+///
+/// # Errors
+/// As [`cryptomatte::layers`].
+pub(super) fn surveyed(file: &ExrFile) -> Result<Vec<ObjectSurvey>> {
+    let layers = cryptomatte::layers(file)?.into_iter();
     let survey = layers.map(|layer| {
-        let mut names: Vec<_> = layer.manifest.keys().cloned().collect();
-        let mut shares = Vec::new();
-        if names.is_empty() {
-            (names, shares) = largest(file, &layer)
+        let (names, shares) = match layer.manifest.is_empty() {
+            true => largest(file, &layer)
                 .into_iter()
                 .map(|(number, share)| (format!("#{number:08x}"), share))
-                .unzip();
-        }
+                .unzip(),
+            false => (layer.manifest.into_keys().collect(), Vec::new()),
+        };
         ObjectSurvey {
             layer: layer.layer,
             names,
             shares,
         }
     });
-    survey.collect()
+    Ok(survey.collect())
 }
 
 /// The numbers of the largest objects of a layer and their shares; none where its samples are damaged.
@@ -93,7 +95,7 @@ pub(super) fn refuse_numbers(name: &str, main: &Opened) -> Result<()> {
     let Opened::Exr { file, layers, .. } = main else {
         return Ok(());
     };
-    let is_hashed = cryptomatte::layers(file)
+    let is_hashed = cryptomatte::layers(file)?
         .iter()
         .any(|layer| layer.holds(name));
     let indices = [Role::ObjectIndex, Role::MaterialIndex];
@@ -121,7 +123,7 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
     let Opened::Exr { file, layers, .. } = main else {
         return Err(untold(main.path()));
     };
-    let hashed = cryptomatte::layers(file);
+    let hashed = cryptomatte::layers(file)?;
     let find = |names: &[&str]| -> Result<Vec<Vec<ObjectSource>>> {
         let found = names
             .iter()

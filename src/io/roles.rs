@@ -6,6 +6,9 @@
 
 use super::names::{self, Arity, RULES, last_word};
 use super::words::{Said, said};
+use std::cell::OnceCell;
+use std::collections::HashMap;
+use std::rc::Rc;
 
 pub use super::names::Role;
 
@@ -20,8 +23,21 @@ pub(crate) struct Layer {
     pub components: Vec<(String, usize)>,
     /// Whether the name is that of the part, with channels called only `R` or `Z`.
     pub bare: bool,
-    /// Its view, such as the left eye's, if any.
-    pub view: Option<String>,
+    /// Its view, such as the left eye's, if any; set before its name is looked at.
+    pub view: Option<Rc<str>>,
+    /// Meaning of its name, found when first asked for.
+    meaning: OnceCell<Meaning>,
+}
+
+/// Meaning of a layer's name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Meaning {
+    /// Its key in the table: the last word of its name that is not its view.
+    key: String,
+    /// Whether it is in the table of names.
+    is_listed: bool,
+    /// Meaning of its words.
+    said: Said,
 }
 
 /// The channels that play a role, in the order of its components.
@@ -46,6 +62,7 @@ pub(crate) fn layers<'a>(
 ) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     for (part, (part_name, channels)) in parts.enumerate() {
+        let mut of_part: HashMap<&str, usize> = HashMap::new();
         for (index, channel) in channels.into_iter().enumerate() {
             let (prefix, component) = split_component(channel);
             let name = if prefix.is_empty() {
@@ -53,16 +70,18 @@ pub(crate) fn layers<'a>(
             } else {
                 prefix
             };
-            match layers.iter_mut().find(|l| l.part == part && l.name == name) {
-                Some(layer) => layer.components.push((component, index)),
-                None => layers.push(Layer {
+            let place = *of_part.entry(name).or_insert_with(|| {
+                layers.push(Layer {
                     part,
                     name: name.to_string(),
-                    components: vec![(component, index)],
+                    components: Vec::new(),
                     bare: prefix.is_empty(),
                     view: None,
-                }),
-            }
+                    meaning: OnceCell::new(),
+                });
+                layers.len() - 1
+            });
+            layers[place].components.push((component, index));
         }
     }
     layers
@@ -83,8 +102,8 @@ fn split_component(channel: &str) -> (&str, String) {
 
 impl Layer {
     /// Meaning of the words of its name.
-    pub(super) fn said(&self) -> Said {
-        said(&self.name, self.view.as_deref())
+    pub(super) fn said(&self) -> &Said {
+        &self.meaning().said
     }
 
     /// Whether its name means a role, by the table of names or by its words.
@@ -94,24 +113,27 @@ impl Layer {
 
     /// Whether its name is a single letter, which is ambiguous: some use `c` for a picture.
     pub(super) fn is_letter(&self) -> bool {
-        self.key().len() == 1
+        self.meaning().key.len() == 1
     }
 
     /// Whether it is in the table of names.
     pub(crate) fn is_listed(&self) -> bool {
-        let key = self.key();
-        let mut rules = RULES.iter();
-        rules.any(|(_, _, names)| names.contains(&key.as_str()))
+        self.meaning().is_listed
     }
 
-    /// Its key in the table: the last word of its name that is not its view.
-    fn key(&self) -> String {
-        let is_view = |word: &&str| {
+    fn meaning(&self) -> &Meaning {
+        self.meaning.get_or_init(|| {
             let view = self.view.as_deref();
-            view.is_some_and(|view| word.eq_ignore_ascii_case(view))
-        };
-        let words: Vec<&str> = self.name.split('.').filter(|w| !is_view(w)).collect();
-        names::key(last_word(&words.join(".")))
+            let is_view = |word: &&str| view.is_some_and(|view| word.eq_ignore_ascii_case(view));
+            let words: Vec<&str> = self.name.split('.').filter(|w| !is_view(w)).collect();
+            let key = names::key(last_word(&words.join(".")));
+            let mut rules = RULES.iter();
+            Meaning {
+                is_listed: rules.any(|(_, _, names)| names.contains(&key.as_str())),
+                key,
+                said: said(&self.name, view),
+            }
+        })
     }
 
     /// The layer's channels in the order that `role` wants, if it has them.
@@ -158,7 +180,7 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
         .find_map(|name| {
             layers
                 .iter()
-                .filter(|layer| layer.key() == *name)
+                .filter(|layer| layer.meaning().key == *name)
                 .find_map(|layer| {
                     // A nameless layer is depth only by its component Z, never for being alone.
                     let bare_depth = role == Role::Depth && name.is_empty();
@@ -173,15 +195,8 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
 pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
     let mut found: Vec<_> = layers
         .iter()
-        .filter(|layer| !layer.is_listed())
-        .filter_map(|layer| {
-            let said = layer.said();
-            let plays = said.role == Some(role);
-            layer
-                .matched(role)
-                .filter(|_| plays)
-                .map(|m| (said.rank, m))
-        })
+        .filter(|layer| !layer.is_listed() && layer.said().role == Some(role))
+        .filter_map(|layer| Some((layer.said().rank, layer.matched(role)?)))
         .collect();
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, found)| found).collect()
@@ -204,11 +219,12 @@ fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
 /// The layer that a user called `name`: its full name, else its last word, in any case.
 pub(crate) fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
     let exact = layers.iter().find(|l| l.name.eq_ignore_ascii_case(name));
+    let key = names::key(name);
     let by_last_word = || {
         layers.iter().find(|l| {
             let last = l.name.rsplit('.').next();
             last.is_some_and(|last| last.eq_ignore_ascii_case(name))
-                || l.view.is_some() && l.key() == names::key(name)
+                || l.view.is_some() && l.meaning().key == key
         })
     };
     // `--depth Z` may also name a single channel of a layer: `ViewLayer.Depth.Z`, or bare `Z`.

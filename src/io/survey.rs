@@ -83,7 +83,7 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             pixel_aspect: file.pixel_aspect,
             views: views.clone(),
             view: view.clone(),
-            objects: objects::surveyed(file),
+            objects: objects::surveyed(file)?,
             parts: part_surveys(file),
             roles: {
                 let named = roles::assign(layers);
@@ -137,7 +137,9 @@ fn role_survey(file: &ExrFile, role: Role, found: Match) -> RoleSurvey {
 
 fn part_survey(file: &ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
     let part = &file.parts[index];
-    let of_part = layers.iter().filter(|layer| layer.part == index);
+    // They are in the order of their parts.
+    let first = layers.partition_point(|layer| layer.part < index);
+    let of_part = layers[first..].iter().take_while(|l| l.part == index);
     PartSurvey {
         name: part.name.clone(),
         data_window: part.window,

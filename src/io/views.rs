@@ -7,6 +7,8 @@ use super::exr::ExrFile;
 use super::roles::Layer;
 use crate::error::{Error, Result};
 use crate::untrusted::{Untrusted, listed};
+use std::collections::HashMap;
+use std::rc::Rc;
 
 /// Views that need no list where both occur.
 const EYES: [&str; 2] = ["left", "right"];
@@ -14,13 +16,7 @@ const EYES: [&str; 2] = ["left", "right"];
 /// Marks each layer with its view, and returns the views, that of the default first. Layers that all views share
 /// have none.
 pub(super) fn mark(file: &ExrFile, layers: &mut [Layer]) -> Vec<String> {
-    let mut views: Vec<String> = Vec::new();
-    for layer in layers.iter_mut() {
-        layer.view.clone_from(&file.parts[layer.part].view);
-        if let Some(view) = layer.view.as_ref().filter(|view| !views.contains(view)) {
-            views.push(view.clone());
-        }
-    }
+    let views = mark_by_part(file, layers);
     if !views.is_empty() {
         return views;
     }
@@ -37,12 +33,39 @@ pub(super) fn mark(file: &ExrFile, layers: &mut [Layer]) -> Vec<String> {
             EYES.iter().filter(|_| both).map(|&e| e.into()).collect()
         }
     };
+    let shared: Vec<Rc<str>> = views.iter().map(|view| view.as_str().into()).collect();
+    // Of views that differ only by case the first one counts.
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for (place, view) in views.iter().enumerate() {
+        places.entry(view.to_lowercase()).or_insert(place);
+    }
     for layer in layers {
         let words = words(layer);
-        let named = views.iter().find(|v| words.contains(&v.to_lowercase()));
+        let named = words.iter().filter_map(|word| places.get(word)).min();
+        let named = named.map(|&place| &shared[place]);
         layer.view = named
-            .or(views.first().filter(|_| listed.is_some()))
+            .or(shared.first().filter(|_| listed.is_some()))
             .cloned();
+    }
+    views
+}
+
+/// Marks each layer with the view of its part, and returns those views.
+fn mark_by_part(file: &ExrFile, layers: &mut [Layer]) -> Vec<String> {
+    let mut views: Vec<String> = Vec::new();
+    // Each view once: its name may be long.
+    let mut shared: HashMap<&str, Rc<str>> = HashMap::new();
+    let of_parts = file.parts.iter().map(|part| {
+        let view = part.view.as_deref()?;
+        let own = shared.entry(view).or_insert_with(|| {
+            views.push(view.to_owned());
+            view.into()
+        });
+        Some(own.clone())
+    });
+    let of_parts: Vec<Option<Rc<str>>> = of_parts.collect();
+    for layer in layers {
+        layer.view.clone_from(&of_parts[layer.part]);
     }
     views
 }
@@ -73,6 +96,9 @@ pub(super) fn keep(
             });
         }
     };
-    layers.retain(|layer| layer.view.is_none() || layer.view.as_ref() == view);
+    // Layers share the names of their views, which may be long: equal ones are the same.
+    let of_view = |own: &Rc<str>| view.is_some_and(|view| **own == **view);
+    let kept = layers.iter().find_map(|l| l.view.clone().filter(of_view));
+    layers.retain(|layer| layer.view.is_none() || layer.view == kept);
     Ok(view.cloned())
 }

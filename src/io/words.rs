@@ -9,6 +9,8 @@
 
 use super::names::Role;
 use crate::frame::NormalSpace;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 
 /// Meaning of a word in a layer's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -245,10 +247,11 @@ pub(super) fn said(name: &str, view: Option<&str>) -> Said {
     let mut words = Vec::new();
     for piece in name.rsplit('.').filter(|piece| !is_view(piece)) {
         let mut of_piece = words_of(piece);
+        let plays = |word: &String| matches!(meaning(word), Some(Plays(_) | MayPlay(_)));
+        let any_plays = of_piece.iter().any(plays);
         of_piece.append(&mut words);
         words = of_piece;
-        let plays = |word: &String| matches!(meaning(word), Some(Plays(_) | MayPlay(_)));
-        if words.iter().any(plays) {
+        if any_plays {
             break;
         }
     }
@@ -286,9 +289,12 @@ fn judge(words: Vec<String>) -> Said {
 }
 
 fn meaning(word: &str) -> Option<Meaning> {
-    let mut rows = WORDS.iter();
-    rows.find(|(_, words)| words.contains(&word))
-        .map(|(meaning, _)| *meaning)
+    static MEANINGS: LazyLock<HashMap<&str, Meaning>> = LazyLock::new(|| {
+        let rows = WORDS.iter();
+        let words = rows.flat_map(|(meaning, words)| words.iter().map(|&word| (word, *meaning)));
+        words.collect()
+    });
+    MEANINGS.get(word).copied()
 }
 
 /// The words of one piece of a name, in lower case. Numbers have no meaning, but stay attached to a letter before them:
@@ -362,12 +368,14 @@ fn known_words(text: &str) -> Option<Vec<String>> {
     fewest[0] = Some(Vec::new());
     for end in 1..=text.len() {
         for start in 0..end {
-            let word = &text[start..end];
-            let at_end = start == 0 || end == text.len();
-            let fits = (word.len() > 1 || at_end) && meaning(word).is_some();
-            let Some(begin) = fewest[start].as_ref().filter(|_| fits) else {
+            let Some(begin) = &fewest[start] else {
                 continue;
             };
+            let word = &text[start..end];
+            let at_end = start == 0 || end == text.len();
+            if word.len() == 1 && !at_end || meaning(word).is_none() {
+                continue;
+            }
             let is_fewer = fewest[end]
                 .as_ref()
                 .is_none_or(|f| begin.len() + 1 < f.len());

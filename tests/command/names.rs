@@ -227,6 +227,82 @@ fn long_names_lose_their_middle_in_messages() {
     }
 }
 
+/// The layers that mean something are found among 20,000; what no renderer writes is refused.
+#[test]
+fn headers_of_many_names_are_read_and_endless_ones_refused() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let (none, one) = (Plane::filled(4, 4, 0.0), Plane::filled(4, 4, 1.0));
+    let many = |count: usize, name: &'static str| (0..count).map(move |i| format!("{name}{i:06}"));
+    let meant = [
+        ["R", "mtl_baseColor.R", "zz.Normal.X"],
+        ["G", "mtl_baseColor.G", "zz.Normal.Y"],
+        ["B", "mtl_baseColor.B", "zz.Normal.Z"],
+        ["Z", "noise.R", "noise.B"],
+    ];
+    let meant = meant.into_iter().flatten().map(|name| match name {
+        "zz.Normal.X" | "zz.Normal.Y" => (name.to_owned(), &none),
+        _ => (name.to_owned(), &one),
+    });
+    let others = many(20_000, "part.of.aov").map(|name| (format!("{name}.R"), &none));
+    Part::of(meant.chain(others)).write(&here.join("in.exr"));
+    let json = relievo(here, "inspect --json in.exr").done().stdout;
+    let read: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let layers = read[0]["parts"][0]["layers"].as_array().unwrap();
+    // With them the bare channels, and three more layers that have names.
+    assert_eq!(layers.len(), 20_004);
+    let roles = read[0]["roles"].as_array().unwrap().iter();
+    let roles: Vec<_> = roles
+        .map(|found| [&found["role"], &found["layer"]].map(|text| text.as_str().unwrap()))
+        .collect();
+    let expected = [
+        ["color", ""],
+        ["normal", "zz.Normal"],
+        ["depth", ""],
+        ["albedo", "mtl_baseColor"],
+    ];
+    assert_eq!(roles, expected);
+
+    let bare = || Part::of(["R", "G", "B", "C00.R", "C00.G"].map(|name| (name, &one)));
+    let with = |texts: &mut dyn Iterator<Item = String>, value: &str| {
+        texts.fold(bare(), |part, name| part.text(&name, value))
+    };
+    let objects: Vec<_> = many(500_001, "o")
+        .map(|o| format!("\"{o}\":\"1\""))
+        .collect();
+    let manifest = format!("{{{}}}", objects.join(","));
+    for (part, found) in [
+        (
+            Part::of(many(32_769, "aov").map(|name| (name, &one))),
+            "has 32769 channels",
+        ),
+        (
+            with(&mut many(65_537, "text"), "x"),
+            "has more than 65536 attributes",
+        ),
+        (
+            bare()
+                .text("name", &"n".repeat(200_000))
+                .text("view", &"v".repeat(62_145)),
+            "has 262145 bytes of names",
+        ),
+        (
+            with(&mut many(257, "cryptomatte/").map(|id| id + "/name"), "C"),
+            "declares 257 layers of Cryptomatte",
+        ),
+        (
+            bare()
+                .text("cryptomatte/1/name", "C")
+                .text("cryptomatte/1/manifest", &manifest),
+            "names more than 500000 objects",
+        ),
+    ] {
+        part.write(&here.join("in.exr"));
+        let line = relievo(here, "inspect in.exr").refused(1);
+        assert!(line.contains(found), "{line}");
+    }
+}
+
 /// A name of an input stays within the folder that results go to, and stands as it is.
 #[cfg(unix)]
 #[test]

@@ -5,6 +5,7 @@
 
 use super::fault::{Fault, Parsed};
 use crate::frame::Window;
+use std::borrow::Cow;
 use std::io::Read;
 
 /// Longest name of an attribute, a type or a channel.
@@ -12,9 +13,30 @@ pub(super) const MAX_NAME: usize = 255;
 /// Longest name that needs no flag in the file's version field.
 pub(super) const MAX_SHORT_NAME: usize = 31;
 /// Most bytes of all headers together; Cryptomatte manifests reach a few MiB.
-const MAX_HEADER_BYTES: u64 = 64 << 20;
+const MAX_HEADER_BYTES: u64 = 32 << 20;
+/// Most attributes of all headers together; renderers write hundreds to a part.
+const MAX_ATTRIBUTES: usize = 1 << 16;
 /// Longest rendering of an attribute as text, in characters.
 const MAX_TEXT: usize = 4096;
+
+/// Attributes of simple kinds that say how pixels are stored.
+const PIXEL_NAMES: [&[u8]; 6] = [
+    b"type",
+    b"name",
+    b"version",
+    b"chunkCount",
+    b"maxSamplesPerPixel",
+    b"dwaCompressionLevel",
+];
+/// Kinds of the others.
+const PIXEL_KINDS: [&[u8]; 6] = [
+    b"chlist",
+    b"compression",
+    b"box2i",
+    b"lineOrder",
+    b"tiledesc",
+    b"preview",
+];
 
 /// One attribute.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,20 +121,27 @@ impl Attributes {
     }
 
     pub(super) fn floats<const N: usize>(&self, name: &str, kind: &str) -> Option<[f32; N]> {
-        let values = elements(self.value(name, kind)?, f32::from_le_bytes);
-        <[f32; N]>::try_from(values).ok()
+        exactly(elements(self.value(name, kind)?, f32::from_le_bytes))
     }
 
     /// Inclusive corners: left, top, right, bottom.
     pub(super) fn corners(&self, name: &str) -> Option<[i32; 4]> {
-        let values = elements(self.value(name, "box2i")?, i32::from_le_bytes);
-        <[i32; 4]>::try_from(values).ok()
+        exactly(elements(self.value(name, "box2i")?, i32::from_le_bytes))
     }
 
     /// Whether a name is too long for files without the long-name flag.
     pub(super) fn has_long_names(&self) -> bool {
         self.iter()
             .any(|a| a.name.len() > MAX_SHORT_NAME || a.kind.len() > MAX_SHORT_NAME)
+    }
+
+    /// Those that say where the pixels are and how they are stored, and those of their kinds, which must be sound too.
+    pub(super) fn of_pixels(&self) -> Self {
+        let all = self.iter().filter(|attribute| {
+            PIXEL_NAMES.contains(&attribute.name.as_slice())
+                || PIXEL_KINDS.contains(&attribute.kind.as_slice())
+        });
+        Self(all.cloned().collect())
     }
 
     /// Appends the attributes and the zero byte that ends them.
@@ -134,6 +163,8 @@ pub(super) struct HeaderReader<R> {
     read: R,
     position: u64,
     file_len: u64,
+    /// Attributes read so far.
+    count: usize,
 }
 
 impl<R: Read> HeaderReader<R> {
@@ -142,6 +173,7 @@ impl<R: Read> HeaderReader<R> {
             read,
             position: 0,
             file_len,
+            count: 0,
         }
     }
 
@@ -164,6 +196,13 @@ impl<R: Read> HeaderReader<R> {
             let name = self.name()?;
             if name.is_empty() {
                 return Ok(attributes);
+            }
+            self.count += 1;
+            if self.count > MAX_ATTRIBUTES {
+                return Err(Fault::Unsupported {
+                    found: format!("has more than {MAX_ATTRIBUTES} attributes"),
+                    remedy: "remove those that are not needed",
+                });
             }
             let kind = self.name()?;
             if kind.is_empty() {
@@ -211,9 +250,14 @@ impl<R: Read> HeaderReader<R> {
 
 /// Bytes as UTF-8, or as Latin-1 where they are not.
 pub(super) fn text_of_bytes(bytes: &[u8]) -> String {
+    text_or_latin(bytes).into_owned()
+}
+
+/// The same, without a copy where they are UTF-8.
+pub(super) fn text_or_latin(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()),
     }
 }
 
@@ -223,8 +267,8 @@ impl Attribute {
     pub(super) fn text(&self) -> String {
         let v = self.value.as_slice();
         let text = match self.kind.as_slice() {
-            b"string" => text_of_bytes(v),
-            b"stringvector" => strings(v).join(" "),
+            b"string" => text_or_latin(v),
+            b"stringvector" => joined(strings(v)),
             b"float" | b"v2f" | b"v3f" | b"m33f" | b"m44f" | b"box2f" | b"chromaticities" => {
                 joined(elements(v, f32::from_le_bytes))
             }
@@ -235,38 +279,51 @@ impl Attribute {
                 joined(elements(v, i32::from_le_bytes))
             }
             b"timecode" => joined(elements(v, u32::from_le_bytes)),
-            b"compression" | b"lineOrder" | b"envmap" => joined(v.to_vec()),
-            kind => format!("({}, {} bytes)", text_of_bytes(kind), v.len()),
+            b"compression" | b"lineOrder" | b"envmap" => joined(v.iter()),
+            kind => format!("({}, {} bytes)", text_of_bytes(kind), v.len()).into(),
         };
-        shortened(text)
+        shortened(&text)
     }
 }
 
-fn elements<const N: usize, T>(bytes: &[u8], element: impl Fn([u8; N]) -> T) -> Vec<T> {
-    bytes.as_chunks().0.iter().map(|&b| element(b)).collect()
+fn elements<const N: usize, T>(
+    bytes: &[u8],
+    element: impl Fn([u8; N]) -> T,
+) -> impl Iterator<Item = T> {
+    bytes.as_chunks().0.iter().map(move |&b| element(b))
 }
 
-fn joined<T: ToString>(values: Vec<T>) -> String {
-    let texts: Vec<String> = values.iter().map(T::to_string).collect();
-    texts.join(" ")
+/// The `values`, if there are `N` of them.
+fn exactly<const N: usize, T>(values: impl Iterator<Item = T>) -> Option<[T; N]> {
+    let values: Vec<T> = values.take(N + 1).collect();
+    values.try_into().ok()
 }
 
-fn strings(mut bytes: &[u8]) -> Vec<String> {
-    let mut strings = Vec::new();
-    while let Some((size, rest)) = bytes.split_first_chunk() {
-        let size = u32::from_le_bytes(*size) as usize;
-        let Some((text, rest)) = rest.split_at_checked(size) else {
-            break;
-        };
-        strings.push(text_of_bytes(text));
+/// The values with blanks between them; no more of them than will be left of the text.
+fn joined<T: ToString>(values: impl Iterator<Item = T>) -> Cow<'static, str> {
+    let mut joined = String::new();
+    for (i, value) in values.enumerate().take(MAX_TEXT + 2) {
+        if i > 0 {
+            joined.push(' ');
+        }
+        joined += &value.to_string();
+    }
+    joined.into()
+}
+
+/// The strings of a vector, as far as it is sound.
+fn strings(mut bytes: &[u8]) -> impl Iterator<Item = String> {
+    std::iter::from_fn(move || {
+        let (size, rest) = bytes.split_first_chunk()?;
+        let (text, rest) = rest.split_at_checked(u32::from_le_bytes(*size) as usize)?;
         bytes = rest;
-    }
-    strings
+        Some(text_of_bytes(text))
+    })
 }
 
-fn shortened(text: String) -> String {
+fn shortened(text: &str) -> String {
     match text.char_indices().nth(MAX_TEXT) {
-        None => text,
+        None => text.to_owned(),
         Some((end, _)) => format!("{}...", &text[..end]),
     }
 }

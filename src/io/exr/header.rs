@@ -19,7 +19,10 @@ const DEEP: u32 = 1 << 11;
 pub(super) const MULTI_PART: u32 = 1 << 12;
 /// Corners beyond this are refused by OpenEXR too; below it no sum of two overflows.
 const MAX_CORNER: i64 = (i32::MAX / 2) as i64;
-/// Widths of a pixel over its height.
+/// Most channels of a file; renderers write hundreds.
+const MAX_CHANNELS: usize = 1 << 15;
+/// Most bytes of the names of parts and views; those of a thousand parts have fewer.
+const MAX_LABELS: usize = 256 << 10;
 /// Bytes of a chunk without pixels: its place and size, and its entry in the offset table.
 const MIN_CHUNK_BYTES: u64 = 16;
 
@@ -43,6 +46,7 @@ impl FileHeader {
         for part in &mut parts {
             check_part(part, flags)?;
         }
+        check_labels(&parts)?;
         let meta = typed(flags, &parts)?;
         check_channels(&meta)?;
         check_chunk_count(&meta, file_len.saturating_sub(read.position()))?;
@@ -197,14 +201,37 @@ pub(super) fn header_bytes(flags: u32, parts: &[Attributes]) -> Vec<u8> {
 
 /// The header as the `exr` crate understands it.
 pub(super) fn typed(flags: u32, parts: &[Attributes]) -> Parsed<MetaData> {
+    // The rest may be large, and tells it nothing that it is asked for.
+    let parts: Vec<Attributes> = parts.iter().map(Attributes::of_pixels).collect();
     // Without the long-name flag names are still read: only the writer has to obey it.
-    let bytes = header_bytes(flags | LONG_NAMES, parts);
+    let bytes = header_bytes(flags | LONG_NAMES, &parts);
     let meta = fenced(|| MetaData::read_from_buffered(bytes.as_slice(), false)).transpose()?;
     let meta = meta.filter(|meta| meta.headers.len() == parts.len());
     meta.ok_or_else(|| Fault::damaged("its header contradicts itself"))
 }
 
+fn check_labels(parts: &[Attributes]) -> Parsed<()> {
+    let labels = parts
+        .iter()
+        .flat_map(|part| [part.get("name"), part.get("view")]);
+    let bytes: usize = labels.flatten().map(|label| label.value.len()).sum();
+    match bytes <= MAX_LABELS {
+        true => Ok(()),
+        false => Err(Fault::Unsupported {
+            found: format!("has {bytes} bytes of names of parts and views, more than {MAX_LABELS}"),
+            remedy: "shorten them",
+        }),
+    }
+}
+
 fn check_channels(meta: &MetaData) -> Parsed<()> {
+    let channels: usize = meta.headers.iter().map(|h| h.channels.list.len()).sum();
+    if channels > MAX_CHANNELS {
+        return Err(Fault::Unsupported {
+            found: format!("has {channels} channels, more than the {MAX_CHANNELS} that are read"),
+            remedy: "split it into files with fewer layers",
+        });
+    }
     for channel in meta.headers.iter().flat_map(|h| &h.channels.list) {
         if channel.sampling != ::exr::math::Vec2(1, 1) {
             let name = text_of_bytes(channel.name.as_slice());

@@ -43,6 +43,7 @@ use crate::frame::Window;
 use crate::io::open::open_input;
 use header::FileHeader;
 pub(super) use header::MAGIC;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -113,13 +114,13 @@ impl ExrFile {
     }
 
     /// The strings among the attributes of all parts whose names begin with `prefix`, whole, by the rest of their names.
-    pub(in crate::io) fn strings(&self, prefix: &str) -> Vec<(String, String)> {
+    pub(in crate::io) fn strings(&self, prefix: &str) -> Vec<(String, Cow<'_, str>)> {
         let all = self.header.parts.iter().flat_map(|part| part.iter());
         let strings = all.filter(|attribute| attribute.kind == b"string");
         let named = strings.filter_map(|attribute| {
             let name = attributes::text_of_bytes(&attribute.name);
             let rest = name.strip_prefix(prefix)?.to_owned();
-            Some((rest, attributes::text_of_bytes(&attribute.value)))
+            Some((rest, attributes::text_or_latin(&attribute.value)))
         });
         named.collect()
     }

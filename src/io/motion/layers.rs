@@ -9,7 +9,6 @@ use crate::io::names;
 use crate::io::opened::Opened;
 use crate::io::roles::{Layer, Match, Role};
 use crate::io::sources::RoleSource;
-use crate::io::words::said;
 use std::rc::Rc;
 
 /// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation:
@@ -59,13 +58,15 @@ pub(in crate::io) fn motion_sources(
         return Ok(Vec::new());
     };
     let pairs = |layer: &Layer| pairs_of(layer, main);
-    let mut found: Vec<_> = layers
-        .iter()
-        .filter(|l| is_motion(l))
-        .flat_map(pairs)
-        .collect();
+    let of_motion = layers.iter().filter(|l| is_motion(l));
     // Layers whose name fixes the convention come first.
-    found.sort_by_key(|source| convention_by_name(source).is_none());
+    let of_motion = of_motion.flat_map(|layer| {
+        let pairs = pairs(layer).into_iter();
+        pairs.map(|source| (convention_of(layer, &source).is_none(), source))
+    });
+    let mut named: Vec<_> = of_motion.collect();
+    named.sort_by_key(|(is_open, _)| *is_open);
+    let mut found: Vec<_> = named.into_iter().map(|(_, source)| source).collect();
     if found.is_empty() {
         let is_float = |layer: &&Layer| {
             let part = &file.parts[layer.part];
@@ -74,7 +75,7 @@ pub(in crate::io) fn motion_sources(
         };
         let means_nothing = |layer: &&Layer| !layer.means_something() && !layer.said().is_excluded;
         let open = layers.iter().filter(means_nothing).filter(is_float);
-        found = open.flat_map(pairs).collect();
+        found = open.flat_map(pairs).take(MOST_PAIRS).collect();
     }
     found.truncate(MOST_PAIRS);
     Ok(found)
@@ -109,8 +110,7 @@ fn layer_of(source: &RoleSource) -> Option<&Layer> {
 /// Whether the name of a layer means motion, whatever its sign and unit.
 fn is_motion(layer: &Layer) -> bool {
     let listed = Role::Motion.names();
-    let said = said(&layer.name, layer.view.as_deref());
-    let mut words = said.words.iter().map(String::as_str);
+    let mut words = layer.said().words.iter().map(String::as_str);
     layer.matched(Role::Motion).is_some()
         && words.any(|word| listed.contains(&word) || NAMES.contains(&word))
 }
@@ -142,7 +142,12 @@ pub(super) fn has_third(source: &RoleSource) -> bool {
 
 /// The convention implied by the name of the layer, if all writers agree on it.
 pub(super) fn convention_by_name(source: &RoleSource) -> Option<MotionConvention> {
-    let (layer, found) = (layer_of(source)?, source.found()?);
+    convention_of(layer_of(source)?, source)
+}
+
+/// The same, of a source found in `layer`.
+fn convention_of(layer: &Layer, source: &RoleSource) -> Option<MotionConvention> {
+    let found = source.found()?;
     let is_first = layer.matched(Role::Motion)?.channels == found.channels;
     let key = names::key(names::last_word(&layer.name));
     let is_named =
