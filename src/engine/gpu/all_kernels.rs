@@ -22,7 +22,7 @@ use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 36] = [
+pub(crate) static ALL: [&Kernel; 34] = [
     &LOG_DEPTH,
     &EDGES,
     &EDGE_LISTS,
