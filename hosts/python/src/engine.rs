@@ -6,16 +6,13 @@ use crate::made::Made;
 use crate::process::PerProcess;
 use crate::threads::{own_pool, pool_of};
 use crate::watched::watched;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use relievo::cli::recipe::Recipe;
 use relievo::engine;
 use relievo::host::{MOST_THREADS, Work, chosen_for_all};
 use std::path::{Path, PathBuf};
-
-/// The processes that have looked for a GPU.
-static LOOKED_FOR_GPU: PerProcess<()> = PerProcess::new();
 
 /// Runs commands, on the CPU or a GPU, and keeps their memory for the next run.
 #[pyclass(frozen, module = "pyrelievo")]
@@ -46,21 +43,7 @@ impl Backend {
         }
     }
 
-    /// An engine of this process. A GPU's driver does not work in a process that was forked off one that has loaded it.
     fn engine(self) -> PyResult<engine::Engine> {
-        let has_gpu = cfg!(feature = "gpu") && !matches!(self, Self::Cpu);
-        if has_gpu && LOOKED_FOR_GPU.is_inherited() {
-            return match self {
-                Self::Gpu => Err(PyRuntimeError::new_err(
-                    "the GPU belongs to the process that this one was forked off; start processes by spawn or \
-                     forkserver, or give backend=\"cpu\"",
-                )),
-                _ => Ok(engine::Engine::cpu()),
-            };
-        }
-        if has_gpu {
-            LOOKED_FOR_GPU.get(|| PyResult::Ok(()))?;
-        }
         match self {
             Self::Auto => Ok(engine::Engine::auto()),
             Self::Cpu => Ok(engine::Engine::cpu()),

@@ -64,12 +64,6 @@ impl<T> PerProcess<T> {
             }
         }
     }
-
-    /// Whether a process that this one was forked off has one.
-    pub(crate) fn is_inherited(&self) -> bool {
-        let first = self.0.get();
-        first.is_some_and(|owned| owned.process != Process::this())
-    }
 }
 
 impl<T> Drop for Owned<T> {

@@ -194,6 +194,21 @@ def test_a_worker_ends_by_a_signal_after_a_command_line(tmp_path):
     assert worker.exitcode == -signal.SIGTERM
 
 
+def device():
+    try:
+        return str(pyrelievo.Engine(backend="gpu"))
+    except RuntimeError as error:
+        return str(error)
+
+
+def test_a_gpu_does_not_survive_a_fork(tmp_path):
+    if device().startswith("no GPU"):
+        pytest.skip(device())
+    assert worked("fork", device).startswith("no GPU: its driver belongs to the process that this one was forked off")
+    # By default the CPU does it then.
+    assert worked("fork", digest, enhanced, tmp_path)
+
+
 def without_engine():
     """Drops an engine of the parent, whose threads are not there to be joined."""
     global ENGINE

@@ -3,7 +3,10 @@
 use crate::engine::gpu::limits;
 use crate::engine::gpu::wait::look_after;
 use crate::error::{Error, Result};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The process that loaded the drivers: they do not work in those that are forked off it.
+static LOADED_BY: OnceLock<u32> = OnceLock::new();
 
 /// Which adapters are acceptable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,13 +39,21 @@ impl Device {
     /// Opens the best adapter: discrete before integrated, and software last.
     ///
     /// # Errors
-    /// [`Error::NoGpu`] if none matches the choice, or it lacks features that the kernels need.
+    /// [`Error::NoGpu`] if none matches the choice, or it lacks features that the kernels need; and in a process that was
+    /// forked off one that has looked for a device.
     pub fn open(choice: Choice) -> Result<Self> {
         pollster::block_on(Self::opened(choice, |_| ()))
     }
 
     /// Opens the same adapter with changed limits.
     pub(crate) async fn opened(choice: Choice, change: fn(&mut wgpu::Limits)) -> Result<Self> {
+        let this = std::process::id();
+        if *LOADED_BY.get_or_init(|| this) != this {
+            return Err(Error::NoGpu {
+                found: "its driver belongs to the process that this one was forked off".into(),
+                remedy: "start processes by spawn or forkserver, or use --backend cpu",
+            });
+        }
         // Vulkan, Metal and DirectX 12; OpenGL is not used.
         let backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
