@@ -12,6 +12,7 @@ use ::exr::meta::header::Header;
 use half::f16;
 use half::vec::HalfBitsVecExt;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
@@ -148,7 +149,7 @@ impl ExrFile {
         rows: Option<&Range<usize>>,
         copies: usize,
     ) -> Parsed<()> {
-        let (mut planes, mut decoding) = (0, 0);
+        let mut planes = 0;
         for id in wanted {
             let window = self.parts[id.part].window;
             let count = match rows {
@@ -170,8 +171,12 @@ impl ExrFile {
                 });
             }
             planes += (4 * copies) as u128 * pixels;
-            decoding = decoding.max(decoding_bytes(&self.header.meta.headers[id.part]));
         }
+        let parts: BTreeSet<usize> = wanted.iter().map(|id| id.part).collect();
+        let decoding = parts
+            .into_iter()
+            .map(|part| decoding_bytes(&self.header.meta.headers[part]));
+        let decoding = decoding.max().unwrap_or(0);
         self.check_memory(planes + decoding)
     }
 
