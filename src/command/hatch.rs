@@ -29,6 +29,10 @@ use std::path::Path;
 /// Memory per pixel of an enlarged drawing, beside its strokes. Measured at 32 megapixels: 58 to 68, with few strokes.
 const BYTES_PER_PIXEL: f64 = 110.0;
 
+/// Memory per pixel of a drawing at the size of its frame, beyond that of a frame. Measured at 2 megapixels without depth:
+/// 17.
+const DRAWN_BYTES_PER_PIXEL: f64 = 25.0;
+
 /// Memory of a point of a stroke, and of a dot. Measured on black pictures of 8 megapixels, with 0.2 to 2.1 points and 0.3
 /// to 4.5 dots in a pixel: 85 to 95, and 32.
 const POINT_BYTES: f32 = 100.0;
@@ -191,8 +195,11 @@ impl HatchArgs {
         let reference = reference.map_or(display_window.height() as f64, f64::from);
         let factor = (height / reference) as f32;
         strokes.fit((width * height).sqrt() as f32, factor);
-        let enlarged = if times > 1.0 { BYTES_PER_PIXEL } else { 0.0 };
-        let per_pixel = enlarged + f64::from(stroke_bytes_per_px(&strokes, factor));
+        let drawn = match times > 1.0 {
+            true => BYTES_PER_PIXEL,
+            false => DRAWN_BYTES_PER_PIXEL,
+        };
+        let per_pixel = drawn + f64::from(stroke_bytes_per_px(&strokes, factor));
         Ok((pixels as f64 * times * times * per_pixel) as u64)
     }
 

@@ -1,7 +1,6 @@
 //! White levels: chosen from the whole picture, or given.
 
 use crate::engine::cpu::run::Run;
-use crate::frame::ColorPlanes;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
@@ -88,18 +87,13 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
             |kept| &mut kept.white,
             AUTO_WHITE.name,
             || {
-                let color = frame
+                let own = plan.own_part(frame);
+                let color = own
                     .color
                     .as_ref()
                     .expect("radiance scaling needs a picture");
                 let weights = frame.luminance_weights();
-                let Some(tile) = plan.tile else {
-                    return white_level(color, weights, &frame.mask);
-                };
-                let (whole, part) = (frame.data_window, tile.window);
-                let [r, g, b] = [&color.r, &color.g, &color.b].map(|plane| plane.crop(whole, part));
-                let color = ColorPlanes { r, g, b };
-                white_level(&color, weights, &frame.mask.crop(whole, part))
+                white_level(color, weights, &own.mask)
             },
         ),
     };
@@ -108,8 +102,11 @@ pub(crate) fn choose_picture_white(run: &mut Run) {
 
 fn choose_term_whites(run: &mut Run) {
     let (plan, frame) = (run.plan, run.frame);
-    let terms = light_terms(&frame.light.lobes, &plan.scaling);
-    let levels = || white_levels(&terms, frame, &plan.scaling);
+    let levels = || {
+        let own = plan.own_part(frame);
+        let terms = light_terms(&own.light.lobes, &plan.scaling);
+        white_levels(&terms, &own, &plan.scaling)
+    };
     run.outcome.term_white_levels = match plan.scaling.white_level {
         Adaptive::Auto => {
             let key = plan.key(AUTO_WHITE.name);

@@ -1,6 +1,6 @@
 //! The plan and its decisions.
 
-use crate::frame::Window;
+use crate::frame::{Frame, Window};
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
 use crate::params::{ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams};
@@ -8,6 +8,7 @@ use crate::plan::available::Available;
 use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Source of surface positions at neighbouring pixels.
@@ -132,6 +133,14 @@ impl Plan {
             ..self
         }
         .follow()
+    }
+
+    /// The part of a frame that automatic choices are made from: of one that repeats a tile, the tile.
+    pub(crate) fn own_part<'f>(&self, frame: &'f Frame) -> Cow<'f, Frame> {
+        match self.tile {
+            Some(tile) => Cow::Owned(frame.crop(tile.window)),
+            None => Cow::Borrowed(frame),
+        }
     }
 
     /// All steps in the order of execution, kept or dropped, with reasons.

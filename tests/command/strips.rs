@@ -156,7 +156,6 @@ fn the_least_memory_that_is_named_is_enough() {
     for work in [
         "enhance in.exr -o out.exr",
         "enhance in.exr -o out.exr --scale 6",
-        "shape in.exr --scale 2,4,8 -o out.exr",
         "shape in8.jpg --normal n8.png --normal-flip none -o out.png",
         "relight in.exr --environment sky.hdr --method warp -o out.exr",
         "relight in8.jpg --normal n8.png --normal-flip none --light 135,40 -o out.png",

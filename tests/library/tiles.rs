@@ -4,7 +4,8 @@ use relievo::engine::{Engine, Inputs, Outcome, Request, Run};
 use relievo::frame::{Frame, Normals, Window};
 use relievo::io::inputs::{Inputs as Files, Wrap};
 use relievo::io::{self, Needs};
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::params::{Adaptive, AlbedoSource, RelightParams, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Available;
 use relievo::product::Product;
 use std::f64::consts::TAU;
@@ -243,6 +244,32 @@ fn a_rolled_tile_gives_rolled_results() {
                 }
             }
         }
+    }
+}
+
+/// An albedo that is estimated is that of the tile, wherever it is cut.
+#[test]
+fn a_rolled_tile_is_lit_as_it_was() {
+    let illumination = Illumination {
+        directional: vec![DirectionalLight::white([135.0, 40.0])],
+        ..Illumination::default()
+    };
+    let params = RelightParams {
+        albedo: AlbedoSource::Estimate,
+        ..RelightParams::default()
+    };
+    let lit = |frame: &Frame| {
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let request = Request::relight(shape, scaling, params, &illumination);
+        let made = Engine::cpu().run(&request, frame, &Run::new());
+        made.unwrap().color.unwrap().r
+    };
+    let straight = lit(&tile([true; 2]));
+    let rolled = lit(&part(Window::at(13, 9, SIZE[0], SIZE[1]), [true; 2]));
+    for (x, y) in [(0, 0), (39, 27), (26, 18), (27, 19), (5, 20)] {
+        let there = straight.at((x + 13) % SIZE[0], (y + 9) % SIZE[1]);
+        // The sums of the fit are added in another order.
+        assert!((rolled.at(x, y) / there - 1.0).abs() < 1e-5, "{x}, {y}");
     }
 }
 

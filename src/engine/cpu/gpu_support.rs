@@ -7,11 +7,13 @@ use crate::light::layers::cpu as light_layers;
 use crate::light::layers::terms::light_terms;
 use crate::light::relight::albedo;
 use crate::params::ScalingParams;
+use crate::plan::Plan;
 
 /// The albedo estimated from a frame's picture.
-pub(crate) fn estimated_albedo(frame: &Frame) -> ColorPlanes {
+pub(crate) fn estimated_albedo(plan: &Plan, frame: &Frame) -> ColorPlanes {
     let (weights, memory) = (frame.luminance_weights(), Memory::default());
-    let found = albedo::estimate(frame, &frame.normal, weights);
+    let own = plan.own_part(frame);
+    let found = albedo::estimate(&own, &own.normal, weights);
     albedo::by_estimate(frame, &found, &memory)
 }
 

@@ -64,7 +64,11 @@ impl Temporary {
     pub(super) fn synced_meanwhile<T>(&self, write: impl FnOnce() -> T) -> io::Result<T> {
         thread::scope(|scope| {
             let (goes_on, is_whole) = mpsc::channel::<()>();
-            let syncing = scope.spawn(move || self.sync_until(&is_whole));
+            let sync = move || self.sync_until(&is_whole);
+            let Ok(syncing) = thread::Builder::new().spawn_scoped(scope, sync) else {
+                // No more threads are allowed: all is brought to disk at the end.
+                return Ok(write());
+            };
             let written = write();
             drop(goes_on);
             let synced = syncing.join().unwrap_or_else(|panic| resume_unwind(panic));

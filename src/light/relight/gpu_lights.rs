@@ -106,8 +106,11 @@ impl LightCache {
             |make| timed(&mut timings, "environment", make),
         );
         watch.check()?;
-        let estimate = (relighting.albedo == Albedo::Estimate)
-            .then(|| timed(&mut timings, "albedo-estimate", || estimated_albedo(frame)));
+        let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
+            timed(&mut timings, "albedo-estimate", || {
+                estimated_albedo(plan, frame)
+            })
+        });
         let (vectors, counts) = match relighting.sums {
             true => vectors_of(illumination, &around),
             false => Default::default(),

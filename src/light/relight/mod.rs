@@ -31,6 +31,7 @@ use crate::light::sum::{Directed, Scaled, Shading, TowardLight};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::product::Product;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Rows per task: few, so that threads finish together, and enough to fill batches.
 const ROWS_PER_TASK: usize = 8;
@@ -60,9 +61,10 @@ pub(crate) fn relight(run: &mut Run) {
             "",
             |kept| &mut kept.albedo,
             "albedo-estimate",
-            || match relighting.estimate {
-                Some(found) => found,
-                None => albedo::estimate(frame, normal, weights),
+            || match (relighting.estimate, plan.own_part(frame)) {
+                (Some(found), _) => found,
+                (None, Cow::Borrowed(frame)) => albedo::estimate(frame, normal, weights),
+                (None, Cow::Owned(tile)) => albedo::estimate(&tile, &tile.normal, weights),
             },
         )
     });
