@@ -142,9 +142,9 @@ fn main(
         before[k] = vec2<f32>(0.0);
         sum[k] = vec2<f32>(0.0);
         level[k] = 0u;
-        let from = source(x, y);
-        if is_inside(from.x, from.y) {
-            let i = index_of(u32(from.x), u32(from.y));
+        let place = source(x, y);
+        if is_inside(place.x, place.y) {
+            let i = index_of(u32(place.x), u32(place.y));
             g = last[i];
             if IS_EXPANSION && params.first_term > 0u {
                 before[k] = earlier[i];
