@@ -98,7 +98,7 @@ impl WorkArgs {
     }
 
     /// Refuses a `picture` that takes more than the memory limit together with so many bytes `beside` it, and says `why`.
-    pub(super) fn refuse_above(&self, picture: &Path, beside: u64, why: &str) -> Result<()> {
+    pub(crate) fn refuse_above(&self, picture: &Path, beside: u64, why: &str) -> Result<()> {
         let bytes = program_bytes() + self.frame_bytes(picture).saturating_add(beside);
         match bytes > self.run.max_memory.most() {
             true => Err(self.too_large(picture, why, bytes)),
