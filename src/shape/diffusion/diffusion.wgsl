@@ -67,6 +67,7 @@ fn within(at: i32, start: u32, length: u32, wraps: u32) -> i32 {
     return i32(start) + select(offset, offset + period, offset < 0);
 }
 
+// The pixel whose sample is that of a place.
 fn source(x: i32, y: i32) -> vec2<i32> {
     return vec2<i32>(
         within(x, params.tile_x, params.tile_width, params.wraps_x),
@@ -148,13 +149,16 @@ fn main(
             g = last[i];
             if IS_EXPANSION && params.first_term > 0u {
                 before[k] = earlier[i];
+            }
+        }
+        if is_inside(x, y) {
+            // Other groups change the sums of other pixels at the same time.
+            let i = index_of(u32(x), u32(y));
+            if (IS_EXPANSION || BY_LEVEL) && params.first_term > 0u {
                 sum[k] = sums[i];
             }
             if BY_LEVEL {
                 level[k] = levels[i];
-                if !IS_EXPANSION && params.first_term > 0u {
-                    sum[k] = sums[i];
-                }
             }
         }
         region[(first_row + i32(k)) * i32(REGION_COLUMNS) + column] = g;
