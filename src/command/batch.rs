@@ -1,13 +1,10 @@
 //! Several independent pictures on one command line, and the names of their outputs.
 
 use super::args::WorkArgs;
-use super::output::Kind;
+use super::output::{Kind, NAME};
 use crate::error::{Error, Result};
 use crate::untrusted::{Untrusted, shown};
 use std::path::{Path, PathBuf};
-
-/// Placeholder in file names for the input's name without folder and extension.
-pub(crate) const NAME: &str = "{name}";
 
 /// Several pictures, and their output folder unless the output name has a placeholder.
 #[derive(Debug, Clone)]
@@ -57,20 +54,6 @@ impl Batch {
             (None, None) => {}
         }
     }
-}
-
-/// `pattern` with each placeholder replaced by its text, which may look like another one.
-pub(crate) fn filled(pattern: &str, texts: &[(&str, &str)]) -> String {
-    let mut made = String::new();
-    let mut rest = pattern;
-    while let Some(next) = rest.chars().next() {
-        let found = texts.iter().find(|(place, _)| rest.starts_with(place));
-        let own = &rest[..next.len_utf8()];
-        let &(place, text) = found.unwrap_or(&(own, own));
-        made += text;
-        rest = &rest[place.len()..];
-    }
-    made
 }
 
 impl WorkArgs {

@@ -1,8 +1,8 @@
 //! A command line being assembled: the words typed, the flags of a recipe, and the choices for a whole sequence.
 
-use super::batch::NAME;
 use super::commands::{Cli, command_named, help_on_all, long, program, typed_ids};
 use super::flags::Flag;
+use super::output::NAME;
 use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
 use crate::error::Result;
 use crate::untrusted::shown;

@@ -1,7 +1,6 @@
 //! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
-use super::batch::{NAME, filled};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
@@ -12,6 +11,9 @@ use crate::params::{DisplayParams, Exposure, Highlights};
 use crate::untrusted::shown;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+
+/// Placeholder in file names for the input's name without folder and extension.
+pub(crate) const NAME: &str = "{name}";
 
 /// Placeholder in the output's name for the map.
 const MAP: &str = "{map}";
@@ -216,4 +218,18 @@ impl WorkArgs {
             highlights,
         }
     }
+}
+
+/// `pattern` with each placeholder replaced by its text, which may look like another one.
+fn filled(pattern: &str, texts: &[(&str, &str)]) -> String {
+    let mut made = String::new();
+    let mut rest = pattern;
+    while let Some(next) = rest.chars().next() {
+        let found = texts.iter().find(|(place, _)| rest.starts_with(place));
+        let own = &rest[..next.len_utf8()];
+        let &(place, text) = found.unwrap_or(&(own, own));
+        made += text;
+        rest = &rest[place.len()..];
+    }
+    made
 }

@@ -3,8 +3,8 @@
 //! A block is a TIFF without pixels: a byte order, the offset of its first directory, and directories of entries whose
 //! longer values are elsewhere in the block. New values are appended, so that all unknown data keep their offsets.
 
-use super::photo::RESOLUTIONS as SOUND;
 use crate::params::MM_PER_INCH;
+use std::ops::RangeInclusive;
 
 /// An entry: its tag, the kind and number of its values, and these or their place in the block.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,9 @@ pub(super) struct Exif {
     is_big_endian: bool,
     entries: Vec<Entry>,
 }
+
+/// Resolutions that are taken for such, in pixels per inch.
+pub(super) const SOUND_DPI: RangeInclusive<f32> = 1.0..=10_000.0;
 
 /// Tags of the first directory.
 const DESCRIPTION: u16 = 0x010e;
@@ -126,7 +129,10 @@ impl Exif {
     /// Sets the resolution; without one, an unsound one is left out.
     pub(super) fn set_dpi(&mut self, dpi: Option<[f32; 2]>) {
         let Some(dpi) = dpi else {
-            let is_sound = |tag| self.rational(tag).is_none_or(|dpi| SOUND.contains(&dpi));
+            let is_sound = |tag| {
+                self.rational(tag)
+                    .is_none_or(|dpi| SOUND_DPI.contains(&dpi))
+            };
             if !RESOLUTIONS.into_iter().all(is_sound) {
                 let of_resolution = |tag| RESOLUTIONS.contains(&tag) || tag == RESOLUTION_UNIT;
                 self.entries.retain(|entry| !of_resolution(entry.tag));

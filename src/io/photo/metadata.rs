@@ -3,13 +3,12 @@
 use super::decoder::with_decoder;
 use super::header::PhotoHeader;
 use crate::error::{Error, Result};
-use crate::io::exif::Exif;
+use crate::io::exif::{Exif, SOUND_DPI};
 use crate::io::open::open_input;
 use crate::params::MM_PER_INCH;
 use image::metadata::Orientation;
 use image::{ImageDecoder, ImageFormat};
 use std::io::{BufReader, Read};
-use std::ops::RangeInclusive;
 use std::path::Path;
 use tiff::tags::Tag;
 
@@ -25,9 +24,6 @@ pub struct PhotoMetadata {
     /// Pixels per inch, across and down.
     pub dpi: Option<[f32; 2]>,
 }
-
-/// Resolutions that are taken for such, in pixels per inch.
-pub(crate) const RESOLUTIONS: RangeInclusive<f32> = 1.0..=10_000.0;
 
 /// Longest colour profile that is kept, in bytes.
 const MAX_PROFILE: usize = 1 << 24;
@@ -50,7 +46,7 @@ impl PhotoMetadata {
             ImageFormat::Tiff => tiff_dpi(&photo.path)?,
             _ => None,
         };
-        let is_sound = |dpi: &[f32; 2]| dpi.iter().all(|dpi| RESOLUTIONS.contains(dpi));
+        let is_sound = |dpi: &[f32; 2]| dpi.iter().all(|dpi| SOUND_DPI.contains(dpi));
         let dpi = dpi.or_else(said).filter(is_sound);
         Ok(Self {
             width: photo.width,

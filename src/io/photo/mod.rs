@@ -15,7 +15,6 @@ mod stored;
 
 pub(super) use decoder::{max_code, one_line, unsupported};
 pub use metadata::PhotoMetadata;
-pub(crate) use metadata::RESOLUTIONS;
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;

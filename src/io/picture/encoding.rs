@@ -1,7 +1,8 @@
 //! Encoding of a picture's file, and the metadata beside its pixels.
 
 use crate::io::exif::Exif;
-use crate::io::photo::{PhotoMetadata, RESOLUTIONS};
+use crate::io::exif::SOUND_DPI;
+use crate::io::photo::PhotoMetadata;
 use crate::params::{MM_PER_INCH, ScaleBar};
 
 /// Encoding of a picture's file, and the metadata beside its pixels.
@@ -42,7 +43,7 @@ impl Encoding {
     /// that is known and printable, otherwise as the photo.
     pub(super) fn dpi(&self, width: usize) -> Option<[f32; 2]> {
         let of_pixels = self.pixel_mm.map(|mm| (f64::from(MM_PER_INCH) / mm) as f32);
-        if let Some(dpi) = of_pixels.filter(|dpi| RESOLUTIONS.contains(dpi)) {
+        if let Some(dpi) = of_pixels.filter(|dpi| SOUND_DPI.contains(dpi)) {
             return Some([dpi; 2]);
         }
         let times = width as f32 / self.metadata.width.max(1) as f32;

@@ -1,9 +1,14 @@
 //! From a frame with its height to the sky it sees.
 
-use super::stage::radius_px;
 use super::{NOTHING, Sky, sky};
 use crate::engine::cpu::run::Run;
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
+use crate::plan::Plan;
+
+/// How far whole pixels may hide the sky.
+pub(super) fn radius_px(plan: &Plan) -> usize {
+    plan.shape.occlusion_radius.ceil() as usize
+}
 
 /// The sky seen from each pixel.
 pub(super) fn find_sky(run: &mut Run) {

@@ -1,6 +1,6 @@
 //! Occlusion: only where it is asked for.
 
-use super::cpu::find_sky;
+use super::cpu::{find_sky, radius_px};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -36,11 +36,6 @@ pub(crate) static OCCLUSION: Stage = Stage {
     gpu_lacks: |_| Some("occlusion"),
     ..Stage::DEFAULT
 };
-
-/// How far whole pixels may hide the sky.
-pub(super) fn radius_px(plan: &Plan) -> usize {
-    plan.shape.occlusion_radius.ceil() as usize
-}
 
 fn is_wanted(plan: &Plan) -> bool {
     plan.wants(Product::Sky) || plan.wants(Product::BentNormal)
