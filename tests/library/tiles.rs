@@ -52,6 +52,17 @@ fn tile(wraps: [bool; 2]) -> Frame {
     part(Window::from_size(SIZE[0], SIZE[1]), wraps)
 }
 
+/// A tile of normals that wraps in both directions.
+fn endless(width: usize, height: usize, normals: &[f32]) -> Frame {
+    let frame = Frame::builder(width, height)
+        .normals(Normals::view(normals))
+        .build();
+    Frame {
+        wraps: [true; 2],
+        ..frame.unwrap()
+    }
+}
+
 /// All products, of light and of shape.
 fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
     let shape = ShapeParams {
@@ -131,13 +142,7 @@ fn a_wave_fades_by_its_eigenvalue_at_every_scale() {
             [-p as f32, 0.0, (1.0 - p * p).sqrt() as f32]
         })
         .collect();
-    let frame = Frame::builder(width, height)
-        .normals(Normals::view(&normals))
-        .build();
-    let frame = Frame {
-        wraps: [true; 2],
-        ..frame.unwrap()
-    };
+    let frame = endless(width, height, &normals);
     for sigma in [2.0_f32, 8.0, 30.0, 300.0, 1000.0] {
         let shape = ShapeParams {
             scale: Scale::Sigma(sigma),
@@ -200,13 +205,7 @@ fn the_sky_is_that_over_an_endless_surface() {
                 n.as_vec3().to_array()
             })
             .collect();
-        let frame = Frame::builder(width, height)
-            .normals(Normals::view(&normals))
-            .build();
-        Frame {
-            wraps: [true; 2],
-            ..frame.unwrap()
-        }
+        endless(width, height, &normals)
     };
     let [width, height] = SIZE;
     let (one, nine) = (
@@ -375,13 +374,7 @@ fn height_is_made_where_it_is_named() {
             normals.extend(n.as_vec3().to_array());
         }
     }
-    let frame = Frame::builder(width, height)
-        .normals(Normals::view(&normals))
-        .build();
-    let frame = Frame {
-        wraps: [true; 2],
-        ..frame.unwrap()
-    };
+    let frame = endless(width, height, &normals);
     let engine = Engine::cpu();
     let layers = || Request::layers(ShapeParams::default(), ScalingParams::default());
     let outcome = engine.run(&layers(), &frame, &Run::new()).unwrap();
