@@ -1,6 +1,6 @@
 //! Before, after, and the curvature that made the difference: the picture at the top of the README.
 //!
-//! `cargo run --release --example before_after -- IN.exr OUT.png`
+//! `cargo run --release -p examples --example before_after -- IN.exr OUT.png`
 
 use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};

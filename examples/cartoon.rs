@@ -3,7 +3,7 @@
 //! Top: light warping with more contrast, in natural light and in that of a single lamp. Bottom: the same in few
 //! tones. Concavities darken, so that they read as lines.
 //!
-//! `cargo run --release --example cartoon -- IN.exr OUT.png [ENVIRONMENT]`
+//! `cargo run --release -p examples --example cartoon -- IN.exr OUT.png [ENVIRONMENT]`
 
 mod common;
 

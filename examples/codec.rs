@@ -1,7 +1,7 @@
 //! Reading some channels of an OpenEXR file, and writing a picture: CPU time and wall time of one.
 //!
-//! `cargo run --release --example codec -- read FILE CHANNEL,CHANNEL,... [REPEATS]`
-//! `cargo run --release --example codec -- write FILE COMPRESSION OUTPUT [REPEATS]`
+//! `cargo run --release -p examples --example codec -- read FILE CHANNEL,CHANNEL,... [REPEATS]`
+//! `cargo run --release -p examples --example codec -- write FILE COMPRESSION OUTPUT [REPEATS]`
 //!
 //! `read` decodes the named channels of the first part. `write` reads `R G B A` once and writes them as
 //! half floats. The CPU time is that of all threads, user and system, as the kernel counts it.

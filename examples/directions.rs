@@ -1,6 +1,6 @@
 //! The directions that strokes follow, made visible: noise smeared along them.
 //!
-//! `cargo run --release --example directions -- [max|min|layer] IN.exr OUT.png [NORMALS]`
+//! `cargo run --release -p examples --example directions -- [max|min|layer] IN.exr OUT.png [NORMALS]`
 //!
 //! `max` and `min` are the fields of the larger and the lesser curvature, made calm; `layer` is the
 //! direction layer, pixel by pixel.

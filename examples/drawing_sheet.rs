@@ -1,6 +1,6 @@
 //! Renders and a photo drawn by `relievo hatch`: the contact sheet in the README.
 //!
-//! `cargo run --release --example drawing_sheet -- OUT.png`, from the folder that holds `fixtures`.
+//! `cargo run --release -p examples --example drawing_sheet -- OUT.png`, from the folder that holds `fixtures`.
 
 mod common;
 

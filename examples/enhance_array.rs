@@ -1,4 +1,4 @@
-//! Arrays in memory to an enhanced array, with progress and cancellation: `cargo run --release --example enhance_array`; with
+//! Arrays in memory to an enhanced array, with progress and cancellation: `cargo run --release -p examples --example enhance_array`; with
 //! `--features gpu` on a device where there is one.
 //!
 //! A ball whose bumps the light hardly shows; a render or a scan comes in the same way. Another thread may end the run by its

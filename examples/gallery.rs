@@ -1,6 +1,6 @@
 //! The pictures of docs/guide/gallery.md: runs its commands and reduces what they make.
 //!
-//! `cargo run --release --example gallery`, from the folder that holds `fixtures`.
+//! `cargo run --release -p examples --example gallery`, from the folder that holds `fixtures`.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! The GPU beside the CPU on one frame: `cargo run --release --features gpu --example gpu -- [FRAME.exr] [WIDTH
+//! The GPU beside the CPU on one frame: `cargo run --release -p examples --features gpu --example gpu -- [FRAME.exr] [WIDTH
 //! HEIGHT]`.
 //!
 //! Prints, for each size of features, for new light and for drawings, the difference from the CPU's results and the

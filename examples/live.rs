@@ -1,6 +1,6 @@
 //! Latency of a change: from one parameter to pixels for a display, for a frame whose shape is cached.
 //!
-//! `cargo run --release --example live -- render.exr` prints the median and the longest of a few dozen changes.
+//! `cargo run --release -p examples --example live -- render.exr` prints the median and the longest of a few dozen changes.
 
 use relievo::engine::Outcome;
 use relievo::engine::{Engine, Request, Run, Session};

@@ -1,6 +1,6 @@
 //! Error and run time of shape, light and drawings, on known surfaces: one table.
 //!
-//! `cargo run --release --example measure -- [WIDTH HEIGHT [ROUNDS]]`
+//! `cargo run --release -p examples --example measure -- [WIDTH HEIGHT [ROUNDS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
 //! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double

@@ -1,6 +1,6 @@
 //! A mirror in a hall, rendered, relit and drawn without and with its reflections: the sheet in the guide.
 //!
-//! `cargo run --release --example mirror_sheet -- OUT.png`, from the folder that holds `fixtures`.
+//! `cargo run --release -p examples --example mirror_sheet -- OUT.png`, from the folder that holds `fixtures`.
 
 mod common;
 

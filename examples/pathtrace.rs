@@ -1,7 +1,7 @@
 //! A small path tracer that warps and scales light on its way: the kernels of `relievo` inside a renderer of one's own,
 //! with no picture and no frame in between.
 //!
-//! `cargo run --release --example pathtrace -- --help`; the integration is in `enhancement.rs` and `path.rs` beside
+//! `cargo run --release -p examples --example pathtrace -- --help`; the integration is in `enhancement.rs` and `path.rs` beside
 //! this file.
 
 #[path = "pathtrace/camera.rs"]

@@ -1,6 +1,6 @@
 //! A photo and a render lit by `relievo relight`: the contact sheet in the README.
 //!
-//! `cargo run --release --example relight_sheet -- OUT.jpg`, from the folder that holds `fixtures`.
+//! `cargo run --release -p examples --example relight_sheet -- OUT.jpg`, from the folder that holds `fixtures`.
 
 mod common;
 

@@ -4,7 +4,7 @@
 //! near 0 convexities only brighten; near 1 they only darken, and gradients reverse. Rows: scaling of 1 and of 2. The
 //! paper's 10 and 20 are for unscaled curvature per pixel; with the automatic gain 1 is clearly visible and 2 harsh.
 //!
-//! `cargo run --release --example scaling_grid -- IN OUT.png [NORMALS]`
+//! `cargo run --release -p examples --example scaling_grid -- IN OUT.png [NORMALS]`
 
 mod common;
 

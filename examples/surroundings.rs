@@ -1,7 +1,7 @@
 //! An environment and two lit spheres by formula: `room.hdr`, `clay.png` and `slate.png`, to light
 //! surfaces with.
 //!
-//! `cargo run --release --example surroundings -- FOLDER`
+//! `cargo run --release -p examples --example surroundings -- FOLDER`
 
 mod common;
 

@@ -1,6 +1,6 @@
 //! A raking light that circles over a photo, as an animated PNG: a conservator's torch.
 //!
-//! `cargo run --release --example turntable -- PHOTO NORMALS OUT.png [FRAMES]`
+//! `cargo run --release -p examples --example turntable -- PHOTO NORMALS OUT.png [FRAMES]`
 
 mod common;
 
