@@ -99,13 +99,6 @@ impl SightLines {
         self.projection
     }
 
-    /// Cosine of the angle between a unit normal and the sight line through (`x`, `y`), toward the eye.
-    #[inline]
-    pub fn facing(&self, x: f64, y: f64, normal: DVec3) -> f64 {
-        let (_, line) = self.line(x, y);
-        -normal.dot(line) / line.length()
-    }
-
     /// The unit direction in the picture, per pixel, x right and y up, of a unit tangent at the surface
     /// seen at (`x`, `y`): the derivative of the projection along it. `None` where it points at the eye.
     #[inline]

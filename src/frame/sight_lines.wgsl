@@ -7,11 +7,6 @@ fn line(place: vec2<f32>) -> vec3<f32> {
     return vec3<f32>(first + step * (place - 0.5), -1.0);
 }
 
-// Cosine of the angle between a unit normal and a sight line, toward the eye.
-fn sight_lines_facing(line: vec3<f32>, normal: vec3<f32>) -> f32 {
-    return -dot(normal, line) / sqrt(dot(line, line));
-}
-
 // The unit direction in the picture, y up, of a unit tangent; 0 where it points at the eye.
 fn picture_direction(line: vec3<f32>, tangent: vec3<f32>) -> vec2<f32> {
     // Moving along the sight line does not change the position: cancel z.

@@ -58,7 +58,12 @@ pub(crate) static LINES_ONLY: Stage = Stage {
 
 fn leave_white(run: &mut Run) {
     let mask = &run.frame.mask;
-    let tone = Tone::on_paper(1.0);
+    let tone = Tone {
+        density: None,
+        made: None,
+        luminance: None,
+        white: 1.0,
+    };
     let blank = Plane::filled(mask.width(), mask.height(), 0.0);
     finish(run, tone, blank, Vec::new());
 }
@@ -70,20 +75,10 @@ pub(crate) struct Tone {
     made: Option<ColorPlanes>,
     luminance: Option<Plane>,
     /// Luminance of paper white.
-    white: f32,
+    pub(crate) white: f32,
 }
 
 impl Tone {
-    /// A tone that is drawn elsewhere, or not at all.
-    pub(crate) fn on_paper(white: f32) -> Self {
-        Self {
-            density: None,
-            made: None,
-            luminance: None,
-            white,
-        }
-    }
-
     /// The tone of a run, out of its hands until [`finish`] gives it back.
     pub(crate) fn taken(run: &mut Run) -> Self {
         let (plan, frame) = (run.plan, run.frame);

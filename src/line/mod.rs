@@ -9,8 +9,6 @@ pub(crate) mod direction;
 pub(crate) mod direction_field;
 pub(crate) mod drawing;
 pub(crate) mod fading;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_canvas;
 mod grid;
 pub mod hatching;
 mod ink_cells;

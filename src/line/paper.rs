@@ -34,10 +34,10 @@ pub(super) fn rough(at: impl Fn(i32, i32) -> f32, spread: f32) -> f32 {
 }
 
 /// Shares of a pixel's own noise and of that of each of the four beside it.
-pub(crate) const HERE: f32 = 0.4;
-pub(crate) const BESIDE: f32 = 0.15;
+const HERE: f32 = 0.4;
+const BESIDE: f32 = 0.15;
 
-pub(crate) const SPREAD: f32 = 1.8;
+const SPREAD: f32 = 1.8;
 
 /// Ink of a pencil line of this `coverage` on paper of the height `grain`: graphite sticks to the raised parts, and a
 /// soft edge breaks up before its middle does.
@@ -48,30 +48,26 @@ pub(crate) fn graphite(coverage: f32, grain: f32) -> f32 {
 }
 
 /// Depth of the paper's valleys relative to the pressure of a line.
-pub(crate) const GRIP: f32 = 0.7;
+const GRIP: f32 = 0.7;
 
 /// The coverage of graphite that is pressed hard.
-pub(crate) const LIGHTEST_BLACK: f32 = 0.9;
+const LIGHTEST_BLACK: f32 = 0.9;
 
 /// Mixes the bits of a place and a seed.
 fn hash(x: i32, y: i32, seed: u64) -> u64 {
     let place = u64::from(x as u32) << 32 | u64::from(y as u32);
-    let mut mixed = place ^ spread_seed(seed);
+    // A seed by all of its bits: neighbours among seeds have nothing in common.
+    let mut mixed = place ^ seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     for _ in 0..HASH_ROUNDS {
         mixed = (mixed ^ (mixed >> 32)).wrapping_mul(HASH_FACTOR);
     }
     mixed ^ (mixed >> 32)
 }
 
-/// A seed by all of its bits: neighbours among seeds have nothing in common.
-pub(crate) fn spread_seed(seed: u64) -> u64 {
-    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-}
+const HASH_ROUNDS: u32 = 2;
+const HASH_FACTOR: u64 = 0xd6e8_feb8_6659_fd93;
 
-pub(crate) const HASH_ROUNDS: u32 = 2;
-pub(crate) const HASH_FACTOR: u64 = 0xd6e8_feb8_6659_fd93;
-
-pub(crate) fn unit(bits: u64) -> f32 {
+fn unit(bits: u64) -> f32 {
     (bits >> 40) as f32 / (1 << 24) as f32
 }
 

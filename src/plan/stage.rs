@@ -34,9 +34,9 @@ pub(crate) struct Stage {
     /// Records it on a device.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: fn(&mut DeviceRun),
-    /// The part done on the CPU while the device executes the recorded work.
+    /// What follows once the results recorded by all stages are on the CPU.
     #[cfg(feature = "gpu")]
-    pub(crate) beside_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
+    pub(crate) after_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
     /// What the device implementation does not support, in a few words.
     #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
@@ -58,7 +58,7 @@ impl Stage {
         #[cfg(feature = "gpu")]
         gpu: |_| (),
         #[cfg(feature = "gpu")]
-        beside_gpu: None,
+        after_gpu: None,
         #[cfg(feature = "gpu")]
         gpu_lacks: |_| None,
     };

@@ -6,13 +6,6 @@ use crate::light::layers::gpu::{
 };
 use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
 use crate::light::relight::gpu::RELIGHT;
-use crate::line::contours::gpu::{CRACKS, EDGE_LISTS};
-use crate::line::contours::gpu_coverage::LINE_COVERAGE;
-use crate::line::direction::gpu::SPREAD_DIRECTIONS;
-use crate::line::direction_field::gpu_kernels::{
-    BETWEEN_PATCHES, CHAIN_MEANS, FIND_PATCHES, FIND_RUNS, LINK_PATCHES, PATCH_DIRECTIONS,
-    PATCH_FORMS, SETTLE_PATCHES, SUM_RUNS,
-};
 use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
 use crate::shape::auto_levels::gpu::{COUNT, NARROW};
@@ -22,11 +15,9 @@ use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 34] = [
+pub(crate) static ALL: [&Kernel; 21] = [
     &LOG_DEPTH,
     &EDGES,
-    &EDGE_LISTS,
-    &CRACKS,
     &DIFFUSION,
     &HESSIAN,
     &CURVATURES,
@@ -42,20 +33,9 @@ pub(crate) static ALL: [&Kernel; 34] = [
     &OCCLUDE,
     &CURVATURE_DISPLAY,
     &NORMAL_RAYS,
-    &SPREAD_DIRECTIONS,
-    &FIND_PATCHES,
-    &LINK_PATCHES,
-    &FIND_RUNS,
-    &SUM_RUNS,
-    &CHAIN_MEANS,
-    &PATCH_FORMS,
-    &PATCH_DIRECTIONS,
-    &SETTLE_PATCHES,
-    &BETWEEN_PATCHES,
     &DENSITY,
     &STROKES,
     &PICTURE_STROKES,
-    &LINE_COVERAGE,
     &RELIGHT,
 ];
 

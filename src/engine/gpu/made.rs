@@ -61,8 +61,8 @@ pub(crate) struct Made {
     pub(crate) shape: Option<Shape>,
     /// By scale, the first scale first.
     pub(crate) curvatures: Vec<Curvatures>,
-    /// Directions of the surface's own curvature, x and y.
-    pub(crate) directions: Option<[wgpu::Buffer; 2]>,
+    /// Directions of the surface's own curvature, x and y, and whether it is a plane.
+    pub(crate) directions: Option<[wgpu::Buffer; 3]>,
     /// The picture, or the input of the stages that make it.
     pub(crate) picture: Option<Picture>,
     /// White levels of the terms of light.
@@ -100,10 +100,6 @@ impl Made {
                 &[Product::ViewDirection],
                 one(first.map(|first| &first.direction)),
             ),
-            layer(
-                &[Product::Direction],
-                self.directions.iter().flatten().cloned().collect(),
-            ),
         ];
         let further = self.curvatures.iter().skip(1);
         layers.extend(further.map(|scale| layer(&CURVATURES, one(Some(&scale.curvature)))));
@@ -116,9 +112,7 @@ impl Made {
         let curvatures = self.curvatures.into_iter();
         let curvatures = curvatures.flat_map(|scale| [scale.curvature, scale.direction]);
         let shape = self.shape.into_iter().flat_map(Shape::into_buffers);
-        shape
-            .chain(curvatures)
-            .chain(self.directions.into_iter().flatten())
+        shape.chain(curvatures)
     }
 }
 

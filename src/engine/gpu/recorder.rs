@@ -101,8 +101,8 @@ pub(crate) struct Recorder<'d> {
     encoder: wgpu::CommandEncoder,
     /// The clock, and the stage of each pair of timestamps.
     clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
-    /// When recording began.
-    start: Instant,
+    /// When the first kernel was recorded.
+    start: Option<Instant>,
     /// Why the recorded work cannot run.
     failed: Option<Error>,
 }
@@ -123,7 +123,7 @@ impl<'d> Recorder<'d> {
             buffers,
             encoder: device.device.create_command_encoder(&Default::default()),
             clock,
-            start: Instant::now(),
+            start: None,
             failed: None,
         }
     }
@@ -138,6 +138,7 @@ impl<'d> Recorder<'d> {
         groups: [u32; 2],
     ) {
         debug_assert!(kernel.takes::<U, B>(), "{} is given its own", kernel.name);
+        self.start.get_or_insert_with(Instant::now);
         let device = &self.device.device;
         let program = self.programs.of(device, kernel, switches);
         let bytes = uniforms.bytes();
@@ -230,13 +231,13 @@ impl<'d> Recorder<'d> {
         self.encoder.clear_buffer(buffer, 0, None);
     }
 
-    /// Runs the recorded work, waits for it and returns the contents of `wanted`, with the times of recording, of each
+    /// Runs the work recorded so far, waits for it and returns the contents of `wanted`, with the times of recording, of each
     /// stage if the device has a clock, else of all kernels, and of read-back.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn run(mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
-        let recorded = self.start.elapsed();
+    pub(crate) fn run(&mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        let recorded = self.start.map_or(Duration::ZERO, |start| start.elapsed());
         let mut start = Instant::now();
         let mut kernels = None;
         if self.device.is_timed_apart {
@@ -270,22 +271,12 @@ impl<'d> Recorder<'d> {
 
     /// Submits the recorded work and continues recording; the contents of `wanted` can then be read.
     pub(crate) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
-        let whole = wanted.iter().map(|&buffer| (buffer, buffer.size()));
-        self.submit_for_parts(whole)
-    }
-
-    /// The same for the first bytes of each buffer.
-    pub(crate) fn submit_for_parts<'a>(
-        &mut self,
-        wanted: impl IntoIterator<Item = (&'a wgpu::Buffer, u64)>,
-    ) -> Submitted<'d> {
         let device = &self.device.device;
         let readable = |size: u64| self.buffers.take_to_read(self.device, size);
         let mut to_read: Vec<wgpu::Buffer> = Vec::new();
-        for (buffer, size) in wanted {
-            let target = readable(size);
-            self.encoder
-                .copy_buffer_to_buffer(buffer, 0, &target, 0, size);
+        for buffer in wanted {
+            let target = readable(buffer.size());
+            self.copy(buffer, &target);
             to_read.push(target);
         }
         let mut timed = None;

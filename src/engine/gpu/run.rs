@@ -1,7 +1,7 @@
 //! One frame, or a strip of it, on its way through the kernels.
 
 use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::device_times::{KERNELS, RECORD};
+use crate::engine::device_times::KERNELS;
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
@@ -11,7 +11,6 @@ use crate::engine::outcome::add_timings;
 use crate::error::Result;
 use crate::frame::{Frame, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
-use crate::line::gpu_canvas::DeviceCanvas;
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
 use std::time::Instant;
@@ -32,9 +31,7 @@ pub(crate) struct Run<'a> {
     /// Numbers chosen from the whole picture: gain and white level.
     pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
-    /// The drawing, as far as it is made on the device.
-    pub(crate) canvas: DeviceCanvas<'a>,
-    /// The CPU run, for stages or parts of them without kernels.
+    /// The CPU run, for stages or parts of them without kernels. Its outcome is the result.
     pub(crate) host: HostRun<'a>,
     /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
@@ -43,7 +40,7 @@ pub(crate) struct Run<'a> {
     /// Timings of submissions waited for so far.
     pub(crate) waited: Timings,
     /// Buffers uploaded during recording.
-    held: Vec<wgpu::Buffer>,
+    pub(crate) held: Vec<wgpu::Buffer>,
 }
 
 impl<'a> Run<'a> {
@@ -62,7 +59,6 @@ impl<'a> Run<'a> {
             frame: host.frame,
             light,
             made: Made::default(),
-            canvas: DeviceCanvas::default(),
             host,
             texture,
             device,
@@ -123,12 +119,7 @@ impl<'a> Run<'a> {
 
     /// Copies numbers to the device.
     pub(crate) fn uploaded(&mut self, numbers: &[f32]) -> wgpu::Buffer {
-        self.uploaded_bytes(bytemuck::cast_slice(numbers))
-    }
-
-    /// Copies bytes to the device.
-    pub(crate) fn uploaded_bytes(&mut self, bytes: &[u8]) -> wgpu::Buffer {
-        let buffer = self.upload().bytes(bytes);
+        let buffer = self.upload().bytes(bytemuck::cast_slice(numbers));
         self.held.push(buffer.clone());
         buffer
     }
@@ -148,32 +139,40 @@ impl<'a> Run<'a> {
         [x, y].map(|plane| self.uploaded(plane.samples()))
     }
 
-    /// Runs the recorded work and returns the contents of `wanted`, with the time of each stage, and the CPU run.
+    /// A stage, or the rest of one, on the CPU.
+    pub(crate) fn on_host(&mut self, pass: fn(&mut HostRun)) -> Result<()> {
+        pass(&mut self.host);
+        Ok(())
+    }
+
+    /// Runs the recorded work and returns the contents of `wanted`.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn finish(mut self, wanted: &[&wgpu::Buffer]) -> Result<Finished<'a>> {
-        let (read, mut times) = self.recorder.run(wanted)?;
+    pub(crate) fn read(&mut self, wanted: &[&wgpu::Buffer]) -> Result<Vec<Vec<f32>>> {
+        let (read, times) = self.recorder.run(wanted)?;
         if let Some(last) = self.at_work.take() {
             add_timings(&mut self.waited, &last.read()?.1.unwrap_or_default());
-            // The CPU has done more than record since then.
-            times.retain(|(name, _)| *name != RECORD);
         }
         add_timings(&mut self.waited, &times);
+        Ok(read)
+    }
+
+    /// Ends the run; its buffers are reused.
+    pub(crate) fn finish(self) -> Finished<'a> {
         let copied = self.surface.into_buffers().chain(self.held);
         self.buffers.recycle_copied(copied.chain([self.chosen]));
-        Ok(Finished {
-            read,
+        Finished {
+            made: self.made,
             timings: self.waited,
             host: self.host,
-        })
+        }
     }
 }
 
 /// The end of a run.
 pub(crate) struct Finished<'a> {
-    /// Contents of the wanted buffers, in their order.
-    pub(crate) read: Vec<Vec<f32>>,
+    pub(crate) made: Made,
     pub(crate) timings: Timings,
     /// The CPU run.
     pub(crate) host: HostRun<'a>,

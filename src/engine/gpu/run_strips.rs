@@ -112,7 +112,8 @@ impl Runner {
                 let chosen = run.chosen.clone();
                 let states = searching.iter().map(|search| &search.state);
                 let wanted: Vec<_> = std::iter::once(&chosen).chain(states).collect();
-                let mut read = run.finish(&wanted)?.read.into_iter();
+                let mut read = run.read(&wanted)?.into_iter();
+                run.finish();
                 found = read.next().expect("what was chosen is read");
                 let mut searches = searching.iter().zip(read);
                 looks_again = searches.any(|(search, state)| search.looks_again(&state));

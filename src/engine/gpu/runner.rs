@@ -3,6 +3,7 @@
 use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
+use crate::engine::cpu::runner::taken_by;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
@@ -25,7 +26,6 @@ use crate::light::layers::gpu::levels_of;
 use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
-use crate::line::direction_field::gpu_patches::largest_buffer;
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::params::Adaptive;
 use crate::plan::Plan;
@@ -44,27 +44,6 @@ pub(crate) struct Beside<'a> {
     /// Memory for the parts run on the CPU.
     memory: &'a Memory,
     watch: Watch<'a>,
-}
-
-#[cfg(test)]
-impl<'a> Beside<'a> {
-    /// No inputs, no light and no observer.
-    pub(crate) fn nothing(memory: &'a Memory) -> Self {
-        Self {
-            inputs: Inputs::default(),
-            light: None,
-            memory,
-            watch: Watch::default(),
-        }
-    }
-}
-
-/// Stages of a plan that run on the device.
-#[derive(Clone, Copy, PartialEq)]
-enum Share {
-    All,
-    /// Stages of the shape and the picture; the CPU draws.
-    ButDrawing,
 }
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
@@ -229,14 +208,9 @@ impl Runner {
         let height = frame.mask.height();
         let most_rows = self.most_rows(plan, frame, plane_bytes)?;
         let drawing = plan.drawing.as_ref();
-        let is_drawn_here = drawing.is_none_or(|params| {
-            !params.strokes.style.is_laid() && largest_buffer(&params.field, frame) <= plane_bytes
-        });
-        if most_rows >= height as u64 && is_drawn_here {
-            let whole = self.run_stages((plan, Share::All), frame, beside, 0..height)?;
-            if let Some(outcome) = whole {
-                return Ok(outcome);
-            }
+        if most_rows >= height as u64 {
+            let stages: Vec<_> = running(plan).collect();
+            return Ok(self.run_stages(plan, &stages, frame, beside, 0..height)?);
         }
         let reach = match drawing {
             // A drawing's directions are found on the whole frame.
@@ -335,92 +309,53 @@ impl Runner {
         beside: Beside,
         rows: Range<usize>,
     ) -> Result<Outcome> {
-        let made = self.run_stages((plan, Share::ButDrawing), strip, beside, rows)?;
-        Ok(made.expect("only a drawing is too much"))
+        let draws = |stage: &Stage| DRAWING.iter().any(|drawing| drawing.name == stage.name);
+        let stages: Vec<_> = running(plan).filter(|stage| !draws(stage)).collect();
+        self.run_stages(plan, &stages, strip, beside, rows)
     }
 
     /// Runs stages on a frame that fits the device, given by its rows in the frame that the light was prepared for.
-    /// `None` if a drawing's surfaces split into more patches than there is room for.
     fn run_stages(
         &self,
-        (plan, share): (&Plan, Share),
+        plan: &Plan,
+        stages: &[&'static Stage],
         frame: &Frame,
         beside: Beside,
         rows: Range<usize>,
-    ) -> Result<Option<Outcome>> {
+    ) -> Result<Outcome> {
         let start = Instant::now();
-        let (stages, left): (Vec<_>, Vec<_>) = running(plan).partition(|stage| {
-            let draws = DRAWING.iter().any(|drawing| drawing.name == stage.name);
-            share == Share::All || !draws
-        });
-        let draws = plan.drawing.is_some() && share == Share::All;
         let copied = match beside.light {
             Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if draws || plan.makes_picture() && !plan.display => self.upload().picture(frame),
+            None if plan.makes_picture() && !plan.display => self.upload().picture(frame),
             None => None,
         };
         let is_copied = copied.is_some();
         let mut run = self.start(plan, frame, beside);
         run.made.picture = copied;
-        let uploaded = start.elapsed();
-        run.go_through(&stages)?;
-
-        let mut made = std::mem::take(&mut run.made);
-        let canvas = std::mem::take(&mut run.canvas);
-        let layers = layers_read(&made, plan, &left);
-        let picture = made.picture.take();
-        let is_shown = plan.makes_picture();
-        let numbers = run.chosen.clone();
-        let mut wanted = vec![&numbers];
-        wanted.extend(picture.iter().flatten().filter(|_| is_shown));
-        wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
-        wanted.extend(made.term_whites.iter().map(|(_, white)| white));
-        wanted.extend(canvas.wanted());
+        run.host.outcome.timings.push((UPLOAD, start.elapsed()));
+        run.record(stages)?;
+        run.read_results(beside.light.is_some())?;
+        run.go_on(stages)?;
         let Finished {
-            read,
+            mut made,
             timings,
-            mut host,
-        } = run.finish(&wanted)?;
-
-        let start = Instant::now();
-        let mut read = read.into_iter();
-        let chosen = read.next().expect("what was chosen is read first");
-        let mut outcome = Outcome::default();
-        if is_shown && picture.is_some() {
-            let mut planes = read.by_ref().map(|samples| plane(frame, samples));
-            outcome.put(Product::Picture, &mut planes);
-        }
-        if let (Some(color), Some(_)) = (&mut outcome.color, beside.light) {
-            frame_lit(color, frame);
-        }
-        put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
-        outcome.term_white_levels = levels_of(&made.term_whites, read.by_ref());
-        let is_drawn = canvas.put(&mut host, frame, &mut read);
-        outcome.drawing = host.outcome.drawing.take();
-        outcome.line_levels = host.outcome.line_levels;
-        outcome.timings.push((UPLOAD, uploaded));
-        add_timings(&mut outcome.timings, &host.outcome.timings);
+            host,
+        } = run.finish();
+        let mut outcome = host.outcome;
         add_timings(&mut outcome.timings, &timings);
-        add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        if plan.wants_curvature() {
-            outcome.gain = Some(chosen[GAIN as usize]);
-        }
-        if plan.scaled() == Some(Subject::Picture) {
-            outcome.white_level = Some(chosen[WHITE as usize]);
-        }
-        let picture = picture.into_iter().flatten();
+        let picture = made.picture.take().into_iter().flatten();
         self.buffers.recycle_either(picture, is_copied);
-        let rest = made.into_buffers().chain(canvas.into_buffers());
-        self.buffers.recycle(rest);
-        Ok(is_drawn.then_some(outcome))
+        self.buffers.recycle(made.into_buffers());
+        Ok(outcome)
     }
 }
 
-/// The layers to read back from the device: those requested, and those needed by the stages `left` to the CPU.
-fn layers_read(made: &Made, plan: &Plan, left: &[&'static Stage]) -> Vec<Layer> {
-    let taken: Vec<Product> = left.iter().flat_map(|stage| (stage.takes)(plan)).collect();
+/// The layers to read back from the device: those requested, and those that stages take on the CPU.
+fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
     let mut layers = made.layers();
     if !plan.wants(Product::Curvature) {
+        let on_cpu = running(plan).filter(|stage| stage.after_gpu.is_some());
+        let taken = taken_by(on_cpu, plan);
         layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
     }
     layers
@@ -471,7 +406,7 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
 }
 
 impl Run<'_> {
-    /// Records stages one after another; then the CPU does its part of them while the device works.
+    /// Records stages one after another.
     ///
     /// If the run is observed, each stage is submitted as soon as it is recorded, and the previous one is waited for:
     /// progress then follows the device, and a cancelled run leaves at most two stages to finish.
@@ -479,27 +414,66 @@ impl Run<'_> {
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled), checked before each of them; [`crate::Error::Gpu`] if the device
     /// fails.
-    pub(crate) fn go_through(&mut self, stages: &[&'static Stage]) -> Result<()> {
+    fn record(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
-        let (mut done, mut next) = (0.0, Vec::new());
-        for stage in stages {
+        for (done, stage) in stages.iter().enumerate() {
             watch.check()?;
-            watch.begins(stage.name, done);
+            watch.begins(stage.name, done as f32 / stages.len() as f32);
             (stage.gpu)(self);
             if watch.looks_on() {
                 self.hand_over()?;
             }
-            next.extend(stage.beside_gpu);
-            done += 1.0 / stages.len() as f32;
         }
-        watch.check()?;
-        if !next.is_empty() && !watch.looks_on() {
-            self.hand_over()?;
+        watch.check()
+    }
+
+    /// Reads the results recorded so far into the outcome of the CPU run: the picture, in new light if it `is_lit`, the
+    /// layers, and what was chosen.
+    fn read_results(&mut self, is_lit: bool) -> Result<()> {
+        let (plan, frame) = (self.plan, self.frame);
+        let layers = layers_read(&self.made, plan);
+        let picture = self.made.picture.clone().filter(|_| plan.makes_picture());
+        let chosen = self.chosen.clone();
+        let whites = std::mem::take(&mut self.made.term_whites);
+        let mut wanted = vec![&chosen];
+        wanted.extend(picture.iter().flatten());
+        wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
+        wanted.extend(whites.iter().map(|(_, white)| white));
+        let read = self.read(&wanted)?;
+
+        let start = Instant::now();
+        let mut read = read.into_iter();
+        let chosen = read.next().expect("what was chosen is read first");
+        let outcome = &mut self.host.outcome;
+        if picture.is_some() {
+            let mut planes = read.by_ref().map(|samples| plane(frame, samples));
+            outcome.put(Product::Picture, &mut planes);
         }
-        for beside in next {
-            watch.check()?;
-            beside(self)?;
+        if let Some(color) = outcome.color.as_mut().filter(|_| is_lit) {
+            frame_lit(color, frame);
         }
+        put_layers(outcome, plan, frame, &layers, read.by_ref());
+        outcome.term_white_levels = levels_of(&whites, read);
+        if plan.wants_curvature() {
+            outcome.gain = Some(chosen[GAIN as usize]);
+        }
+        if plan.scaled() == Some(Subject::Picture) {
+            outcome.white_level = Some(chosen[WHITE as usize]);
+        }
+        add_timings(&mut self.waited, &[(READ_BACK, start.elapsed())]);
         Ok(())
+    }
+
+    /// What follows in stages once results are read back.
+    ///
+    /// # Errors
+    /// As [`Run::record`].
+    fn go_on(&mut self, stages: &[&'static Stage]) -> Result<()> {
+        let watch = self.host.watch;
+        for pass in stages.iter().filter_map(|stage| stage.after_gpu) {
+            watch.check()?;
+            pass(self)?;
+        }
+        watch.check()
     }
 }

@@ -50,7 +50,7 @@ pub(crate) enum Overlap {
 }
 
 /// A piece of a line, with the number of the line.
-pub(crate) type Piece = (u32, RoundStroke);
+type Piece = (u32, RoundStroke);
 
 /// The coverage of lines along edges or inside surfaces; lines that meet count once.
 pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
@@ -137,7 +137,7 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
 
 /// The pieces for drawing a line: as few as its bends allow, and fewer still for wide lines, so that the time grows
 /// only with the covered pixels.
-pub(crate) fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
+fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
     let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
     let kept = thinned(line.points, BEND_PX.max(0.01 * widest), 8 + widest as usize);
     let piece = |from: usize, to: usize| {

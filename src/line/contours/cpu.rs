@@ -3,8 +3,6 @@
 use crate::frame::{Frame, Plane};
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::cracks::{self, Crack};
-#[cfg(feature = "gpu")]
-use crate::line::contours::found::FoundEdges;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
@@ -138,28 +136,6 @@ fn contours_along(
     let mut contours = drawn(&silhouettes, ContourKind::Silhouette);
     contours.extend(drawn(&creases, ContourKind::Crease));
     contours
-}
-
-#[cfg(feature = "gpu")]
-impl FoundEdges {
-    /// The contours of a frame along them, silhouettes first.
-    pub(crate) fn contours(
-        &self,
-        frame: &Frame,
-        shape: &ShapeParams,
-        params: &ContourParams,
-    ) -> Vec<Contour> {
-        let mut crease = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
-        for &(pixel, weight) in &self.creases {
-            crease.samples_mut()[pixel as usize] = weight;
-        }
-        let edges = Edges {
-            cracks: cracks::found(&self.cracks, frame, shape),
-            crease_pixels: self.creases.iter().map(|&(pixel, _)| pixel).collect(),
-            crease: &crease,
-        };
-        contours_along(edges, frame, shape, params)
-    }
 }
 
 /// Distance from the picture's border within which the end of a line counts as continuing beyond it.

@@ -9,7 +9,7 @@ pub(crate) type Across = [Option<f32>; 6];
 
 /// A spread jump counts if it is this many times the steepest slope beside it: a kink alone gives up to twice its
 /// slope.
-pub(crate) const KINK: f32 = 2.5;
+const KINK: f32 = 2.5;
 
 /// The jump of a map at the crack, beyond the part explained by the slopes to either side.
 ///
@@ -33,13 +33,13 @@ pub(crate) fn unexplained_jump(a: &Across) -> f32 {
 
 /// The difference between two samples.
 #[inline]
-pub(crate) fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+fn difference(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     Some(b? - a?)
 }
 
 /// The part of a jump beyond a multiple of the slope on either side, where one is known.
 #[inline]
-pub(crate) fn beyond_slopes(jump: f32, times: f32, slopes: [Option<f32>; 2]) -> Option<f32> {
+fn beyond_slopes(jump: f32, times: f32, slopes: [Option<f32>; 2]) -> Option<f32> {
     slopes
         .into_iter()
         .flatten()
@@ -48,7 +48,7 @@ pub(crate) fn beyond_slopes(jump: f32, times: f32, slopes: [Option<f32>; 2]) -> 
 }
 
 #[inline]
-pub(crate) fn steepness(slope: Option<f32>) -> f32 {
+fn steepness(slope: Option<f32>) -> f32 {
     slope.map_or(0.0, f32::abs)
 }
 
@@ -82,12 +82,6 @@ pub(crate) fn sharpened(value: f32, around: impl Iterator<Item = f32>) -> f32 {
     let (least, greatest) = around.fold((value, value), |(least, greatest), v| {
         (least.min(v), greatest.max(v))
     });
-    nearer_extreme(value, least, greatest)
-}
-
-/// The closer of two values to a value between them; the greater one in a tie.
-#[inline]
-pub(crate) fn nearer_extreme(value: f32, least: f32, greatest: f32) -> f32 {
     if value - least < greatest - value {
         least
     } else {

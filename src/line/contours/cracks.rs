@@ -3,8 +3,6 @@
 use crate::fast_math::ln;
 use crate::frame::{Frame, Plane, Projection, SightLines};
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
-#[cfg(feature = "gpu")]
-use crate::line::contours::found::FoundCrack;
 use crate::line::contours::lattice::Lattice;
 use crate::line::contours::map_tile::{BLOCK, Map, MapTile};
 use crate::line::contours::network::Spot;
@@ -19,7 +17,7 @@ pub(crate) const RIGHT: usize = 0;
 pub(crate) const DOWN: usize = 2;
 
 /// Share of a jump that the map has to step by across the crack, once mixtures are parted.
-pub(crate) const LEAST_STEP: f32 = 0.5;
+const LEAST_STEP: f32 = 0.5;
 
 /// Rows of corners that one task looks at.
 const ROWS: usize = 16;
@@ -44,13 +42,6 @@ pub(crate) fn cracks(weight: &Plane, frame: &Frame, shape: &ShapeParams) -> Vec<
         )
         .collect();
     cracks.into_iter().flatten().collect()
-}
-
-/// Cracks found by a device, in the same order.
-#[cfg(feature = "gpu")]
-pub(crate) fn found(cracks: &[FoundCrack], frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
-    let finder = Finder::new(frame, shape);
-    cracks.par_iter().map(|found| finder.found(found)).collect()
 }
 
 /// The search for cracks.
@@ -159,28 +150,6 @@ impl<'a> Finder<'a> {
             [false, false] => None,
             [true, true] => self.jump(&crack, tile),
             [first, _] => Some(self.border(&crack, first)),
-        }
-    }
-
-    #[cfg(feature = "gpu")]
-    fn found(&self, found: &FoundCrack) -> Crack {
-        let width = self.frame.mask.width();
-        let (x, y) = (found.pixel as usize % width, found.pixel as usize / width);
-        let step = if found.is_left { DOWN } else { RIGHT };
-        let crack = Across::leaving([x, y], step);
-        let spot = match [0, 1].map(|i| self.is_covered(crack.pixel(i))) {
-            [true, true] => Spot {
-                at: crack.place(found.offset),
-                strength: found.strength,
-                log_depth: found.log_depth,
-                is_beside: found.is_beside,
-            },
-            [first, _] => self.border(&crack, first),
-        };
-        Crack {
-            corner: (y * (width + 1) + x) as u32,
-            step,
-            spot,
         }
     }
 

@@ -12,12 +12,6 @@ pub(crate) mod coverage;
 pub(crate) mod cpu;
 pub(crate) mod cracks;
 pub(crate) mod creases;
-#[cfg(feature = "gpu")]
-pub(crate) mod found;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_coverage;
 pub(crate) mod ground;
 pub(crate) mod map_tile;
 pub(crate) mod medium;
@@ -181,7 +175,7 @@ fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
 }
 
 /// The jump of the logarithm of depth whose strength is a half: a fifth of the distance.
-pub(crate) const HALF_PLAIN_JUMP: f32 = 0.2;
+const HALF_PLAIN_JUMP: f32 = 0.2;
 
 /// The strength of a jump of this size of the logarithm of depth, 0..1.
 pub(crate) fn strength_of_jump(jump: f32) -> f32 {

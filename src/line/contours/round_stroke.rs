@@ -34,37 +34,6 @@ impl RoundStroke {
         }
     }
 
-    /// Its start, the vector to its end, and the parameters of its coverage, in their order.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn numbers(&self) -> [f32; 8] {
-        let Self {
-            from,
-            along,
-            per_square,
-            radius,
-            growth,
-            half_pixel,
-        } = *self;
-        let [from, along] = [from.to_array(), along.to_array()];
-        [
-            from[0], from[1], along[0], along[1], per_square, radius, growth, half_pixel,
-        ]
-    }
-
-    /// The piece of these [numbers](Self::numbers).
-    #[cfg(all(test, feature = "gpu"))]
-    pub(crate) fn of_numbers(numbers: [f32; 8]) -> Self {
-        let [x, y, dx, dy, per_square, radius, growth, half_pixel] = numbers;
-        Self {
-            from: Vec2::new(x, y),
-            along: Vec2::new(dx, dy),
-            per_square,
-            radius,
-            growth,
-            half_pixel,
-        }
-    }
-
     /// Distance from the line up to which it covers anything.
     fn reach(&self) -> f32 {
         self.radius.max(self.radius + self.growth) + self.half_pixel

@@ -1,8 +1,6 @@
 //! Directions in the picture, each equal to its opposite: their mean, and the fallback without any.
 
 pub(crate) mod fill;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
 
 use crate::frame::SightLines;
 use glam::{DVec3, Vec2};
@@ -17,12 +15,6 @@ pub(crate) fn mean_direction(directions: impl IntoIterator<Item = (f32, Vec2)>) 
         doubled += weight * Vec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);
         weights += weight;
     }
-    clear_direction(doubled, weights)
-}
-
-/// The direction at half the angle of a sum of this weight; `None` if it cancels.
-#[inline]
-pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
     let length = doubled.length();
     let axis = if doubled.x >= 0.0 {
         Vec2::new(doubled.x + length, doubled.y)
@@ -34,7 +26,7 @@ pub(crate) fn clear_direction(doubled: Vec2, weights: f32) -> Option<Vec2> {
 }
 
 /// Length of a sum, relative to its weights, below which only rounding is left after cancellation.
-pub(crate) const CANCELLED: f32 = 1e-3;
+const CANCELLED: f32 = 1e-3;
 
 /// Pixels over which the direction of a plane turns from its neighbours' to the fixed one.
 pub(crate) const PLANE_MARGIN_PX: usize = 16;
@@ -69,7 +61,7 @@ pub(crate) fn fixed_tangents(normal: DVec3) -> impl Iterator<Item = DVec3> {
 }
 
 /// Sine of the angle to a normal, about a degree, below which an axis counts as parallel: the rest is noise.
-pub(crate) const ALONG: f64 = 0.02;
+const ALONG: f64 = 0.02;
 
 /// The direction at right angles, on the surface, to [`fixed_direction`].
 #[inline]

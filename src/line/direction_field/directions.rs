@@ -85,7 +85,7 @@ fn directions_by<const N: usize, const IS_PERSPECTIVE: bool>(
             deviator: DVec2::new(x[lane].into(), y[lane].into()),
             mean: mean[lane].into(),
         };
-        let (is_turned, larger) = form.larger_or_any();
+        let (is_turned, larger) = form.larger();
         let (faces, [a, b]) = upright(normal);
         let facing = (-normal.dot(line) / line.length() / FACING).clamp(0.0, 1.0);
         let sure = form.confidence(source.doubt) * (facing * facing);

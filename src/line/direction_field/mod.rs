@@ -14,12 +14,6 @@ pub(crate) mod chains;
 pub(crate) mod cpu;
 pub(crate) mod directions;
 pub(crate) mod forms;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_kernels;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_patches;
 pub(crate) mod patches;
 pub(crate) mod setting;
 pub(crate) mod stage;
@@ -56,7 +50,7 @@ pub(crate) fn halved(doubled: [f32; 2]) -> [f32; 2] {
 }
 
 /// A shorter vector counts as 0: its square lacks full precision.
-pub(crate) const LEAST_LENGTH: f32 = 1e-18;
+const LEAST_LENGTH: f32 = 1e-18;
 
 /// Directions of a row, halved in place.
 #[inline(always)]
@@ -71,7 +65,7 @@ widened! {
 }
 
 /// Largest ratio of the difference of the curvatures to their sum on a round surface: a ball's mesh is no rounder.
-pub(crate) const ROUND: f64 = 0.1;
+const ROUND: f64 = 0.1;
 
 /// A tensor of curvature averaged over a surface, per pixel: half the difference of the curvatures toward twice
 /// the angle of the algebraically larger one, and their mean.
@@ -84,16 +78,9 @@ pub(crate) struct CurvatureTensor {
 }
 
 impl CurvatureTensor {
-    /// The unit direction, in the frame of the tensor, of the curvature larger in magnitude; `None` without any.
-    #[cfg(test)]
-    pub(crate) fn larger(&self) -> Option<DVec2> {
-        let (is_there, axis) = self.larger_or_any();
-        is_there.then_some(axis)
-    }
-
-    /// The same, and whether there is one; else it means nothing.
+    /// The unit direction, in the frame of the tensor, of the curvature larger in magnitude, and whether there is one.
     #[inline(always)]
-    pub(crate) fn larger_or_any(&self) -> (bool, DVec2) {
+    pub(crate) fn larger(&self) -> (bool, DVec2) {
         let d = if self.mean >= 0.0 {
             self.deviator
         } else {
@@ -154,7 +141,7 @@ pub(crate) fn calm([x, y, sure, _]: Weighted, around: Weighted) -> [f32; 2] {
 
 /// Length of a mean direction relative to that for full agreement, from which it counts, and from which it leads alone:
 /// 0.8 for directions spread evenly over 65 degrees, 0.2 over 150.
-pub(crate) const AGREE: Range<f32> = 0.2..0.8;
+const AGREE: Range<f32> = 0.2..0.8;
 
 /// Three components and a weight of 1.
 pub(crate) type Weighted = [f32; 4];
@@ -253,10 +240,10 @@ mod tests {
     #[test]
     fn the_larger_in_size_leads() {
         // A convex cylinder around y bends along x by -k: the larger of (0, -k) is along y.
-        assert_eq!(form(0.0, -0.1).larger(), Some(DVec2::Y));
-        assert_eq!(form(0.1, 0.0).larger(), Some(DVec2::X));
-        assert_eq!(form(0.1, -0.3).larger(), Some(DVec2::Y));
-        assert_eq!(form(0.2, 0.2).larger(), None);
+        assert_eq!(form(0.0, -0.1).larger(), (true, DVec2::Y));
+        assert_eq!(form(0.1, 0.0).larger(), (true, DVec2::X));
+        assert_eq!(form(0.1, -0.3).larger(), (true, DVec2::Y));
+        assert!(!form(0.2, 0.2).larger().0);
     }
 
     #[test]

@@ -31,13 +31,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     }],
     cpu: find,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::find,
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| {
-        plan.available
-            .object_angles
-            .then_some("directions of single objects")
-    },
+    after_gpu: Some(|run| run.on_host(find)),
     ..Stage::DEFAULT
 };
 

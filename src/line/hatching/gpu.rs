@@ -1,9 +1,7 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
-use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::UPLOAD;
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
@@ -11,17 +9,16 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::engine::outcome::add_timings;
+use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::drawing::{Tone, finish};
-use crate::line::gpu_canvas::{DeviceCanvas, Hatched};
 use crate::line::hatching::gpu_texture::Texture;
 use crate::line::hatching::{CROSSED_FROM, Hatching};
 use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES};
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
 use crate::params;
-use crate::params::{Adaptive, ToneParams};
-use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
+use crate::params::ToneParams;
 use std::f32::consts::PI;
 use std::time::Instant;
 
@@ -44,6 +41,8 @@ uniforms! {
         weight_r: f32,
         weight_g: f32,
         weight_b: f32,
+        /// Luminance of paper white.
+        white: f32,
     }
 
     /// Uniforms of `hatching.wgsl`.
@@ -69,7 +68,7 @@ uniforms! {
 }
 
 bindings! {
-    DensityBuffers { covered, red, green, blue, alpha, chosen, density_table, densities }
+    DensityBuffers { covered, red, green, blue, alpha, density_table, densities }
     StrokesBuffers {
         covered, densities, direction_x, direction_y, thresholds, turned, texels, paper, place_x, place_y, depth,
         motion_x, motion_y, shares
@@ -136,43 +135,13 @@ impl Strokes {
     }
 }
 
-impl DeviceCanvas<'_> {
-    /// Assembles the drawing from the data read back and the canvas of the CPU. Returns whether there was room for all
-    /// patches of the surfaces; otherwise directions are missing, and the CPU has to draw.
-    pub(crate) fn put(
-        &self,
-        host: &mut HostRun,
-        frame: &Frame,
-        read: &mut impl Iterator<Item = Vec<f32>>,
-    ) -> bool {
-        let Some(fields) = &self.fields else {
-            return true;
-        };
-        let mut next = || read.next().expect("all that is wanted is read");
-        if next()[0].to_bits() > fields.room {
-            return false;
-        }
-        let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-        let (chosen, ink) = (next(), plane(next()));
-        if let Some((covered, _)) = &mut host.canvas.contours {
-            *covered = plane(next());
-        }
-        let tone = Tone::on_paper(chosen[WHITE as usize]);
-        finish(host, tone, ink, Vec::new());
-        true
-    }
-}
-
-/// Draws strokes of a texture in the tone of the picture.
-pub(crate) fn hatch(run: &mut Run) {
+/// Draws strokes of a texture in the tone of the picture, along the directions that the CPU found.
+pub(crate) fn hatch(run: &mut Run) -> Result<()> {
     let (plan, frame) = (run.plan, run.frame);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
-    let picture = run.made.picture.take();
-    let picture = picture.expect("a drawing is planned with its tone");
-    let chosen = run.choose_paper_white(&params.tone, frame, &picture);
-    let densities = run.densities(&params.tone, frame, &picture, &chosen);
-    run.made.picture = Some(picture);
+    let tone = Tone::taken(&mut run.host);
     let start = Instant::now();
+    let picture = run.drawn_picture();
     let (strokes, texture) = (&params.strokes, run.texture);
     let strokes = match &run.host.canvas.art_map {
         Some(map) => Strokes::new(map, texture.of(map, run.upload()), strokes),
@@ -182,56 +151,46 @@ pub(crate) fn hatch(run: &mut Run) {
             Strokes::new(map, Texture::new(map, run.upload()), strokes)
         }
     };
-    let coordinates = run.host.canvas.coordinates.take();
-    let sheets = run.sheets(coordinates.as_ref());
-    run.host.canvas.coordinates = coordinates;
+    let canvas = std::mem::take(&mut run.host.canvas);
+    let sheets = run.sheets(canvas.coordinates.as_ref());
+    let directions = canvas.directions.iter();
+    let directions: Vec<_> = directions.map(|field| run.hold_field(field)).collect();
+    run.host.canvas = canvas;
     add_timings(&mut run.waited, &[(UPLOAD, start.elapsed())]);
-    let fields = run.canvas.fields.take();
-    let fields = fields.expect("strokes follow directions");
-    let directions = &fields.directions;
+    let densities = run.densities(&params.tone, frame, &picture, tone.white);
     let ink = run.hatched(
         &params.strokes,
         frame,
         &densities,
-        directions,
+        &directions,
         &strokes,
         &sheets,
     );
-    run.canvas.fields = Some(fields);
-    run.canvas.hatched = Some(Hatched {
-        chosen,
-        densities,
-        ink,
-    });
+    let read = run.read(&[&ink])?.remove(0);
+    run.buffers.recycle([densities, ink]);
+    let ink = Plane::from_samples(frame.mask.width(), frame.mask.height(), read);
+    finish(&mut run.host, tone, ink, Vec::new());
+    Ok(())
 }
 
 impl Run<'_> {
-    /// The chosen numbers, including the luminance of paper white for the white level of the tone.
-    pub(crate) fn choose_paper_white(
-        &mut self,
-        params: &ToneParams,
-        frame: &Frame,
-        [red, green, blue]: &Picture,
-    ) -> wgpu::Buffer {
-        if let Adaptive::Fixed(white) = params.white_point {
-            let mut chosen = [0.0; 2];
-            chosen[WHITE as usize] = white;
-            return self.uploaded(&chosen);
-        }
-        let paper = self.copy_of(&self.chosen.clone());
-        let search = Search::White(frame.luminance_weights());
-        let search = Searching::new(self, search, lattice_over(&frame.mask));
-        search.choose(self, [red, green, blue], &paper);
-        paper
+    /// The picture made so far, or that of the frame.
+    fn drawn_picture(&mut self) -> Picture {
+        self.made.picture.clone().unwrap_or_else(|| {
+            let picture = self.upload().picture(self.frame);
+            let picture = picture.expect("a drawing is planned with its tone");
+            self.held.extend(picture.iter().cloned());
+            picture
+        })
     }
 
-    /// The optical density wanted of each pixel; `chosen` contains paper white.
-    pub(crate) fn densities(
+    /// The optical density wanted of each pixel of a picture with this paper white.
+    fn densities(
         &mut self,
         params: &ToneParams,
         frame: &Frame,
         [red, green, blue]: &Picture,
-        chosen: &wgpu::Buffer,
+        white: f32,
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
         let [weight_r, weight_g, weight_b] = frame.luminance_weights();
@@ -250,6 +209,7 @@ impl Run<'_> {
                 weight_r,
                 weight_g,
                 weight_b,
+                white,
             },
             &DensityBuffers {
                 covered: &self.surface.covered,
@@ -257,7 +217,6 @@ impl Run<'_> {
                 green,
                 blue,
                 alpha: alpha.as_ref().unwrap_or(red),
-                chosen,
                 density_table: &table,
                 densities: &densities,
             },
@@ -267,7 +226,7 @@ impl Run<'_> {
     }
 
     /// Coverage of the paper by strokes along one field of directions, x and y, for each of their families.
-    pub(crate) fn hatched(
+    fn hatched(
         &mut self,
         params: &params::StrokeParams,
         frame: &Frame,

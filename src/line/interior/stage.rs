@@ -1,10 +1,6 @@
 //! Interior lines in a drawing.
 
 use crate::engine::cpu::run::Run;
-#[cfg(feature = "gpu")]
-use crate::engine::gpu::run::Run as DeviceRun;
-#[cfg(feature = "gpu")]
-use crate::error::Result;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
@@ -12,8 +8,6 @@ use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-#[cfg(feature = "gpu")]
-use crate::shape::edges::cpu::edges_with_weights;
 
 /// Lines inside surfaces. They follow contours, which they join and do not double.
 pub(crate) static INTERIOR: Stage = Stage {
@@ -30,7 +24,7 @@ pub(crate) static INTERIOR: Stage = Stage {
     }],
     cpu: draw,
     #[cfg(feature = "gpu")]
-    beside_gpu: Some(draw_beside),
+    after_gpu: Some(|run| run.on_host(draw)),
     ..Stage::DEFAULT
 };
 
@@ -57,20 +51,6 @@ fn draw(run: &mut Run) {
     run.outcome.line_levels = layer.levels;
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
     run.canvas.interior = Some((covered, layer.lines));
-}
-
-/// Draws while a device makes strokes: lines are followed from pixel to pixel, which a device cannot do. Edges are
-/// computed again, in less time than reading back the weights of all pixels takes.
-#[cfg(feature = "gpu")]
-fn draw_beside(run: &mut DeviceRun) -> Result<()> {
-    let (plan, frame, host) = (run.plan, run.frame, &mut run.host);
-    let memory = host.memory;
-    let made = host.timed(INTERIOR.name, || {
-        edges_with_weights(plan, frame, true, memory).0
-    });
-    host.outcome.shape.silhouette = made.silhouette;
-    draw(host);
-    Ok(())
 }
 
 fn follow(run: &mut Run) -> InteriorLayer {

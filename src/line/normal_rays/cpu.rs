@@ -3,7 +3,7 @@
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::rows::map_rows;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Frame, PixelLines, Plane, Vector2Planes};
+use crate::frame::{Frame, PixelLines, Plane, SightLines, Vector2Planes};
 use crate::line::direction::fill::{Parts, fill};
 use crate::line::direction::fixed_direction;
 use crate::line::normal_rays::LocalShape;
@@ -21,18 +21,29 @@ pub(crate) fn directions(
 ) -> Vector2Planes {
     let surface = WalkedSurface::new(plan, frame, conductance);
     let [x, y, flat] = map_rows(&frame.mask, memory, |y, row| surface.fill_row(y, row));
-    let mut found = Vector2Planes { x, y };
+    let found = filled(Vector2Planes { x, y }, &flat, frame, conductance);
+    memory.recycle([flat]);
+    found
+}
+
+/// Directions with those of their neighbours in pixels that have none; `flat` is 1 where the surface is a plane.
+pub(crate) fn filled(
+    mut directions: Vector2Planes,
+    flat: &Plane,
+    frame: &Frame,
+    conductance: &Plane,
+) -> Vector2Planes {
+    let sight = SightLines::of(frame);
     let parts = Parts {
         conductance,
         mask: &frame.mask,
-        flat: &flat,
+        flat,
     };
-    fill(&mut found, &parts, |x, y| {
+    fill(&mut directions, &parts, |x, y| {
         let at = frame.data_window.middle(x, y);
-        fixed_direction(frame.normal.at(x, y), &surface.setting.sight, at.x, at.y)
+        fixed_direction(frame.normal.at(x, y), &sight, at.x, at.y)
     });
-    memory.recycle([flat]);
-    found
+    directions
 }
 
 /// The surface that a frame shows, to be walked over.

@@ -5,10 +5,11 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
-use crate::engine::gpu::wgsl::Number::{F32, I32, U32};
+use crate::engine::gpu::wgsl::Number::{F32, I32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
-use crate::frame::{DepthKind, Frame};
-use crate::line::direction::gpu::{CLOSED_COUNT, Gaps, OF_SURFACES, OPEN_COUNT, spread_params};
+use crate::error::Result;
+use crate::frame::{DepthKind, Frame, Plane, Vector2Planes};
+use crate::line::normal_rays::cpu::filled;
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
 use crate::plan::Plan;
@@ -53,12 +54,11 @@ uniforms! {
 
 bindings! {
     NormalRaysBuffers {
-        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, filled, marks, open,
-        closed, counts
+        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, planar
     }
 }
 
-/// Directions of curvature from normal rays, and lists of the pixels that have none.
+/// Directions of curvature from normal rays.
 pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffers>(
     "NormalRays",
     &[
@@ -69,8 +69,6 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
         wgsl!(
             "normal_rays.wgsl",
             [
-                ("OPEN_COUNT", U32(OPEN_COUNT)),
-                ("CLOSED_COUNT", U32(CLOSED_COUNT)),
                 ("STEP_GROWTH", I32(STEP_GROWTH as i32)),
                 ("PLANAR_TURN", F32(PLANAR_TURN as f32)),
                 ("ALIKE", F32(UMBILIC as f32)),
@@ -80,53 +78,58 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
     ],
 );
 
-/// Name in timings of rays, and of filling gaps between them.
+/// Name in timings of rays, and of filling gaps between their directions.
 const STAGE: &str = "normal-rays";
 
 /// Finds the surface's own curvature directions, if they are requested as a product.
 pub(crate) fn follow_rays(run: &mut Run) {
     if run.plan.wants(Product::Direction) {
-        let shape = run
-            .made
-            .shape
-            .as_ref()
-            .expect("directions are planned with their edges");
+        let shape = run.made.shape.as_ref();
+        let shape = shape.expect("directions are planned with their edges");
         let conductance = shape.conductance.clone();
-        run.made.directions = Some(run.surface_directions(run.plan, run.frame, &conductance));
+        run.made.directions = Some(run.normal_rays(run.plan, run.frame, &conductance));
     }
 }
 
-impl Run<'_> {
-    /// The surface's own curvature directions: unit vectors in the picture where covered, x right and y up, 0
-    /// elsewhere.
-    pub(crate) fn surface_directions(
-        &mut self,
-        plan: &Plan,
-        frame: &Frame,
-        conductance: &wgpu::Buffer,
-    ) -> [wgpu::Buffer; 2] {
-        let setting = RaySetting::new(plan, frame);
-        let gaps = self.normal_rays(plan, frame, &setting, conductance);
-        let params = spread_params(frame, &setting.sight);
-        self.fill_gaps(STAGE, OF_SURFACES, &params, conductance, gaps)
-    }
+/// Gives pixels without a direction those of their neighbours, which spread from pixel to pixel: on the CPU.
+pub(crate) fn fill_gaps(run: &mut Run) -> Result<()> {
+    let Some(found) = run.made.directions.take() else {
+        return Ok(());
+    };
+    let read = run.read(&found.each_ref())?;
+    run.buffers.recycle(found);
+    let (frame, host) = (run.frame, &mut run.host);
+    let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
+    let mut planes = read.into_iter().map(plane);
+    let [x, y, flat] = [(); 3].map(|()| planes.next().expect("each buffer is read"));
+    let conductance = host.outcome.shape.conductance.take();
+    let conductance = conductance.expect("directions are planned with their edges");
+    let directions = host.timed(STAGE, || {
+        filled(Vector2Planes { x, y }, &flat, frame, &conductance)
+    });
+    let shape = &mut host.outcome.shape;
+    (shape.conductance, shape.direction) = (Some(conductance), Some(directions));
+    Ok(())
+}
 
+impl Run<'_> {
+    /// Directions of the surface's own curvature, 0 where rays give none: x, y, and whether the surface is a plane.
     fn normal_rays(
         &mut self,
         plan: &Plan,
         frame: &Frame,
-        setting: &RaySetting,
         conductance: &wgpu::Buffer,
-    ) -> Gaps {
+    ) -> [wgpu::Buffer; 3] {
+        let setting = RaySetting::new(plan, frame);
         let depth = setting.depth.map(|plane| {
             match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
                 true => self.surface.map.clone().expect("silhouettes are of depth"),
                 false => self.uploaded(plane.samples()),
             }
         });
-        let counts = self.gap_counts(OF_SURFACES);
         let plane = self.surface.plane_bytes();
-        let [x, y, filled, marks, open, closed] = [(); 6].map(|()| self.take(plane));
+        let found = [(); 3].map(|()| self.take(plane));
+        let [direction_x, direction_y, planar] = found.each_ref();
         let covered = self.surface.covered.clone();
         let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
         let switches = [
@@ -137,7 +140,7 @@ impl Run<'_> {
         self.recorder.over_pixels(
             STAGE,
             (&NORMAL_RAYS, &switches),
-            &ray_params(frame, setting),
+            &ray_params(frame, &setting),
             &NormalRaysBuffers {
                 covered: &covered,
                 conductance,
@@ -145,23 +148,13 @@ impl Run<'_> {
                 normal_y: &normal_y,
                 normal_z: &normal_z,
                 depth: depth.as_ref().unwrap_or(&normal_x),
-                direction_x: &x,
-                direction_y: &y,
-                filled: &filled,
-                marks: &marks,
-                open: &open,
-                closed: &closed,
-                counts: &counts,
+                direction_x,
+                direction_y,
+                planar,
             },
             self.surface.size,
         );
-        Gaps {
-            directions: [x, y],
-            filled,
-            marks,
-            lacking: vec![open, closed],
-            counts,
-        }
+        found
     }
 }
 

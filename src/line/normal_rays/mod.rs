@@ -136,7 +136,7 @@ pub(crate) const MIN_COSINE: f64 = 0.1;
 pub(crate) const MIN_SINE: f64 = 1e-6;
 
 /// Smallest z, out of the picture's plane, of the sum of a unit normal and the unit direction to the viewer.
-pub(crate) const MIN_UPRIGHT: f64 = 1e-6;
+const MIN_UPRIGHT: f64 = 1e-6;
 
 /// Principal curvatures at a point with the normal `normal`, from the rays beside it along x and y.
 ///
@@ -196,15 +196,8 @@ pub(crate) fn principal_curvatures(
     }
 }
 
-/// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way;
-/// `None` if it points straight away.
-#[cfg(all(test, feature = "gpu"))]
-pub(crate) fn upright_tangents(normal: DVec3) -> Option<[DVec3; 2]> {
-    let (faces, tangents) = upright(normal);
-    faces.then_some(tangents)
-}
-
-/// The same, and whether there are any; else they mean nothing.
+/// The tangents that become the picture's x and y when the unit normal is rotated to the viewer by the shortest way, and
+/// whether there are any: it may point straight away.
 #[inline(always)]
 pub(crate) fn upright(normal: DVec3) -> (bool, [DVec3; 2]) {
     let both = normal + DVec3::Z;

@@ -1,5 +1,4 @@
-// Directions of the surface's own curvature larger in size, from the normal rays beside each pixel. Covered pixels that
-// have none are listed.
+// Directions of the surface's own curvature larger in size, from the normal rays beside each pixel.
 
 @group(0) @binding(0) var<uniform> params: RayParams;
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
@@ -11,14 +10,8 @@
 @group(0) @binding(6) var<storage, read> depth: array<f32>;
 @group(0) @binding(7) var<storage, read_write> direction_x: array<f32>;
 @group(0) @binding(8) var<storage, read_write> direction_y: array<f32>;
-// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
-@group(0) @binding(9) var<storage, read_write> filled: array<u32>;
 // 1 where the surface is a plane.
-@group(0) @binding(10) var<storage, read_write> marks: array<u32>;
-// Pixels without a direction: open ones and those on edges, with their counts.
-@group(0) @binding(11) var<storage, read_write> open: array<u32>;
-@group(0) @binding(12) var<storage, read_write> closed: array<u32>;
-@group(0) @binding(13) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> planar: array<f32>;
 
 override HAS_DEPTH: bool;
 override IS_PARALLEL: bool;
@@ -210,20 +203,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let i = index_of(id.x, id.y);
     var found = Found(vec2<f32>(0.0), false);
-    var state = NOTHING;
     if is_covered(id.x, id.y) {
         found = found_at(id.x, id.y);
-        state = u32(any(found.direction != vec2<f32>(0.0)));
     }
     direction_x[i] = found.direction.x;
     direction_y[i] = found.direction.y;
-    filled[i] = state;
-    marks[i] = u32(found.is_flat);
-    if state == 0u {
-        if conductance[i] > 0.0 {
-            open[atomicAdd(&counts[OPEN_COUNT], 1u)] = i;
-        } else {
-            closed[atomicAdd(&counts[CLOSED_COUNT], 1u)] = i;
-        }
-    }
+    planar[i] = f32(found.is_flat);
 }

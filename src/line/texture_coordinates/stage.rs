@@ -21,9 +21,8 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
         },
     }],
     cpu: place,
-    // They are carried from frame to frame on the CPU, and needed when strokes begin.
     #[cfg(feature = "gpu")]
-    gpu: |run| place(&mut run.host),
+    after_gpu: Some(|run| run.on_host(place)),
     ..Stage::DEFAULT
 };
 

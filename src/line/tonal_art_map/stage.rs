@@ -18,9 +18,8 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
         },
     }],
     cpu: make,
-    // Strokes are drawn into it sequentially, and only once.
     #[cfg(feature = "gpu")]
-    gpu: |run| make(&mut run.host),
+    after_gpu: Some(|run| run.on_host(make)),
     ..Stage::DEFAULT
 };
 

@@ -117,9 +117,6 @@ const PLACES_PER_GROUP: u32 = 2048;
 /// Maximum number of counting workgroups on software devices, where the bins of [`MOST_COUNTING_GROUPS`] are costly.
 const MOST_GROUPS_IN_SOFTWARE: u32 = 64;
 
-/// Percentage of numbers below the median.
-const MEDIAN_PERCENT: u32 = 50;
-
 /// The quantity searched for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Search {
@@ -133,8 +130,6 @@ pub(crate) enum Search {
     White([f32; 3]),
     /// The white level of a term of the light, from its luminance.
     TermWhite,
-    /// The median depth of patches, with this many columns and rows; stored in place of a white level.
-    Depth([u32; 2]),
 }
 
 impl Search {
@@ -197,14 +192,6 @@ impl Searching {
         state[3].to_bits() != self.lattice.side
     }
 
-    /// Columns and rows of the planes.
-    fn size(&self, run: &Run) -> [u32; 2] {
-        match self.search {
-            Search::Depth(size) => size,
-            _ => run.surface.size,
-        }
-    }
-
     /// Position of the bits with this number.
     fn shift(bits: u32) -> u32 {
         u32::BITS.saturating_sub((bits + 1) * SEARCH_BITS)
@@ -220,11 +207,11 @@ impl Searching {
         rows: Range<u32>,
         top: u32,
     ) {
-        let [width, height] = self.size(run);
+        let [width, height] = run.surface.size;
         let (least, weights) = match self.search {
             Search::Gain { size, factor, .. } => (flat_curvature(size, factor), [0.0; 3]),
             Search::White(weights) => (0.0, weights),
-            Search::TermWhite | Search::Depth(_) => (0.0, [0.0; 3]),
+            Search::TermWhite => (0.0, [0.0; 3]),
         };
         let Lattice {
             side,
@@ -255,10 +242,7 @@ impl Searching {
         };
         let switches = [
             ("OF_TRACE", matches!(self.search, Search::Gain { .. })),
-            (
-                "OF_LIGHT",
-                matches!(self.search, Search::TermWhite | Search::Depth(_)),
-            ),
+            ("OF_LIGHT", matches!(self.search, Search::TermWhite)),
         ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
@@ -288,7 +272,6 @@ impl Searching {
         let (percent, most_gain) = match self.search {
             Search::Gain { most, .. } => (CURVATURE_PERCENT, Some(most)),
             Search::White(_) | Search::TermWhite => (WHITE_PERCENT, None),
-            Search::Depth(_) => (MEDIAN_PERCENT, None),
         };
         let params = NarrowParams {
             is_first: u32::from(pass.bits == 0),
@@ -315,7 +298,7 @@ impl Searching {
 
     /// All passes over planes on the device.
     pub(crate) fn choose(self, run: &mut Run, planes: [&wgpu::Buffer; 3], chosen: &wgpu::Buffer) {
-        let rows = 0..self.size(run)[1];
+        let rows = 0..run.surface.size[1];
         // With a pixel in every cell there are no more to look at.
         let is_whole = self.lattice.side == 1;
         for pass in Pass::all().take_while(|pass| !(is_whole && pass.begins_again())) {
@@ -334,7 +317,6 @@ impl Searching {
         match self.search {
             Search::Gain { .. } => "auto-gain",
             Search::White(_) | Search::TermWhite => "auto-white",
-            Search::Depth(_) => "direction-field",
         }
     }
 }

@@ -35,20 +35,11 @@ pub(crate) fn edges_and_gradient(
     frame: &Frame,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
-    edges_with_weights(plan, frame, plan.wants(Product::Silhouette), memory)
-}
-
-/// The same, with or without the two weights.
-pub(crate) fn edges_with_weights(
-    plan: &Plan,
-    frame: &Frame,
-    with_weights: bool,
-    memory: &Memory,
-) -> (Weights, Vector2Planes) {
+    let with_weights = plan.wants(Product::Silhouette);
     edges_of_lengths(plan, frame, None, with_weights, memory)
 }
 
-/// The same, in the memory of the lengths of normals where they are given: `frame` no longer has them.
+/// The same, with or without the two weights, and in the memory of the lengths of normals where they are given: `frame` no longer has them.
 pub(crate) fn edges_of_lengths(
     plan: &Plan,
     frame: &Frame,

@@ -27,20 +27,10 @@ use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms;
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
-use crate::line::contours::crack;
-use crate::line::contours::gpu::CRACKS;
-use crate::line::contours::gpu_coverage::LINE_COVERAGE;
-use crate::line::contours::round_stroke::RoundStroke;
-use crate::line::direction::gpu::SPREAD_DIRECTIONS;
-use crate::line::direction::{clear_direction, fixed_direction, fixed_second_direction};
-use crate::line::direction_field::gpu_kernels::{PATCH_DIRECTIONS, PATCH_FORMS, SETTLE_PATCHES};
-use crate::line::direction_field::setting::FieldSetting;
-use crate::line::direction_field::{CurvatureTensor, calm, doubled, halved};
 use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
 use crate::line::hatching::share;
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
-use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes, upright_tangents};
-use crate::line::paper::{grain, graphite, unit};
+use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes};
 use crate::line::slice_texture::{mix, within};
 use crate::line::stroke_texture::{ramp_between, ramp_of};
 use crate::line::texture_coordinates::{
@@ -61,7 +51,7 @@ use crate::shape::gradient::{depth_gradient, facing};
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
 use crate::shape::silhouette::jump_weight;
 use crate::shape::sobel;
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 /// A pair: the name in WGSL, the path of the Rust function, checked by the compiler, and a kernel that contains the
 /// WGSL.

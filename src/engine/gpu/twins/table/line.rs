@@ -3,92 +3,10 @@
 use super::*;
 
 pub(super) fn twins() -> Vec<Twin> {
-    [
-        contours(),
-        directions(),
-        fallbacks(),
-        rays(),
-        steps(),
-        normal_rays(),
-        tangents(),
-        strokes(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
-fn contours() -> Vec<Twin> {
-    vec![
-        twin!(
-            difference,
-            crack::difference,
-            CRACKS,
-            |a: Option<f32>, b: Option<f32>| { crack::difference(a, b) }
-        ),
-        twin!(
-            beyond_slopes,
-            crack::beyond_slopes,
-            CRACKS,
-            |jump: f32, times: f32, slopes: [Option<f32>; 2]| crack::beyond_slopes(
-                jump, times, slopes
-            )
-        ),
-        twin!(steepness, crack::steepness, CRACKS, |slope: Option<f32>| {
-            crack::steepness(slope)
-        }),
-        twin!(
-            unexplained_jump,
-            crack::unexplained_jump,
-            CRACKS,
-            |across: [Option<f32>; 6]| { crack::unexplained_jump(&across) }
-        ),
-        twin!(
-            spread_offset,
-            crack::spread_offset,
-            CRACKS,
-            |raw: [f32; 2], sharp: [f32; 2]| { crack::spread_offset(raw, sharp) }
-        ),
-        twin!(
-            nearer_extreme,
-            crack::nearer_extreme,
-            CRACKS,
-            |value: f32, least: f32, greatest: f32| crack::nearer_extreme(value, least, greatest)
-        ),
-        // Pictures and strokes up to a million pixels; half an output pixel lies within these sizes.
-        twin!(
-            round_stroke_coverage,
-            RoundStroke::coverage,
-            LINE_COVERAGE,
-            |numbers: [f32; 8], p: [f32; 2]| RoundStroke::of_numbers(numbers).coverage(p.into())
-        )
-        .on(|words| {
-            within_range(words, -1e6, 1e6);
-            within_range(&mut words[7..8], 0.1, 1.0);
-        }),
-        twin!(unit, unit, LINE_COVERAGE, |high: u32| unit(
-            u64::from(high) << 32
-        )),
-        twin!(
-            grain,
-            grain,
-            LINE_COVERAGE,
-            |x: i32, y: i32, low: u32, high: u32| {
-                // The device receives the seed multiplied by an odd number, which spreads it over all bits; this is its
-                // inverse.
-                let spread = u64::from(high) << 32 | u64::from(low);
-                grain(x, y, spread.wrapping_mul(0xf1de_83e1_9937_733d))
-            }
-        )
-        .with(&["seed_low", "seed_high"]),
-        twin!(
-            graphite,
-            graphite,
-            LINE_COVERAGE,
-            |coverage: f32, grain: f32| { graphite(coverage, grain) }
-        )
-        .on(bounded),
-    ]
+    [rays(), steps(), normal_rays(), tangents(), strokes()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Sight lines whose line through the point below has the direction `line`.
@@ -113,135 +31,6 @@ fn seen_vector(words: &mut [u32]) {
     unit_vector(&mut words[3..6]);
 }
 
-fn form([x, y, mean, _]: [f32; 4]) -> CurvatureTensor {
-    CurvatureTensor {
-        deviator: DVec2::new(x.into(), y.into()),
-        mean: mean.into(),
-    }
-}
-
-fn directions() -> Vec<Twin> {
-    // The CPU computes the following in f64, the device in f32.
-    const SINGLE: Tolerance = Tolerance::Absolute(2e-6);
-    vec![
-        twin!(doubled, doubled, SPREAD_DIRECTIONS, |t: [f32; 2]| doubled(
-            t.into()
-        )
-        .to_array()),
-        twin!(halved, halved, SPREAD_DIRECTIONS, |z: [f32; 2]| halved(z)),
-        twin!(
-            clear_direction,
-            clear_direction,
-            SPREAD_DIRECTIONS,
-            |sum: [f32; 2], weight: f32| {
-                clear_direction(sum.into(), weight)
-                    .unwrap_or_default()
-                    .to_array()
-            }
-        ),
-        twin!(
-            calm,
-            calm,
-            SETTLE_PATCHES,
-            |own: [f32; 4], around: [f32; 4]| calm(own, around)
-        )
-        .on(bounded),
-        twin!(
-            curvature_tensor_larger,
-            CurvatureTensor::larger,
-            PATCH_DIRECTIONS,
-            |f: [f32; 4]| { form(f).larger().unwrap_or_default().as_vec2().to_array() }
-        )
-        .on(|words| coarse(words, 4.0))
-        .within(SINGLE),
-        // A doubt is a share; where it almost vanishes, the precision of the shape decides.
-        twin!(
-            curvature_tensor_confidence,
-            CurvatureTensor::confidence,
-            PATCH_DIRECTIONS,
-            |f: [f32; 4], doubt: f32| { form(f).confidence(doubt.into()) as f32 }
-        )
-        .with(&["doubt"])
-        .on(|words| {
-            coarse(&mut words[..4], 4.0);
-            within_range(&mut words[4..], 1e-3, 1.0);
-        })
-        .within(SINGLE),
-        // As above; zero is a separate case.
-        twin!(
-            curvature_tensor_flatness,
-            CurvatureTensor::flatness,
-            PATCH_DIRECTIONS,
-            |f: [f32; 4], doubt: f32| { form(f).flatness(doubt.into()) as f32 }
-        )
-        .with(&["doubt"])
-        .on(|words| {
-            coarse(&mut words[..4], 4.0);
-            within_range(&mut words[4..], 0.0, 1.0);
-            each(&mut words[4..], |v| if v < 1e-3 { 0.0 } else { v });
-        })
-        .within(SINGLE),
-    ]
-}
-
-fn fallbacks() -> Vec<Twin> {
-    vec![
-        // Pixels have aspect ratios of 1/2 to 2.
-        twin!(
-            fallback,
-            FieldSetting::fallback,
-            PATCH_DIRECTIONS,
-            |line: [f32; 3],
-             normal: [f32; 3],
-             shape: f32,
-             order: u32,
-             is_fixed: u32,
-             fixed: [f32; 2]| {
-                let (sight, [x, y]) = sight(line, shape);
-                let setting = FieldSetting {
-                    fixed: (is_fixed == 1).then_some([Vec2::from(fixed); 2]),
-                    sight,
-                    pixels: 1.0,
-                    cells: 1.0,
-                    doubt: 1.0,
-                    is_by_depth: false,
-                };
-                setting
-                    .fallback(x, y, dvec(normal), order as usize)
-                    .to_array()
-            }
-        )
-        .with(&["pixel_shape", "order", "is_fixed", "fixed_x", "fixed_y"])
-        .on(|words| {
-            seen_vector(words);
-            within_range(&mut words[6..7], 0.5, 2.0);
-            words[7] &= 1;
-        })
-        .within(Tolerance::Absolute(5e-5)),
-        // The same aspect ratios.
-        twin!(
-            fixed_direction,
-            fixed_direction,
-            PATCH_DIRECTIONS,
-            |line: [f32; 3], normal: [f32; 3], order: u32, shape: f32| {
-                let (sight, [x, y]) = sight(line, shape);
-                let direction = match order {
-                    0 => fixed_direction(dvec(normal), &sight, x, y),
-                    _ => fixed_second_direction(dvec(normal), &sight, x, y),
-                };
-                direction.to_array()
-            }
-        )
-        .with(&["pixel_shape"])
-        .on(|words| {
-            seen_vector(words);
-            words[6] &= 1;
-            within_range(&mut words[7..], 0.5, 2.0);
-        })
-        .within(Tolerance::Absolute(5e-5)),
-    ]
-}
-
 fn rays() -> Vec<Twin> {
     // The CPU computes the following in f64, the device in f32.
     const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
@@ -250,7 +39,7 @@ fn rays() -> Vec<Twin> {
         twin!(
             line,
             SightLines::line,
-            PATCH_DIRECTIONS,
+            NORMAL_RAYS,
             |place: [f32; 2], line: [f32; 2], step: [f32; 2]| {
                 let [[line_x, line_y], [step_x, step_y]] =
                     [line, step].map(|pair| pair.map(f64::from));
@@ -272,17 +61,6 @@ fn rays() -> Vec<Twin> {
             within_range(&mut words[4..], 1e-4, 1e-2);
         })
         .within(SINGLE),
-        twin!(
-            sight_lines_facing,
-            SightLines::facing,
-            PATCH_DIRECTIONS,
-            |line: [f32; 3], normal: [f32; 3]| {
-                let (sight, [x, y]) = sight(line, 1.0);
-                sight.facing(x, y, dvec(normal)) as f32
-            }
-        )
-        .on(seen_vector)
-        .within(Tolerance::Absolute(1e-6)),
     ]
 }
 
@@ -294,7 +72,7 @@ fn steps() -> Vec<Twin> {
         twin!(
             picture_direction,
             SightLines::picture_direction,
-            PATCH_DIRECTIONS,
+            NORMAL_RAYS,
             |line: [f32; 3], tangent: [f32; 3], shape: f32| {
                 let (sight, [x, y]) = sight(line, shape);
                 let seen = sight.picture_direction(x, y, dvec(tangent));
@@ -311,7 +89,7 @@ fn steps() -> Vec<Twin> {
         twin!(
             sight_lines_step,
             SightLines::step,
-            PATCH_FORMS,
+            NORMAL_RAYS,
             |normals: [f32; 3], line: [f32; 3], there: [f32; 3], _: [f32; 3]| {
                 let (sight, from) = sight(line, 1.0);
                 let (_, to) = self::sight(there, 1.0);
@@ -342,7 +120,7 @@ fn normal_rays() -> Vec<Twin> {
         twin!(
             local_ray,
             Local::ray,
-            PATCH_FORMS,
+            NORMAL_RAYS,
             |step: (bool, [f32; 3]),
              there: [f32; 3],
              _: [f32; 3],
@@ -376,7 +154,7 @@ fn normal_rays() -> Vec<Twin> {
         twin!(
             slopes_of,
             Slopes::of,
-            PATCH_FORMS,
+            NORMAL_RAYS,
             |rays: [(bool, [f32; 2], [f32; 2]); 4]| {
                 let between = |before: usize, after: usize| {
                     let (a, b) = (&rays[before], &rays[after]);
@@ -410,8 +188,6 @@ fn normal_rays() -> Vec<Twin> {
 }
 
 fn tangents() -> Vec<Twin> {
-    // The CPU computes the following in f64, the device in f32.
-    const SINGLE: Tolerance = Tolerance::Absolute(1e-4);
     vec![
         twin!(
             any_orthonormal_pair,
@@ -423,27 +199,6 @@ fn tangents() -> Vec<Twin> {
             }
         )
         .on(bounded),
-        // Directly behind the viewer a rounding turns the tangents.
-        twin!(
-            upright_tangents,
-            upright_tangents,
-            PATCH_FORMS,
-            |normal: [f32; 3]| {
-                match upright_tangents(dvec(normal)) {
-                    Some(tangents) => (true, tangents.map(|t| t.as_vec3().to_array())),
-                    None => (false, [[UNSPECIFIED; 3]; 2]),
-                }
-            }
-        )
-        .on(|words| {
-            unit_vector(words);
-            let [x, y, z] = vector(words);
-            if z < -0.9 {
-                let up = if x + y > 0.0 { 1.0 } else { -1.0 };
-                set(words, &[0.0, 0.0, up]);
-            }
-        })
-        .within(SINGLE),
     ]
 }
 
