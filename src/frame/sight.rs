@@ -183,14 +183,9 @@ impl PixelLines {
         }
     }
 
-    /// What distinguishes the sight lines of a column.
+    /// What distinguishes the sight lines of columns.
     #[inline]
-    pub(crate) fn across(&self, x: usize) -> f64 {
-        self.x[x]
-    }
-
-    /// The same of several columns.
-    pub(crate) fn across_in(&self, columns: Range<usize>) -> &[f64] {
+    pub(crate) fn across(&self, columns: Range<usize>) -> &[f64] {
         &self.x[columns]
     }
 
@@ -253,7 +248,7 @@ mod tests {
             );
             frame.data_window = Window::at(-2, 300, 5, 4);
             let lines = PixelLines::new(&sight, &frame);
-            let line = line_of(sight.is_perspective(), lines.across(3), lines.up(1));
+            let line = line_of(sight.is_perspective(), lines.across(3..4)[0], lines.up(1));
             assert_eq!(line, sight.line(1.5, 301.5), "{projection:?}");
         }
     }

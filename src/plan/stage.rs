@@ -34,7 +34,8 @@ pub(crate) struct Stage {
     /// Records it on a device.
     #[cfg(feature = "gpu")]
     pub(crate) gpu: fn(&mut DeviceRun),
-    /// What follows once the results recorded by all stages are on the CPU.
+    /// What follows once the results recorded by all stages are on the CPU; for a stage of a drawing, in place of its
+    /// CPU pass.
     #[cfg(feature = "gpu")]
     pub(crate) after_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
     /// What the device implementation does not support, in a few words.

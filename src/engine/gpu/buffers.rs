@@ -80,7 +80,7 @@ impl Buffers {
         pools.into_iter().all(|pool| pool.spare().is_empty())
     }
 
-    /// Drops buffers that the last run did not use: pictures, and lists along their lines, differ in size.
+    /// Drops buffers that the last run did not use: pictures differ in size.
     pub(crate) fn begin_run(&self) {
         let pools = [&self.work, &self.copied, &self.readable];
         pools.into_iter().for_each(Pool::begin_run);

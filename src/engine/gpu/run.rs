@@ -139,12 +139,6 @@ impl<'a> Run<'a> {
         [x, y].map(|plane| self.uploaded(plane.samples()))
     }
 
-    /// A stage, or the rest of one, on the CPU.
-    pub(crate) fn on_host(&mut self, pass: fn(&mut HostRun)) -> Result<()> {
-        pass(&mut self.host);
-        Ok(())
-    }
-
     /// Runs the recorded work and returns the contents of `wanted`.
     ///
     /// # Errors

@@ -90,10 +90,8 @@ impl Runner {
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// A frame too large for the device's memory is processed in strips. For drawings the CPU finds the lines along
-    /// edges and inside surfaces, and where the strokes of a sequence have moved; it draws everything, with tone and
-    /// edges from the device, where drawing needs the whole frame at once and the device cannot hold it: lines are
-    /// placed relative to others, and directions spread over surfaces, across all strips. Failed runs do not affect
+    /// A frame too large for the device's memory is processed in strips. Of a drawing the device finds edges and tone,
+    /// and draws strokes of a texture if it can hold the whole frame; the CPU does the rest. Failed runs do not affect
     /// later ones; on a lost device all runs fail.
     ///
     /// # Errors
@@ -309,7 +307,6 @@ impl Runner {
         beside: Beside,
         rows: Range<usize>,
     ) -> Result<Outcome> {
-        let draws = |stage: &Stage| DRAWING.iter().any(|drawing| drawing.name == stage.name);
         let stages: Vec<_> = running(plan).filter(|stage| !draws(stage)).collect();
         self.run_stages(plan, &stages, strip, beside, rows)
     }
@@ -350,11 +347,16 @@ impl Runner {
     }
 }
 
+/// Whether a stage is one of a drawing: the CPU runs these.
+fn draws(stage: &Stage) -> bool {
+    DRAWING.iter().any(|drawing| drawing.name == stage.name)
+}
+
 /// The layers to read back from the device: those requested, and those that stages take on the CPU.
 fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
     let mut layers = made.layers();
     if !plan.wants(Product::Curvature) {
-        let on_cpu = running(plan).filter(|stage| stage.after_gpu.is_some());
+        let on_cpu = running(plan).filter(|stage| draws(stage) || stage.after_gpu.is_some());
         let taken = taken_by(on_cpu, plan);
         layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
     }
@@ -406,7 +408,7 @@ fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
 }
 
 impl Run<'_> {
-    /// Records stages one after another.
+    /// Records stages one after another, up to those of a drawing.
     ///
     /// If the run is observed, each stage is submitted as soon as it is recorded, and the previous one is waited for:
     /// progress then follows the device, and a cancelled run leaves at most two stages to finish.
@@ -416,7 +418,8 @@ impl Run<'_> {
     /// fails.
     fn record(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
-        for (done, stage) in stages.iter().enumerate() {
+        let recorded = stages.iter().take_while(|stage| !draws(stage));
+        for (done, stage) in recorded.enumerate() {
             watch.check()?;
             watch.begins(stage.name, done as f32 / stages.len() as f32);
             (stage.gpu)(self);
@@ -464,15 +467,22 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// What follows in stages once results are read back.
+    /// What follows in stages once results are read back, the drawing above all.
     ///
     /// # Errors
     /// As [`Run::record`].
     fn go_on(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
-        for pass in stages.iter().filter_map(|stage| stage.after_gpu) {
+        for (done, stage) in stages.iter().enumerate() {
             watch.check()?;
-            pass(self)?;
+            if draws(stage) {
+                watch.begins(stage.name, done as f32 / stages.len() as f32);
+            }
+            match stage.after_gpu {
+                Some(pass) => pass(self)?,
+                None if draws(stage) => (stage.cpu)(&mut self.host),
+                None => (),
+            }
         }
         watch.check()
     }

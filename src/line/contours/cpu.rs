@@ -2,7 +2,6 @@
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::behind::Occluders;
-use crate::line::contours::cracks::{self, Crack};
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
@@ -34,15 +33,6 @@ const CREASE_LENGTHS: f32 = 2.0;
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
 
-/// Edges that become lines.
-struct Edges<'a> {
-    /// The cracks that silhouettes pass, by corner and step.
-    cracks: Vec<Crack>,
-    /// The pixels that have a crease weight, in order, and the weight of every pixel.
-    crease_pixels: Vec<u32>,
-    crease: &'a Plane,
-}
-
 /// The contours of a frame with these edges, silhouettes first. Independent of the number of threads.
 pub(crate) fn contours(
     weights: &Weights,
@@ -50,25 +40,7 @@ pub(crate) fn contours(
     shape: &ShapeParams,
     params: &ContourParams,
 ) -> Vec<Contour> {
-    let edges = Edges {
-        cracks: cracks::cracks(weights.silhouette, frame, shape),
-        crease_pixels: match params.has_creases() {
-            true => creases::pixels(weights.crease, &frame.mask),
-            false => Vec::new(),
-        },
-        crease: weights.crease,
-    };
-    contours_along(edges, frame, shape, params)
-}
-
-/// The contours of a frame along these edges, silhouettes first.
-fn contours_along(
-    edges: Edges,
-    frame: &Frame,
-    shape: &ShapeParams,
-    params: &ContourParams,
-) -> Vec<Contour> {
-    let mut silhouettes = silhouettes::lines(edges.cracks, frame, shape, params);
+    let mut silhouettes = silhouettes::lines(weights.silhouette, frame, shape, params);
     close_gaps(&mut silhouettes, GAP_PX, None);
     let least = Least {
         length_px: params.shortest_px,
@@ -87,7 +59,7 @@ fn contours_along(
     ground.join_ends(&mut silhouettes, onward);
     let mut creases = Vec::new();
     if params.has_creases() {
-        creases = creases::lines(edges.crease_pixels, edges.crease, &ground, frame, params);
+        creases = creases::lines(weights.crease, &ground, frame, params);
         close_gaps(&mut creases, GAP_PX, Some(&ground));
         let occluders = Occluders {
             outlines: &ground,

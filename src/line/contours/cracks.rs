@@ -30,20 +30,6 @@ pub(crate) struct Crack {
     pub(crate) spot: Spot,
 }
 
-/// The cracks that silhouettes pass where pixels beside them have a weight, by corner and step.
-pub(crate) fn cracks(weight: &Plane, frame: &Frame, shape: &ShapeParams) -> Vec<Crack> {
-    let finder = Finder::new(frame, shape);
-    let bands = (frame.mask.height() + 1).div_ceil(ROWS);
-    let cracks: Vec<Vec<Crack>> = (0..bands)
-        .into_par_iter()
-        .map_init(
-            || MapTile::new(frame.mask.width(), ROWS),
-            |tile, band| finder.cracks(weight, band, tile),
-        )
-        .collect();
-    cracks.into_iter().flatten().collect()
-}
-
 /// The search for cracks.
 pub(crate) struct Finder<'a> {
     frame: &'a Frame,
@@ -69,8 +55,22 @@ impl<'a> Finder<'a> {
         }
     }
 
+    /// The cracks that silhouettes pass where pixels beside them have a weight, by corner and step.
+    pub(crate) fn cracks(&self, weight: &Plane) -> Vec<Crack> {
+        let mask = &self.frame.mask;
+        let bands = (mask.height() + 1).div_ceil(ROWS);
+        let cracks: Vec<Vec<Crack>> = (0..bands)
+            .into_par_iter()
+            .map_init(
+                || MapTile::new(mask.width(), ROWS),
+                |tile, band| self.cracks_of_band(weight, band, tile),
+            )
+            .collect();
+        cracks.into_iter().flatten().collect()
+    }
+
     /// Cracks to the right of and below the corners of a band of lattice rows.
-    fn cracks(&self, weight: &Plane, band: usize, tile: &mut MapTile) -> Vec<Crack> {
+    fn cracks_of_band(&self, weight: &Plane, band: usize, tile: &mut MapTile) -> Vec<Crack> {
         let mut found = Vec::new();
         let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
         tile.move_to(rows.start);

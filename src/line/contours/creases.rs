@@ -17,30 +17,31 @@ const RIM: usize = 2;
 /// Distance of the centre of a crease's weights from the crease.
 const MIDDLE_PX: f32 = 0.5;
 
-/// The pixels that have a weight, in order.
-pub(crate) fn pixels(weight: &Plane, mask: &Mask) -> Vec<u32> {
+/// The pixels that have a weight and are free of `silhouettes`, in order.
+fn pixels(weight: &Plane, mask: &Mask, silhouettes: &Ground) -> Vec<u32> {
     let pixels: Vec<Vec<u32>> = (0..mask.height())
         .into_par_iter()
         .with_min_len(16)
         .map(|y| {
             let row = weight.row(y);
             let covered = mask.span(y).filter(|&x| row[x] > 0.0);
-            covered.map(|x| (y * mask.width() + x) as u32).collect()
+            let pixels = covered.map(|x| y * mask.width() + x);
+            let free = pixels.filter(|&pixel| silhouettes.is_free(pixel));
+            free.map(|pixel| pixel as u32).collect()
         })
         .collect();
     pixels.concat()
 }
 
-/// The lines along creases that keep away from silhouettes: through `pixels`, all those with a weight, in order.
+/// The lines along creases that keep away from silhouettes.
 pub(crate) fn lines(
-    mut pixels: Vec<u32>,
     weight: &Plane,
     silhouettes: &Ground,
     frame: &Frame,
     params: &ContourParams,
 ) -> Vec<Line> {
     let (width, height) = (frame.mask.width(), frame.mask.height());
-    pixels.retain(|&pixel| silhouettes.is_free(pixel as usize));
+    let pixels = pixels(weight, &frame.mask, silhouettes);
     if pixels.is_empty() {
         return Vec::new();
     }

@@ -1,6 +1,7 @@
 //! Polylines through places known to within a pixel: their smooth course, length and direction.
 
 use glam::Vec2;
+use std::ops::Range;
 
 /// Parameters of smoothing a polyline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +33,12 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
         let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
         for lane in 0..LANES.min(points.len() - first) {
             levels.push(largest(allowed, |level| {
-                let reach = REACHES[level];
+                let (reach, tolerance) = (REACHES[level], smoothing.tolerance_px);
                 match line.has_whole_windows(first, reach) {
-                    true => fits[level].get_or_insert_with(|| {
-                        line.fit_together(first, reach, smoothing.tolerance_px)
-                    })[lane],
-                    false => line.fits(first + lane, reach, smoothing.tolerance_px),
+                    true => fits[level]
+                        .get_or_insert_with(|| line.fit(line.window(first, reach), tolerance))
+                        [lane],
+                    false => line.fit::<1>(line.window(first + lane, reach), tolerance)[0],
                 }
             }));
         }
@@ -52,7 +53,7 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
     }
     let moved = |(i, &level): (usize, &usize)| match level {
         0 => points[i],
-        _ => line.fit(i, REACHES[level - 1]).at(line.start + i),
+        _ => line.moved(i, REACHES[level - 1]),
     };
     levels.iter().enumerate().map(moved).collect()
 }
@@ -76,8 +77,6 @@ const LANES: usize = 8;
 
 /// The points of a line, a closed one continued beyond its ends.
 struct Wrapped {
-    points: Vec<Vec2>,
-    /// Their coordinates apart.
     x: Vec<f32>,
     y: Vec<f32>,
     /// Start of the line's own points.
@@ -89,190 +88,110 @@ impl Wrapped {
         let n = points.len();
         let start = if closed { reach.min(n) } else { 0 };
         let wrapped = (0..n + 2 * start).map(|i| points[(i + n - start) % n]);
-        let points: Vec<Vec2> = wrapped.collect();
-        Self {
-            x: points.iter().map(|point| point.x).collect(),
-            y: points.iter().map(|point| point.y).collect(),
-            points,
-            start,
-        }
+        let (x, y) = wrapped.map(|point| (point.x, point.y)).unzip();
+        Self { x, y, start }
     }
 
-    /// The points within `reach` of the line's point `i`: the first and one past the last.
-    fn window(&self, i: usize, reach: usize) -> [usize; 2] {
+    /// The points within `reach` of the line's point `i`.
+    fn window(&self, i: usize, reach: usize) -> Range<usize> {
         let at = self.start + i;
-        [
-            at.saturating_sub(reach),
-            (at + reach + 1).min(self.points.len()),
-        ]
-    }
-
-    fn fit(&self, i: usize, reach: usize) -> Parabola {
-        let [from, to] = self.window(i, reach);
-        Parabola::through(&self.points[from..to], from)
+        at.saturating_sub(reach)..(at + reach + 1).min(self.x.len())
     }
 
     /// Whether each of the points processed together from `first` on has `reach` neighbours on either side.
     fn has_whole_windows(&self, first: usize, reach: usize) -> bool {
         let at = self.start + first;
-        at >= reach && at + LANES + reach <= self.points.len()
+        at >= reach && at + LANES + reach <= self.x.len()
     }
 
-    /// [`Wrapped::fits`] for the points processed together from `first` on, which have whole windows.
-    fn fit_together(&self, first: usize, reach: usize, tolerance: f32) -> [bool; LANES] {
-        let at = self.start + first;
-        let (x, y) = (&self.x[at - reach..], &self.y[at - reach..]);
-        let axes = [x, y].map(|samples| Parabolas::through(samples, reach));
-        let mean_square = Sums::of(2 * reach + 1).mean_square;
-        let mut fit = [true; LANES];
-        for k in 0..2 * reach + 1 {
-            let t = k as f32 - reach as f32;
-            let (x, y): (&[f32; LANES], &[f32; LANES]) = (
-                x[k..][..LANES].try_into().expect("of this length"),
-                y[k..][..LANES].try_into().expect("of this length"),
-            );
-            for lane in 0..LANES {
-                let middle = |axis: usize| axes[axis].at(lane, t, mean_square);
-                let slope = |axis: usize| axes[axis].slope(lane, t);
-                let (slope_x, slope_y) = (slope(0), slope(1));
-                let across = slope_x * (y[lane] - middle(1)) - slope_y * (x[lane] - middle(0));
+    /// The line's point `i` on the parabola through those within `reach`.
+    fn moved(&self, i: usize, reach: usize) -> Vec2 {
+        let window = self.window(i, reach);
+        let at = [&self.x, &self.y].map(|samples| {
+            let parabola = Parabolas::<1>::through(&samples[window.start..], window.len());
+            parabola.at(0, (self.start + i - window.start) as f32 - parabola.half)
+        });
+        at.into()
+    }
+
+    /// Whether all points of a window lie within the tolerance of their parabola; likewise for `N - 1` more windows, each a
+    /// point further.
+    fn fit<const N: usize>(&self, window: Range<usize>, tolerance: f32) -> [bool; N] {
+        let axes = [&self.x, &self.y].map(|samples| &samples[window.start..]);
+        let [along_x, along_y] = axes.map(|samples| Parabolas::<N>::through(samples, window.len()));
+        let mut fit = [true; N];
+        for k in 0..window.len() {
+            let t = k as f32 - along_x.half;
+            let [x, y] = axes.map(|samples| lanes::<N>(samples, k));
+            for lane in 0..N {
+                let (slope_x, slope_y) = (along_x.slope(lane, t), along_y.slope(lane, t));
+                let across = slope_x * (y[lane] - along_y.at(lane, t))
+                    - slope_y * (x[lane] - along_x.at(lane, t));
                 let squared = slope_x * slope_x + slope_y * slope_y;
                 fit[lane] &= across * across <= tolerance * tolerance * squared;
             }
         }
         fit
     }
-
-    /// Whether all points within `reach` of point `i` lie within the tolerance of their parabola.
-    fn fits(&self, i: usize, reach: usize, tolerance: f32) -> bool {
-        let [from, to] = self.window(i, reach);
-        let parabola = Parabola::through(&self.points[from..to], from);
-        let near = |j: usize| {
-            let across = parabola.slope(j).perp_dot(self.points[j] - parabola.at(j));
-            across * across <= tolerance * tolerance * parabola.slope(j).length_squared()
-        };
-        (from..to).all(near)
-    }
 }
 
-/// Sums over t = -half, -half + 1, ... half, n points: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2 n (n^2 -
-/// 1)(n^2 - 4)/180.
-struct Sums {
-    squares: f32,
-    fourths: f32,
+/// The samples from `k` on, one in each lane.
+fn lanes<const N: usize>(samples: &[f32], k: usize) -> &[f32; N] {
+    samples[k..][..N].try_into().expect("of this length")
+}
+
+/// One coordinate of parabolas of least squares, each through `count` samples that follow each other evenly; every lane
+/// begins a sample further.
+struct Parabolas<const N: usize> {
+    /// Half the steps from the first sample to the last.
+    half: f32,
     mean_square: f32,
+    /// Coefficients of 1, t and t^2 - mean(t^2), which are orthogonal; t counts samples from the middle.
+    coefficients: [[f32; N]; 3],
 }
 
-impl Sums {
-    fn of(points: usize) -> Self {
-        let n = points as f32;
+impl<const N: usize> Parabolas<N> {
+    /// Sums over t = -half, -half + 1, ... half, n samples: of t^2 it is n (n^2 - 1)/12, and of (t^2 - mean)^2
+    /// n (n^2 - 1)(n^2 - 4)/180.
+    fn through(samples: &[f32], count: usize) -> Self {
+        let n = count as f32;
         let squares = n * (n * n - 1.0) / 12.0;
-        Self {
-            squares,
-            fourths: n * (n * n - 1.0) * (n * n - 4.0) / 180.0,
-            mean_square: squares / n,
-        }
-    }
-}
-
-/// One coordinate of parabolas through several windows, each a point further, by the same operations as [`Parabola`]
-/// uses for both.
-struct Parabolas([[f32; LANES]; 3]);
-
-impl Parabolas {
-    fn through(samples: &[f32], reach: usize) -> Self {
-        let window = |k: usize| -> &[f32; LANES] {
-            samples[k..][..LANES].try_into().expect("of this length")
-        };
-        let count = 2 * reach + 1;
-        let sums = Sums::of(count);
-        let origin = window(0);
-        let (mut constant, mut linear, mut bent) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let fourths = n * (n * n - 1.0) * (n * n - 4.0) / 180.0;
+        let (half, mean_square) = (0.5 * (n - 1.0), squares / n);
+        // Relative to the first sample: differences keep their digits far from the origin.
+        let origin = lanes::<N>(samples, 0);
+        let (mut constant, mut linear, mut bent) = ([0.0; N], [0.0; N], [0.0; N]);
         for k in 0..count {
-            let t = k as f32 - reach as f32;
-            let samples = window(k);
-            for lane in 0..LANES {
+            let t = k as f32 - half;
+            let samples = lanes::<N>(samples, k);
+            for lane in 0..N {
                 let p = samples[lane] - origin[lane];
                 constant[lane] += p;
                 linear[lane] += t * p;
-                bent[lane] += (t * t - sums.mean_square) * p;
+                bent[lane] += (t * t - mean_square) * p;
             }
         }
-        let n = count as f32;
-        Self([
-            std::array::from_fn(|lane| origin[lane] + constant[lane] / n),
-            linear.map(|sum| sum / sums.squares),
-            bent.map(|sum| sum / sums.fourths),
-        ])
-    }
-
-    #[inline]
-    fn at(&self, lane: usize, t: f32, mean_square: f32) -> f32 {
-        let [a, b, c] = &self.0;
-        a[lane] + t * b[lane] + (t * t - mean_square) * c[lane]
-    }
-
-    #[inline]
-    fn slope(&self, lane: usize, t: f32) -> f32 {
-        self.0[1][lane] + 2.0 * t * self.0[2][lane]
-    }
-}
-
-/// The parabola of least squares through points that follow each other evenly.
-struct Parabola {
-    middle: f32,
-    mean_square: f32,
-    /// Coefficients of 1, t and t^2 - mean(t^2), which are orthogonal; t counts points from the middle.
-    coefficients: [Vec2; 3],
-}
-
-impl Parabola {
-    fn through(points: &[Vec2], from: usize) -> Self {
-        let n = points.len() as f32;
-        let half = 0.5 * (n - 1.0);
-        let Sums {
-            squares,
-            fourths,
-            mean_square,
-        } = Sums::of(points.len());
-        // Relative to the first point: differences keep their digits far from the origin.
-        let origin = points[0];
-        let (mut constant, mut linear, mut bent) = (Vec2::ZERO, Vec2::ZERO, Vec2::ZERO);
-        let mut t = -half;
-        for &point in points {
-            let p = point - origin;
-            constant += p;
-            linear += t * p;
-            bent += (t * t - mean_square) * p;
-            t += 1.0;
-        }
-        let over = |sum: Vec2, squares: f32| {
-            if squares > 0.0 {
-                sum / squares
-            } else {
-                Vec2::ZERO
-            }
-        };
+        let over = |sum: f32, squares: f32| if squares > 0.0 { sum / squares } else { 0.0 };
         Self {
-            middle: from as f32 + half,
+            half,
             mean_square,
             coefficients: [
-                origin + constant / n,
-                over(linear, squares),
-                over(bent, fourths),
+                std::array::from_fn(|lane| origin[lane] + constant[lane] / n),
+                linear.map(|sum| over(sum, squares)),
+                bent.map(|sum| over(sum, fourths)),
             ],
         }
     }
 
-    fn at(&self, i: usize) -> Vec2 {
-        let t = i as f32 - self.middle;
-        let [a, b, c] = self.coefficients;
-        a + t * b + (t * t - self.mean_square) * c
+    #[inline]
+    fn at(&self, lane: usize, t: f32) -> f32 {
+        let [a, b, c] = &self.coefficients;
+        a[lane] + t * b[lane] + (t * t - self.mean_square) * c[lane]
     }
 
-    fn slope(&self, i: usize) -> Vec2 {
-        let t = i as f32 - self.middle;
-        self.coefficients[1] + 2.0 * t * self.coefficients[2]
+    #[inline]
+    fn slope(&self, lane: usize, t: f32) -> f32 {
+        self.coefficients[1][lane] + 2.0 * t * self.coefficients[2][lane]
     }
 }
 
@@ -415,8 +334,9 @@ mod tests {
         for reach in REACHES {
             for first in reach..points.len() - reach - LANES {
                 assert!(line.has_whole_windows(first, reach));
-                let together = line.fit_together(first, reach, SMOOTHING.tolerance_px);
-                let alone = |lane| line.fits(first + lane, reach, SMOOTHING.tolerance_px);
+                let tolerance = SMOOTHING.tolerance_px;
+                let together: [bool; LANES] = line.fit(line.window(first, reach), tolerance);
+                let alone = |lane| line.fit::<1>(line.window(first + lane, reach), tolerance)[0];
                 assert_eq!(
                     together,
                     std::array::from_fn(alone),

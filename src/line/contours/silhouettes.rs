@@ -1,6 +1,6 @@
 //! Silhouettes: lines along their cracks.
 
-use crate::frame::Frame;
+use crate::frame::{Frame, Plane};
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::network;
@@ -12,18 +12,19 @@ use glam::Vec2;
 /// bends.
 const STEP_PX: f32 = 0.6;
 
-/// The lines along all silhouettes, through these cracks by corner and step.
+/// The lines along all silhouettes of this weight.
 pub(crate) fn lines(
-    mut cracks: Vec<Crack>,
+    weight: &Plane,
     frame: &Frame,
     shape: &ShapeParams,
     params: &ContourParams,
 ) -> Vec<Line> {
+    let finder = Finder::new(frame, shape);
+    let mut cracks = finder.cracks(weight);
     if cracks.is_empty() {
         return Vec::new();
     }
     let (width, height) = (frame.mask.width() + 1, frame.mask.height() + 1);
-    let finder = Finder::new(frame, shape);
     let lattice_of =
         |cracks: &[Crack]| Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)));
     let mut lattice = lattice_of(&cracks);

@@ -172,14 +172,16 @@ impl<const N: usize> BetweenPatches<'_, N> {
                             around[c + 3] + v.abs() * (beside - around[c + 3])
                         };
                         let (left, here, right) = (between(0), between(1), between(2));
-                        let part = Part {
-                            labels: &labels[py * width..][xs.clone()],
-                            places: acrosses,
-                            here,
-                            steps: [left - here, right - here],
-                        };
-                        let (x, y) = (&mut x[i * width..], &mut y[i * width..]);
-                        part.fill(&mut x[xs.clone()], &mut y[xs.clone()], label as u8);
+                        let labels = &labels[py * width..][xs.clone()];
+                        let x = &mut x[i * width..][xs.clone()];
+                        let y = &mut y[i * width..][xs.clone()];
+                        let pixels = x.iter_mut().zip(y).zip(labels).zip(acrosses);
+                        for (((x, y), &own), &u) in pixels {
+                            let side = if u < 0.0 { left } else { right };
+                            let z = here + u.abs() * (side - here);
+                            *x = if own == label as u8 { z.x } else { *x };
+                            *y = if own == label as u8 { z.y } else { *y };
+                        }
                     }
                 }
             }
@@ -221,38 +223,6 @@ impl<const N: usize> BetweenPatches<'_, N> {
             next(below),
             corner(right, below, &across.after, &down.after),
         ]
-    }
-}
-
-/// A row of pixels in one cell: the direction in its middle, and the steps from there to the cells left and right.
-struct Part<'a> {
-    labels: &'a [u8],
-    places: &'a [f32],
-    here: Vec2,
-    steps: [Vec2; 2],
-}
-
-impl Part<'_> {
-    /// Writes the pixels of a patch.
-    #[inline(always)]
-    fn fill(&self, x: &mut [f32], y: &mut [f32], label: u8) {
-        // The usual number is known to the compiler.
-        match self.labels.len() {
-            4 => self.fill_pixels([&mut x[..4], &mut y[..4]], label, 4),
-            count => self.fill_pixels([x, y], label, count),
-        }
-    }
-
-    #[inline(always)]
-    fn fill_pixels(&self, [x, y]: [&mut [f32]; 2], label: u8, count: usize) {
-        let (labels, places) = (&self.labels[..count], &self.places[..count]);
-        let [left, right] = self.steps;
-        let pixels = x.iter_mut().zip(y).zip(labels).zip(places);
-        for (((x, y), &own), &u) in pixels {
-            let z = self.here + u.abs() * if u >= 0.0 { right } else { left };
-            *x = if own == label { z.x } else { *x };
-            *y = if own == label { z.y } else { *y };
-        }
     }
 }
 

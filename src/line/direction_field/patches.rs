@@ -402,25 +402,10 @@ impl RowOfCells<'_> {
     fn whole(&self, xs: &Range<usize>, ys: &Range<usize>) -> Patch {
         let margin = self.grid.cell_px / 4;
         let [columns, rows] = [xs, ys].map(|r| r.start + margin..r.end - margin);
-        let width = self.grid.size[0];
-        let sum = |plane: &Plane| {
-            let mut sum = 0.0;
-            for y in rows.clone() {
-                for &sample in &plane.samples()[y * width..][columns.clone()] {
-                    sum += f64::from(sample);
-                }
-            }
-            sum
-        };
-        let n = &self.frame.normal;
-        let count = (columns.len() * rows.len()) as f64;
-        let at = [xs, ys].map(|pixels| 0.5 * (pixels.start + pixels.end) as f64);
-        let middle = Middle {
-            normal: DVec3::new(sum(&n.x), sum(&n.y), sum(&n.z)),
-            at: count * DVec2::from(at),
-            depth: self.frame.depth.as_ref().map_or(0.0, sum),
-            count,
-        };
+        let mut middle = Middle::default();
+        for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
+            middle.add(self.frame, x, y);
+        }
         middle.patch(self.frame, self.grid.cell_px.pow(2))
     }
 

@@ -1,4 +1,4 @@
-//! Parameters of the field of stroke directions, the same on every backend.
+//! Parameters of the field of stroke directions.
 
 use crate::frame::{DepthKind, Frame, Projection, SightLines};
 use crate::line::direction::{fixed_direction, fixed_second_direction};

@@ -30,8 +30,6 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
         },
     }],
     cpu: find,
-    #[cfg(feature = "gpu")]
-    after_gpu: Some(|run| run.on_host(find)),
     ..Stage::DEFAULT
 };
 

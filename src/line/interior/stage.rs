@@ -23,8 +23,6 @@ pub(crate) static INTERIOR: Stage = Stage {
         decide,
     }],
     cpu: draw,
-    #[cfg(feature = "gpu")]
-    after_gpu: Some(|run| run.on_host(draw)),
     ..Stage::DEFAULT
 };
 

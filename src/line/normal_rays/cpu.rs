@@ -139,11 +139,11 @@ impl<'a> WalkedSurface<'a> {
             return false;
         }
         let [at_left, at_right, at_below, at_above] = &mut bundle.beside;
-        self.take_all(&mut bundle.here, x, y);
-        self.take_all(at_left, x - most_px, y);
-        self.take_all(at_right, x + most_px, y);
-        self.take_all(at_below, x, y + most_px);
-        self.take_all(at_above, x, y - most_px);
+        self.take::<LANES>(&mut bundle.here, 0, (x, y));
+        self.take::<LANES>(at_left, 0, (x - most_px, y));
+        self.take::<LANES>(at_right, 0, (x + most_px, y));
+        self.take::<LANES>(at_below, 0, (x, y + most_px));
+        self.take::<LANES>(at_above, 0, (x, y - most_px));
         bundle.steps_px = [[most_px as f32; LANES]; 2];
         true
     }
@@ -158,7 +158,7 @@ impl<'a> WalkedSurface<'a> {
         (x, y): (usize, usize),
         most_px: usize,
     ) {
-        self.take(&mut bundle.here, lane, (x, y));
+        self.take::<1>(&mut bundle.here, lane, (x, y));
         let row = self.conductance.row(y);
         let is_open = |x: &usize| row[*x] > 0.0;
         let left = (0..x).rev().take(most_px).take_while(is_open).count();
@@ -175,11 +175,9 @@ impl<'a> WalkedSurface<'a> {
             ..
         } = bundle;
         let far = |a: usize, b: usize| if a.min(b) > 0 { a.min(b) } else { a.max(b) };
-        let take = |beside: &mut Pixels, open: usize, at: (usize, usize)| {
-            beside.is_there[lane] = u8::from(open > 0);
-            if open > 0 {
-                self.take(beside, lane, at);
-            }
+        let take = |beside: &mut Pixels, open: usize, at: (usize, usize)| match open {
+            0 => beside.is_there[lane] = 0,
+            _ => self.take::<1>(beside, lane, at),
         };
         let step = far(left, right);
         take(at_left, left, (x.wrapping_sub(step), y));
@@ -192,36 +190,23 @@ impl<'a> WalkedSurface<'a> {
         steps_y[lane] = step as f32;
     }
 
-    /// Takes pixels of a row, from column `x` on, into all lanes.
-    fn take_all(&self, pixels: &mut Pixels, x: usize, y: usize) {
-        let columns = x..x + LANES;
-        let normal = &self.frame.normal;
-        for (to, plane) in pixels
-            .normal
-            .iter_mut()
-            .zip([&normal.x, &normal.y, &normal.z])
-        {
-            to.copy_from_slice(&plane.row(y)[columns.clone()]);
-        }
-        if let Some(depth) = self.setting.depth {
-            pixels.depth.copy_from_slice(&depth.row(y)[columns.clone()]);
-        }
-        pixels.across.copy_from_slice(self.lines.across_in(columns));
-        pixels.up = [self.lines.up(y); LANES];
-        pixels.is_there = [1; LANES];
-    }
-
+    /// Takes `N` pixels of a row, from column `x` on, into the lanes from `lane` on.
     #[inline]
-    fn take(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
+    fn take<const N: usize>(&self, pixels: &mut Pixels, lane: usize, (x, y): (usize, usize)) {
+        let (lanes, columns) = (lane..lane + N, x..x + N);
         let normal = &self.frame.normal;
-        pixels.normal[0][lane] = normal.x.at(x, y);
-        pixels.normal[1][lane] = normal.y.at(x, y);
-        pixels.normal[2][lane] = normal.z.at(x, y);
-        pixels.across[lane] = self.lines.across(x);
-        pixels.up[lane] = self.lines.up(y);
-        if let Some(depth) = self.setting.depth {
-            pixels.depth[lane] = depth.at(x, y);
+        let planes = [&normal.x, &normal.y, &normal.z];
+        for (to, plane) in pixels.normal.iter_mut().zip(planes) {
+            to[lanes.clone()].copy_from_slice(&plane.row(y)[columns.clone()]);
         }
+        if let Some(depth) = self.setting.depth {
+            let depth = &depth.row(y)[columns.clone()];
+            pixels.depth[lanes.clone()].copy_from_slice(depth);
+        }
+        let across = self.lines.across(columns);
+        pixels.across[lanes.clone()].copy_from_slice(across);
+        pixels.up[lanes.clone()].fill(self.lines.up(y));
+        pixels.is_there[lanes].fill(1);
     }
 }
 
@@ -251,7 +236,6 @@ mod tests {
                 for (lane, &x) in pixels.iter().enumerate() {
                     surface.look_around(&mut each, lane, (x, y), step);
                 }
-                each.here.is_there = [1; LANES];
                 assert_eq!(all, each, "{x} {y} {step}");
                 taken += usize::from((y, step) == (10, 1));
             }

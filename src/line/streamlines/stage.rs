@@ -29,8 +29,6 @@ pub(crate) static STREAMLINES: Stage = Stage {
     }],
     cpu: lay,
     #[cfg(feature = "gpu")]
-    after_gpu: Some(|run| run.on_host(lay)),
-    #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
         let params = plan.drawing.as_ref()?;
         match params.strokes.style {

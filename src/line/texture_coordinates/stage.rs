@@ -21,8 +21,6 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
         },
     }],
     cpu: place,
-    #[cfg(feature = "gpu")]
-    after_gpu: Some(|run| run.on_host(place)),
     ..Stage::DEFAULT
 };
 

@@ -18,8 +18,6 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
         },
     }],
     cpu: make,
-    #[cfg(feature = "gpu")]
-    after_gpu: Some(|run| run.on_host(make)),
     ..Stage::DEFAULT
 };
 
