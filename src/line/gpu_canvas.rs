@@ -2,9 +2,7 @@
 //!
 //! Work that follows something from pixel to pixel is left to the CPU: lines along edges and inside surfaces (while the
 //! device makes strokes), the texture's strokes, and the movement of the texture. The results of those stages are on
-//! the canvas of the CPU's own run, by their own passes. Strips are not drawn here at all: lines and directions spread
-//! across them, so the CPU has to make most of such a drawing, and a pass for the rest saves less than transferring
-//! directions and ink costs.
+//! the canvas of the CPU's own run, by their own passes.
 
 use crate::engine::gpu::recorder::Submitted;
 use crate::error::Result;

@@ -31,10 +31,10 @@ pub(crate) struct Stage {
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
     pub(crate) cpu: fn(&mut Run),
-    /// Records it on a device.
+    /// Records it on a device; without, the CPU runs it when its turn comes.
     #[cfg(feature = "gpu")]
-    pub(crate) gpu: fn(&mut DeviceRun),
-    /// The part done on the CPU while the device executes the recorded work.
+    pub(crate) gpu: Option<fn(&mut DeviceRun)>,
+    /// The part, or all of it, done on the CPU while the device executes the recorded work.
     #[cfg(feature = "gpu")]
     pub(crate) beside_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
     /// What the device implementation does not support, in a few words.
@@ -56,7 +56,7 @@ impl Stage {
         depends_on: |_| String::new(),
         cpu: |_| (),
         #[cfg(feature = "gpu")]
-        gpu: |_| (),
+        gpu: None,
         #[cfg(feature = "gpu")]
         beside_gpu: None,
         #[cfg(feature = "gpu")]

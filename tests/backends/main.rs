@@ -9,7 +9,6 @@ mod directions;
 mod drawing;
 mod hostile;
 mod kernels;
-mod light_layers;
 mod numbers;
 mod products;
 mod relight;

@@ -128,7 +128,7 @@ impl Device {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Limits planes to this many bytes: larger pictures are processed in strips.
+    /// Limits planes to this many bytes: the CPU runs larger pictures.
     pub fn limited_to(self, plane_bytes: u64) -> Self {
         Self {
             plane_bytes: plane_bytes.min(self.plane_bytes),

@@ -1,4 +1,4 @@
-//! One frame, or a strip of it, on its way through the kernels.
+//! One frame on its way through the kernels.
 
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::{KERNELS, RECORD};
@@ -86,14 +86,6 @@ impl<'a> Run<'a> {
             add_timings(&mut self.waited, &times);
         }
         Ok(())
-    }
-
-    /// The shape, as far as the gain depends on it.
-    pub(crate) fn find_shape(&mut self) -> Shape {
-        let (plan, frame) = (self.plan, self.frame);
-        let edges = self.edges(plan, frame);
-        let diffused = self.with_diffusion(edges);
-        self.with_hessian(diffused)
     }
 
     /// Replaces the shape.

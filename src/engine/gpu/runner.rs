@@ -7,21 +7,19 @@ use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::fault::{Fault, in_memory, watched};
+use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::made::{Layer, Made};
 use crate::engine::gpu::recorder::{Programs, Recorder};
 use crate::engine::gpu::run::{Finished, Run};
-use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
+use crate::engine::gpu::surface::{Upload, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::outcome::add_timings;
-use crate::engine::tiles::Strips;
 use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
-use crate::light::layers::gpu::levels_of;
 use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
@@ -33,7 +31,6 @@ use crate::plan::resolve::running;
 use crate::plan::stage::Stage;
 use crate::plan::stages::DRAWING;
 use crate::product::Product;
-use std::ops::Range;
 use std::time::Instant;
 
 /// Inputs of a run other than plan and frame.
@@ -57,14 +54,6 @@ impl<'a> Beside<'a> {
             watch: Watch::default(),
         }
     }
-}
-
-/// Stages of a plan that run on the device.
-#[derive(Clone, Copy, PartialEq)]
-enum Share {
-    All,
-    /// Stages of the shape and the picture; the CPU draws.
-    ButDrawing,
 }
 
 /// Runs plans on a device, one after another. Results agree with those of the CPU within a few roundings.
@@ -98,75 +87,61 @@ impl Runner {
         &self.device
     }
 
-    /// Whether all stages of `plan` have kernels.
-    pub fn can_run(plan: &Plan) -> bool {
-        Self::lacks(plan).is_none()
-    }
-
-    /// The part of `plan` without kernels, in a few words; `None` if there is none.
+    /// What `plan` takes that the device cannot do, in a few words; `None` if there is nothing.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
         running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
+    }
+
+    /// Stages of `plan` that the CPU runs while the device runs the others.
+    pub(crate) fn left_to_cpu(plan: &Plan) -> Vec<&'static Stage> {
+        let is_left = |stage: &&'static Stage| stage.gpu.is_none() || follows(plan, stage);
+        running(plan).filter(is_left).collect()
     }
 
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// A frame too large for the device's memory is processed in strips. For drawings the CPU finds the lines along
-    /// edges and inside surfaces, and where the strokes of a sequence have moved; it draws everything, with tone and
-    /// edges from the device, where drawing needs the whole frame at once and the device cannot hold it: lines are
-    /// placed relative to others, and directions spread over surfaces, across all strips. Failed runs do not affect
+    /// The CPU finds the lines along edges and inside surfaces of a drawing, and where the strokes of a sequence have
+    /// moved; strokes that are lines it lays in the tone and along the edges from the device. Failed runs do not affect
     /// later ones; on a lost device all runs fail.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device is lost, is out of memory, or cannot hold a picture as large as the environment;
-    /// [`Error::Unfit`] if the plan was made for other inputs, or [`Runner::can_run`] is false.
+    /// [`Error::Gpu`] if the device is lost, or too small for the frame or for its environment; [`Error::Unfit`] if the
+    /// plan was made for other inputs, or [`Runner::lacks`] something.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
-        self.execute_watched(plan, frame, inputs, Watch::default())
+        let done = self.attempt(plan, frame, inputs, Watch::default());
+        done.map_err(Fault::into_error)
     }
 
-    /// [`Runner::execute`] that can be cancelled before each strip.
+    /// [`Runner::execute`] that can be cancelled before each stage.
     ///
     /// # Errors
-    /// As [`Runner::execute`]; [`Error::Cancelled`].
-    pub(crate) fn execute_watched(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: Inputs,
-        watch: Watch,
-    ) -> Result<Outcome> {
-        if let Some(what) = Self::lacks(plan) {
-            return Err(Error::Unfit {
-                found: format!("the GPU has no kernels for {what}"),
-                remedy: "run it on the CPU",
-            });
-        }
-        inputs.check(plan, frame)?;
-        let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
-        in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            self.attempt(plan, frame, inputs, plane_bytes, watch)
-        })
-    }
-
-    /// A run with planes of at most `plane_bytes`.
+    /// [`Fault::TooLarge`] if the device cannot hold the frame; [`Fault::Other`] as [`Runner::execute`], and
+    /// [`Error::Cancelled`].
     pub(crate) fn attempt(
         &self,
         plan: &Plan,
         frame: &Frame,
         inputs: Inputs,
-        plane_bytes: u64,
         watch: Watch,
     ) -> std::result::Result<Outcome, Fault> {
-        let memory = &self.host.memory.for_run(watch.token());
+        if let Some(what) = Self::lacks(plan) {
+            return Err(Fault::Other(Error::Unfit {
+                found: format!("the GPU has no kernels for {what}"),
+                remedy: "run it on the CPU",
+            }));
+        }
+        inputs.check(plan, frame)?;
+        self.check_size(plan, frame)?;
         let beside = Beside {
             inputs,
             light: None,
-            memory,
+            memory: &self.host.memory.for_run(watch.token()),
             watch,
         };
         self.guarded(|| {
             if plan.relighting.is_none() {
-                return self.run_parts(plan, frame, beside, plane_bytes);
+                return self.run(plan, frame, beside);
             }
             let illumination = inputs.illumination;
             let illumination = illumination.expect("new light is planned with its lights");
@@ -177,7 +152,7 @@ impl Runner {
                 light: Some(&light),
                 ..beside
             };
-            let mut outcome = self.run_parts(plan, frame, beside, plane_bytes)?;
+            let mut outcome = self.run(plan, frame, beside)?;
             outcome.environment_gain = light.around.gain();
             outcome.timings.splice(0..0, light.timings);
             Ok(outcome)
@@ -205,60 +180,22 @@ impl Runner {
         done
     }
 
-    /// Maximum number of rows of a frame on the device at a time, with planes of at most `plane_bytes`.
-    ///
     /// # Errors
-    /// If the rows are too long for the device.
-    fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
-        let width = frame.mask.width();
-        let [most_columns, most_rows] = self.device.most_pixels;
-        if width as u64 > most_columns {
-            let found = format_args!("takes {most_columns} columns at a time, not {width}");
-            return Err(self.device.error(found));
+    /// [`Fault::TooLarge`] if planes of the frame exceed the limits of the device.
+    fn check_size(&self, plan: &Plan, frame: &Frame) -> std::result::Result<(), Fault> {
+        let [width, height] = [frame.mask.width() as u64, frame.mask.height() as u64];
+        let planes = 4 * widest(plan) * width * height;
+        let patches = plan.drawing.as_ref().filter(|_| draws(plan));
+        let patches = patches.map_or(0, |params| largest_buffer(&params.field, frame));
+        let [columns, rows] = self.device.most_pixels;
+        let fits = planes.max(patches) <= self.device.plane_bytes;
+        match fits && width <= columns && height <= rows {
+            true => Ok(()),
+            false => Err(Fault::TooLarge(
+                self.device
+                    .error(format_args!("cannot hold a picture of {width}x{height}")),
+            )),
         }
-        Ok(most_rows.min(plane_bytes / row_bytes(plan, frame).max(1)))
-    }
-
-    fn run_parts(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        beside: Beside,
-        plane_bytes: u64,
-    ) -> std::result::Result<Outcome, Fault> {
-        let height = frame.mask.height();
-        let most_rows = self.most_rows(plan, frame, plane_bytes)?;
-        let drawing = plan.drawing.as_ref();
-        let is_drawn_here = drawing.is_none_or(|params| {
-            !params.strokes.style.is_laid() && largest_buffer(&params.field, frame) <= plane_bytes
-        });
-        if most_rows >= height as u64 && is_drawn_here {
-            let whole = self.run_stages((plan, Share::All), frame, beside, 0..height)?;
-            if let Some(outcome) = whole {
-                return Ok(outcome);
-            }
-        }
-        let reach = match drawing {
-            // A drawing's directions are found on the whole frame.
-            Some(_) => plan.clone().without(Product::Direction).reach(),
-            None => plan.reach(),
-        };
-        if plan.tile.is_some() && most_rows < height as u64 {
-            return Err(Fault::Strips(self.device.error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and a tile is diffused as a whole"
-            ))));
-        }
-        let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
-            return Err(Fault::Strips(self.device.error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
-            ))));
-        };
-        let strips = strips.watched(beside.watch);
-        let outcome = self.run_strips(plan, frame, beside, &strips)?;
-        Ok(match drawing {
-            Some(_) => self.drawn_by_host(plan, frame, beside, outcome)?,
-            None => outcome,
-        })
     }
 
     /// The CPU run for a frame.
@@ -268,22 +205,6 @@ impl Runner {
             watch: beside.watch,
             ..HostRun::new(&self.host, plan, frame, beside.inputs)
         }
-    }
-
-    /// Draws on the CPU, with tone and edges from the device.
-    fn drawn_by_host(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        beside: Beside,
-        made: Outcome,
-    ) -> Result<Outcome> {
-        let mut run = HostRun {
-            outcome: made,
-            ..self.host_run(plan, frame, beside)
-        };
-        run.go_through(DRAWING)?;
-        Ok(run.outcome)
     }
 
     pub(crate) fn upload(&self) -> Upload<'_> {
@@ -326,39 +247,22 @@ impl Runner {
         )
     }
 
-    /// Runs the stages of `plan` for shape and picture on a strip, given by its rows in the frame that the light was
-    /// prepared for. Reads back the shape that the plan asks for and that drawing needs.
-    pub(crate) fn run_strip(
+    /// Runs `plan` on a frame that fits the device; the CPU draws where strokes are lines.
+    fn run(
         &self,
         plan: &Plan,
-        strip: &Frame,
-        beside: Beside,
-        rows: Range<usize>,
-    ) -> Result<Outcome> {
-        let made = self.run_stages((plan, Share::ButDrawing), strip, beside, rows)?;
-        Ok(made.expect("only a drawing is too much"))
-    }
-
-    /// Runs stages on a frame that fits the device, given by its rows in the frame that the light was prepared for.
-    /// `None` if a drawing's surfaces split into more patches than there is room for.
-    fn run_stages(
-        &self,
-        (plan, share): (&Plan, Share),
         frame: &Frame,
         beside: Beside,
-        rows: Range<usize>,
-    ) -> Result<Option<Outcome>> {
+    ) -> std::result::Result<Outcome, Fault> {
         let start = Instant::now();
-        let (stages, left): (Vec<_>, Vec<_>) = running(plan).partition(|stage| {
-            let draws = DRAWING.iter().any(|drawing| drawing.name == stage.name);
-            share == Share::All || !draws
-        });
-        let draws = plan.drawing.is_some() && share == Share::All;
+        let (stages, left): (Vec<_>, Vec<_>) =
+            running(plan).partition(|stage| !follows(plan, stage));
         let copied = match beside.light {
-            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if draws || plan.makes_picture() && !plan.display => self.upload().picture(frame),
+            Some(light) => light.albedo(plan, frame),
+            None if draws(plan) || plan.makes_picture() && !plan.display => frame.color.as_ref(),
             None => None,
         };
+        let copied = copied.map(|color| self.upload().color(color));
         let is_copied = copied.is_some();
         let mut run = self.start(plan, frame, beside);
         run.made.picture = copied;
@@ -374,7 +278,6 @@ impl Runner {
         let mut wanted = vec![&numbers];
         wanted.extend(picture.iter().flatten().filter(|_| is_shown));
         wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
-        wanted.extend(made.term_whites.iter().map(|(_, white)| white));
         wanted.extend(canvas.wanted());
         let Finished {
             read,
@@ -394,8 +297,10 @@ impl Runner {
             frame_lit(color, frame);
         }
         put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
-        outcome.term_white_levels = levels_of(&made.term_whites, read.by_ref());
-        let is_drawn = canvas.put(&mut host, frame, &mut read);
+        if !canvas.put(&mut host, frame, &mut read) {
+            let found = "has no room for the patches of these surfaces";
+            return Err(Fault::TooLarge(self.device.error(found)));
+        }
         outcome.drawing = host.outcome.drawing.take();
         outcome.line_levels = host.outcome.line_levels;
         outcome.timings.push((UPLOAD, uploaded));
@@ -412,7 +317,15 @@ impl Runner {
         self.buffers.recycle_either(picture, is_copied);
         let rest = made.into_buffers().chain(canvas.into_buffers());
         self.buffers.recycle(rest);
-        Ok(is_drawn.then_some(outcome))
+        if left.is_empty() {
+            return Ok(outcome);
+        }
+        let mut run = HostRun {
+            outcome,
+            ..self.host_run(plan, frame, beside)
+        };
+        run.go_through(left)?;
+        Ok(run.outcome)
     }
 }
 
@@ -460,14 +373,23 @@ fn put_layers(
     }
 }
 
-/// Bytes per row of the widest plane that `plan` computes for `frame`: vectors of two; wider ones for layers only.
-fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
-    let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
-    let widest = match plan.wants(Product::Curvature) || has_layers {
-        true => WIDEST,
+/// Samples per pixel of the widest buffer that `plan` computes.
+fn widest(plan: &Plan) -> u64 {
+    match plan.wants(Product::Curvature) {
+        true => 4,
         false => 2,
-    };
-    4 * widest * frame.mask.width() as u64
+    }
+}
+
+/// Whether the device draws. Strokes that are lines are placed one after the other, on the CPU.
+fn draws(plan: &Plan) -> bool {
+    let drawing = plan.drawing.as_ref();
+    drawing.is_some_and(|params| !params.strokes.style.is_laid())
+}
+
+/// Whether the CPU runs this stage after all that the device does.
+fn follows(plan: &Plan, stage: &Stage) -> bool {
+    !draws(plan) && DRAWING.iter().any(|drawing| drawing.name == stage.name)
 }
 
 impl Run<'_> {
@@ -485,7 +407,11 @@ impl Run<'_> {
         for stage in stages {
             watch.check()?;
             watch.begins(stage.name, done);
-            (stage.gpu)(self);
+            match (stage.gpu, stage.beside_gpu) {
+                (Some(record), _) => record(self),
+                (None, Some(_)) => {}
+                (None, None) => (stage.cpu)(&mut self.host),
+            }
             if watch.looks_on() {
                 self.hand_over()?;
             }

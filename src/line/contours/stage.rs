@@ -24,7 +24,7 @@ pub(crate) static CONTOURS: Stage = Stage {
     }],
     cpu: draw,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::list_edges,
+    gpu: Some(super::gpu::list_edges),
     #[cfg(feature = "gpu")]
     beside_gpu: Some(super::gpu::follow_listed),
     ..Stage::DEFAULT

@@ -31,7 +31,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     }],
     cpu: find,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::find,
+    gpu: Some(super::gpu::find),
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
         plan.available

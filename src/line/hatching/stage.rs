@@ -21,7 +21,7 @@ pub(crate) static HATCHING: Stage = Stage {
     }],
     cpu: hatch,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::hatch,
+    gpu: Some(super::gpu::hatch),
     ..Stage::DEFAULT
 };
 

@@ -21,9 +21,6 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
         },
     }],
     cpu: place,
-    // They are carried from frame to frame on the CPU, and needed when strokes begin.
-    #[cfg(feature = "gpu")]
-    gpu: |run| place(&mut run.host),
     ..Stage::DEFAULT
 };
 

@@ -18,9 +18,6 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
         },
     }],
     cpu: make,
-    // Strokes are drawn into it sequentially, and only once.
-    #[cfg(feature = "gpu")]
-    gpu: |run| make(&mut run.host),
     ..Stage::DEFAULT
 };
 
