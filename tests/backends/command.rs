@@ -7,7 +7,6 @@ use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::product::Product;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::Command;
 
 /// Runs a command on a frame.
 fn on_bust(directory: &Path, words: &str) -> Ran {
@@ -116,17 +115,12 @@ fn without_adapters(directory: &Path, words: &str) -> Ran {
         )
         .unwrap();
     }
-    let mut program = program_without_adapters(directory);
-    Ran::of(program.args(words.split_whitespace()))
-}
-
-/// The program where the loader of Vulkan finds no drivers, by its new name for their place and its old one.
-pub(super) fn program_without_adapters(directory: &Path) -> Command {
     let mut program = program(directory);
+    // The loader of Vulkan finds no drivers, by its new name for their place and its old one.
     program
         .env("VK_DRIVER_FILES", "/dev/null")
         .env("VK_ICD_FILENAMES", "/dev/null");
-    program
+    Ran::of(program.args(words.split_whitespace()))
 }
 
 #[cfg(target_os = "linux")]

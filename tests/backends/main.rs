@@ -12,7 +12,6 @@ mod kernels;
 mod numbers;
 mod products;
 mod relight;
-mod report;
 
 use crate::common::cpu;
 use relievo::engine::gpu::{self, Choice, Device};

@@ -1,11 +1,10 @@
 //! One frame on its way through the kernels.
 
 use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::device_times::{KERNELS, RECORD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
-use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
+use crate::engine::gpu::recorder::{KERNELS, RECORD, Recorder, Submitted, Timings};
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;

@@ -3,13 +3,12 @@
 use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::made::{Layer, Made};
-use crate::engine::gpu::recorder::{Programs, Recorder};
+use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, UPLOAD};
 use crate::engine::gpu::run::{Finished, Run};
 use crate::engine::gpu::surface::{Upload, deinterleave};
 use crate::engine::gpu::wait::wait_for;
@@ -228,11 +227,6 @@ impl Runner {
             chosen[GAIN as usize] = gain;
         }
         let surface = self.upload().surface(plan, frame);
-        if self.device.is_timed_apart {
-            self.device.queue.submit([]);
-            // If waiting fails, so does the run.
-            let _ = wait_for(&self.device.device, None);
-        }
         let host = self.host_run(plan, frame, beside);
         let place = (&self.device, &self.buffers);
         let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
