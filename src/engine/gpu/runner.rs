@@ -132,28 +132,22 @@ impl Runner {
         }
         inputs.check(plan, frame)?;
         self.check_size(plan, frame)?;
-        let beside = Beside {
-            inputs,
-            light: None,
-            memory: &self.host.memory.for_run(watch.token()),
-            watch,
-        };
+        let memory = &self.host.memory.for_run(watch.token());
         self.guarded(|| {
-            if plan.relighting.is_none() {
-                return self.run(plan, frame, beside);
-            }
-            let illumination = inputs.illumination;
-            let illumination = illumination.expect("new light is planned with its lights");
-            let light = self
-                .light
-                .light(&self.device, plan, frame, illumination, watch)?;
+            let lit = plan.relighting.as_ref().and(inputs.illumination);
+            let light = lit.map(|lit| self.light.light(&self.device, plan, frame, lit, watch));
+            let light = light.transpose()?;
             let beside = Beside {
-                light: Some(&light),
-                ..beside
+                inputs,
+                light: light.as_ref(),
+                memory,
+                watch,
             };
             let mut outcome = self.run(plan, frame, beside)?;
-            outcome.environment_gain = light.around.gain();
-            outcome.timings.splice(0..0, light.timings);
+            if let Some(light) = light {
+                outcome.environment_gain = light.around.gain();
+                outcome.timings.splice(0..0, light.timings);
+            }
             Ok(outcome)
         })
     }
