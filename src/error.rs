@@ -102,7 +102,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A device failed: out of memory, lost, or a refused operation.
-    #[error("{device}: {found}; use --backend cpu, or a smaller picture")]
+    #[error("{device}: {found}; use --backend cpu")]
     Gpu {
         /// Name of the device.
         device: String,

@@ -17,10 +17,10 @@ mod motion;
 mod output;
 pub(crate) mod panics;
 mod progress;
+#[cfg(test)]
 mod reference;
 mod relight;
 mod report;
-mod report_device;
 mod run_log;
 mod shape;
 mod stop;
@@ -87,7 +87,6 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Schema => message::json(&recipe::schema()).map(|()| exit::DONE),
         Command::Completions(args) => complete::script(args).map(|()| exit::DONE),
         Command::Man(args) => manual::man(args).map(|()| exit::DONE),
-        Command::Reference => message::print(&reference::page()).map(|()| exit::DONE),
         Command::Shape(_) => batch::run::<ShapeArgs>(typed),
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),

@@ -1,7 +1,7 @@
-//! `relievo reference`: the guide's page of commands, options, recipe keys, layers, stages and exit codes, written from
-//! the tables that the program itself goes by.
+//! Test: the guide's page of commands, options, recipe keys, layers, stages and exit codes is that of the tables that
+//! the program itself goes by.
 
-use super::exit;
+use super::exit::{DONE, FAILED, MISUSED, SOME_FAILED, STOPPED};
 use crate::command::args::LayerNames;
 use crate::command::commands::program;
 use crate::command::recipe::{COMMANDS, is_setting, is_switch};
@@ -10,15 +10,46 @@ use crate::params::{Choice, Kind, Many, Param, param};
 use crate::plan::stages::stages;
 use crate::product::{Product, ProductRow};
 use clap::{Arg, ArgAction};
+use std::fs;
+use std::path::Path;
+
+/// All exit codes and what they mean.
+const EXIT_CODES: [(i32, &str); 6] = [
+    (DONE, "done"),
+    (FAILED, "failed"),
+    (MISUSED, "wrong usage: the command line or a recipe"),
+    (
+        SOME_FAILED,
+        "some frames of a sequence, or some of several pictures, failed",
+    ),
+    (STOPPED + 2, "stopped by SIGINT"),
+    (STOPPED + 15, "stopped by SIGTERM"),
+];
+
+/// If this variable is set, the page is written.
+const WRITES: &str = "RELIEVO_WRITE_REFERENCE";
+
+#[test]
+fn the_reference_of_the_guide_is_fresh() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/reference.md");
+    let page = page();
+    if std::env::var_os(WRITES).is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    let is_fresh = fs::read_to_string(path).unwrap() == page;
+    assert!(
+        is_fresh,
+        "write it anew: {WRITES}=1 cargo test --lib reference"
+    );
+}
 
 /// The page in Markdown.
-pub(super) fn page() -> String {
+fn page() -> String {
     let options = options();
     let mut page = Page(String::new());
     page.say(
         "# Reference\n\n\
-         Everything that the program has, from its own tables: `relievo reference` writes this page. The other chapters \
-         say what to do with it.",
+         Everything that the program has, from its own tables. The other chapters say what to do with it.",
     );
     page.say("## Commands");
     page.table(&["command", "what it does"], commands());
@@ -56,7 +87,7 @@ pub(super) fn page() -> String {
     );
     page.table(&["stage", "steps", "results"], stages().map(stage));
     page.say("## Exit codes");
-    let codes = exit::TABLE.map(|(code, meaning)| [code.to_string(), meaning.into()]);
+    let codes = EXIT_CODES.map(|(code, meaning)| [code.to_string(), meaning.into()]);
     page.table(&["code", "meaning"], codes);
     page.0
 }
@@ -89,15 +120,13 @@ impl Page {
 
 fn commands() -> impl Iterator<Item = [String; 2]> {
     let commands = program().get_subcommands();
-    commands
-        .filter(|command| !command.is_hide_set())
-        .map(|command| {
-            let about = command.get_about().map(ToString::to_string);
-            [
-                format!("`{}`", command.get_name()),
-                plain(&about.unwrap_or_default()),
-            ]
-        })
+    commands.map(|command| {
+        let about = command.get_about().map(ToString::to_string);
+        [
+            format!("`{}`", command.get_name()),
+            plain(&about.unwrap_or_default()),
+        ]
+    })
 }
 
 /// An argument, and the commands that have it with the same meaning.
@@ -109,10 +138,7 @@ struct Row {
 /// All arguments, in the order of the commands.
 fn options() -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
-    let shown = program()
-        .get_subcommands()
-        .filter(|command| !command.is_hide_set());
-    for command in shown {
+    for command in program().get_subcommands() {
         for arg in command.get_arguments().filter(|arg| !arg.is_hide_set()) {
             let same =
                 |row: &&mut Row| row.arg.get_id() == arg.get_id() && help(row.arg) == help(arg);

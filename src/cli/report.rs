@@ -3,7 +3,6 @@
 use super::message;
 use super::motion::Steps;
 use super::panics::caught;
-use super::report_device::ReportDevice;
 use super::threads::on_threads;
 use crate::command::commands::ReportArgs;
 use crate::command::sequence::inputs_of_frame;
@@ -23,9 +22,7 @@ use std::path::Path;
 use std::time::Instant;
 
 pub(super) fn run(args: &ReportArgs) -> Result<()> {
-    on_threads(args.compute.threads, || {
-        caught(&args.input, || report(args))
-    })
+    on_threads(args.threads, || caught(&args.input, || report(args)))
 }
 
 fn report(args: &ReportArgs) -> Result<()> {
@@ -33,7 +30,6 @@ fn report(args: &ReportArgs) -> Result<()> {
     args.flags.refuse_more_scales()?;
     args.flags.validate()?;
     let shape = args.flags.params.shape;
-    let device = ReportDevice::of(args.compute.backend)?;
     refuse_collisions(args)?;
     let frames = args.frames.of(&args.input, None)?;
     let first = match frames {
@@ -82,7 +78,7 @@ fn report(args: &ReportArgs) -> Result<()> {
         beyond: args.full || args.quick,
         progress: &progress,
     };
-    let mut report = device.measured(|device| measure(asked, device))?;
+    let mut report = measure(asked)?;
     if let Some(frames) = frames {
         progress("drawings of the sequence");
         report.coherence = coherence(args, frames, shape)?;

@@ -160,7 +160,7 @@ impl Cost {
 }
 
 /// How a picture is cut, as memory allows.
-pub(super) fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips<'static>> {
+pub(super) fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips> {
     let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
     let rows = cost.rows_in(allowed(job).max(least));
     let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);

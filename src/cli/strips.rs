@@ -86,7 +86,7 @@ struct Source<'a, W> {
     inputs: Inputs,
     needs: Needs,
     whole: Window,
-    strips: Strips<'static>,
+    strips: Strips,
     work: &'a W,
     found: StripChoice,
     timings: RefCell<Timings>,

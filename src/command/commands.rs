@@ -1,6 +1,6 @@
 //! The commands and their arguments. Flags of parameters come from their table.
 
-use super::args::{ComputeArgs, WorkArgs};
+use super::args::{ComputeArgs, MOST_THREADS, WorkArgs};
 use super::flags::{Flags, Section};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
@@ -66,9 +66,6 @@ pub(crate) enum Command {
     /// Print what makes a shell complete commands, options and the layers of a file.
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions(CompletionsArgs),
-    /// Print the guide's page of everything that the program has.
-    #[command(hide = true)]
-    Reference,
     /// Print a manual page: of the program, or of a command.
     #[command(after_help = MAN_EXAMPLES)]
     Man(ManArgs),
@@ -264,9 +261,6 @@ pub(crate) struct EnhanceArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(mut_arg("backend", |backend| backend.help(
-    "What is measured: auto measures a GPU too where there is one, in a build that can; gpu one in software too"
-)))]
 pub(crate) struct ReportArgs {
     /// The render or photo.
     #[arg(value_name = "IN")]
@@ -291,8 +285,9 @@ pub(crate) struct ReportArgs {
     /// The same at fewer scales, on smaller scenes, with fewer runs.
     #[arg(long, help_heading = "Run")]
     pub(crate) quick: bool,
-    #[command(flatten)]
-    pub(crate) compute: ComputeArgs,
+    /// Threads; all cores by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
+    pub(crate) threads: Option<u16>,
     /// Say nothing but errors; the summary still goes to stdout.
     #[arg(short, long, help_heading = "Run")]
     pub(crate) quiet: bool,

@@ -5,6 +5,8 @@ use crate::engine::cpu::row_layers::RowLayers;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
 #[cfg(feature = "gpu")]
+use crate::engine::gpu::fault::Fault;
+#[cfg(feature = "gpu")]
 use crate::engine::gpu::{Choice, Device};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
@@ -14,6 +16,8 @@ use crate::engine::run::Run;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Vector2Planes};
 use crate::params::{LineParams, RunOptions};
+#[cfg(feature = "gpu")]
+use crate::plan::stage::Stage;
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 
@@ -36,9 +40,9 @@ const DEVICE: &str = "device";
 enum OnDevice {
     /// None; with the reason, if one was looked for.
     No(Option<Error>),
-    /// Plans it has kernels for; the CPU runs the others.
+    /// Chosen automatically: the CPU takes over if it fails.
     Maybe(gpu::Runner),
-    /// All plans.
+    /// Asked for: its failure is an error.
     Only(gpu::Runner),
 }
 
@@ -48,8 +52,8 @@ impl Engine {
         Self::default()
     }
 
-    /// A hardware GPU for plans it has kernels for, if there is one and the crate was built with the feature `gpu`; the
-    /// CPU for the others, and for all plans if the device fails.
+    /// A hardware GPU, if there is one and the crate was built with the feature `gpu`; the CPU if the device fails. As on
+    /// [`Engine::gpu`], the CPU also runs what the device cannot.
     pub fn auto() -> Self {
         Self {
             cpu: cpu::Runner::default(),
@@ -61,7 +65,8 @@ impl Engine {
         }
     }
 
-    /// Any device, software included, for all plans.
+    /// Any device, software included. Plans that it has no kernels for, and frames that it cannot hold, are run by the
+    /// CPU, with a line to [`Run::warn`]; so are the stages without kernels of the others.
     ///
     /// # Errors
     /// [`Error::NoGpu`] if there is none, and in a build without the feature `gpu`.
@@ -70,7 +75,7 @@ impl Engine {
         Device::open(Choice::Any).map(Self::on)
     }
 
-    /// The given device for all plans.
+    /// As [`Engine::gpu`], with the given device.
     #[cfg(feature = "gpu")]
     pub fn on(device: Device) -> Self {
         Self {
@@ -79,7 +84,7 @@ impl Engine {
         }
     }
 
-    /// Any device, software included, for all plans.
+    /// Any device, software included.
     ///
     /// # Errors
     /// [`Error::NoGpu`] if there is none, and in a build without the feature `gpu`.
@@ -91,7 +96,7 @@ impl Engine {
         })
     }
 
-    /// Adds the CPU as fallback for plans that the device has no kernels for.
+    /// Adds the CPU as fallback for a device that fails.
     #[must_use]
     pub fn or_cpu(self) -> Self {
         #[cfg(feature = "gpu")]
@@ -129,8 +134,8 @@ impl Engine {
     /// Runs `plan` on `frame`.
     ///
     /// # Errors
-    /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and errors of a device that fails or
-    /// lacks kernels, where the CPU is not its fallback.
+    /// [`Error::Unfit`] if the plan was made for other inputs; [`Error::Cancelled`]; and errors of a device that fails,
+    /// where the CPU is not its fallback.
     pub fn execute(
         &self,
         plan: &Plan,
@@ -223,7 +228,7 @@ impl Engine {
     /// The result of the device; `None` if the CPU must run the plan. A lost device is reported once.
     ///
     /// # Errors
-    /// If the device fails or lacks kernels and there is no fallback.
+    /// If the device fails and there is no fallback.
     #[cfg(feature = "gpu")]
     pub(crate) fn on_device(
         &self,
@@ -233,32 +238,42 @@ impl Engine {
         run: &Run,
     ) -> Result<Option<Outcome>> {
         run.watch().check()?;
-        let gpu = match &self.device {
-            OnDevice::Only(gpu) => {
-                return match gpu::Runner::lacks(plan) {
-                    None => {
-                        run.watch().begins(DEVICE, 0.0);
-                        gpu.execute_watched(plan, frame, inputs, run.watch())
-                            .map(Some)
-                    }
-                    Some(what) => Err(no_kernels(what)),
-                };
-            }
-            OnDevice::Maybe(gpu) => gpu,
+        let (gpu, is_required) = match &self.device {
+            OnDevice::Only(gpu) => (gpu, true),
+            OnDevice::Maybe(gpu) => (gpu, false),
             OnDevice::No(Some(why)) => {
                 run.warning(&format!("{why}; the CPU does it"));
                 return Ok(None);
             }
             OnDevice::No(None) => return Ok(None),
         };
-        if gpu.device().is_lost() || !gpu::Runner::can_run(plan) {
+        if let Some(what) = gpu::Runner::lacks(plan) {
+            if is_required {
+                run.warning(&format!(
+                    "the GPU has no kernels for {what}; the CPU does it"
+                ));
+            }
+            return Ok(None);
+        }
+        if gpu.device().is_lost() && !is_required {
             return Ok(None);
         }
         run.watch().begins(DEVICE, 0.0);
-        match gpu.execute_watched(plan, frame, inputs, run.watch()) {
+        match gpu.attempt(plan, frame, inputs, run.watch()) {
+            Ok(outcome) => {
+                if is_required {
+                    say_left_to_cpu(plan, run);
+                }
+                Ok(Some(outcome))
+            }
+            Err(Fault::TooLarge(error)) => {
+                run.warning(&format!("{error}: the CPU did it"));
+                Ok(None)
+            }
             // The CPU would fail with the same error.
-            Err(error @ (Error::Unfit { .. } | Error::Cancelled)) => Err(error),
-            Err(error) => {
+            Err(Fault::Other(error @ (Error::Unfit { .. } | Error::Cancelled))) => Err(error),
+            Err(Fault::Other(error)) if is_required => Err(error),
+            Err(Fault::Other(error)) => {
                 let how_long = match gpu.device().is_lost() {
                     true => "the CPU does it from here on",
                     false => "the CPU did it",
@@ -266,7 +281,6 @@ impl Engine {
                 run.warning(&format!("{error}: {how_long}"));
                 Ok(None)
             }
-            Ok(outcome) => Ok(Some(outcome)),
         }
     }
 
@@ -334,13 +348,21 @@ impl Default for OnDevice {
     }
 }
 
+/// Says which stages the CPU runs beside the device.
 #[cfg(feature = "gpu")]
-fn no_kernels(what: &str) -> Error {
-    Error::BadParameter {
-        name: "--backend",
-        found: format!("is gpu, which has no kernels for {what}"),
-        remedy: "leave it out: auto takes the GPU for what it can do, and the CPU for the rest"
-            .into(),
+fn say_left_to_cpu(plan: &Plan, run: &Run) {
+    let is_kept = |stage: &&&Stage| stage.steps.iter().any(|step| plan.runs(step.name));
+    let left = gpu::Runner::left_to_cpu(plan);
+    let names: Vec<_> = left
+        .iter()
+        .filter(is_kept)
+        .map(|stage| stage.name)
+        .collect();
+    if !names.is_empty() {
+        run.warning(&format!(
+            "on the CPU, without kernels: {}",
+            names.join(", ")
+        ));
     }
 }
 
@@ -348,9 +370,11 @@ fn no_kernels(what: &str) -> Error {
 mod tests {
     use super::*;
     use crate::engine::watch::{CancelToken, Progress};
-    use crate::params::{Scale, ScalingParams, ShapeParams};
-    use crate::plan::{Available, Goal};
+    use crate::frame::{ColorPlanes, LightGroup, Plane};
+    use crate::params::{LineParams, ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal, ToneFrom};
     use crate::report::scenes::Scene;
+    use glam::Vec3;
     use std::sync::Mutex;
 
     /// A lost device, for tests; `None` on machines without a device.
@@ -399,34 +423,67 @@ mod tests {
     }
 
     #[test]
-    fn a_run_in_strips_ends_where_it_is_cancelled_and_the_next_is_whole() {
-        let Some(device) = gpu::to_test_on(Device::open(Choice::Any)) else {
+    fn what_the_cpu_does_for_a_device_is_said_in_a_line() {
+        let open = || gpu::to_test_on(Device::open(Choice::Any));
+        let (Some(whole), Some(small)) = (open(), open()) else {
             return;
         };
-        let frame = Scene::waves(60, 50).frame;
-        let shape = ShapeParams {
-            scale: Scale::Iterations(0),
-            ..ShapeParams::default()
+        let mut frame = Scene::waves(60, 50).frame;
+        let gray = Plane::from_fn(60, 50, |x, y| 0.2 + 0.01 * ((x + y) % 50) as f32);
+        let light = ColorPlanes {
+            r: gray.clone(),
+            g: gray.clone(),
+            b: gray,
         };
-        let (available, scaling) = (Available::in_frame(&frame), ScalingParams::default());
-        let plan = Plan::new(Goal::Display, available, shape, scaling).unwrap();
-        // 16 rows of 60 pixels with at most 4 samples of 4 bytes.
-        let engine = Engine::on(device.limited_to(16_000));
-        let whole = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
-        let token = CancelToken::new();
-        // The device starts, and is cancelled before its first strip.
-        let tell = |progress: Progress| {
-            if progress.stage == DEVICE {
-                token.cancel();
+        frame.color = Some(light.clone());
+        let mut grouped = frame.clone();
+        grouped.light.groups = vec![LightGroup {
+            name: "key".into(),
+            light,
+            to_light: vec![Vec3::Z],
+        }];
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = |goal, frame| Plan::new(goal, Available::in_frame(frame), shape, scaling);
+        let line = LineParams::default();
+        let available = Available::in_frame(&frame);
+        let drawing = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line);
+        let whole = Engine::on(whole);
+        // Vectors of two take 24,000 bytes.
+        let small = Engine::on(small.limited_to(23_999));
+        for (engine, plan, frame, expected) in [
+            (&whole, plan(Goal::Enhance, &frame), &frame, None),
+            (
+                &whole,
+                plan(Goal::Enhance, &grouped),
+                &grouped,
+                Some("light groups"),
+            ),
+            (&whole, drawing, &frame, Some("tonal-art-map")),
+            (
+                &small,
+                plan(Goal::Enhance, &frame),
+                &frame,
+                Some("a picture of 60x50"),
+            ),
+        ] {
+            let (plan, said) = (plan.unwrap(), Mutex::new(Vec::new()));
+            let warn = |text: &str| said.lock().unwrap().push(text.to_string());
+            let run = Run::new().warn(&warn);
+            let found = engine
+                .execute(&plan, frame, Inputs::default(), &run)
+                .unwrap();
+            let said = said.into_inner().unwrap();
+            assert_eq!(said.len(), expected.iter().count(), "{said:?}");
+            let is_said = |what: &str| said[0].contains(what) && said[0].contains("the CPU");
+            assert!(expected.is_none_or(is_said), "{said:?}");
+            let made = cpu::run(&plan, frame).unwrap();
+            let (found, made) = (found.products(), made.products());
+            for ((product, a), (_, b)) in found.zip(made) {
+                assert!(
+                    product.difference(&a, &b) <= product.tolerance(),
+                    "{product:?}"
+                );
             }
-        };
-        let run = Run::new().progress(&tell).cancel(&token);
-        let stopped = engine.execute(&plan, &frame, Inputs::default(), &run);
-        assert!(matches!(stopped, Err(Error::Cancelled)));
-        let again = engine.execute(&plan, &frame, Inputs::default(), &Run::new());
-        let (whole, again) = (whole.unwrap(), again.unwrap());
-        for ((product, a), (_, b)) in whole.products().zip(again.products()) {
-            assert_eq!(product.difference(&a, &b), 0.0);
         }
     }
 

@@ -2,7 +2,6 @@
 
 pub(crate) mod backends;
 pub(crate) mod cpu;
-pub(crate) mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub(crate) mod guard;

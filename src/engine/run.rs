@@ -50,7 +50,7 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Calls back with one line on why the CPU runs a plan meant for a device. It may be called at every run.
+    /// Calls back with one line on what the CPU runs in place of a device. It may be called at every run.
     #[must_use]
     pub fn warn(mut self, tell: &'a (dyn Fn(&str) + Sync)) -> Self {
         self.warn = Some(tell);

@@ -1,26 +1,23 @@
-//! Pictures in strips, where memory or a device limits the number of rows at a time.
+//! Pictures in strips, where memory limits the number of rows at a time.
 
 use crate::engine::outcome::{Outcome, add_timings};
-use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Window};
 use std::ops::Range;
 
 /// Division of a picture into strips.
 #[derive(Clone, Copy)]
-pub(crate) struct Strips<'a> {
-    watch: Watch<'a>,
+pub(crate) struct Strips {
     height: usize,
     /// Output rows of a strip, and its margin above and below.
     rows: usize,
     reach: usize,
 }
 
-impl<'a> Strips<'a> {
+impl Strips {
     /// Strips of `rows` output rows with a margin of `reach` rows above and below.
     pub(crate) fn of_rows(rows: usize, height: usize, reach: usize) -> Self {
         Self {
-            watch: Watch::default(),
             height,
             rows: rows.max(1),
             reach,
@@ -37,34 +34,19 @@ impl<'a> Strips<'a> {
         Some(Self::of_rows(rows, height, reach))
     }
 
-    /// The same strips, with `watch` checked before each.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn watched(&self, watch: Watch<'a>) -> Self {
-        Self { watch, ..*self }
-    }
-
-    /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled) if the run is cancelled.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn check(&self) -> Result<()> {
-        self.watch.check()
-    }
-
-    /// Calls `run` for every strip of a frame, with its rows, and assembles the results. Planes of strips are passed to
-    /// `recycle`.
+    /// Calls `run` for every strip of a frame, and assembles the results. Planes of strips are passed to `recycle`.
     ///
     /// # Errors
-    /// Those of `run`; [`Error::Cancelled`](crate::Error::Cancelled).
+    /// Those of `run`.
     pub(crate) fn run(
         &self,
         frame: &Frame,
-        mut run: impl FnMut(&Frame, &Range<usize>) -> Result<Outcome>,
+        mut run: impl FnMut(&Frame) -> Result<Outcome>,
         mut recycle: impl FnMut(Vec<Plane>),
     ) -> Result<Outcome> {
         let mut whole: Option<Outcome> = None;
         for (takes, gives) in self.each() {
-            self.watch.check()?;
-            let mut part = run(&strip_of(frame, &takes), &takes)?;
+            let mut part = run(&strip_of(frame, &takes))?;
             let start = takes.start + gives.start;
             match &mut whole {
                 None => {

@@ -36,6 +36,9 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
         decide: decide_white,
     }],
     cpu: choose_white,
+    // The device chooses it where it scales.
+    #[cfg(feature = "gpu")]
+    gpu: Some(|_| ()),
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
         let of_tile = plan.tile.is_some() && chosen_for(plan).is_some();

@@ -31,11 +31,11 @@ pub(crate) struct Stage {
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
     pub(crate) cpu: fn(&mut Run),
-    /// Records it on a device.
+    /// Records it on a device; without, the CPU runs it when its turn comes.
     #[cfg(feature = "gpu")]
-    pub(crate) gpu: fn(&mut DeviceRun),
-    /// What follows once the results recorded by all stages are on the CPU; for a stage of a drawing, in place of its
-    /// CPU pass.
+    pub(crate) gpu: Option<fn(&mut DeviceRun)>,
+    /// What follows once all that the device has recorded is read back; of a stage that records nothing, in place of its CPU
+    /// pass.
     #[cfg(feature = "gpu")]
     pub(crate) after_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
     /// What the device implementation does not support, in a few words.
@@ -57,7 +57,7 @@ impl Stage {
         depends_on: |_| String::new(),
         cpu: |_| (),
         #[cfg(feature = "gpu")]
-        gpu: |_| (),
+        gpu: None,
         #[cfg(feature = "gpu")]
         after_gpu: None,
         #[cfg(feature = "gpu")]

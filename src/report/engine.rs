@@ -3,7 +3,6 @@
 use super::timing::{self, Effort, Timed};
 use crate::Result;
 pub(super) use crate::engine::cpu::{map_row, vector_bits};
-pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
 use crate::engine::{Engine, Run};
 pub(super) use crate::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
 use crate::frame::{Frame, Plane, SymmetricPlanes, Vector2Planes};
@@ -12,7 +11,6 @@ use crate::params::{
     Adaptive, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeDirections, ToneParams,
 };
 use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
-pub(super) use crate::product::Product;
 
 /// The plan for relighting `frame` by `light`.
 pub(super) fn relight_plan(

@@ -1,7 +1,6 @@
 //! The report as a page of Markdown: prose, and tables declared column by column.
 
 mod drawing;
-mod gpu;
 mod light;
 mod mirrors;
 mod relief;
@@ -36,7 +35,6 @@ pub(crate) fn page(report: &Report) -> String {
         solvers(&report.frame, "The frame", plots::FRAME),
         exact_scenes(report),
         stages(report),
-        gpu::section(report),
         if_any(&report.runs, || runs(report)),
         precision(report),
         of(report.directions.as_ref().map(directions)),
@@ -294,15 +292,10 @@ fn solvers(sweep: &SceneSweep, title: &str, plot: &str) -> String {
 }
 
 fn solver_table(scale: &ScaleSweep) -> String {
-    let on_cpu = scale.rows.iter().map(|row| (row, ""));
-    let on_gpu = scale.on_gpu.iter().map(|on_gpu| (&on_gpu.row, ", GPU"));
     // A star inside the bold text would break its markup.
     let mark = |row: &SolverRow| if row.asked_for { " \\*" } else { "" };
-    let share = |row: &SolverRow, of: fn(Utilisation) -> f64| {
-        or_blank(row.utilisation.map(of).map(percent))
-    };
-    let table = table!(on_cpu.chain(on_gpu), (row, by) => {
-        "solver": format!("{:?}{by}", row.solver),
+    let table = table!(&scale.rows, row => {
+        "solver": format!("{:?}", row.solver),
         "setting": bold_if(row.on_front, &row.setting) + mark(row),
         "sweeps": row.applications,
         "allowed": or_blank(row.allowed.map(scientific)),
@@ -316,8 +309,8 @@ fn solver_table(scale: &ScaleSweep) -> String {
         "diffusion min / median": row.diffusion,
         "all min / median": row.whole,
         "Mpix/s": rounded(row.megapixels_per_second),
-        "bandwidth": share(row, |u| u.of_bandwidth),
-        "arithmetic": share(row, |u| u.of_arithmetic),
+        "bandwidth": percent(row.utilisation.of_bandwidth),
+        "arithmetic": percent(row.utilisation.of_arithmetic),
         "curvature against closed form, mean / max": or_blank(row.against_closed_form.as_ref().map(mean_and_max)),
     });
     let left_out = match scale.left_out.as_slice() {

@@ -7,12 +7,10 @@
 pub(crate) mod advice;
 pub(crate) mod answers;
 mod asked;
-mod beside;
 pub mod coherence;
 pub(crate) mod compare;
 mod drawing;
 mod engine;
-pub(crate) mod gpu;
 pub(crate) mod html;
 pub(crate) mod light;
 pub mod light_reference;
@@ -21,7 +19,6 @@ pub(crate) mod markdown;
 mod mirrors;
 mod numbers;
 pub(crate) mod pareto;
-mod pictures;
 pub(crate) mod plots;
 mod reference;
 mod relief;
@@ -37,8 +34,6 @@ use crate::Result;
 use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
-use beside::GpuReport;
-use gpu::Device;
 use machine::Machine;
 use scenes::Scene;
 use serde::Serialize;
@@ -97,20 +92,17 @@ pub(crate) struct Report {
     /// Height and occlusion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relief: Option<relief::ReliefReport>,
-    /// A device compared with the CPU; `None` in a build without device support.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gpu: Option<GpuReport>,
     /// Drawings of a sequence, if the report covers one; not set by [`run`].
     pub coherence: Option<coherence::Coherence>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stability: Vec<CaseResult>,
 }
 
-/// Measures everything on the frame and on exact scenes, and a device compared with the CPU if there is one.
+/// Measures everything on the frame and on exact scenes.
 ///
 /// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range, and those of a required device.
-pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
+/// [`crate::Error::BadParameter`] for a parameter outside its range.
+pub(crate) fn run(asked: Asked) -> Result<Report> {
     let Asked {
         frame,
         shape,
@@ -136,7 +128,7 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         .decisions()
         .to_vec();
     let stages = stages(&lean, &machine)?;
-    let (swept, scenes, gpu) = sweeps(&lean, &device, &machine)?;
+    let (swept, scenes) = sweeps(&lean, &machine)?;
     let precision = precision(&lean)?;
     asked.progress("what there is to warn of");
     let answers = answers::of(&asked, &swept)?;
@@ -189,22 +181,13 @@ pub(crate) fn run(asked: Asked, device: Device) -> Result<Report> {
         drawing,
         mirrors,
         relief,
-        gpu,
         coherence: None,
         stability,
     })
 }
 
-/// Solvers and tolerances on the frame and on exact scenes, for the CPU and for the device.
-fn sweeps(
-    asked: &Asked,
-    device: &Device,
-    machine: &Machine,
-) -> Result<(SceneSweep, Vec<SceneSweep>, Option<GpuReport>)> {
-    let gpu = match device {
-        Device::Measured(gpu) => Some(gpu),
-        Device::Unknown | Device::NotMeasured(_) => None,
-    };
+/// Solvers and tolerances on the frame and on exact scenes.
+fn sweeps(asked: &Asked, machine: &Machine) -> Result<(SceneSweep, Vec<SceneSweep>)> {
     let effort = asked.effort();
     let sweep = |subject: &Subject, scales: &[Scale]| {
         solver::sweep(subject, scales, effort, machine, asked.progress)
@@ -216,7 +199,6 @@ fn sweeps(
         surface: asked.surface,
         shape: asked.shape,
         closed_form: None,
-        gpu,
     };
     let frame = sweep(&subject, &frame_scales(asked.shape.scale, asked.extent))?;
     let (width, height) = scene_size(asked.extent);
@@ -234,11 +216,10 @@ fn sweeps(
             surface: &Surface::of(&scene.frame),
             shape: scene.shape(asked.shape.tolerance),
             closed_form: Some(&closed_form),
-            gpu,
         };
         scenes.push(sweep(&subject, scene_scales(asked.extent))?);
     }
-    Ok((frame, scenes, beside::measured(device, asked, &all)?))
+    Ok((frame, scenes))
 }
 
 fn runs(asked: &Asked) -> Result<Vec<run::RunRow>> {

@@ -5,13 +5,11 @@ mod sequence;
 
 use super::Report;
 use super::advice::{altered, noun};
-use super::beside::GpuReport;
 use super::drawing::{field, strokes};
 use super::light::Subject;
 use super::light::samples::Sample;
 use super::mirrors::MirrorReport;
 use super::mirrors::bench::MirrorRow;
-use super::pictures::PictureRow;
 use super::sweeps::directions;
 use super::sweeps::precision::Stored;
 use super::sweeps::rim::{BANDS, BallRow, FLOORS, FORESHORTENINGS};
@@ -27,7 +25,6 @@ pub(super) const RIM: &str = "rim.svg";
 pub(super) const FIELDS: &str = "stroke-directions.svg";
 pub(super) const STROKES: &str = "strokes.svg";
 pub(super) const MIRRORS: &str = "mirrors.svg";
-pub(super) const PICTURES: &str = "pictures.svg";
 pub(super) const COHERENCE: &str = "coherence.svg";
 
 /// Name of the plot of an exact scene.
@@ -70,9 +67,6 @@ pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
     if let Some(mirrors) = &report.mirrors {
         add(MIRRORS, error_of_mirrors(mirrors));
     }
-    if let Some(GpuReport::Measured { pictures, .. }) = &report.gpu {
-        add(PICTURES, error_of_pictures(&report.frame.on.name, pictures));
-    }
     if let Some(coherence) = &report.coherence {
         add(COHERENCE, sequence::difference_by_frame(coherence));
     }
@@ -81,14 +75,11 @@ pub(crate) fn all(report: &Report) -> Vec<(String, String)> {
 
 /// Largest gradient error against diffusion time, one panel per scale.
 fn error_against_time(sweep: &SceneSweep) -> String {
-    let mut legend = vec![
+    let legend = [
         ("Chebyshev, by tolerance (* asked for)", SERIES[0]),
         ("explicit, by step", SERIES[1]),
         ("Pareto front", FRONT),
     ];
-    if sweep.scales.iter().any(|scale| !scale.on_gpu.is_empty()) {
-        legend.push(("on the GPU", SERIES[2]));
-    }
     let point = |row: &SolverRow| {
         let value = row.setting.rsplit(' ').next().unwrap_or_default();
         let mark = if row.asked_for { "* " } else { "" };
@@ -118,12 +109,7 @@ fn error_against_time(sweep: &SceneSweep) -> String {
                 ..Series::new(color, Marks::Discs(4), points)
             }
         });
-        let on_gpu = scale.on_gpu.iter().map(|on_gpu| Point {
-            label: String::new(),
-            ..point(&on_gpu.row)
-        });
-        let on_gpu = Series::new(SERIES[2], Marks::Triangles, on_gpu);
-        Panel::new(&scale.scale, solvers.into_iter().chain([on_gpu]))
+        Panel::new(&scale.scale, solvers)
     };
     let title = format!("{}: error of the diffused gradient against time", sweep.on);
     let axes = ["diffusion, ms", "largest error / max |g|"];
@@ -315,25 +301,4 @@ fn error_of_mirrors(mirrors: &MirrorReport) -> String {
         mirrors.size
     );
     figure(&title, &legend, ["specular-trace, ms", "error"], panels)
-}
-
-/// The largest error of each picture against its total time on both backends, one panel per picture. A picture that is
-/// the reference has no error to show.
-fn error_of_pictures(name: &str, rows: &[PictureRow]) -> String {
-    let panels = rows.iter().map(|row| {
-        let (cpu, gpu) = (&row.on_cpu, &row.on_gpu);
-        let on_cpu = cpu
-            .errors
-            .map(|errors| Point::new(1e3 * cpu.whole.min, errors.max, ""));
-        let on_gpu = Point::new(1e3 * gpu.timed.whole.min, gpu.errors.max, "");
-        // The device has the third colour, as in the plots of solvers.
-        let series = [
-            Series::new(SERIES[0], Marks::Discs(4), on_cpu.into_iter()),
-            Series::new(SERIES[2], Marks::Discs(4), std::iter::once(on_gpu)),
-        ];
-        Panel::new(&row.picture, series)
-    });
-    let title = format!("{}: new light and drawings", Untrusted(name));
-    let legend = [("on the CPU", SERIES[0]), ("on the GPU", SERIES[2])];
-    figure(&title, &legend, ["all stages, ms", "largest error"], panels)
 }

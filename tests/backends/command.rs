@@ -7,7 +7,6 @@ use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::product::Product;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::Command;
 
 /// Runs a command on a frame.
 fn on_bust(directory: &Path, words: &str) -> Ran {
@@ -80,19 +79,31 @@ fn the_program_writes_what_the_cpu_writes() {
 }
 
 #[test]
-fn what_has_no_kernels_is_refused_by_name_and_done_otherwise() {
-    let desk = tempfile::tempdir().unwrap();
-    let grain = "--light 30,40 --material ashikhmin-shirley --coat 10,200 -o lit.png";
-    for work in ["relight", "hatch"] {
-        let words = format!("{work} {grain}");
-        on_gpu(|_| {
-            let line = on_bust(desk.path(), &format!("{words} --backend gpu")).refused(2);
-            assert!(line.contains("--backend"), "{line}");
-            assert!(line.contains("a grain along the curvature"), "{line}");
-        });
-        on_bust(desk.path(), &format!("{words} --backend auto")).done();
-        std::fs::remove_file(desk.path().join("lit.png")).unwrap();
-    }
+fn what_has_no_kernels_runs_on_the_cpu_and_is_named_once_for_all_frames() {
+    on_gpu(|_| {
+        let desk = tempfile::tempdir().unwrap();
+        for frame in 1..=2 {
+            let name = format!("in.{frame}.exr");
+            std::fs::copy(fixture("bust.exr"), desk.path().join(name)).unwrap();
+        }
+        let grain = "--light 30,40 --material ashikhmin-shirley --coat 10,200";
+        for (work, named) in [
+            (format!("relight {grain}"), "a grain along the curvature"),
+            ("hatch --tone picture".into(), "tonal-art-map"),
+        ] {
+            let words = "in.#.exr --frames 1-2 -o out.#.png --progress none --backend gpu";
+            let mut program = program(desk.path());
+            let (command, flags) = work.split_once(' ').unwrap();
+            program
+                .arg(command)
+                .args(words.split(' '))
+                .args(flags.split(' '));
+            let said = Ran::of(&mut program).ended(0);
+            let told = said.lines().filter(|line| line.contains("the CPU"));
+            assert_eq!(told.count(), 1, "{said}");
+            assert!(said.contains(named), "{said}");
+        }
+    });
 }
 
 /// Runs the program on frames 1 to 3 of a sequence, on a machine without any adapter.
@@ -104,17 +115,12 @@ fn without_adapters(directory: &Path, words: &str) -> Ran {
         )
         .unwrap();
     }
-    let mut program = program_without_adapters(directory);
-    Ran::of(program.args(words.split_whitespace()))
-}
-
-/// The program where the loader of Vulkan finds no drivers, by its new name for their place and its old one.
-pub(super) fn program_without_adapters(directory: &Path) -> Command {
     let mut program = program(directory);
+    // The loader of Vulkan finds no drivers, by its new name for their place and its old one.
     program
         .env("VK_DRIVER_FILES", "/dev/null")
         .env("VK_ICD_FILENAMES", "/dev/null");
-    program
+    Ran::of(program.args(words.split_whitespace()))
 }
 
 #[cfg(target_os = "linux")]

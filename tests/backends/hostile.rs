@@ -4,9 +4,8 @@ use super::{assert_same, on_gpu, plan, waves};
 use crate::common::cpu;
 use crate::common::poisoned;
 use relievo::engine::Inputs;
-use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::Window;
-use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
+use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 use relievo::report::scenes::frames::masked;
 
@@ -148,28 +147,4 @@ fn a_crop_is_the_whole_away_from_its_border() {
             }
         }
     });
-}
-
-#[test]
-fn a_device_that_takes_small_planes_makes_strips() {
-    let Ok(device) = Device::open(Choice::Any) else {
-        return;
-    };
-    let frame = waves(90, 400);
-    // 90 columns of vectors of two are 720 bytes a row: 100 rows at a time, of layers 50.
-    let runner = Runner::new(device.limited_to(72_000));
-    for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
-        let shape = ShapeParams {
-            scale: Scale::Iterations(4),
-            direction_step: Adaptive::Fixed(2.0),
-            ..ShapeParams::default()
-        };
-        let plan = plan(goal, &frame, shape, ScalingParams::default());
-        if plan.runs("normal-rays") {
-            // Directions come from farther away than 50 rows.
-            assert!(runner.execute(&plan, &frame, Inputs::default()).is_err());
-        } else {
-            assert_same(&format!("strips, {goal:?}"), &runner, &plan, &frame);
-        }
-    }
 }

@@ -9,11 +9,9 @@ mod directions;
 mod drawing;
 mod hostile;
 mod kernels;
-mod light_layers;
 mod numbers;
 mod products;
 mod relight;
-mod report;
 
 use crate::common::cpu;
 use relievo::engine::gpu::{self, Choice, Device};

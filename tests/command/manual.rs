@@ -1,4 +1,4 @@
-//! Completions, manual pages, and the reference of the guide.
+//! Completions and manual pages.
 
 use crate::common::exr::Part;
 use crate::common::program::{fixture, program, relievo};
@@ -265,14 +265,4 @@ fn a_closed_pipe_is_no_error() {
         assert_eq!(String::from_utf8_lossy(&output.stderr), "");
         assert_eq!(output.status.code(), Some(0), "{words}");
     }
-}
-
-/// The guide's reference is what the program writes.
-#[test]
-fn the_reference_of_the_guide_is_fresh() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/reference.md");
-    assert!(
-        fs::read_to_string(path).unwrap() == printed("reference"),
-        "write it anew: cargo run -- reference > docs/guide/reference.md"
-    );
 }

@@ -307,7 +307,6 @@ fn results_that_cannot_be_printed_are_an_error() {
         "completions bash",
         "man",
         "schema",
-        "reference",
         "inspect in.0001.exr",
         "inspect --json in.0001.exr",
     ] {

@@ -749,20 +749,6 @@ fn what_cannot_be_done_is_said_in_one_line() {
     assert_eq!(fs::read_to_string(file).unwrap(), "not a directory");
 }
 
-/// A build without device support does not mention devices.
-#[cfg(not(feature = "gpu"))]
-#[test]
-fn a_device_is_not_told_of() {
-    assert!(RUN.json.get("gpu").is_none());
-    assert!(!RUN.read("report.md").contains("GPU") && !RUN.read("frame.svg").contains("GPU"));
-    let desk = tempfile::tempdir().unwrap();
-    let (input, directory) = (fixture("bust.exr"), desk.path().to_path_buf());
-    let paths = [&input, &directory].map(|p| p.to_str().unwrap());
-    let refused = relievo(&["report", paths[0], "-o", paths[1], "--backend", "gpu"]);
-    let line = refused.refused(1);
-    assert!(line.contains("--features gpu"), "{line}");
-}
-
 /// A name that looks like markup, of Markdown or HTML, is a text on the page.
 #[cfg(unix)]
 #[test]

@@ -1,8 +1,6 @@
 //! The CPU backend: rows in parallel by rayon, the same bits for any number of threads.
 
 pub(crate) mod frame_cache;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu_support;
 pub(crate) mod lanes;
 pub(crate) mod memory;
 pub(crate) mod percentile;

@@ -21,7 +21,6 @@ use crate::plan::Plan;
 use crate::plan::stages::{DRAWING, PICTURE, SHAPE};
 use crate::product::Product;
 use crate::shape::auto_levels::stage::choose_gain;
-use std::ops::Range;
 
 /// Number of pixels above which memory counts more than what the frame still holds.
 const LARGE: usize = 1 << 22;
@@ -237,7 +236,7 @@ impl Runner {
         let mut kept = taken_by(drawn, plan);
         // For the gain, and for the light that is scaled.
         kept.extend([Product::Trace, Product::Conductance]);
-        let find = |band: &Frame, _: &Range<usize>| {
+        let find = |band: &Frame| {
             let mut made = self.find_shape(&given, band, watch)?;
             self.memory.recycle(made.shape.take_others(&kept));
             Ok(made)

@@ -1,9 +1,6 @@
 //! The list of all kernels, for code that iterates over them; passes do not use it.
 
 use crate::engine::gpu::kernels::Kernel;
-use crate::light::layers::gpu::{
-    ADD_CHANGE, CHANGE_PICTURE, GROUP_SIGMA, LOBE_LUMINANCE, LOBE_SIGMA, OCCLUDE,
-};
 use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
 use crate::light::relight::gpu::RELIGHT;
 use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};
@@ -15,7 +12,7 @@ use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 21] = [
+pub(crate) static ALL: [&Kernel; 15] = [
     &LOG_DEPTH,
     &EDGES,
     &DIFFUSION,
@@ -25,12 +22,6 @@ pub(crate) static ALL: [&Kernel; 21] = [
     &NARROW,
     &SCALE_PICTURE,
     &SCALE_BY_GRADIENT,
-    &LOBE_LUMINANCE,
-    &LOBE_SIGMA,
-    &GROUP_SIGMA,
-    &ADD_CHANGE,
-    &CHANGE_PICTURE,
-    &OCCLUDE,
     &CURVATURE_DISPLAY,
     &NORMAL_RAYS,
     &DENSITY,

@@ -27,8 +27,6 @@ pub struct Device {
     pub(crate) plane_bytes: u64,
     /// Maximum columns and rows of a picture.
     pub(crate) most_pixels: [u64; 2],
-    /// Whether every copy is waited for, so that it can be timed on its own.
-    pub(crate) is_timed_apart: bool,
     /// Nanoseconds per tick of the device clock, if it has one.
     pub(crate) tick_ns: Option<f32>,
     /// Why the device was lost, if it was.
@@ -109,7 +107,6 @@ impl Device {
         Ok(Self {
             plane_bytes,
             most_pixels,
-            is_timed_apart: false,
             tick_ns: has_clock.then(|| queue.get_timestamp_period()),
             device,
             queue,
@@ -128,26 +125,12 @@ impl Device {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Limits planes to this many bytes: larger pictures are processed in strips.
+    /// Limits planes to this many bytes: the CPU runs larger pictures.
     pub fn limited_to(self, plane_bytes: u64) -> Self {
         Self {
             plane_bytes: plane_bytes.min(self.plane_bytes),
             ..self
         }
-    }
-
-    /// Waits after copies to and from the device, so that timings separate them from the kernels. Runs take slightly
-    /// longer.
-    pub fn timed_apart(self) -> Self {
-        Self {
-            is_timed_apart: true,
-            ..self
-        }
-    }
-
-    /// Whether it has a clock for timing each stage.
-    pub fn has_clock(&self) -> bool {
-        self.tick_ns.is_some()
     }
 
     /// Whether it was lost: nothing runs on it any more.

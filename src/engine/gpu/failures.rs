@@ -2,16 +2,15 @@
 
 use crate::engine::cpu;
 use crate::engine::gpu::device::{Choice, Device, to_test_on};
-use crate::engine::gpu::fault::{Fault, in_memory, watched};
+use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::limits;
 use crate::engine::gpu::runner::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::watch::Watch;
 use crate::error::Error;
-use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::params::{LineParams, Scale, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan, ToneFrom};
+use crate::frame::Frame;
+use crate::params::{Scale, ScalingParams, ShapeParams};
+use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 use crate::report::scenes::Scene;
 use std::thread;
@@ -157,7 +156,7 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
     });
     println!("{size} bytes: {asked:?}");
     match asked {
-        Err(Fault::Memory(error)) => assert_tells(&error, &runner, "has too little memory"),
+        Err(Fault::TooLarge(error)) => assert_tells(&error, &runner, "has too little memory"),
         Err(other) => panic!("{other:?}"),
         // There is enough memory.
         Ok(()) => {}
@@ -171,87 +170,22 @@ fn a_buffer_larger_than_memory_is_a_want_of_memory_and_harms_no_later_run() {
 }
 
 #[test]
-fn where_memory_is_wanting_the_same_picture_comes_in_strips() {
-    let Some(device) = device(|_| ()) else { return };
-    let runner = Runner::new(device);
-    let (plan, frame) = waves(64, 400);
-    let mut attempts = 0;
-    let made = in_memory(8 * 64 * 400, |bytes| {
-        attempts += 1;
-        match bytes {
-            0..=60_000 => runner.attempt(&plan, &frame, Inputs::default(), bytes, Watch::default()),
-            _ => Err(Fault::Memory(runner.device().error("is full"))),
-        }
-    });
-    assert_eq!(attempts, 3);
-    assert_is_of_the_cpu(&made.unwrap(), &plan, &frame);
-}
-
-#[test]
-fn where_memory_is_wanting_the_same_drawing_comes_in_strips() {
-    let Some(device) = device(|_| ()) else { return };
-    let runner = Runner::new(device);
-    let mut frame = Scene::waves(64, 400).frame;
-    let gray = Plane::from_fn(64, 400, |x, y| 0.2 + 0.01 * ((x + y) % 50) as f32);
-    frame.color = Some(ColorPlanes {
-        r: gray.clone(),
-        g: gray.clone(),
-        b: gray,
-    });
-    let plan = Plan::hatch(
-        Available::in_frame(&frame),
-        ShapeParams::default(),
-        ScalingParams::default(),
-        ToneFrom::Enhanced,
-        LineParams::default(),
-    );
-    let (plan, inputs) = (plan.unwrap(), Inputs::default());
-    let made = in_memory(8 * 64 * 400, |bytes| match bytes {
-        0..=60_000 => runner.attempt(&plan, &frame, inputs, bytes, Watch::default()),
-        _ => Err(Fault::Memory(runner.device().error("is full"))),
-    });
-    let expected = cpu::Runner::default()
-        .execute(&plan, &frame, inputs)
-        .unwrap();
-    let drawn = |outcome: &Outcome| outcome.drawing.as_ref().unwrap().hatching.clone();
-    let apart = Product::Strokes.difference(&[&drawn(&made.unwrap())], &[&drawn(&expected)]);
-    assert!(apart <= Product::Strokes.tolerance(), "{apart:e}");
-}
-
-#[test]
-fn few_workgroups_make_strips_and_refuse_what_is_too_wide() {
+fn pictures_beyond_the_limits_are_refused() {
     let few = |limits: &mut wgpu::Limits| limits.max_compute_workgroups_per_dimension = 1024;
     let Some(device) = device(few) else { return };
     let [columns, rows] = limits::most_pixels(1024).map(|most| most as usize);
-    let runner = Runner::new(device);
-    let (plan, frame) = waves(3, rows + 100);
-    assert_is_of_the_cpu(
-        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
-        &plan,
-        &frame,
-    );
-    let (plan, frame) = waves(columns, 2);
-    assert_is_of_the_cpu(
-        &runner.execute(&plan, &frame, Inputs::default()).unwrap(),
-        &plan,
-        &frame,
-    );
-    let (plan, frame) = waves(columns + 1, 2);
-    let error = runner
-        .execute(&plan, &frame, Inputs::default())
-        .unwrap_err();
-    assert_tells(&error, &runner, &format!("takes {columns} columns"));
-}
-
-#[test]
-fn planes_of_a_few_bytes_are_an_error() {
-    let Some(device) = device(|_| ()) else { return };
-    let runner = Runner::new(device.limited_to(4 << 10));
-    let (plan, frame) = waves(90, 70);
-    let error = runner
-        .execute(&plan, &frame, Inputs::default())
-        .unwrap_err();
-    assert_tells(&error, &runner, "rows of this picture at a time");
+    let runner = Runner::new(device.limited_to(8 * 2 * columns as u64));
+    for [width, height] in [[3, rows], [columns, 2]] {
+        let (plan, frame) = waves(width, height);
+        let made = runner.execute(&plan, &frame, Inputs::default());
+        assert_is_of_the_cpu(&made.unwrap(), &plan, &frame);
+    }
+    for [width, height] in [[3, rows + 1], [columns + 1, 1], [columns, 3]] {
+        let (plan, frame) = waves(width, height);
+        let made = runner.execute(&plan, &frame, Inputs::default());
+        let what = format!("cannot hold a picture of {width}x{height}");
+        assert_tells(&made.unwrap_err(), &runner, &what);
+    }
 }
 
 #[test]

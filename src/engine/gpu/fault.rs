@@ -1,4 +1,4 @@
-//! Device faults, and the reaction to running out of memory.
+//! Device faults.
 
 use crate::engine::gpu::device::Device;
 use crate::error::Error;
@@ -6,10 +6,8 @@ use crate::error::Error;
 /// Why a run failed.
 #[derive(Debug)]
 pub(crate) enum Fault {
-    /// Out of memory.
-    Memory(Error),
-    /// Even a strip of one row exceeds the requested plane size.
-    Strips(Error),
+    /// The frame exceeds the limits of the device, or its free memory.
+    TooLarge(Error),
     /// Anything else.
     Other(Error),
 }
@@ -17,7 +15,7 @@ pub(crate) enum Fault {
 impl Fault {
     pub(crate) fn into_error(self) -> Error {
         match self {
-            Self::Memory(error) | Self::Strips(error) | Self::Other(error) => error,
+            Self::TooLarge(error) | Self::Other(error) => error,
         }
     }
 }
@@ -49,7 +47,7 @@ pub(crate) fn watched<T>(
         None => done,
         Some(error @ wgpu::Error::OutOfMemory { .. }) => {
             let found = format!("has too little memory ({error})");
-            Err(Fault::Memory(device.error(found)))
+            Err(Fault::TooLarge(device.error(found)))
         }
         Some(error) => Err(Fault::Other(device.error(error))),
     }
@@ -60,50 +58,9 @@ fn first(errors: [Option<wgpu::Error>; 3]) -> Option<wgpu::Error> {
     errors.into_iter().flatten().next()
 }
 
-/// Attempts work with planes of at most `plane_bytes`, halving that while the device is out of memory.
-///
-/// # Errors
-/// Those of the attempts; out of memory if strips cannot be made smaller.
-pub(crate) fn in_memory<T>(
-    mut plane_bytes: u64,
-    mut attempt: impl FnMut(u64) -> Result<T, Fault>,
-) -> Result<T, Error> {
-    let mut wanting = None;
-    loop {
-        match (attempt(plane_bytes), wanting.take()) {
-            (Err(Fault::Memory(error)), before) if plane_bytes > 1 => {
-                wanting = before.or(Some(error));
-                plane_bytes /= 2;
-            }
-            (Err(Fault::Strips(_)), Some(memory)) => return Err(memory),
-            (done, _) => return done.map_err(Fault::into_error),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn error(found: &str) -> Error {
-        Error::Gpu {
-            device: "test".into(),
-            found: found.into(),
-        }
-    }
-
-    #[test]
-    fn planes_are_halved_until_there_is_memory() {
-        let mut asked = Vec::new();
-        let done = in_memory(1000, |bytes| {
-            asked.push(bytes);
-            match bytes {
-                0..=300 => Ok(bytes),
-                _ => Err(Fault::Memory(error("too little"))),
-            }
-        });
-        assert_eq!((done.unwrap(), asked), (250, vec![1000, 500, 250]));
-    }
 
     #[test]
     fn what_follows_from_a_want_of_memory_is_not_told_instead() {
@@ -119,27 +76,5 @@ mod tests {
         let invalid_alone = message([None, None, Some(invalid())]);
         assert_eq!(invalid_alone, Some(invalid().to_string()));
         assert_eq!(message([None, None, None]), None);
-    }
-
-    #[test]
-    fn where_strips_end_the_want_of_memory_is_told() {
-        let failed = in_memory(64, |bytes| -> Result<(), Fault> {
-            match bytes {
-                0..=20 => Err(Fault::Strips(error("takes 0 rows"))),
-                _ => Err(Fault::Memory(error("too little"))),
-            }
-        });
-        assert_eq!(
-            failed.unwrap_err().to_string(),
-            error("too little").to_string()
-        );
-        let never = in_memory(64, |_| -> Result<(), Fault> {
-            Err(Fault::Memory(error("none at all")))
-        });
-        assert!(never.unwrap_err().to_string().contains("none at all"));
-        let strips = in_memory(64, |_| -> Result<(), Fault> {
-            Err(Fault::Strips(error("takes 0 rows")))
-        });
-        assert!(strips.unwrap_err().to_string().contains("0 rows"));
     }
 }

@@ -19,7 +19,6 @@ pub(crate) mod limits;
 pub(crate) mod made;
 pub(crate) mod recorder;
 pub(crate) mod run;
-mod run_strips;
 pub(crate) mod runner;
 pub(crate) mod sight;
 pub(crate) mod surface;

@@ -1,6 +1,5 @@
 //! Records kernels and their inputs in order of execution.
 
-use crate::engine::device_times::{KERNELS, READ_BACK, RECORD};
 use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
@@ -14,6 +13,18 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
+
+/// Name in timings of copies to the device.
+pub(crate) const UPLOAD: &str = "upload";
+
+/// Of recording commands for it.
+pub(crate) const RECORD: &str = "record";
+
+/// Of all kernels together, on a device without a clock per stage.
+pub(crate) const KERNELS: &str = "kernels";
+
+/// Of copies from it.
+pub(crate) const READ_BACK: &str = "read-back";
 
 /// Compiled kernels, by name and switches.
 type Compiled = HashMap<(&'static str, Vec<(&'static str, bool)>), Arc<Program>>;
@@ -238,32 +249,14 @@ impl<'d> Recorder<'d> {
     /// [`crate::Error::Gpu`] if the device fails.
     pub(crate) fn run(&mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
         let recorded = self.start.map_or(Duration::ZERO, |start| start.elapsed());
-        let mut start = Instant::now();
-        let mut kernels = None;
-        if self.device.is_timed_apart {
-            let copies = self
-                .device
-                .device
-                .create_command_encoder(&Default::default());
-            let encoder = std::mem::replace(&mut self.encoder, copies);
-            self.device.queue.submit([encoder.finish()]);
-            wait_for(&self.device.device, None).map_err(|error| self.device.error(error))?;
-            kernels = Some(start.elapsed());
-            start = Instant::now();
-        }
+        let start = Instant::now();
         let (read, stages) = self.submit(wanted).read()?;
         let waited = start.elapsed();
         let mut timings = vec![(RECORD, recorded)];
-        let (stages, read_back) = match (stages, kernels) {
-            (Some(stages), Some(_)) => (stages, waited),
-            (None, Some(kernels)) => (vec![(KERNELS, kernels)], waited),
-            // Time not spent in kernels is copying and waiting.
-            (Some(stages), None) => {
-                let computed = stages.iter().map(|(_, time)| *time).sum();
-                (stages, waited.saturating_sub(computed))
-            }
-            (None, None) => (vec![(KERNELS, waited)], Duration::ZERO),
-        };
+        let stages = stages.unwrap_or_else(|| vec![(KERNELS, waited)]);
+        // Time not spent in kernels is copying and waiting.
+        let computed = stages.iter().map(|(_, time)| *time).sum();
+        let read_back = waited.saturating_sub(computed);
         timings.extend(stages);
         timings.push((READ_BACK, read_back));
         Ok((read, timings))

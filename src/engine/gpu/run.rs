@@ -1,11 +1,10 @@
-//! One frame, or a strip of it, on its way through the kernels.
+//! One frame on its way through the kernels.
 
 use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::device_times::KERNELS;
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
-use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
+use crate::engine::gpu::recorder::{KERNELS, RECORD, Recorder, Submitted, Timings};
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
@@ -82,14 +81,6 @@ impl<'a> Run<'a> {
             add_timings(&mut self.waited, &times);
         }
         Ok(())
-    }
-
-    /// The shape, as far as the gain depends on it.
-    pub(crate) fn find_shape(&mut self) -> Shape {
-        let (plan, frame) = (self.plan, self.frame);
-        let edges = self.edges(plan, frame);
-        let diffused = self.with_diffusion(edges);
-        self.with_hessian(diffused)
     }
 
     /// Replaces the shape.

@@ -4,25 +4,22 @@ use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::cpu::runner::taken_by;
-use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::fault::{Fault, in_memory, watched};
+use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::made::{Layer, Made};
-use crate::engine::gpu::recorder::{Programs, Recorder};
+use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, UPLOAD};
 use crate::engine::gpu::run::{Finished, Run};
-use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
+use crate::engine::gpu::surface::{Upload, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::outcome::add_timings;
-use crate::engine::tiles::Strips;
 use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
-use crate::light::layers::gpu::levels_of;
 use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
@@ -31,9 +28,7 @@ use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
 use crate::plan::stage::Stage;
-use crate::plan::stages::DRAWING;
 use crate::product::Product;
-use std::ops::Range;
 use std::time::Instant;
 
 /// Inputs of a run other than plan and frame.
@@ -77,86 +72,66 @@ impl Runner {
         &self.device
     }
 
-    /// Whether all stages of `plan` have kernels.
-    pub fn can_run(plan: &Plan) -> bool {
-        Self::lacks(plan).is_none()
-    }
-
-    /// The part of `plan` without kernels, in a few words; `None` if there is none.
+    /// What `plan` takes that the device cannot do, in a few words; `None` if there is nothing.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
         running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
+    }
+
+    /// Stages of `plan` that the CPU runs while the device runs the others.
+    pub(crate) fn left_to_cpu(plan: &Plan) -> Vec<&'static Stage> {
+        let is_left = |stage: &&'static Stage| stage.gpu.is_none() && stage.after_gpu.is_none();
+        running(plan).filter(is_left).collect()
     }
 
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// A frame too large for the device's memory is processed in strips. Of a drawing the device finds edges and tone,
-    /// and draws strokes of a texture if it can hold the whole frame; the CPU does the rest. Failed runs do not affect
     /// later ones; on a lost device all runs fail.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if the device is lost, is out of memory, or cannot hold a picture as large as the environment;
-    /// [`Error::Unfit`] if the plan was made for other inputs, or [`Runner::can_run`] is false.
+    /// [`Error::Gpu`] if the device is lost, or too small for the frame or for its environment; [`Error::Unfit`] if the
+    /// plan was made for other inputs, or [`Runner::lacks`] something.
     pub fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
-        self.execute_watched(plan, frame, inputs, Watch::default())
+        let done = self.attempt(plan, frame, inputs, Watch::default());
+        done.map_err(Fault::into_error)
     }
 
-    /// [`Runner::execute`] that can be cancelled before each strip.
+    /// [`Runner::execute`] that can be cancelled before each stage.
     ///
     /// # Errors
-    /// As [`Runner::execute`]; [`Error::Cancelled`].
-    pub(crate) fn execute_watched(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        inputs: Inputs,
-        watch: Watch,
-    ) -> Result<Outcome> {
-        if let Some(what) = Self::lacks(plan) {
-            return Err(Error::Unfit {
-                found: format!("the GPU has no kernels for {what}"),
-                remedy: "run it on the CPU",
-            });
-        }
-        inputs.check(plan, frame)?;
-        let whole = row_bytes(plan, frame) * frame.mask.height() as u64;
-        in_memory(self.device.plane_bytes.min(whole), |plane_bytes| {
-            self.attempt(plan, frame, inputs, plane_bytes, watch)
-        })
-    }
-
-    /// A run with planes of at most `plane_bytes`.
+    /// [`Fault::TooLarge`] if the device cannot hold the frame; [`Fault::Other`] as [`Runner::execute`], and
+    /// [`Error::Cancelled`].
     pub(crate) fn attempt(
         &self,
         plan: &Plan,
         frame: &Frame,
         inputs: Inputs,
-        plane_bytes: u64,
         watch: Watch,
     ) -> std::result::Result<Outcome, Fault> {
+        if let Some(what) = Self::lacks(plan) {
+            return Err(Fault::Other(Error::Unfit {
+                found: format!("the GPU has no kernels for {what}"),
+                remedy: "run it on the CPU",
+            }));
+        }
+        inputs.check(plan, frame)?;
+        self.check_size(plan, frame)?;
         let memory = &self.host.memory.for_run(watch.token());
-        let beside = Beside {
-            inputs,
-            light: None,
-            memory,
-            watch,
-        };
         self.guarded(|| {
-            if plan.relighting.is_none() {
-                return self.run_parts(plan, frame, beside, plane_bytes);
-            }
-            let illumination = inputs.illumination;
-            let illumination = illumination.expect("new light is planned with its lights");
-            let light = self
-                .light
-                .light(&self.device, plan, frame, illumination, watch)?;
+            let lit = plan.relighting.as_ref().and(inputs.illumination);
+            let light = lit.map(|lit| self.light.light(&self.device, plan, frame, lit, watch));
+            let light = light.transpose()?;
             let beside = Beside {
-                light: Some(&light),
-                ..beside
+                inputs,
+                light: light.as_ref(),
+                memory,
+                watch,
             };
-            let mut outcome = self.run_parts(plan, frame, beside, plane_bytes)?;
-            outcome.environment_gain = light.around.gain();
-            outcome.timings.splice(0..0, light.timings);
+            let mut outcome = self.run(plan, frame, beside)?;
+            if let Some(light) = light {
+                outcome.environment_gain = light.around.gain();
+                outcome.timings.splice(0..0, light.timings);
+            }
             Ok(outcome)
         })
     }
@@ -182,55 +157,27 @@ impl Runner {
         done
     }
 
-    /// Maximum number of rows of a frame on the device at a time, with planes of at most `plane_bytes`.
-    ///
     /// # Errors
-    /// If the rows are too long for the device.
-    fn most_rows(&self, plan: &Plan, frame: &Frame, plane_bytes: u64) -> Result<u64> {
-        let width = frame.mask.width();
-        let [most_columns, most_rows] = self.device.most_pixels;
-        if width as u64 > most_columns {
-            let found = format_args!("takes {most_columns} columns at a time, not {width}");
-            return Err(self.device.error(found));
+    /// [`Fault::TooLarge`] if planes of the frame exceed the limits of the device.
+    fn check_size(&self, plan: &Plan, frame: &Frame) -> std::result::Result<(), Fault> {
+        let [width, height] = [frame.mask.width() as u64, frame.mask.height() as u64];
+        let planes = 4 * widest(plan) * width * height;
+        let [columns, rows] = self.device.most_pixels;
+        let fits = planes <= self.device.plane_bytes;
+        match fits && width <= columns && height <= rows {
+            true => Ok(()),
+            false => Err(Fault::TooLarge(
+                self.device
+                    .error(format_args!("cannot hold a picture of {width}x{height}")),
+            )),
         }
-        Ok(most_rows.min(plane_bytes / row_bytes(plan, frame).max(1)))
-    }
-
-    fn run_parts(
-        &self,
-        plan: &Plan,
         frame: &Frame,
         beside: Beside,
-        plane_bytes: u64,
-    ) -> std::result::Result<Outcome, Fault> {
-        let height = frame.mask.height();
-        let most_rows = self.most_rows(plan, frame, plane_bytes)?;
-        let drawing = plan.drawing.as_ref();
-        if most_rows >= height as u64 {
-            let stages: Vec<_> = running(plan).collect();
-            return Ok(self.run_stages(plan, &stages, frame, beside, 0..height)?);
-        }
-        let reach = match drawing {
-            // A drawing's directions are found on the whole frame.
-            Some(_) => plan.clone().without(Product::Direction).reach(),
-            None => plan.reach(),
-        };
-        if plan.tile.is_some() && most_rows < height as u64 {
-            return Err(Fault::Strips(self.device.error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and a tile is diffused as a whole"
-            ))));
-        }
-        let Some(strips) = Strips::new(reach, height, most_rows as usize) else {
-            return Err(Fault::Strips(self.device.error(format_args!(
-                "takes {most_rows} rows of this picture at a time, and its scale asks for {reach} to each side"
-            ))));
-        };
-        let strips = strips.watched(beside.watch);
-        let outcome = self.run_strips(plan, frame, beside, &strips)?;
-        Ok(match drawing {
-            Some(_) => self.drawn_by_host(plan, frame, beside, outcome)?,
-            None => outcome,
-        })
+    ) -> Result<Outcome> {
+        let start = Instant::now();
+        let copied = match beside.light {
+            Some(light) => light.albedo(plan, frame),
+            None if plan.makes_picture() && !plan.display => frame.color.as_ref(),
     }
 
     /// The CPU run for a frame.
@@ -240,22 +187,6 @@ impl Runner {
             watch: beside.watch,
             ..HostRun::new(&self.host, plan, frame, beside.inputs)
         }
-    }
-
-    /// Draws on the CPU, with tone and edges from the device.
-    fn drawn_by_host(
-        &self,
-        plan: &Plan,
-        frame: &Frame,
-        beside: Beside,
-        made: Outcome,
-    ) -> Result<Outcome> {
-        let mut run = HostRun {
-            outcome: made,
-            ..self.host_run(plan, frame, beside)
-        };
-        run.go_through(DRAWING)?;
-        Ok(run.outcome)
     }
 
     pub(crate) fn upload(&self) -> Upload<'_> {
@@ -279,11 +210,6 @@ impl Runner {
             chosen[GAIN as usize] = gain;
         }
         let surface = self.upload().surface(plan, frame);
-        if self.device.is_timed_apart {
-            self.device.queue.submit([]);
-            // If waiting fails, so does the run.
-            let _ = wait_for(&self.device.device, None);
-        }
         let host = self.host_run(plan, frame, beside);
         let place = (&self.device, &self.buffers);
         let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
@@ -298,65 +224,42 @@ impl Runner {
         )
     }
 
-    /// Runs the stages of `plan` for shape and picture on a strip, given by its rows in the frame that the light was
-    /// prepared for. Reads back the shape that the plan asks for and that drawing needs.
-    pub(crate) fn run_strip(
+    /// Runs `plan` on a frame that fits the device.
+    fn run(
         &self,
         plan: &Plan,
-        strip: &Frame,
-        beside: Beside,
-        rows: Range<usize>,
-    ) -> Result<Outcome> {
-        let stages: Vec<_> = running(plan).filter(|stage| !draws(stage)).collect();
-        self.run_stages(plan, &stages, strip, beside, rows)
-    }
-
-    /// Runs stages on a frame that fits the device, given by its rows in the frame that the light was prepared for.
-    fn run_stages(
-        &self,
-        plan: &Plan,
-        stages: &[&'static Stage],
-        frame: &Frame,
-        beside: Beside,
-        rows: Range<usize>,
-    ) -> Result<Outcome> {
-        let start = Instant::now();
-        let copied = match beside.light {
-            Some(light) => light.albedo(self.upload(), plan, frame, &rows),
-            None if plan.makes_picture() && !plan.display => self.upload().picture(frame),
+        run.host.outcome.timings.push((UPLOAD, start.elapsed()));
+        let stages: Vec<_> = running(plan).collect();
+        run.record(&stages)?;
+        run.read_results(beside.light.is_some())?;
+        run.go_on(&stages)?;
             None => None,
         };
+        let copied = copied.map(|color| self.upload().color(color));
         let is_copied = copied.is_some();
         let mut run = self.start(plan, frame, beside);
         run.made.picture = copied;
-        run.host.outcome.timings.push((UPLOAD, start.elapsed()));
-        run.record(stages)?;
-        run.read_results(beside.light.is_some())?;
-        run.go_on(stages)?;
-        let Finished {
-            mut made,
-            timings,
             host,
         } = run.finish();
         let mut outcome = host.outcome;
+        let Finished {
+            mut made,
+            timings,
+        self.buffers.recycle(made.into_buffers());
+        Ok(outcome)
         add_timings(&mut outcome.timings, &timings);
         let picture = made.picture.take().into_iter().flatten();
         self.buffers.recycle_either(picture, is_copied);
-        self.buffers.recycle(made.into_buffers());
-        Ok(outcome)
+            watch.begins(stage.name, done as f32 / stages.len() as f32);
+            record(self);
     }
-}
-
-/// Whether a stage is one of a drawing: the CPU runs these.
-fn draws(stage: &Stage) -> bool {
-    DRAWING.iter().any(|drawing| drawing.name == stage.name)
 }
 
 /// The layers to read back from the device: those requested, and those that stages take on the CPU.
 fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
     let mut layers = made.layers();
     if !plan.wants(Product::Curvature) {
-        let on_cpu = running(plan).filter(|stage| draws(stage) || stage.after_gpu.is_some());
+        let on_cpu = running(plan).filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
         let taken = taken_by(on_cpu, plan);
         layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
     }
@@ -397,18 +300,16 @@ fn put_layers(
     }
 }
 
-/// Bytes per row of the widest plane that `plan` computes for `frame`: vectors of two; wider ones for layers only.
-fn row_bytes(plan: &Plan, frame: &Frame) -> u64 {
-    let has_layers = matches!(plan.scaled(), Some(Subject::Lobes | Subject::Groups));
-    let widest = match plan.wants(Product::Curvature) || has_layers {
-        true => WIDEST,
+/// Samples per pixel of the widest buffer that `plan` computes.
+fn widest(plan: &Plan) -> u64 {
+    match plan.wants(Product::Curvature) {
+        true => 4,
         false => 2,
-    };
-    4 * widest * frame.mask.width() as u64
+    }
 }
 
 impl Run<'_> {
-    /// Records stages one after another, up to those of a drawing.
+    /// Records stages one after another, up to the first that the CPU runs.
     ///
     /// If the run is observed, each stage is submitted as soon as it is recorded, and the previous one is waited for:
     /// progress then follows the device, and a cancelled run leaves at most two stages to finish.
@@ -418,11 +319,9 @@ impl Run<'_> {
     /// fails.
     fn record(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
-        let recorded = stages.iter().take_while(|stage| !draws(stage));
-        for (done, stage) in recorded.enumerate() {
+        let recorded = stages.iter().map_while(|stage| Some((stage, stage.gpu?)));
+        for (done, (stage, record)) in recorded.enumerate() {
             watch.check()?;
-            watch.begins(stage.name, done as f32 / stages.len() as f32);
-            (stage.gpu)(self);
             if watch.looks_on() {
                 self.hand_over()?;
             }
@@ -437,11 +336,9 @@ impl Run<'_> {
         let layers = layers_read(&self.made, plan);
         let picture = self.made.picture.clone().filter(|_| plan.makes_picture());
         let chosen = self.chosen.clone();
-        let whites = std::mem::take(&mut self.made.term_whites);
         let mut wanted = vec![&chosen];
         wanted.extend(picture.iter().flatten());
         wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
-        wanted.extend(whites.iter().map(|(_, white)| white));
         let read = self.read(&wanted)?;
 
         let start = Instant::now();
@@ -455,8 +352,7 @@ impl Run<'_> {
         if let Some(color) = outcome.color.as_mut().filter(|_| is_lit) {
             frame_lit(color, frame);
         }
-        put_layers(outcome, plan, frame, &layers, read.by_ref());
-        outcome.term_white_levels = levels_of(&whites, read);
+        put_layers(outcome, plan, frame, &layers, read);
         if plan.wants_curvature() {
             outcome.gain = Some(chosen[GAIN as usize]);
         }
@@ -475,13 +371,13 @@ impl Run<'_> {
         let watch = self.host.watch;
         for (done, stage) in stages.iter().enumerate() {
             watch.check()?;
-            if draws(stage) {
+            if stage.gpu.is_none() {
                 watch.begins(stage.name, done as f32 / stages.len() as f32);
             }
-            match stage.after_gpu {
-                Some(pass) => pass(self)?,
-                None if draws(stage) => (stage.cpu)(&mut self.host),
-                None => (),
+            match (stage.after_gpu, stage.gpu) {
+                (Some(pass), _) => pass(self)?,
+                (None, None) => (stage.cpu)(&mut self.host),
+                (None, Some(_)) => (),
             }
         }
         watch.check()

@@ -9,10 +9,6 @@ use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::shape::edges::SilhouetteSource;
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Samples per pixel in the widest buffers: those of layers of the descriptor and of light.
-pub(crate) const WIDEST: u64 = 4;
 
 /// A picture on the device: red, green and blue.
 pub(crate) type Picture = [wgpu::Buffer; 3];
@@ -59,19 +55,9 @@ impl Upload<'_> {
         buffer
     }
 
-    /// The picture of a frame, if it has one.
-    pub(crate) fn picture(self, frame: &Frame) -> Option<Picture> {
-        let color = frame.color.as_ref()?;
-        Some([&color.r, &color.g, &color.b].map(|plane| self.plane(plane)))
-    }
-
-    /// The given rows of a picture.
-    pub(crate) fn rows(self, picture: &ColorPlanes, rows: &Range<usize>) -> Picture {
-        [&picture.r, &picture.g, &picture.b].map(|plane| {
-            let width = plane.width();
-            let samples = &plane.samples()[rows.start * width..rows.end * width];
-            self.bytes(bytemuck::cast_slice(samples))
-        })
+    /// The channels of a picture.
+    pub(crate) fn color(self, color: &ColorPlanes) -> Picture {
+        [&color.r, &color.g, &color.b].map(|plane| self.plane(plane))
     }
 
     fn coverage(self, mask: &Mask) -> wgpu::Buffer {

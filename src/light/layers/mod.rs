@@ -7,8 +7,6 @@
 //! end, so that light in no layer stays unchanged, and so does a picture without changes.
 
 pub(crate) mod cpu;
-#[cfg(feature = "gpu")]
-pub(crate) mod gpu;
 pub(crate) mod stage;
 pub(crate) mod terms;
 

@@ -21,7 +21,7 @@ pub(crate) static LIGHT_LOBES: Stage = Stage {
     }],
     cpu: scale_lobes,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::scale_lobes,
+    gpu_lacks: |_| Some("lobes of light"),
     ..Stage::DEFAULT
 };
 
@@ -42,7 +42,7 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
     }],
     cpu: scale_groups,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::scale_groups,
+    gpu_lacks: |_| Some("light groups"),
     ..Stage::DEFAULT
 };
 
@@ -57,7 +57,7 @@ pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
     }],
     cpu: scale_by_occlusion,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::scale_by_occlusion,
+    gpu_lacks: |_| Some("ambient occlusion"),
     ..Stage::DEFAULT
 };
 

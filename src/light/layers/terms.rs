@@ -1,4 +1,4 @@
-//! The terms scaled separately in the light of a picture: lobes, and parts of lobes, shared by all backends.
+//! The terms scaled separately in the light of a picture: lobes, and parts of lobes.
 
 use crate::frame::{ColorPlanes, LobeLayers};
 use crate::params::ScalingParams;

@@ -19,7 +19,7 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
     }],
     cpu: scale,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::scale,
+    gpu: Some(super::gpu::scale),
     ..Stage::DEFAULT
 };
 

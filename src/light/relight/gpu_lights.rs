@@ -1,11 +1,9 @@
 //! Lights and look-up maps on the device.
 
-use crate::engine::cpu::gpu_support::estimated_albedo;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::surface::Upload;
+use crate::engine::gpu::fault::Fault;
 use crate::engine::watch::Watch;
-use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
 use crate::light::light_warping::half_vector;
@@ -13,12 +11,12 @@ use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::prepared_environment::{
     EnvironmentCache, Illuminants, Map, PreparedEnvironment, Used,
 };
+use crate::light::relight::albedo;
 use crate::plan::{Albedo, Plan, Relighting};
-use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The light of a frame, and its products shared by all strips.
+/// The light of a frame.
 pub(crate) struct Light<'a> {
     pub(crate) around: Illuminants<'a>,
     /// The albedo of the frame, if estimated.
@@ -93,22 +91,25 @@ impl LightCache {
         frame: &Frame,
         illumination: &'a Illumination,
         watch: Watch,
-    ) -> Result<Light<'a>> {
+    ) -> Result<Light<'a>, Fault> {
         let relighting = relighting(plan);
         let mut timings = Vec::new();
         let weights = frame.luminance_weights();
+        let memory = &Memory::default().for_run(watch.token());
         let around = Illuminants::new(
             illumination,
             relighting,
             weights,
             &self.environment,
-            &Memory::default().for_run(watch.token()),
+            memory,
             |make| timed(&mut timings, "environment", make),
         );
         watch.check()?;
         let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
             timed(&mut timings, "albedo-estimate", || {
-                estimated_albedo(plan, frame)
+                let own = plan.own_part(frame);
+                let found = albedo::estimate(&own, &own.normal, weights);
+                albedo::by_estimate(frame, &found, memory)
             })
         });
         let (vectors, counts) = match relighting.sums {
@@ -128,7 +129,11 @@ impl LightCache {
     }
 
     /// The look-up maps, on the device.
-    fn texels(&self, device: &Device, around: &Illuminants) -> Result<(wgpu::Buffer, [Placed; 2])> {
+    fn texels(
+        &self,
+        device: &Device,
+        around: &Illuminants,
+    ) -> Result<(wgpu::Buffer, [Placed; 2]), Fault> {
         let map = |map: &Map| Placed::of(&map.environment, map.largest);
         let nothing = Placed::default();
         let ready = &around.ready;
@@ -184,25 +189,15 @@ impl Placed {
 }
 
 impl Light<'_> {
-    /// The albedo planes of `frame`, the strip with these rows; `None` for white.
-    pub(crate) fn albedo(
-        &self,
-        upload: Upload,
-        plan: &Plan,
-        frame: &Frame,
-        rows: &Range<usize>,
-    ) -> Option<[wgpu::Buffer; 3]> {
+    /// The albedo of `frame`; `None` for white.
+    pub(crate) fn albedo<'f>(&'f self, plan: &Plan, frame: &'f Frame) -> Option<&'f ColorPlanes> {
         let color = match relighting(plan).albedo {
             Albedo::Layer => frame.albedo.as_ref(),
             Albedo::Picture => frame.color.as_ref(),
+            Albedo::Estimate => self.estimate.as_ref(),
             Albedo::White => return None,
-            Albedo::Estimate => {
-                let whole = self.estimate.as_ref().expect("it was estimated");
-                return Some(upload.rows(whole, rows));
-            }
         };
-        let color = color.expect("the plan found it in the frame");
-        Some([&color.r, &color.g, &color.b].map(|plane| upload.plane(plane)))
+        Some(color.expect("the plan found it in the frame"))
     }
 }
 
@@ -247,14 +242,14 @@ fn vectors_of(illumination: &Illumination, around: &Illuminants) -> (Vec<[f32; 4
 }
 
 /// A separate buffer with these vectors, consecutively.
-fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer> {
+fn filled(device: &Device, parts: &[&[[f32; 4]]]) -> Result<wgpu::Buffer, Fault> {
     let count: usize = parts.iter().map(|part| part.len()).sum();
     let bytes = 16 * count.max(1) as u64;
     if bytes > device.plane_bytes {
-        return Err(device.error(format_args!(
+        return Err(Fault::TooLarge(device.error(format_args!(
             "takes {} bytes at a time, and what is around the surface has {bytes}",
             device.plane_bytes
-        )));
+        ))));
     }
     let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,

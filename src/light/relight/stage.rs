@@ -69,7 +69,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     ],
     cpu: relight,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::relight,
+    gpu: Some(super::gpu::relight),
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| plan.relighting.as_ref().and_then(gpu_lacks),
     ..Stage::DEFAULT

@@ -1,8 +1,8 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
-use crate::engine::device_times::UPLOAD;
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::recorder::UPLOAD;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;

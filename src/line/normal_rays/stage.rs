@@ -23,7 +23,7 @@ pub(crate) static NORMAL_RAYS: Stage = Stage {
     }],
     cpu: follow_rays,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::follow_rays,
+    gpu: Some(super::gpu::follow_rays),
     #[cfg(feature = "gpu")]
     after_gpu: Some(super::gpu::fill_gaps),
     ..Stage::DEFAULT

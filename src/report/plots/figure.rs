@@ -62,7 +62,6 @@ pub(super) enum Marks {
     Discs(i32),
     /// Rings along a dashed line.
     Rings,
-    Triangles,
     /// A dashed vertical line across the panel at every point.
     Uprights,
 }
@@ -210,9 +209,6 @@ impl Series {
             Marks::Rings => {
                 chart.draw_series(DashedLineSeries::new(places(), 6, 5, stroke))?;
                 chart.draw_series(places().map(|at| Circle::new(at, 7, stroke)))?;
-            }
-            Marks::Triangles => {
-                chart.draw_series(places().map(|at| TriangleMarker::new(at, 6, disc)))?;
             }
             Marks::Uprights => {
                 for (x, _) in places() {

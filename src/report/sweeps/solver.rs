@@ -3,13 +3,11 @@
 use super::{EdgeErrors, Measuring, named};
 use crate::Result;
 use crate::frame::{Frame, Plane};
-use crate::light::lights::Illumination;
 use crate::params::{Scale, ShapeParams, Solver};
 use crate::plan::{DiffusionSchedule, Goal, Plan, Recurrence};
 use crate::report::asked::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
-use crate::report::engine::{self, Layers};
-use crate::report::gpu::{Gpu, GpuParts};
+use crate::report::engine;
 use crate::report::machine::Machine;
 use crate::report::pareto;
 use crate::report::surface::Surface;
@@ -55,20 +53,10 @@ pub(crate) struct SolverRow {
     pub whole: Times,
     /// Megapixels of the frame per second, all stages.
     pub megapixels_per_second: f64,
-    /// Share of the machine used by the diffusion; `None` on a device.
-    pub utilisation: Option<Utilisation>,
+    /// Share of the machine used by the diffusion.
+    pub utilisation: Utilisation,
     /// Whether no other row of the scale is both faster and more accurate.
     pub on_front: bool,
-}
-
-/// Errors and times of a setting on a device.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct GpuRow {
-    /// The same columns as for the CPU.
-    #[serde(flatten)]
-    pub row: SolverRow,
-    #[serde(flatten)]
-    pub parts: GpuParts,
 }
 
 /// All settings at one scale.
@@ -78,9 +66,6 @@ pub(crate) struct ScaleSweep {
     pub flag: String,
     pub sigma_px: f64,
     pub rows: Vec<SolverRow>,
-    /// Rows of a device, if one was measured.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub on_gpu: Vec<GpuRow>,
     /// Settings skipped for their run time.
     pub left_out: Vec<String>,
 }
@@ -110,8 +95,6 @@ pub(crate) struct Subject<'a> {
     pub shape: ShapeParams,
     /// The closed form of its trace.
     pub closed_form: Option<ClosedForm<'a>>,
-    /// A device to measure in comparison with the CPU.
-    pub gpu: Option<&'a Gpu<'a>>,
 }
 
 /// Measures every solver and setting at each of `scales`.
@@ -179,17 +162,13 @@ fn sweep_scale(
     let rows = shapes
         .iter()
         .zip(times)
-        .map(|(shape, times)| truth.row_of_cpu(shape, times, machine));
+        .map(|(shape, times)| truth.row(shape, times, machine));
     let mut rows = rows.collect::<Result<Vec<SolverRow>>>()?;
     for (row, plan) in rows.iter_mut().zip(&plans) {
         row.asked_for = plan.sweeps == asked_for;
     }
     let place = |row: &SolverRow| [row.diffusion.min, row.gradient.max];
     pareto::mark(&mut rows, place, |row| &mut row.on_front);
-    let on_gpu = match subject.gpu {
-        Some(gpu) => truth.on_gpu(gpu, &shape, effort)?,
-        None => Vec::new(),
-    };
     Ok(ScaleSweep {
         scale: named(scale),
         flag: match scale {
@@ -198,7 +177,6 @@ fn sweep_scale(
         },
         sigma_px: shape.scale_px(),
         rows,
-        on_gpu,
         left_out,
     })
 }
@@ -233,14 +211,6 @@ fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     all
 }
 
-/// Both solvers, `solver` first.
-fn by_turns(solver: Solver) -> [Solver; 2] {
-    match solver {
-        Solver::Chebyshev => [Solver::Chebyshev, Solver::Explicit],
-        Solver::Explicit => [Solver::Explicit, Solver::Chebyshev],
-    }
-}
-
 /// The reference for all settings of one scale.
 struct Truth<'a> {
     measuring: &'a Measuring<'a>,
@@ -250,70 +220,21 @@ struct Truth<'a> {
 }
 
 impl Truth<'_> {
-    fn row_of_cpu(
-        &self,
-        shape: &ShapeParams,
-        timed: Timed,
-        machine: &Machine,
-    ) -> Result<SolverRow> {
-        let frame = self.measuring.frame;
+    fn row(&self, shape: &ShapeParams, timed: Timed, machine: &Machine) -> Result<SolverRow> {
+        let Measuring {
+            frame, steepest, ..
+        } = *self.measuring;
+        let mask = &frame.mask;
         let layers = timing::plan(Goal::Layers, frame, *shape)?;
         let found = engine::layers(frame, *shape)?;
         let work =
             work::of_stage("diffusion", shape, &layers.sweeps).expect("diffusion has a model");
         let diffusion = timed.stage("diffusion").unwrap_or(timed.whole);
-        let utilisation = Utilisation::of(work, frame.mask.count(), diffusion, machine);
-        let mut row = self.row(shape, &layers, &found, diffusion, timed.whole);
-        row.utilisation = Some(utilisation);
-        Ok(row)
-    }
-
-    /// The device with the requested solver, and with the other one.
-    fn on_gpu(&self, gpu: &Gpu, shape: &ShapeParams, effort: Effort) -> Result<Vec<GpuRow>> {
-        let frame = self.measuring.frame;
-        let mut rows: Vec<GpuRow> = Vec::new();
-        let mut tried: Vec<DiffusionSchedule> = Vec::new();
-        for solver in by_turns(shape.solver) {
-            let shape = ShapeParams { solver, ..*shape };
-            let layers = timing::plan(Goal::Layers, frame, shape)?;
-            let is_first = tried.is_empty();
-            let is_new = !tried.contains(&layers.sweeps);
-            tried.push(layers.sweeps.clone());
-            if !is_new || !is_first && !gpu.can_afford(&layers, frame) {
-                continue;
-            }
-            let display = timing::plan(Goal::Display, frame, shape)?;
-            let none = Illumination::default();
-            let outcome = gpu.run(&layers, frame, &none);
-            let timed = gpu.measure(&display, frame, &none, effort);
-            if let Some((outcome, timed)) = outcome.zip(timed) {
-                let whole = timed.whole;
-                let found = Layers::of(outcome);
-                let mut row = self.row(&shape, &layers, &found, timed.parts.diffusion(), whole);
-                row.asked_for = is_first;
-                let parts = timed.parts;
-                rows.push(GpuRow { row, parts });
-            }
-        }
-        Ok(rows)
-    }
-
-    fn row(
-        &self,
-        shape: &ShapeParams,
-        layers: &Plan,
-        found: &Layers,
-        diffusion: Times,
-        whole: Times,
-    ) -> SolverRow {
-        let Measuring {
-            frame, steepest, ..
-        } = *self.measuring;
-        let mask = &frame.mask;
+        let whole = timed.whole;
         let found_trace = found.trace();
         let trace = compare([&found_trace], [&self.trace], mask, steepest);
         let explicit = matches!(layers.sweeps.recurrence, Recurrence::Explicit(_));
-        SolverRow {
+        Ok(SolverRow {
             solver: if explicit {
                 Solver::Explicit
             } else {
@@ -336,11 +257,11 @@ impl Truth<'_> {
                 (errors.pixels > 0).then_some(errors)
             }),
             megapixels_per_second: whole.megapixels_per_second(mask.width() * mask.height()),
-            utilisation: None,
+            utilisation: Utilisation::of(work, mask.count(), diffusion, machine),
             diffusion,
             whole,
             on_front: false,
-        }
+        })
     }
 
     fn against(&self, exact: ClosedForm, found: &Plane, time: f64) -> Errors {

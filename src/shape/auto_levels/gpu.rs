@@ -128,15 +128,6 @@ pub(crate) enum Search {
     },
     /// The white level, with these weights of luminance.
     White([f32; 3]),
-    /// The white level of a term of the light, from its luminance.
-    TermWhite,
-}
-
-impl Search {
-    /// Whether it searches the picture rather than the shape.
-    pub(crate) fn is_of_picture(&self) -> bool {
-        matches!(self, Self::White(_))
-    }
 }
 
 /// A pass over the values: the look at them, 0 or 1, and the number of the bits that it resolves.
@@ -187,9 +178,9 @@ impl Searching {
         }
     }
 
-    /// Whether a second look is to follow, given the state read back after the first.
-    pub(crate) fn looks_again(&self, state: &[f32]) -> bool {
-        state[3].to_bits() != self.lattice.side
+    /// Columns and rows of the planes.
+    fn size(&self, run: &Run) -> [u32; 2] {
+        run.surface.size
     }
 
     /// Position of the bits with this number.
@@ -211,7 +202,6 @@ impl Searching {
         let (least, weights) = match self.search {
             Search::Gain { size, factor, .. } => (flat_curvature(size, factor), [0.0; 3]),
             Search::White(weights) => (0.0, weights),
-            Search::TermWhite => (0.0, [0.0; 3]),
         };
         let Lattice {
             side,
@@ -242,7 +232,6 @@ impl Searching {
         };
         let switches = [
             ("OF_TRACE", matches!(self.search, Search::Gain { .. })),
-            ("OF_LIGHT", matches!(self.search, Search::TermWhite)),
         ];
         let most = match run.device.is_software() {
             true => MOST_GROUPS_IN_SOFTWARE,
@@ -271,7 +260,7 @@ impl Searching {
     pub(crate) fn narrow(&self, run: &mut Run, pass: Pass, chosen: &wgpu::Buffer) {
         let (percent, most_gain) = match self.search {
             Search::Gain { most, .. } => (CURVATURE_PERCENT, Some(most)),
-            Search::White(_) | Search::TermWhite => (WHITE_PERCENT, None),
+            Search::White(_) => (WHITE_PERCENT, None),
         };
         let params = NarrowParams {
             is_first: u32::from(pass.bits == 0),
@@ -316,7 +305,7 @@ impl Searching {
     fn stage(&self) -> &'static str {
         match self.search {
             Search::Gain { .. } => "auto-gain",
-            Search::White(_) | Search::TermWhite => "auto-white",
+            Search::White(_) => "auto-white",
         }
     }
 }
@@ -367,7 +356,6 @@ mod tests {
     use crate::engine::gpu::device::{Choice, Device, to_test_on};
     use crate::engine::gpu::runner::Runner;
     use crate::engine::inputs::Inputs;
-    use crate::engine::watch::Watch;
     use crate::frame::{ColorPlanes, Frame, Plane};
     use crate::params::ShapeParams;
     use crate::plan::Goal;
@@ -402,18 +390,13 @@ mod tests {
         let expected = host.execute(&plan, &frame, Inputs::default()).unwrap();
         let runner = Runner::new(device);
         let whole = runner.execute(&plan, &frame, Inputs::default()).unwrap();
-        let of_rows = 4 * width as u64 * 400;
-        let (inputs, watch) = (Inputs::default(), Watch::default());
-        let strips = runner.attempt(&plan, &frame, inputs, of_rows, watch);
-        for made in [whole, strips.unwrap()] {
-            // The traces of both differ by rounding, their sums of three products hardly.
-            for (found, expected, allowed) in [
-                (made.gain, expected.gain, 1e-4),
-                (made.white_level, expected.white_level, 1e-6),
-            ] {
-                let off = found.unwrap() / expected.unwrap() - 1.0;
-                assert!(off.abs() <= allowed, "{found:?} {expected:?}");
-            }
+        // The traces of both differ by rounding, their sums of three products hardly.
+        for (found, expected, allowed) in [
+            (whole.gain, expected.gain, 1e-4),
+            (whole.white_level, expected.white_level, 1e-6),
+        ] {
+            let off = found.unwrap() / expected.unwrap() - 1.0;
+            assert!(off.abs() <= allowed, "{found:?} {expected:?}");
         }
     }
 

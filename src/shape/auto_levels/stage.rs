@@ -29,7 +29,7 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     }],
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::choose_gain,
+    gpu: Some(super::gpu::choose_gain),
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| {
         let of_tile = plan.tile.is_some() && plan.chooses_gain();

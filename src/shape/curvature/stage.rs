@@ -32,7 +32,7 @@ pub(crate) static TRACE: Stage = Stage {
     }],
     cpu: find_trace,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::find_hessian,
+    gpu: Some(super::gpu::find_hessian),
     ..Stage::DEFAULT
 };
 
@@ -60,7 +60,7 @@ pub(crate) static HESSIAN: Stage = Stage {
     }],
     cpu: find_hessian,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::find_hessian,
+    gpu: Some(super::gpu::find_hessian),
     ..Stage::DEFAULT
 };
 
@@ -76,6 +76,9 @@ pub(crate) static CURVATURES: Stage = Stage {
         decide: |plan| asked_for(plan, Product::Curvature, "their sum is enough"),
     }],
     cpu: find_curvatures,
+    // The device makes them with the mapped curvature.
+    #[cfg(feature = "gpu")]
+    gpu: Some(|_| ()),
     ..Stage::DEFAULT
 };
 
@@ -94,6 +97,9 @@ pub(crate) static DIRECTIONS: Stage = Stage {
         },
     }],
     cpu: find_directions,
+    // The device makes them with the mapped curvature.
+    #[cfg(feature = "gpu")]
+    gpu: Some(|_| ()),
     ..Stage::DEFAULT
 };
 
@@ -116,7 +122,7 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
     }],
     cpu: map_curvature,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::describe,
+    gpu: Some(super::gpu::describe),
     #[cfg(feature = "gpu")]
     gpu_lacks: |plan| maps_trace(plan).then_some("mapped curvature alone"),
     ..Stage::DEFAULT

@@ -19,7 +19,7 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
     }],
     cpu: display,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::display,
+    gpu: Some(super::gpu::display),
     ..Stage::DEFAULT
 };
 

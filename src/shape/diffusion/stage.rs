@@ -31,7 +31,7 @@ pub(crate) static DIFFUSION: Stage = Stage {
     }],
     cpu: diffuse,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::diffuse,
+    gpu: Some(super::gpu::diffuse),
     ..Stage::DEFAULT
 };
 

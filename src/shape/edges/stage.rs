@@ -69,7 +69,7 @@ pub(crate) static EDGES: Stage = Stage {
     ],
     cpu: find_edges,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::find_edges,
+    gpu: Some(super::gpu::find_edges),
     ..Stage::DEFAULT
 };
 

@@ -48,7 +48,7 @@ impl Asked {
     #[track_caller]
     fn assert_same(&self, name: &str, runner: &Runner, frame: &Frame) {
         let plan = self.plan(frame).unwrap();
-        assert!(Runner::can_run(&plan), "{name}");
+        assert_eq!(Runner::lacks(&plan), None, "{name}");
         let expected = cpu::execute(&plan, frame, Inputs::lit_by(&self.light)).unwrap();
         let found = runner
             .execute(&plan, frame, Inputs::lit_by(&self.light))

@@ -15,8 +15,6 @@ use crate::light::brdf::{
 };
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::environment::equirectangular_position;
-use crate::light::layers::gpu::{CHANGE_PICTURE, OCCLUDE};
-use crate::light::layers::{TermScaling, changed, limited};
 use crate::light::light_warping::{
     MOST_BRIGHTENED, SIXTH, Warp, bounded_entry, contrast, half_vector, scale_factor,
 };

@@ -37,42 +37,15 @@ fn scaling_of_light() -> Vec<Twin> {
         })
         .on(no_nan),
         // A scaling is positive and finite.
-        twin!(scaled, scaled, OCCLUDE, |c: f32, sigma: f32| scaled(
+        twin!(scaled, scaled, RELIGHT, |c: f32, sigma: f32| scaled(
             c, sigma
         ))
         .on(|words| within_range(&mut words[1..], 1e-27, 1e27)),
-        twin!(limited, limited, OCCLUDE, |value: f32, most: f32| limited(
-            value, most
-        )),
     ]
 }
 
 fn terms_of_light() -> Vec<Twin> {
     vec![
-        twin!(
-            term_scaling_sigma,
-            TermScaling::sigma,
-            OCCLUDE,
-            |luminance: f32, white: f32, kappa: f32, magnitude: f32, invariant_point: f32| {
-                let scaling = TermScaling {
-                    magnitude,
-                    invariant_point,
-                    white,
-                    weights: [0.0; 3],
-                };
-                scaling.sigma(luminance, kappa)
-            }
-        )
-        .with(&["magnitude", "invariant_point"])
-        .on(no_nan),
-        // The values changed by terms, and their bounds, are finite.
-        twin!(
-            changed,
-            changed,
-            CHANGE_PICTURE,
-            |c: f32, change: f32, layered: f32| { changed(c, change, layered) }
-        )
-        .on(|words| bounded(&mut words[1..])),
         twin!(
             luminance,
             luminance,
