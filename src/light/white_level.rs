@@ -37,10 +37,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     }],
     cpu: choose_white,
     #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| {
-        let of_tile = plan.tile.is_some() && chosen_for(plan).is_some();
-        of_tile.then_some("a white level chosen from a tile")
-    },
+    gpu: |run| choose_white(&mut run.host),
     ..Stage::DEFAULT
 };
 

@@ -7,10 +7,9 @@
 @group(0) @binding(4) var<storage, read> blue: array<f32>;
 // Any buffer if there is no alpha.
 @group(0) @binding(5) var<storage, read> alpha: array<f32>;
-@group(0) @binding(6) var<storage, read> chosen: array<f32>;
 // Densities at even steps of the square root of luminance, from 0 to white.
-@group(0) @binding(7) var<storage, read> density_table: array<f32>;
-@group(0) @binding(8) var<storage, read_write> densities: array<f32>;
+@group(0) @binding(6) var<storage, read> density_table: array<f32>;
+@group(0) @binding(7) var<storage, read_write> densities: array<f32>;
 
 override HAS_ALPHA: bool;
 
@@ -25,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let weighted = red[i] * params.weight_r + green[i] * params.weight_g + blue[i] * params.weight_b;
-    var share = weighted / chosen[WHITE];
+    var share = weighted / params.white;
     var is_number = !is_nan(share);
     if HAS_ALPHA {
         // A rim that covers half a pixel is as light as the rest.

@@ -26,7 +26,7 @@ impl DeviceCanvas<'_> {
     /// The buffers to read back, in the order expected by [`DeviceCanvas::put`].
     pub(crate) fn wanted(&self) -> impl Iterator<Item = &wgpu::Buffer> {
         let fields = self.fields.iter().map(|fields| &fields.further);
-        let hatched = self.hatched.iter().flat_map(|h| [&h.chosen, &h.ink]);
+        let hatched = self.hatched.iter().map(|h| &h.ink);
         fields.chain(hatched).chain(&self.contours)
     }
 
@@ -66,8 +66,8 @@ impl StrokeFields {
 
 /// Strokes on the device.
 pub(crate) struct Hatched {
-    /// The numbers chosen, paper white among them.
-    pub(crate) chosen: wgpu::Buffer,
+    /// The luminance of paper white.
+    pub(crate) white: f32,
     pub(crate) densities: wgpu::Buffer,
     /// Coverage of the paper by strokes.
     pub(crate) ink: wgpu::Buffer,

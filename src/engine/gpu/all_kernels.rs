@@ -1,9 +1,7 @@
 //! The list of all kernels, for code that iterates over them; passes do not use it.
 
 use crate::engine::gpu::kernels::Kernel;
-use crate::light::layers::gpu::{
-    ADD_CHANGE, CHANGE_PICTURE, GROUP_SIGMA, LOBE_LUMINANCE, LOBE_SIGMA, OCCLUDE,
-};
+use crate::light::layers::gpu::{ADD_CHANGE, CHANGE_PICTURE, GROUP_SIGMA, LOBE_SIGMA, OCCLUDE};
 use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
 use crate::light::relight::gpu::RELIGHT;
 use crate::line::contours::gpu::{CRACKS, EDGE_LISTS};
@@ -15,14 +13,13 @@ use crate::line::direction_field::gpu_kernels::{
 };
 use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
-use crate::shape::auto_levels::gpu::{COUNT, NARROW};
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
 use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 34] = [
+pub(crate) static ALL: [&Kernel; 31] = [
     &LOG_DEPTH,
     &EDGES,
     &EDGE_LISTS,
@@ -30,11 +27,8 @@ pub(crate) static ALL: [&Kernel; 34] = [
     &DIFFUSION,
     &HESSIAN,
     &CURVATURES,
-    &COUNT,
-    &NARROW,
     &SCALE_PICTURE,
     &SCALE_BY_GRADIENT,
-    &LOBE_LUMINANCE,
     &LOBE_SIGMA,
     &GROUP_SIGMA,
     &ADD_CHANGE,

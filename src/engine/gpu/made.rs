@@ -16,11 +16,11 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// The plane that the gain is chosen from.
-    pub(crate) fn of_gain(&self) -> [&wgpu::Buffer; 3] {
+    /// The trace and the conductance, from which the gain is chosen.
+    pub(crate) fn of_gain(&self) -> [&wgpu::Buffer; 2] {
         let hessian = self.hessian.as_ref();
         let trace = &hessian.expect("the gain takes the trace").trace;
-        [trace, &self.conductance, trace]
+        [trace, &self.conductance]
     }
 
     /// All of its buffers.
@@ -52,9 +52,6 @@ pub(crate) struct Curvatures {
     pub(crate) direction: wgpu::Buffer,
 }
 
-/// The white level of each term, each in a buffer laid out like the chosen numbers.
-pub(crate) type TermWhites = Vec<(&'static str, wgpu::Buffer)>;
-
 /// All results of a run so far.
 #[derive(Default)]
 pub(crate) struct Made {
@@ -65,8 +62,6 @@ pub(crate) struct Made {
     pub(crate) directions: Option<[wgpu::Buffer; 2]>,
     /// The picture, or the input of the stages that make it.
     pub(crate) picture: Option<Picture>,
-    /// White levels of the terms of light.
-    pub(crate) term_whites: TermWhites,
 }
 
 /// Buffers that hold products, in order. With fewer buffers than planes, each pixel has several samples.

@@ -102,9 +102,9 @@ pub(crate) struct Recorder<'d> {
     /// The clock, and the stage of each pair of timestamps.
     clock: Option<(wgpu::QuerySet, Vec<&'static str>)>,
     /// When recording began.
-    start: Instant,
+    pub(super) start: Instant,
     /// Why the recorded work cannot run.
-    failed: Option<Error>,
+    pub(super) failed: Option<Error>,
 }
 
 impl<'d> Recorder<'d> {

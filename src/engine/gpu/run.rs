@@ -9,7 +9,7 @@ use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
-use crate::frame::{Frame, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
 use crate::line::gpu_canvas::DeviceCanvas;
 use crate::line::hatching::gpu_texture::TextureCache;
@@ -29,12 +29,10 @@ pub(crate) struct Run<'a> {
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
     pub(crate) surface: SurfaceBuffers,
-    /// Numbers chosen from the whole picture: gain and white level.
-    pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
     /// The drawing, as far as it is made on the device.
     pub(crate) canvas: DeviceCanvas<'a>,
-    /// The CPU run, for stages or parts of them without kernels.
+    /// The CPU run, for automatic choices, and for stages or parts of them without kernels.
     pub(crate) host: HostRun<'a>,
     /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
@@ -54,9 +52,7 @@ impl<'a> Run<'a> {
         host: HostRun<'a>,
         light: Option<&'a Light<'a>>,
         surface: SurfaceBuffers,
-        chosen: [f32; 2],
     ) -> Self {
-        let upload = Upload { device, buffers };
         Self {
             plan: host.plan,
             frame: host.frame,
@@ -69,7 +65,6 @@ impl<'a> Run<'a> {
             buffers,
             recorder,
             surface,
-            chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
             at_work: None,
             waited: Timings::new(),
             held: Vec::new(),
@@ -86,6 +81,34 @@ impl<'a> Run<'a> {
             add_timings(&mut self.waited, &times);
         }
         Ok(())
+    }
+
+    /// Reads buffers after the work recorded so far. If the device fails, they are 0, and so does the run.
+    pub(crate) fn read<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Vec<f32>; N] {
+        add_timings(&mut self.waited, &[(RECORD, self.recorder.start.elapsed())]);
+        let submitted = self.recorder.submit(&wanted);
+        let start = Instant::now();
+        let read = submitted.read().map(|(read, times)| {
+            let times = times.unwrap_or_else(|| vec![(KERNELS, start.elapsed())]);
+            add_timings(&mut self.waited, &times);
+            read.try_into().expect("all that is wanted is read")
+        });
+        read.unwrap_or_else(|error| {
+            self.recorder.failed = Some(error);
+            wanted.map(|buffer| vec![0.0; buffer.size() as usize / 4])
+        })
+    }
+
+    /// [`Run::read`] of planes.
+    pub(crate) fn read_planes<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Plane; N] {
+        let [width, height] = self.surface.size.map(|side| side as usize);
+        self.read(wanted)
+            .map(|samples| Plane::from_samples(width, height, samples))
+    }
+
+    /// The gain of curvature; 0 in a plan without.
+    pub(crate) fn gain(&self) -> f32 {
+        self.host.outcome.gain.unwrap_or(0.0)
     }
 
     /// The shape, as far as the gain depends on it.
@@ -161,7 +184,7 @@ impl<'a> Run<'a> {
         }
         add_timings(&mut self.waited, &times);
         let copied = self.surface.into_buffers().chain(self.held);
-        self.buffers.recycle_copied(copied.chain([self.chosen]));
+        self.buffers.recycle_copied(copied);
         Ok(Finished {
             read,
             timings: self.waited,

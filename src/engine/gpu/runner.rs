@@ -5,7 +5,6 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
 use crate::engine::gpu::buffers::Buffers;
-use crate::engine::gpu::constants::{GAIN, WHITE};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::made::{Layer, Made};
@@ -21,13 +20,10 @@ use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::light::enhancement::Subject;
-use crate::light::layers::gpu::levels_of;
-use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::direction_field::gpu_patches::largest_buffer;
 use crate::line::hatching::gpu_texture::TextureCache;
-use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
 use crate::plan::stage::Stage;
@@ -301,11 +297,6 @@ impl Runner {
         beside: Beside<'a>,
     ) -> Run<'a> {
         self.buffers.begin_run();
-        let mut chosen = [0.0; 2];
-        chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
-        if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain {
-            chosen[GAIN as usize] = gain;
-        }
         let surface = self.upload().surface(plan, frame);
         if self.device.is_timed_apart {
             self.device.queue.submit([]);
@@ -315,15 +306,7 @@ impl Runner {
         let host = self.host_run(plan, frame, beside);
         let place = (&self.device, &self.buffers);
         let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
-        Run::new(
-            place,
-            recorder,
-            &self.texture,
-            host,
-            beside.light,
-            surface,
-            chosen,
-        )
+        Run::new(place, recorder, &self.texture, host, beside.light, surface)
     }
 
     /// Runs the stages of `plan` for shape and picture on a strip, given by its rows in the frame that the light was
@@ -370,11 +353,9 @@ impl Runner {
         let layers = layers_read(&made, plan, &left);
         let picture = made.picture.take();
         let is_shown = plan.makes_picture();
-        let numbers = run.chosen.clone();
-        let mut wanted = vec![&numbers];
+        let mut wanted = Vec::new();
         wanted.extend(picture.iter().flatten().filter(|_| is_shown));
         wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
-        wanted.extend(made.term_whites.iter().map(|(_, white)| white));
         wanted.extend(canvas.wanted());
         let Finished {
             read,
@@ -384,7 +365,6 @@ impl Runner {
 
         let start = Instant::now();
         let mut read = read.into_iter();
-        let chosen = read.next().expect("what was chosen is read first");
         let mut outcome = Outcome::default();
         if is_shown && picture.is_some() {
             let mut planes = read.by_ref().map(|samples| plane(frame, samples));
@@ -394,20 +374,16 @@ impl Runner {
             frame_lit(color, frame);
         }
         put_layers(&mut outcome, plan, frame, &layers, read.by_ref());
-        outcome.term_white_levels = levels_of(&made.term_whites, read.by_ref());
         let is_drawn = canvas.put(&mut host, frame, &mut read);
         outcome.drawing = host.outcome.drawing.take();
         outcome.line_levels = host.outcome.line_levels;
+        outcome.gain = host.outcome.gain;
+        outcome.white_level = host.outcome.white_level;
+        outcome.term_white_levels = std::mem::take(&mut host.outcome.term_white_levels);
         outcome.timings.push((UPLOAD, uploaded));
         add_timings(&mut outcome.timings, &host.outcome.timings);
         add_timings(&mut outcome.timings, &timings);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
-        if plan.wants_curvature() {
-            outcome.gain = Some(chosen[GAIN as usize]);
-        }
-        if plan.scaled() == Some(Subject::Picture) {
-            outcome.white_level = Some(chosen[WHITE as usize]);
-        }
         let picture = picture.into_iter().flatten();
         self.buffers.recycle_either(picture, is_copied);
         let rest = made.into_buffers().chain(canvas.into_buffers());

@@ -1,9 +1,8 @@
 //! Radiance scaling of the light layers of a frame: the changes of all terms are summed, then applied to the picture.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
-use crate::engine::gpu::made::{Hessian, Shape, TermWhites};
+use crate::engine::gpu::made::{Hessian, Shape};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::{Picture, WIDEST};
 use crate::engine::gpu::uniforms::{SizeParams, uniforms};
@@ -13,10 +12,8 @@ use crate::frame::{ColorPlanes, Frame};
 use crate::light::layers::terms::{LightTerm, light_terms};
 use crate::light::layers::{MAX_RADIANCE, MIN_ALBEDO};
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
-use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::product::Product;
-use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
 /// The light of a lobe.
@@ -36,6 +33,9 @@ uniforms! {
         weight_r: f32,
         weight_g: f32,
         weight_b: f32,
+        gain: f32,
+        /// Luminance that counts as intensity 1.
+        white: f32,
         anisotropy: f32,
         /// Directions of a light group.
         light_count: u32,
@@ -43,21 +43,14 @@ uniforms! {
 }
 
 bindings! {
-    LobeLuminanceBuffers { covered, direct, indirect, albedo, luminance }
-    LobeSigmaBuffers { covered, direct, indirect, albedo, trace, chosen, term_chosen, sigma }
+    LobeSigmaBuffers { covered, direct, indirect, albedo, trace, sigma }
     GroupSigmaBuffers {
-        covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, chosen, to_light, sigma
+        covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, to_light, sigma
     }
     AddChangeBuffers { sigma, direct, indirect, color, change, layered }
     ChangePictureBuffers { covered, change, layered, red, green, blue }
-    OccludeBuffers { covered, trace, occlusion, chosen, red, green, blue }
+    OccludeBuffers { covered, trace, occlusion, red, green, blue }
 }
-
-/// The luminance of the light of a lobe.
-pub(crate) static LOBE_LUMINANCE: Kernel = Kernel::new::<TermParams, LobeLuminanceBuffers>(
-    "LobeLuminance",
-    &[INDEX, COVERAGE, LOBE_LIGHT, wgsl!("lobe_luminance.wgsl")],
-);
 
 /// The scaling of a lobe.
 pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffers>(
@@ -117,17 +110,6 @@ pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
     ],
 );
 
-/// The white levels of terms, from the numbers read back.
-pub(crate) fn levels_of(
-    whites: &TermWhites,
-    read: impl Iterator<Item = Vec<f32>>,
-) -> Vec<(&'static str, f32)> {
-    let pairs = whites.iter().zip(read);
-    pairs
-        .map(|((name, _), chosen)| (*name, chosen[WHITE as usize]))
-        .collect()
-}
-
 /// Change of the picture by the terms so far, and their light.
 struct Changes {
     change: wgpu::Buffer,
@@ -148,7 +130,7 @@ const WITH_CURVATURE: &str = "scaling takes curvature";
 /// Scales the picture by the lobes of its light.
 pub(crate) fn scale_lobes(run: &mut Run) {
     run.change_picture(|run, shape, picture| {
-        run.made.term_whites = run.scale_lobes(run.plan, run.frame, shape, picture);
+        run.scale_lobes(run.plan, run.frame, shape, picture);
     });
 }
 
@@ -165,24 +147,24 @@ pub(crate) fn scale_by_occlusion(run: &mut Run) {
 }
 
 impl Run<'_> {
-    fn scale_lobes(
-        &mut self,
-        plan: &Plan,
-        frame: &Frame,
-        shape: &Shape,
-        picture: &Picture,
-    ) -> TermWhites {
+    fn scale_lobes(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
         let hessian = shape.hessian.as_ref().expect(WITH_CURVATURE);
         let mut changes = self.no_changes();
         let sigma = self.take(self.surface.plane_bytes());
-        let mut whites = TermWhites::new();
+        let whites = self.host.outcome.term_white_levels.clone();
+        let white_of = |name| {
+            let mut whites = whites.iter();
+            whites
+                .find(|(of, _)| *of == name)
+                .map_or(1.0, |(_, white)| *white)
+        };
         for term in light_terms(&frame.light.lobes, &plan.scaling) {
             let params = TermParams {
                 magnitude: term.magnitude,
+                white: white_of(term.name),
                 ..self.term_params(plan, frame)
             };
             let layers = self.layers(&term);
-            let white = self.term_white(plan, &term, &layers, &params);
             let [direct, indirect, albedo] = bound(
                 [&layers.direct, &layers.indirect, &layers.albedo],
                 &self.surface.covered,
@@ -197,18 +179,14 @@ impl Run<'_> {
                     indirect,
                     albedo,
                     trace: &hessian.trace,
-                    chosen: &self.chosen,
-                    term_chosen: &white,
                     sigma: &sigma,
                 },
                 self.surface.size,
             );
             self.add_changes("light-lobes", &mut changes, &sigma, &layers, &params);
-            whites.push((term.name, white));
         }
         self.change(picture, changes);
         self.buffers.recycle([sigma]);
-        whites
     }
 
     fn scale_groups(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
@@ -241,7 +219,6 @@ impl Run<'_> {
                     curvature_xx: xx,
                     curvature_xy: xy,
                     curvature_yy: yy,
-                    chosen: &self.chosen,
                     to_light: &to_light,
                     sigma: &sigma,
                 },
@@ -277,7 +254,6 @@ impl Run<'_> {
                 covered: &self.surface.covered,
                 trace: &hessian.trace,
                 occlusion: &occlusion,
-                chosen: &self.chosen,
                 red,
                 green,
                 blue,
@@ -298,6 +274,8 @@ impl Run<'_> {
             weight_r,
             weight_g,
             weight_b,
+            gain: self.gain(),
+            white: 1.0,
             anisotropy: plan.scaling.anisotropy,
             light_count: 0,
         }
@@ -317,49 +295,6 @@ impl Run<'_> {
             color: held(term.color),
             albedo: held(term.albedo),
         }
-    }
-
-    /// The white level of a term: given, or chosen from its light.
-    fn term_white(
-        &mut self,
-        plan: &Plan,
-        term: &LightTerm,
-        layers: &Layers,
-        params: &TermParams,
-    ) -> wgpu::Buffer {
-        let given = plan.scaling.term_white_levels.of(term.name);
-        let mut chosen = [0.0; 2];
-        let known = match (given, plan.scaling.white_level) {
-            (Some(level), _) | (None, Adaptive::Fixed(level)) => Some(level),
-            (None, Adaptive::Auto) => None,
-        };
-        chosen[WHITE as usize] = known.unwrap_or(1.0);
-        let white = self.uploaded(&chosen);
-        if known.is_none() {
-            let luminance = self.take(self.surface.plane_bytes());
-            let [direct, indirect, albedo] = bound(
-                [&layers.direct, &layers.indirect, &layers.albedo],
-                &self.surface.covered,
-            );
-            let buffers = LobeLuminanceBuffers {
-                covered: &self.surface.covered,
-                direct,
-                indirect,
-                albedo,
-                luminance: &luminance,
-            };
-            self.recorder.over_pixels(
-                "auto-white",
-                (&LOBE_LUMINANCE, &layers.lobe_switches()),
-                params,
-                &buffers,
-                self.surface.size,
-            );
-            let search = Searching::new(self, Search::TermWhite, lattice_over(&self.frame.mask));
-            search.choose(self, [&luminance; 3], &white);
-            self.buffers.recycle([luminance]);
-        }
-        white
     }
 
     fn no_changes(&self) -> Changes {

@@ -9,19 +9,18 @@
 @group(0) @binding(5) var<storage, read> curvature_xx: array<f32>;
 @group(0) @binding(6) var<storage, read> curvature_xy: array<f32>;
 @group(0) @binding(7) var<storage, read> curvature_yy: array<f32>;
-@group(0) @binding(8) var<storage, read> chosen: array<f32>;
 // Unit directions to the lights, consecutively.
-@group(0) @binding(9) var<storage, read> to_light: array<f32>;
-@group(0) @binding(10) var<storage, read_write> sigma: array<f32>;
+@group(0) @binding(8) var<storage, read> to_light: array<f32>;
+@group(0) @binding(9) var<storage, read_write> sigma: array<f32>;
 
 override TOWARD_LIGHT: bool;
 
 fn kappa_toward(i: u32, light: vec3<f32>) -> f32 {
     if TOWARD_LIGHT {
         let entries = vec3<f32>(curvature_xx[i], curvature_xy[i], curvature_yy[i]);
-        return mapped_curvature_toward(entries, light.xy, chosen[GAIN], params.anisotropy);
+        return mapped_curvature_toward(entries, light.xy, params.gain, params.anisotropy);
     }
-    return mapped_curvature(curvature_xx[i], chosen[GAIN]);
+    return mapped_curvature(curvature_xx[i], params.gain);
 }
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)

@@ -1,9 +1,7 @@
 // The scaling of a lobe: its intensity is its own light over the white level.
 
 @group(0) @binding(5) var<storage, read> trace: array<f32>;
-@group(0) @binding(6) var<storage, read> chosen: array<f32>;
-@group(0) @binding(7) var<storage, read> term_chosen: array<f32>;
-@group(0) @binding(8) var<storage, read_write> sigma: array<f32>;
+@group(0) @binding(6) var<storage, read_write> sigma: array<f32>;
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -11,7 +9,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    let kappa = mapped_curvature(trace[i], chosen[GAIN]);
-    let scaled = term_scaling_sigma(lobe_luminance(i), term_chosen[WHITE], kappa);
+    let kappa = mapped_curvature(trace[i], params.gain);
+    let scaled = term_scaling_sigma(lobe_luminance(i), params.white, kappa);
     sigma[i] = select(1.0, scaled, is_covered(id.x, id.y));
 }

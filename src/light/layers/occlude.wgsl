@@ -4,10 +4,9 @@
 @group(0) @binding(1) var<storage, read> covered: array<u32>;
 @group(0) @binding(2) var<storage, read> trace: array<f32>;
 @group(0) @binding(3) var<storage, read> occlusion: array<f32>;
-@group(0) @binding(4) var<storage, read> chosen: array<f32>;
-@group(0) @binding(5) var<storage, read_write> red: array<f32>;
-@group(0) @binding(6) var<storage, read_write> green: array<f32>;
-@group(0) @binding(7) var<storage, read_write> blue: array<f32>;
+@group(0) @binding(4) var<storage, read_write> red: array<f32>;
+@group(0) @binding(5) var<storage, read_write> green: array<f32>;
+@group(0) @binding(6) var<storage, read_write> blue: array<f32>;
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -15,7 +14,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    let kappa = mapped_curvature(trace[i], chosen[GAIN]);
+    let kappa = mapped_curvature(trace[i], params.gain);
     if is_covered(id.x, id.y) && kappa != 0.0 {
         let sigma = term_scaling_sigma(occlusion[i], 1.0, kappa);
         red[i] = scaled(red[i], sigma);

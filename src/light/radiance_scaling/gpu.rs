@@ -10,9 +10,7 @@ use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
-use crate::params::Adaptive;
 use crate::plan::Plan;
-use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
 
 /// The scaling of light by curvature.
@@ -34,6 +32,8 @@ uniforms! {
         height: u32,
         /// Pixels per pixel of the reference.
         resolution_factor: f32,
+        gain: f32,
+        white: f32,
         scaling: f32,
         invariant_point: f32,
         weight_r: f32,
@@ -45,8 +45,8 @@ uniforms! {
 }
 
 bindings! {
-    ScalePictureBuffers { covered, trace, chosen, red, green, blue }
-    ScaleByGradientBuffers { covered, conductance, gradient, chosen, red, green, blue }
+    ScalePictureBuffers { covered, trace, red, green, blue }
+    ScaleByGradientBuffers { covered, conductance, gradient, red, green, blue }
 }
 
 /// Scales a picture by the trace of the Hessian.
@@ -77,30 +77,16 @@ pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleBy
     ],
 );
 
-/// The white level, if it does not depend on the picture.
-pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
-    match plan.scaling.white_level {
-        Adaptive::Fixed(level) => Some(level),
-        // Ambient occlusion is the share of 1 that arrives.
-        Adaptive::Auto => frame.light.picture_is_occlusion.then_some(1.0),
-    }
-}
-
 /// Scales the picture.
 pub(crate) fn scale(run: &mut Run) {
     run.change_picture(|run, shape, picture| run.scale(run.plan, run.frame, shape, picture));
 }
 
 impl Run<'_> {
-    /// Scales a picture in place; its white level is chosen first if unknown.
+    /// Scales a picture in place.
     pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
         let weights = frame.luminance_weights();
         let [red, green, blue] = picture;
-        if known_white_level(plan, frame).is_none() {
-            let search = Searching::new(self, Search::White(weights), lattice_over(&frame.mask));
-            let chosen = self.chosen.clone();
-            search.choose(self, [red, green, blue], &chosen);
-        }
         let mut scaling = plan.scaling;
         if frame.light.picture_is_occlusion {
             scaling.scaling = scaling.magnitudes().ambient;
@@ -110,6 +96,8 @@ impl Run<'_> {
             width,
             height,
             resolution_factor: plan.resolution_factor as f32,
+            gain: self.gain(),
+            white: self.host.outcome.white_level.expect("it is chosen first"),
             scaling: scaling.scaling,
             invariant_point: scaling.invariant_point,
             weight_r: weights[0],
@@ -118,7 +106,7 @@ impl Run<'_> {
             nan_bits: f32::NAN.to_bits(),
         };
         let size = [width, height];
-        let (covered, chosen) = (&self.surface.covered, &self.chosen);
+        let covered = &self.surface.covered;
         match &shape.hessian {
             Some(hessian) => self.recorder.over_pixels(
                 "radiance-scaling",
@@ -127,7 +115,6 @@ impl Run<'_> {
                 &ScalePictureBuffers {
                     covered,
                     trace: &hessian.trace,
-                    chosen,
                     red,
                     green,
                     blue,
@@ -142,7 +129,6 @@ impl Run<'_> {
                     covered,
                     conductance: &shape.conductance,
                     gradient: &shape.gradient,
-                    chosen,
                     red,
                     green,
                     blue,

@@ -66,6 +66,8 @@ uniforms! {
         grain_y: f32,
         ior: f32,
         is_thin: u32,
+        /// Of mapped curvature.
+        gain: f32,
         /// Strength of the warp, before multiplication by the gain.
         warp: f32,
         contrast: f32,
@@ -99,7 +101,7 @@ uniforms! {
 
 bindings! {
     RelightBuffers {
-        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, chosen, occlusion, alpha, depth,
+        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, occlusion, alpha, depth,
         lights, texels, red, green, blue
     }
 }
@@ -197,7 +199,7 @@ impl Run<'_> {
         let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
         let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
         let [red, green, blue] = &picture;
-        let params = light_params(plan, frame, light);
+        let params = light_params(plan, frame, light, self.gain());
         let [xx, xy, yy] = entries;
         self.recorder.over_pixels(
             "relight",
@@ -211,7 +213,6 @@ impl Run<'_> {
                 hessian_xx: xx,
                 hessian_xy: xy,
                 hessian_yy: yy,
-                chosen: &self.chosen,
                 occlusion: occlusion.as_ref().unwrap_or(&normal_x),
                 alpha: alpha.as_ref().unwrap_or(&normal_x),
                 depth: depth.as_ref().unwrap_or(&normal_x),
@@ -276,7 +277,7 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14
     ]
 }
 
-fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
+fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightParams {
     let relighting = relighting(plan);
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
@@ -330,6 +331,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
         grain_y: grain.sin(),
         ior: material.ior,
         is_thin: u32::from(material.thin),
+        gain,
         warp: params.warping.warp,
         contrast: params.warping.contrast,
         invariant_point: scaling.invariant_point,

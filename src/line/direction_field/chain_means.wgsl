@@ -10,10 +10,8 @@
 @group(0) @binding(7) var<storage, read> sums_across: array<Sums>;
 @group(0) @binding(8) var<storage, read> sums_down: array<Sums>;
 @group(0) @binding(9) var<storage, read> depths: array<f32>;
-// The median depth of patches.
-@group(0) @binding(10) var<storage, read> chosen: array<f32>;
-@group(0) @binding(11) var<storage, read> values: array<vec4<f32>>;
-@group(0) @binding(12) var<storage, read_write> means: array<vec4<f32>>;
+@group(0) @binding(10) var<storage, read> values: array<vec4<f32>>;
+@group(0) @binding(11) var<storage, read_write> means: array<vec4<f32>>;
 
 // Whether the radius is inversely proportional to depth.
 override IS_BY_DEPTH: bool;
@@ -158,7 +156,7 @@ fn sum_around(i: u32, far: i32, slope: f32) -> vec4<f32> {
 fn visit(i: u32) {
     var reach = params.reach;
     if IS_BY_DEPTH && depths[i] > 0.0 {
-        reach *= clamp(chosen[WHITE] / depths[i], FAR, NEAR);
+        reach *= clamp(params.median / depths[i], FAR, NEAR);
     }
     // The last place whose weight is above 0.
     let far = i32(ceil(reach)) - 1;

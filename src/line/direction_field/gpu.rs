@@ -81,7 +81,7 @@ impl Run<'_> {
         reach: f32,
         is_radius: bool,
     ) -> wgpu::Buffer {
-        let median = patches.median.as_ref().filter(|_| is_radius);
+        let median = patches.median.filter(|_| is_radius);
         let farthest = reach * if median.is_some() { NEAR } else { 1.0 };
         let is_near = farthest <= RUN_CELLS as f32;
         for (axis, sums) in (0..).zip(&patches.sums).filter(|_| !is_near) {
@@ -98,7 +98,6 @@ impl Run<'_> {
             self.over_runs(&SUM_RUNS, &along, &buffers);
         }
         let means = self.take(16 * patches.count());
-        let chosen = self.chosen.clone();
         let [runs_across, runs_down] = &patches.runs;
         let [sums_across, sums_down] = &patches.sums;
         self.over_cells(
@@ -108,6 +107,7 @@ impl Run<'_> {
             ),
             &DirectionParams {
                 reach,
+                median: median.unwrap_or(1.0),
                 ..patches.params
             },
             &ChainMeansBuffers {
@@ -120,7 +120,6 @@ impl Run<'_> {
                 sums_across,
                 sums_down,
                 depths: &patches.depths,
-                chosen: median.unwrap_or(&chosen),
                 values,
                 means: &means,
             },

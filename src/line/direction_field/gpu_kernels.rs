@@ -49,6 +49,8 @@ uniforms! {
         axis: u32,
         /// Reach of a mean, in cells.
         reach: f32,
+        /// The median depth of patches.
+        median: f32,
         /// The direction of sight lines, scaled to z = -1: at the first column and row, and its increment per column
         /// and row.
         line_x: f32,
@@ -80,7 +82,7 @@ bindings! {
     FindRunsBuffers { held, links, runs }
     SumRunsBuffers { held, links, values, sums }
     ChainMeansBuffers {
-        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, chosen, values, means
+        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, values, means
     }
     PatchFormsBuffers { held, further, patches, links, forms }
     PatchDirectionsBuffers { held, further, patches, forms, directions }

@@ -5,7 +5,6 @@ use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{lines, step_at_unit_depth};
 use crate::frame::Frame;
-use crate::frame::sampling::Lattice;
 use crate::line::direction_field::gpu_kernels::{
     DirectionParams, FIND_PATCHES, FIND_RUNS, FindPatchesBuffers, FindRunsBuffers, LINK_PATCHES,
     LinkPatchesBuffers, RUN_CELLS,
@@ -13,7 +12,7 @@ use crate::line::direction_field::gpu_kernels::{
 use crate::line::direction_field::setting::FieldSetting;
 use crate::params::FieldParams;
 use crate::plan::Plan;
-use crate::shape::auto_levels::gpu::{Search, Searching};
+use crate::quantile::quantile;
 use crate::shape::edges::SilhouetteSource;
 
 /// Bytes of a patch, and of its sums along one axis.
@@ -30,8 +29,8 @@ pub(crate) struct Patches {
     pub(crate) further: wgpu::Buffer,
     pub(crate) all: wgpu::Buffer,
     pub(crate) depths: wgpu::Buffer,
-    /// The median depth, among the chosen numbers, if the radius depends on it.
-    pub(crate) median: Option<wgpu::Buffer>,
+    /// The median depth, if the radius depends on it.
+    pub(crate) median: Option<f32>,
     pub(crate) links: wgpu::Buffer,
     /// Across and down.
     pub(crate) runs: [wgpu::Buffer; 2],
@@ -48,7 +47,6 @@ impl Patches {
     pub(crate) fn into_buffers(self) -> impl Iterator<Item = wgpu::Buffer> {
         [self.held, self.all, self.depths, self.links]
             .into_iter()
-            .chain(self.median)
             .chain(self.runs)
             .chain(self.sums)
     }
@@ -118,6 +116,7 @@ fn direction_params(
         room: grid.room,
         axis: 0,
         reach: 0.0,
+        median: 1.0,
         line_x: line.first[0],
         line_x_step: line.step[0],
         line_y: line.first[1],
@@ -186,12 +185,12 @@ impl Run<'_> {
                     false => self.uploaded(plane.samples()),
                 },
             );
-        let found = Patches {
+        let mut found = Patches {
             held: self.take(8 * cells),
             further: self.take(4),
             all: self.take(PATCH_BYTES * count),
             depths: self.take(4 * count),
-            median: depth.is_some().then(|| self.copy_of(&self.chosen.clone())),
+            median: None,
             links: self.take(16 * count),
             runs: [(); 2].map(|()| self.take(16 * count)),
             sums: [(); 2].map(|()| self.take(SUMS_BYTES * count)),
@@ -237,16 +236,11 @@ impl Run<'_> {
                 },
             );
         }
-        if let Some(median) = &found.median {
-            let rows = count / u64::from(params.columns);
-            let search = Search::Depth([params.columns, rows as u32]);
-            let depths = &found.depths;
-            let every = Lattice {
-                side: 1,
-                columns: 0..params.columns as usize,
-                rows: 0..rows as usize,
-            };
-            Searching::new(self, search, every).choose(self, [depths; 3], median);
+        if depth.is_some() {
+            let depths = self.read([&found.depths]).concat();
+            let is_depth = |depth: &f32| *depth > 0.0 && depth.is_finite();
+            let mut depths: Vec<f32> = depths.into_iter().filter(is_depth).collect();
+            found.median = Some(quantile(&mut depths, 0.5, f32::total_cmp).unwrap_or(1.0));
         }
         found
     }

@@ -3,7 +3,6 @@
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::UPLOAD;
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::constants::WHITE;
 use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
@@ -11,7 +10,7 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::engine::outcome::add_timings;
-use crate::frame::{Frame, Plane};
+use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::drawing::{Tone, finish};
 use crate::line::gpu_canvas::{DeviceCanvas, Hatched};
@@ -21,7 +20,7 @@ use crate::line::texture_coordinates::gpu::{PLACES, Sheets, TEXTURE_COORDINATES}
 use crate::line::tonal_art_map::{ENTRIES, MAX_DENSITY, TonalArtMap};
 use crate::params;
 use crate::params::{Adaptive, ToneParams};
-use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
+use crate::shape::auto_levels::cpu::white_level;
 use std::f32::consts::PI;
 use std::time::Instant;
 
@@ -44,6 +43,8 @@ uniforms! {
         weight_r: f32,
         weight_g: f32,
         weight_b: f32,
+        /// The luminance of paper white.
+        white: f32,
     }
 
     /// Uniforms of `hatching.wgsl`.
@@ -69,7 +70,7 @@ uniforms! {
 }
 
 bindings! {
-    DensityBuffers { covered, red, green, blue, alpha, chosen, density_table, densities }
+    DensityBuffers { covered, red, green, blue, alpha, density_table, densities }
     StrokesBuffers {
         covered, densities, direction_x, direction_y, thresholds, turned, texels, paper, place_x, place_y, depth,
         motion_x, motion_y, shares
@@ -153,11 +154,12 @@ impl DeviceCanvas<'_> {
             return false;
         }
         let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-        let (chosen, ink) = (next(), plane(next()));
+        let ink = plane(next());
         if let Some((covered, _)) = &mut host.canvas.contours {
             *covered = plane(next());
         }
-        let tone = Tone::on_paper(chosen[WHITE as usize]);
+        let hatched = self.hatched.as_ref().expect("directions are for strokes");
+        let tone = Tone::on_paper(hatched.white);
         finish(host, tone, ink, Vec::new());
         true
     }
@@ -169,8 +171,8 @@ pub(crate) fn hatch(run: &mut Run) {
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let picture = run.made.picture.take();
     let picture = picture.expect("a drawing is planned with its tone");
-    let chosen = run.choose_paper_white(&params.tone, frame, &picture);
-    let densities = run.densities(&params.tone, frame, &picture, &chosen);
+    let white = run.paper_white(&params.tone, frame, &picture);
+    let densities = run.densities(&params.tone, frame, &picture, white);
     run.made.picture = Some(picture);
     let start = Instant::now();
     let (strokes, texture) = (&params.strokes, run.texture);
@@ -199,39 +201,32 @@ pub(crate) fn hatch(run: &mut Run) {
     );
     run.canvas.fields = Some(fields);
     run.canvas.hatched = Some(Hatched {
-        chosen,
+        white,
         densities,
         ink,
     });
 }
 
 impl Run<'_> {
-    /// The chosen numbers, including the luminance of paper white for the white level of the tone.
-    pub(crate) fn choose_paper_white(
-        &mut self,
-        params: &ToneParams,
-        frame: &Frame,
-        [red, green, blue]: &Picture,
-    ) -> wgpu::Buffer {
-        if let Adaptive::Fixed(white) = params.white_point {
-            let mut chosen = [0.0; 2];
-            chosen[WHITE as usize] = white;
-            return self.uploaded(&chosen);
+    /// The luminance of paper white.
+    fn paper_white(&mut self, params: &ToneParams, frame: &Frame, picture: &Picture) -> f32 {
+        match params.white_point {
+            Adaptive::Fixed(white) => white,
+            Adaptive::Auto => {
+                let [r, g, b] = self.read_planes(picture.each_ref());
+                let color = ColorPlanes { r, g, b };
+                white_level(&color, frame.luminance_weights(), &frame.mask)
+            }
         }
-        let paper = self.copy_of(&self.chosen.clone());
-        let search = Search::White(frame.luminance_weights());
-        let search = Searching::new(self, search, lattice_over(&frame.mask));
-        search.choose(self, [red, green, blue], &paper);
-        paper
     }
 
-    /// The optical density wanted of each pixel; `chosen` contains paper white.
+    /// The optical density wanted of each pixel.
     pub(crate) fn densities(
         &mut self,
         params: &ToneParams,
         frame: &Frame,
         [red, green, blue]: &Picture,
-        chosen: &wgpu::Buffer,
+        white: f32,
     ) -> wgpu::Buffer {
         let [width, height] = self.surface.size;
         let [weight_r, weight_g, weight_b] = frame.luminance_weights();
@@ -250,6 +245,7 @@ impl Run<'_> {
                 weight_r,
                 weight_g,
                 weight_b,
+                white,
             },
             &DensityBuffers {
                 covered: &self.surface.covered,
@@ -257,7 +253,6 @@ impl Run<'_> {
                 green,
                 blue,
                 alpha: alpha.as_ref().unwrap_or(red),
-                chosen,
                 density_table: &table,
                 densities: &densities,
             },

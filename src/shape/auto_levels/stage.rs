@@ -30,11 +30,6 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
     gpu: super::gpu::choose_gain,
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| {
-        let of_tile = plan.tile.is_some() && plan.chooses_gain();
-        of_tile.then_some("a gain chosen from a tile")
-    },
     ..Stage::DEFAULT
 };
 

@@ -4,7 +4,7 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::light::enhancement::Subject;
@@ -30,11 +30,18 @@ uniforms! {
         /// Pixels per pixel of the reference.
         resolution_factor: f32,
     }
+
+    /// For kernels that map curvature.
+    GainParams {
+        width: u32,
+        height: u32,
+        gain: f32,
+    }
 }
 
 bindings! {
     HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
-    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
+    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, curvature, direction }
 }
 
 /// The Hessian of a gradient, or only its trace.
@@ -44,7 +51,7 @@ pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>
 );
 
 /// Planes that the layers of the descriptor derive from the Hessian.
-pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
+pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams, CurvaturesBuffers>(
     "Curvatures",
     &[
         INDEX,
@@ -147,13 +154,16 @@ impl Run<'_> {
         self.recorder.over_pixels(
             "curvatures",
             (&CURVATURES, &[]),
-            &SizeParams { width, height },
+            &GainParams {
+                width,
+                height,
+                gain: self.gain(),
+            },
             &CurvaturesBuffers {
                 covered: &self.surface.covered,
                 hessian_xx: xx,
                 hessian_xy: xy,
                 hessian_yy: yy,
-                chosen: &self.chosen,
                 curvature: &curvature,
                 direction: &direction,
             },

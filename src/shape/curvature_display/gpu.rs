@@ -5,18 +5,17 @@ use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::SizeParams;
 use crate::engine::gpu::wgsl::Number::Color;
 use crate::engine::gpu::wgsl::wgsl;
-use crate::shape::curvature::gpu::MAPPED_CURVATURE;
+use crate::shape::curvature::gpu::{GainParams, MAPPED_CURVATURE};
 use crate::shape::curvature_display::palette;
 
 bindings! {
-    CurvatureDisplayBuffers { covered, conductance, trace, chosen, red, green, blue }
+    CurvatureDisplayBuffers { covered, conductance, trace, red, green, blue }
 }
 
 /// The curvature display.
-pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, CurvatureDisplayBuffers>(
+pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams, CurvatureDisplayBuffers>(
     "CurvatureDisplay",
     &[
         INDEX,
@@ -55,12 +54,15 @@ impl Run<'_> {
         self.recorder.over_pixels(
             "display",
             (&CURVATURE_DISPLAY, &[]),
-            &SizeParams { width, height },
+            &GainParams {
+                width,
+                height,
+                gain: self.gain(),
+            },
             &CurvatureDisplayBuffers {
                 covered: &self.surface.covered,
                 conductance: &shape.conductance,
                 trace,
-                chosen: &self.chosen,
                 red,
                 green,
                 blue,

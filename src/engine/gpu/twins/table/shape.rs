@@ -7,7 +7,6 @@ use crate::fast_math::{atan, atan2, exp, ln, polynomial, power_of_two, tanh};
 use crate::light::light_warping::SIXTH;
 use crate::light::relight::gpu::RELIGHT;
 use crate::params::{ShapeParams, SoftThreshold};
-use crate::shape::auto_levels::gpu::{COUNT, NARROW, key_of, value_of};
 use crate::shape::conductance::face_conductance;
 use crate::shape::crease::{CreaseDetector, angle_within};
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
@@ -50,8 +49,6 @@ fn elementary() -> Vec<Twin> {
         twin("atan_of", &RELIGHT, atan),
         twin("atan2_of", &RELIGHT, atan2),
         twin("hypot", &CURVATURES, f32::hypot).ulps(2),
-        twin("key_of", &COUNT, key_of),
-        twin("value_of", &NARROW, value_of).on(|words| words[0] ^= 1 << 31),
     ]
 }
 
