@@ -2,7 +2,7 @@
 
 use crate::engine::gpu::kernels::Kernel;
 use crate::light::layers::gpu::{ADD_CHANGE, CHANGE_PICTURE, GROUP_SIGMA, LOBE_SIGMA, OCCLUDE};
-use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
+use crate::light::radiance_scaling::gpu::SCALE_PICTURE;
 use crate::light::relight::gpu::RELIGHT;
 use crate::line::contours::gpu::{CRACKS, EDGE_LISTS};
 use crate::line::contours::gpu_coverage::LINE_COVERAGE;
@@ -19,7 +19,7 @@ use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 31] = [
+pub(crate) static ALL: [&Kernel; 30] = [
     &LOG_DEPTH,
     &EDGES,
     &EDGE_LISTS,
@@ -28,7 +28,6 @@ pub(crate) static ALL: [&Kernel; 31] = [
     &HESSIAN,
     &CURVATURES,
     &SCALE_PICTURE,
-    &SCALE_BY_GRADIENT,
     &LOBE_SIGMA,
     &GROUP_SIGMA,
     &ADD_CHANGE,

@@ -60,7 +60,7 @@ impl Runner {
                 let strip = strip_of(frame, &takes);
                 let mut run = self.start(plan, &strip, beside);
                 let shape = run.find_shape();
-                let [trace, conductance] = run.read_planes(shape.of_gain());
+                let [trace, conductance] = run.read_planes([shape.trace(), &shape.conductance]);
                 run.finish(&[])?;
                 gain.add(&strip.mask, gives, takes.start, [&trace, &conductance]);
                 self.buffers.recycle(shape.into_buffers());

@@ -1,7 +1,7 @@
 //! Radiance scaling of a picture on the device.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
@@ -11,7 +11,7 @@ use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
 use crate::plan::Plan;
-use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
+use crate::shape::curvature::gpu::MAPPED_CURVATURE;
 
 /// The scaling of light by curvature.
 pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
@@ -22,16 +22,11 @@ pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
     ]
 );
 
-/// The scaling of one pixel.
-const SCALED_PIXEL: Wgsl = wgsl!("scaled_pixel.wgsl");
-
 uniforms! {
-    /// Uniforms of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
+    /// Uniforms of `scale_picture.wgsl`.
     ScaleParams {
         width: u32,
         height: u32,
-        /// Pixels per pixel of the reference.
-        resolution_factor: f32,
         gain: f32,
         white: f32,
         scaling: f32,
@@ -46,7 +41,6 @@ uniforms! {
 
 bindings! {
     ScalePictureBuffers { covered, trace, red, green, blue }
-    ScaleByGradientBuffers { covered, conductance, gradient, red, green, blue }
 }
 
 /// Scales a picture by the trace of the Hessian.
@@ -57,23 +51,7 @@ pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictur
         COVERAGE,
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
-        SCALED_PIXEL,
         wgsl!("scale_picture.wgsl"),
-    ],
-);
-
-/// Scales a picture by the gradient; computes the trace on the fly.
-pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleByGradientBuffers>(
-    "ScaleByGradient",
-    &[
-        INDEX,
-        AROUND,
-        COVERAGE,
-        PLANE_FIT,
-        MAPPED_CURVATURE,
-        RADIANCE_SCALING,
-        SCALED_PIXEL,
-        wgsl!("scale_by_gradient.wgsl"),
     ],
 );
 
@@ -95,7 +73,6 @@ impl Run<'_> {
         let params = ScaleParams {
             width,
             height,
-            resolution_factor: plan.resolution_factor as f32,
             gain: self.gain(),
             white: self.host.outcome.white_level.expect("it is chosen first"),
             scaling: scaling.scaling,
@@ -105,36 +82,18 @@ impl Run<'_> {
             weight_b: weights[2],
             nan_bits: f32::NAN.to_bits(),
         };
-        let size = [width, height];
-        let covered = &self.surface.covered;
-        match &shape.hessian {
-            Some(hessian) => self.recorder.over_pixels(
-                "radiance-scaling",
-                (&SCALE_PICTURE, &[]),
-                &params,
-                &ScalePictureBuffers {
-                    covered,
-                    trace: &hessian.trace,
-                    red,
-                    green,
-                    blue,
-                },
-                size,
-            ),
-            None => self.recorder.over_rows(
-                "radiance-scaling",
-                (&SCALE_BY_GRADIENT, &[]),
-                &params,
-                &ScaleByGradientBuffers {
-                    covered,
-                    conductance: &shape.conductance,
-                    gradient: &shape.gradient,
-                    red,
-                    green,
-                    blue,
-                },
-                size,
-            ),
-        }
+        self.recorder.over_pixels(
+            "radiance-scaling",
+            (&SCALE_PICTURE, &[]),
+            &params,
+            &ScalePictureBuffers {
+                covered: &self.surface.covered,
+                trace: shape.trace(),
+                red,
+                green,
+                blue,
+            },
+            [width, height],
+        );
     }
 }

@@ -7,7 +7,7 @@ use crate::shape::auto_levels::stage;
 pub(crate) fn choose_gain(run: &mut Run) {
     if run.plan.chooses_gain() {
         let shape = run.made.shape.take().expect("the gain takes the trace");
-        let [trace, conductance] = run.read_planes(shape.of_gain());
+        let [trace, conductance] = run.read_planes([shape.trace(), &shape.conductance]);
         let of_host = &mut run.host.outcome.shape;
         (of_host.trace, of_host.conductance) = (Some(trace), Some(conductance));
         run.made.shape = Some(shape);

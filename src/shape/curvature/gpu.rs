@@ -7,14 +7,10 @@ use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
-use crate::light::enhancement::Subject;
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
-
-/// The plane fit to the gradients around a pixel.
-pub(crate) const PLANE_FIT: Wgsl = wgsl!("../plane_fit.wgsl", [("RIDGE", F32(RIDGE))]);
 
 /// The mapped curvature.
 pub(crate) const MAPPED_CURVATURE: Wgsl = wgsl!("mapped_curvature.wgsl");
@@ -47,7 +43,12 @@ bindings! {
 /// The Hessian of a gradient, or only its trace.
 pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
     "Hessian",
-    &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
+    &[
+        INDEX,
+        AROUND,
+        COVERAGE,
+        wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))]),
+    ],
 );
 
 /// Planes that the layers of the descriptor derive from the Hessian.
@@ -81,21 +82,11 @@ pub(crate) fn describe(run: &mut Run) {
 
 const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
 
-/// Whether the trace of the Hessian is used only once, and computed there.
-fn scales_by_gradient(plan: &Plan) -> bool {
-    let is_used_again = plan.runs("auto-gain")
-        || plan
-            .enhancement
-            .is_some_and(|enhancement| enhancement.occlusion > 0.0);
-    plan.enhancement.is_some() && plan.scaled() == Some(Subject::Picture) && !is_used_again
-}
-
 impl Run<'_> {
-    /// Adds the Hessian to a shape, unless it is computed where it is used.
+    /// Adds the Hessian to a shape, if curvature is wanted.
     pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
         let plan = self.plan;
-        let wanted = plan.wants_curvature() && !scales_by_gradient(plan);
-        let hessian = wanted.then(|| {
+        let hessian = plan.wants_curvature().then(|| {
             let entries = plan.wants(Product::Hessian);
             self.hessian(plan, &shape.gradient, &shape.conductance, entries)
         });

@@ -46,11 +46,6 @@ impl Run<'_> {
         let [width, height] = self.surface.size;
         let picture = [(); 3].map(|()| self.take(self.surface.plane_bytes()));
         let [red, green, blue] = &picture;
-        let trace = &shape
-            .hessian
-            .as_ref()
-            .expect("the display takes curvature")
-            .trace;
         self.recorder.over_pixels(
             "display",
             (&CURVATURE_DISPLAY, &[]),
@@ -62,7 +57,7 @@ impl Run<'_> {
             &CurvatureDisplayBuffers {
                 covered: &self.surface.covered,
                 conductance: &shape.conductance,
-                trace,
+                trace: shape.trace(),
                 red,
                 green,
                 blue,
