@@ -1,14 +1,5 @@
 // The Hessian of the height field.
 
-@group(0) @binding(0) var<uniform> params: HessianParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> conductance: array<f32>;
-@group(0) @binding(3) var<storage, read> gradient: array<vec2<f32>>;
-@group(0) @binding(4) var<storage, read_write> trace: array<f32>;
-@group(0) @binding(5) var<storage, read_write> hessian_xx: array<f32>;
-@group(0) @binding(6) var<storage, read_write> hessian_xy: array<f32>;
-@group(0) @binding(7) var<storage, read_write> hessian_yy: array<f32>;
-
 // Whether to output the entries, or only their trace.
 override ENTRIES_WANTED: bool;
 

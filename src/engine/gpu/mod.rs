@@ -2,9 +2,9 @@
 //!
 //! This module holds the parts that know no stage, and the runner that combines stages. Kernels and passes of a stage
 //! are in its own module: `gpu.rs` beside `cpu.rs`, and WGSL beside the Rust file it mirrors statement by statement;
-//! constants and structs come from Rust. Where the CPU uses double precision, devices work on differences. Between
-//! stages nothing is read back except lists of edge points of a drawing, and its tone if strokes are lines: lines are
-//! found on the CPU.
+//! constants, structs and buffers are declared in Rust. Where the CPU uses double precision, devices work on
+//! differences. Between stages the CPU reads back what it makes automatic choices from, lists of edge points of a
+//! drawing, and its tone if strokes are lines: lines are found on the CPU.
 
 mod all_kernels;
 pub(crate) mod bindings;

@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::{KERNELS, RECORD};
-use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
 use crate::engine::gpu::recorder::{Recorder, Submitted, Timings};
@@ -37,40 +37,14 @@ pub(crate) struct Run<'a> {
     /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
     /// The submission in progress, if the run is observed.
-    at_work: Option<Submitted<'a>>,
+    pub(super) at_work: Option<Submitted<'a>>,
     /// Timings of submissions waited for so far.
     pub(crate) waited: Timings,
     /// Buffers uploaded during recording.
-    held: Vec<wgpu::Buffer>,
+    pub(super) held: Vec<wgpu::Buffer>,
 }
 
 impl<'a> Run<'a> {
-    pub(crate) fn new(
-        (device, buffers): (&'a Device, &'a Buffers),
-        recorder: Recorder<'a>,
-        texture: &'a TextureCache,
-        host: HostRun<'a>,
-        light: Option<&'a Light<'a>>,
-        surface: SurfaceBuffers,
-    ) -> Self {
-        Self {
-            plan: host.plan,
-            frame: host.frame,
-            light,
-            made: Made::default(),
-            canvas: DeviceCanvas::default(),
-            host,
-            texture,
-            device,
-            buffers,
-            recorder,
-            surface,
-            at_work: None,
-            waited: Timings::new(),
-            held: Vec::new(),
-        }
-    }
-
     /// Submits the recorded work once the previous submission has finished.
     pub(super) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
@@ -85,18 +59,16 @@ impl<'a> Run<'a> {
 
     /// Reads buffers after the work recorded so far. If the device fails, they are 0, and so does the run.
     pub(crate) fn read<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Vec<f32>; N] {
-        add_timings(&mut self.waited, &[(RECORD, self.recorder.start.elapsed())]);
-        let submitted = self.recorder.submit(&wanted);
-        let start = Instant::now();
-        let read = submitted.read().map(|(read, times)| {
-            let times = times.unwrap_or_else(|| vec![(KERNELS, start.elapsed())]);
-            add_timings(&mut self.waited, &times);
-            read.try_into().expect("all that is wanted is read")
-        });
-        read.unwrap_or_else(|error| {
-            self.recorder.failed = Some(error);
-            wanted.map(|buffer| vec![0.0; buffer.size() as usize / 4])
-        })
+        match self.recorder.read(&wanted) {
+            Ok((read, times)) => {
+                add_timings(&mut self.waited, &times);
+                read.try_into().expect("all that is wanted is read")
+            }
+            Err(error) => {
+                self.recorder.failed = Some(error);
+                wanted.map(|buffer| vec![0.0; buffer.size() as usize / 4])
+            }
+        }
     }
 
     /// [`Run::read`] of planes.
@@ -135,7 +107,7 @@ impl<'a> Run<'a> {
 
     /// A buffer of this many bytes with undefined contents.
     pub(crate) fn take(&self, bytes: u64) -> wgpu::Buffer {
-        self.buffers.take(self.device, bytes)
+        self.buffers.take(self.device, bytes, Purpose::Kernels)
     }
 
     pub(crate) fn copy_of(&mut self, buffer: &wgpu::Buffer) -> wgpu::Buffer {
@@ -176,7 +148,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
     pub(crate) fn finish(mut self, wanted: &[&wgpu::Buffer]) -> Result<Finished<'a>> {
-        let (read, mut times) = self.recorder.run(wanted)?;
+        let (read, mut times) = self.recorder.read(wanted)?;
         if let Some(last) = self.at_work.take() {
             add_timings(&mut self.waited, &last.read()?.1.unwrap_or_default());
             // The CPU has done more than record since then.
@@ -184,7 +156,7 @@ impl<'a> Run<'a> {
         }
         add_timings(&mut self.waited, &times);
         let copied = self.surface.into_buffers().chain(self.held);
-        self.buffers.recycle_copied(copied);
+        self.buffers.recycle_as(Purpose::Upload, copied);
         Ok(Finished {
             read,
             timings: self.waited,

@@ -4,11 +4,11 @@ use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::device_times::{READ_BACK, UPLOAD};
-use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, in_memory, watched};
 use crate::engine::gpu::made::{Layer, Made};
-use crate::engine::gpu::recorder::{Programs, Recorder};
+use crate::engine::gpu::recorder::{Programs, Recorder, Timings};
 use crate::engine::gpu::run::{Finished, Run};
 use crate::engine::gpu::surface::{Upload, WIDEST, deinterleave};
 use crate::engine::gpu::wait::wait_for;
@@ -23,6 +23,7 @@ use crate::light::enhancement::Subject;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::direction_field::gpu_patches::largest_buffer;
+use crate::line::gpu_canvas::DeviceCanvas;
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
@@ -303,10 +304,22 @@ impl Runner {
             // If waiting fails, so does the run.
             let _ = wait_for(&self.device.device, None);
         }
-        let host = self.host_run(plan, frame, beside);
-        let place = (&self.device, &self.buffers);
-        let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
-        Run::new(place, recorder, &self.texture, host, beside.light, surface)
+        Run {
+            plan,
+            frame,
+            light: beside.light,
+            device: &self.device,
+            buffers: &self.buffers,
+            recorder: Recorder::new(&self.device, &self.programs, &self.buffers),
+            surface,
+            made: Made::default(),
+            canvas: DeviceCanvas::default(),
+            host: self.host_run(plan, frame, beside),
+            texture: &self.texture,
+            at_work: None,
+            waited: Timings::new(),
+            held: Vec::new(),
+        }
     }
 
     /// Runs the stages of `plan` for shape and picture on a strip, given by its rows in the frame that the light was
@@ -342,7 +355,10 @@ impl Runner {
             None if draws || plan.makes_picture() && !plan.display => self.upload().picture(frame),
             None => None,
         };
-        let is_copied = copied.is_some();
+        let purpose = match copied {
+            Some(_) => Purpose::Upload,
+            None => Purpose::Kernels,
+        };
         let mut run = self.start(plan, frame, beside);
         run.made.picture = copied;
         let uploaded = start.elapsed();
@@ -385,7 +401,7 @@ impl Runner {
         add_timings(&mut outcome.timings, &timings);
         add_timings(&mut outcome.timings, &[(READ_BACK, start.elapsed())]);
         let picture = picture.into_iter().flatten();
-        self.buffers.recycle_either(picture, is_copied);
+        self.buffers.recycle_as(purpose, picture);
         let rest = made.into_buffers().chain(canvas.into_buffers());
         self.buffers.recycle(rest);
         Ok(is_drawn.then_some(outcome))

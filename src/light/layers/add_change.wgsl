@@ -1,13 +1,5 @@
 // Adds the change of the radiance (direct + indirect) * color by a term, and that radiance, to two sums.
 
-@group(0) @binding(0) var<uniform> params: TermParams;
-@group(0) @binding(1) var<storage, read> sigma: array<f32>;
-@group(0) @binding(2) var<storage, read> direct: array<f32>;
-@group(0) @binding(3) var<storage, read> indirect: array<f32>;
-@group(0) @binding(4) var<storage, read> color: array<f32>;
-@group(0) @binding(5) var<storage, read_write> change: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> layered: array<vec4<f32>>;
-
 override HAS_DIRECT: bool;
 override HAS_INDIRECT: bool;
 override HAS_COLOR: bool;

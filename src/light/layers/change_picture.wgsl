@@ -1,14 +1,6 @@
 // The picture with the changes applied; its own bits where uncovered or unchanged. If layers hold more light than the
 // picture, the change is reduced to the picture's share.
 
-@group(0) @binding(0) var<uniform> params: SizeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> change: array<vec4<f32>>;
-@group(0) @binding(3) var<storage, read> layered: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> red: array<f32>;
-@group(0) @binding(5) var<storage, read_write> green: array<f32>;
-@group(0) @binding(6) var<storage, read_write> blue: array<f32>;
-
 fn changed(c: f32, change: f32, layered: f32) -> f32 {
     let share = min(max(c, 0.0) / max(layered, MIN_POSITIVE), 1.0);
     let result = clamp(c + share * change, -F32_MAX, F32_MAX);

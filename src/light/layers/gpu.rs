@@ -1,7 +1,7 @@
 //! Radiance scaling of the light layers of a frame: the changes of all terms are summed, then applied to the picture.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::{Hessian, Shape};
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::{Picture, WIDEST};
@@ -43,21 +43,33 @@ uniforms! {
 }
 
 bindings! {
-    LobeSigmaBuffers { covered, direct, indirect, albedo, trace, sigma }
-    GroupSigmaBuffers {
-        covered, normal_x, normal_y, normal_z, curvature_xx, curvature_xy, curvature_yy, to_light, sigma
+    LobeSigmaBuffers {
+        covered: &[u32], direct: &[f32], indirect: &[f32], albedo: &[f32], trace: &[f32], sigma: &mut [f32],
     }
-    AddChangeBuffers { sigma, direct, indirect, color, change, layered }
-    ChangePictureBuffers { covered, change, layered, red, green, blue }
-    OccludeBuffers { covered, trace, occlusion, red, green, blue }
+    GroupSigmaBuffers {
+        covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// Entries of the Hessian, or its trace in the first buffer.
+        curvature_xx: &[f32], curvature_xy: &[f32], curvature_yy: &[f32],
+        /// Unit directions to the lights, consecutively.
+        to_light: &[f32], sigma: &mut [f32],
+    }
+    AddChangeBuffers {
+        sigma: &[f32], direct: &[f32], indirect: &[f32], color: &[f32], change: &mut [vec4<f32>],
+        layered: &mut [vec4<f32>],
+    }
+    ChangePictureBuffers {
+        covered: &[u32], change: &[vec4<f32>], layered: &[vec4<f32>], red: &mut [f32], green: &mut [f32],
+        blue: &mut [f32],
+    }
+    OccludeBuffers {
+        covered: &[u32], trace: &[f32], occlusion: &[f32], red: &mut [f32], green: &mut [f32], blue: &mut [f32],
+    }
 }
 
 /// The scaling of a lobe.
 pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffers>(
     "LobeSigma",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         TERM_SCALING,
@@ -70,8 +82,6 @@ pub(crate) static LOBE_SIGMA: Kernel = Kernel::new::<TermParams, LobeSigmaBuffer
 pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuffers>(
     "GroupSigma",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
@@ -84,7 +94,6 @@ pub(crate) static GROUP_SIGMA: Kernel = Kernel::new::<TermParams, GroupSigmaBuff
 pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffers>(
     "AddChange",
     &[
-        INDEX,
         RADIANCE_SCALING,
         TERM_SCALING,
         wgsl!("add_change.wgsl", [("MAX_RADIANCE", F32(MAX_RADIANCE))]),
@@ -94,15 +103,13 @@ pub(crate) static ADD_CHANGE: Kernel = Kernel::new::<TermParams, AddChangeBuffer
 /// Applies the changes to a picture.
 pub(crate) static CHANGE_PICTURE: Kernel = Kernel::new::<SizeParams, ChangePictureBuffers>(
     "ChangePicture",
-    &[INDEX, COVERAGE, wgsl!("change_picture.wgsl")],
+    &[wgsl!("change_picture.wgsl")],
 );
 
 /// Scales a picture by its ambient occlusion.
 pub(crate) static OCCLUDE: Kernel = Kernel::new::<TermParams, OccludeBuffers>(
     "Occlude",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
         TERM_SCALING,

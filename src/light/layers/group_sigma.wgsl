@@ -1,18 +1,5 @@
 // The scaling of a light group: the mean over its directions, 1 where all are below the horizon.
 
-@group(0) @binding(0) var<uniform> params: TermParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// Entries of the Hessian, or its trace in the first buffer.
-@group(0) @binding(5) var<storage, read> curvature_xx: array<f32>;
-@group(0) @binding(6) var<storage, read> curvature_xy: array<f32>;
-@group(0) @binding(7) var<storage, read> curvature_yy: array<f32>;
-// Unit directions to the lights, consecutively.
-@group(0) @binding(8) var<storage, read> to_light: array<f32>;
-@group(0) @binding(9) var<storage, read_write> sigma: array<f32>;
-
 override TOWARD_LIGHT: bool;
 
 fn kappa_toward(i: u32, light: vec3<f32>) -> f32 {

@@ -1,12 +1,6 @@
 // The light of a lobe before multiplication by the surface's colour. Colours are consecutive red, green and blue
 // planes; absent light is 0, an absent colour 1.
 
-@group(0) @binding(0) var<uniform> params: TermParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> direct: array<f32>;
-@group(0) @binding(3) var<storage, read> indirect: array<f32>;
-@group(0) @binding(4) var<storage, read> albedo: array<f32>;
-
 override HAS_DIRECT: bool;
 override HAS_INDIRECT: bool;
 override HAS_ALBEDO: bool;

@@ -1,8 +1,5 @@
 // The scaling of a lobe: its intensity is its own light over the white level.
 
-@group(0) @binding(5) var<storage, read> trace: array<f32>;
-@group(0) @binding(6) var<storage, read_write> sigma: array<f32>;
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {

@@ -1,13 +1,5 @@
 // Radiance scaling by ambient occlusion: the intensity of ambient light is the share that arrives.
 
-@group(0) @binding(0) var<uniform> params: TermParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> trace: array<f32>;
-@group(0) @binding(3) var<storage, read> occlusion: array<f32>;
-@group(0) @binding(4) var<storage, read_write> red: array<f32>;
-@group(0) @binding(5) var<storage, read_write> green: array<f32>;
-@group(0) @binding(6) var<storage, read_write> blue: array<f32>;
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {

@@ -19,7 +19,7 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
     }],
     cpu: scale,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::scale,
+    gpu: |run| super::gpu::scale(scaler(&run.host), run),
     ..Stage::DEFAULT
 };
 

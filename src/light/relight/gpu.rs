@@ -1,7 +1,7 @@
 //! Relighting on the device: one kernel for every covered pixel.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
@@ -101,8 +101,16 @@ uniforms! {
 
 bindings! {
     RelightBuffers {
-        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, occlusion, alpha, depth,
-        lights, texels, red, green, blue
+        covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// The Hessian, or its trace in the first buffer.
+        hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32], occlusion: &[f32], alpha: &[f32], depth: &[f32],
+        /// Three vectors per directional light: direction, half vector with z, colour. Two per point light: position,
+        /// colour. One per even direction.
+        lights: &[vec4<f32>],
+        /// Texels of look-up maps.
+        texels: &[vec4<f32>],
+        /// Albedo, if it is not white; then the resulting colour.
+        red: &mut [f32], green: &mut [f32], blue: &mut [f32],
     }
 }
 
@@ -110,8 +118,6 @@ bindings! {
 pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
     "Relight",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,

@@ -1,19 +1,5 @@
 // The cracks with a silhouette among the candidates: a list in any order, as long as there is room.
 
-@group(0) @binding(0) var<uniform> params: CrackParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-// Depth, or an occlusion map.
-@group(0) @binding(2) var<storage, read> silhouette_map: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(5) var<storage, read> normal_z: array<f32>;
-@group(0) @binding(6) var<storage, read_write> counts: array<atomic<u32>>;
-// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
-@group(0) @binding(7) var<storage, read> candidates: array<u32>;
-// The same, plus 1 if the border of coverage is close beside it; the offset of the silhouette, its strength and the
-// logarithm of its depth.
-@group(0) @binding(8) var<storage, read_write> cracks: array<vec4<u32>>;
-
 override HAS_MAP: bool;
 override IS_DEPTH: bool;
 // Whether the sight lines of the depth are known, and whether they are parallel.

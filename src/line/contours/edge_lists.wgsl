@@ -2,15 +2,6 @@
 //
 // A list holds as many as there is room for; counting continues beyond that.
 
-@group(0) @binding(0) var<uniform> params: SizeParams;
-// Silhouette and crease weight.
-@group(0) @binding(1) var<storage, read> weights: array<vec2<f32>>;
-@group(0) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
-@group(0) @binding(3) var<storage, read_write> candidates: array<u32>;
-// A pixel, and its weight.
-@group(0) @binding(4) var<storage, read_write> creases: array<vec2<u32>>;
-
 override CREASES_WANTED: bool;
 
 fn add_candidate(key: u32) {

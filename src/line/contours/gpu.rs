@@ -1,7 +1,7 @@
 //! Edges as lists, so that only data along edges are read back.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
@@ -50,31 +50,42 @@ uniforms! {
 }
 
 bindings! {
-    EdgeListsBuffers { weights, counts, candidates, creases }
-    CracksBuffers { covered, silhouette_map, normal_x, normal_y, normal_z, counts, candidates, cracks }
+    EdgeListsBuffers {
+        /// Silhouette and crease weight.
+        weights: &[vec2<f32>], counts: &mut [atomic<u32>],
+        /// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
+        candidates: &mut [u32],
+        /// A pixel, and its weight.
+        creases: &mut [vec2<u32>],
+    }
+    CracksBuffers {
+        covered: &[u32],
+        /// Depth, or an occlusion map.
+        silhouette_map: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32], counts: &mut [atomic<u32>],
+        /// Four times the pixel behind a crack, plus 2 if it is left of that pixel and not above it.
+        candidates: &[u32],
+        /// The same, plus 1 if the border of coverage is close beside it; the offset of the silhouette, its strength and the
+        /// logarithm of its depth.
+        cracks: &mut [vec4<u32>],
+    }
 }
 
 /// Lists cracks that silhouettes may pass, and creases.
 pub(crate) static EDGE_LISTS: Kernel = Kernel::new::<SizeParams, EdgeListsBuffers>(
     "EdgeLists",
-    &[
-        INDEX,
-        wgsl!(
-            "edge_lists.wgsl",
-            [
-                ("CANDIDATES", U32(CANDIDATE_COUNT)),
-                ("CREASES", U32(CREASE_COUNT))
-            ]
-        ),
-    ],
+    &[wgsl!(
+        "edge_lists.wgsl",
+        [
+            ("CANDIDATES", U32(CANDIDATE_COUNT)),
+            ("CREASES", U32(CREASE_COUNT))
+        ]
+    )],
 );
 
 /// Lists the cracks that silhouettes do pass.
 pub(crate) static CRACKS: Kernel = Kernel::new::<CrackParams, CracksBuffers>(
     "Cracks",
     &[
-        INDEX,
-        COVERAGE,
         FACING,
         wgsl!("crack.wgsl", [("KINK", F32(KINK))]),
         wgsl!(

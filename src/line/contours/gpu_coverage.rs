@@ -2,7 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::GROUP;
-use crate::engine::gpu::kernels::{INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, U32};
@@ -28,14 +28,18 @@ uniforms! {
 }
 
 bindings! {
-    LineCoverageBuffers { tile_starts, tile_pieces, pieces, lines, covered_by_lines }
+    LineCoverageBuffers {
+        /// Start of each tile's pieces in their list, and the end of the last.
+        tile_starts: &[u32], tile_pieces: &[u32], pieces: &[Piece],
+        /// The line of each piece.
+        lines: &[u32], covered_by_lines: &mut [f32],
+    }
 }
 
 /// The coverage of each pixel by lines.
 pub(crate) static LINE_COVERAGE: Kernel = Kernel::new::<LineCoverageParams, LineCoverageBuffers>(
     "LineCoverage",
     &[
-        INDEX,
         wgsl!("round_stroke.wgsl"),
         wgsl!(
             "../paper.wgsl",

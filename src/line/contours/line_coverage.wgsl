@@ -1,14 +1,5 @@
 // Coverage of every pixel by lines: a workgroup handles a tile of pixels, with the pieces of lines that reach it.
 
-@group(0) @binding(0) var<uniform> params: LineCoverageParams;
-// Start of each tile's pieces in their list, and the end of the last.
-@group(0) @binding(1) var<storage, read> tile_starts: array<u32>;
-@group(0) @binding(2) var<storage, read> tile_pieces: array<u32>;
-@group(0) @binding(3) var<storage, read> pieces: array<Piece>;
-// The line of each piece.
-@group(0) @binding(4) var<storage, read> lines: array<u32>;
-@group(0) @binding(5) var<storage, read_write> covered_by_lines: array<f32>;
-
 override IN_GRAPHITE: bool;
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)

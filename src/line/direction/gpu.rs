@@ -1,7 +1,7 @@
 //! Directions for pixels that have none of their own: their neighbours', in waves.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{SIGHT_LINES, lines};
 use crate::engine::gpu::uniforms::uniforms;
@@ -63,7 +63,12 @@ uniforms! {
 
 bindings! {
     SpreadDirectionsBuffers {
-        conductance, normal_x, normal_y, normal_z, list, next, counts, direction_x, direction_y, filled, marks
+        conductance: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32], list: &[u32], next: &mut [u32],
+        counts: &mut [atomic<u32>], direction_x: &mut [f32], direction_y: &mut [f32],
+        /// 1 more than the wave that gave a pixel its direction, 0 without one, and NOTHING outside the surface.
+        filled: &mut [atomic<u32>],
+        /// Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
+        marks: &mut [atomic<u32>],
     }
 }
 
@@ -71,7 +76,6 @@ bindings! {
 pub(crate) static SPREAD_DIRECTIONS: Kernel = Kernel::new::<SpreadParams, SpreadDirectionsBuffers>(
     "SpreadDirections",
     &[
-        INDEX,
         FACE_CONDUCTANCE,
         SIGHT_LINES,
         FALLBACK,

@@ -1,21 +1,6 @@
 // A wave of directions: listed pixels without one take the mean of the neighbours that had one before the wave, turned
 // to the fallback. Their neighbours are listed for the next wave.
 
-@group(0) @binding(0) var<uniform> params: SpreadParams;
-@group(0) @binding(1) var<storage, read> conductance: array<f32>;
-@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-@group(0) @binding(5) var<storage, read> list: array<u32>;
-@group(0) @binding(6) var<storage, read_write> next: array<u32>;
-@group(0) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
-@group(0) @binding(8) var<storage, read_write> direction_x: array<f32>;
-@group(0) @binding(9) var<storage, read_write> direction_y: array<f32>;
-// 1 more than the wave that gave a pixel its direction, 0 without one, and NOTHING outside the surface.
-@group(0) @binding(10) var<storage, read_write> filled: array<atomic<u32>>;
-// Twice the wave that a pixel was last listed for, and 1 more where the surface is a plane.
-@group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
-
 // Whether directions spread only through open faces.
 override THROUGH_FACES: bool;
 // Whether pixels that turn fully take the fallback, and others nothing.

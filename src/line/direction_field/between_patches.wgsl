@@ -1,21 +1,6 @@
 // From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge. Lists
 // covered pixels that get none.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> settled: array<vec2<f32>>;
-@group(0) @binding(6) var<storage, read_write> direction_x: array<f32>;
-@group(0) @binding(7) var<storage, read_write> direction_y: array<f32>;
-// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
-@group(0) @binding(8) var<storage, read_write> filled: array<u32>;
-// Marks set by waves at pixels: none as yet.
-@group(0) @binding(9) var<storage, read_write> marks: array<u32>;
-@group(0) @binding(10) var<storage, read_write> lacking: array<u32>;
-@group(0) @binding(11) var<storage, read_write> counts: array<atomic<u32>>;
-
 // The directions of a patch and the eight around it, row by row.
 var<private> around: array<vec2<f32>, 9>;
 

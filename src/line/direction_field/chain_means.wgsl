@@ -1,18 +1,5 @@
 // Means of values around each patch, along the chains of both axes, with weights that fall linearly to 0.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> further: u32;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> runs_across: array<vec4<u32>>;
-@group(0) @binding(6) var<storage, read> runs_down: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read> sums_across: array<Sums>;
-@group(0) @binding(8) var<storage, read> sums_down: array<Sums>;
-@group(0) @binding(9) var<storage, read> depths: array<f32>;
-@group(0) @binding(10) var<storage, read> values: array<vec4<f32>>;
-@group(0) @binding(11) var<storage, read_write> means: array<vec4<f32>>;
-
 // Whether the radius is inversely proportional to depth.
 override IS_BY_DEPTH: bool;
 // Whether means reach no farther than a run, so that visiting patches is cheaper than sums.

@@ -1,20 +1,5 @@
 // Finds the part of each surface in each cell.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> conductance: array<f32>;
-@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// Any buffer if there is no depth.
-@group(0) @binding(5) var<storage, read> depth: array<f32>;
-// Number of patches of each cell, and the index of those after the first one.
-@group(0) @binding(6) var<storage, read_write> held: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> patches: array<Patch>;
-// Depth of each patch, 0 without one.
-@group(0) @binding(8) var<storage, read_write> depths: array<f32>;
-// Number of patches after the first ones.
-@group(0) @binding(9) var<storage, read_write> further: atomic<u32>;
-
 override HAS_DEPTH: bool;
 
 // The open pixels of a cell.
@@ -158,7 +143,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var next = 0u;
     if count > 1u {
-        next = atomicAdd(&further, count - 1u);
+        next = atomicAdd(&further[0], count - 1u);
         // Patches without room are dropped; the total count reveals it.
         count = 1u + min(count - 1u, params.room - min(next, params.room));
     }

@@ -1,11 +1,5 @@
 // Finds the run that each patch is in, along one axis.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> links: array<vec4<u32>>;
-// The first and the last patch of the run, and their distances in cells.
-@group(0) @binding(3) var<storage, read_write> runs: array<vec4<u32>>;
-
 // The run up to a patch, which starts it or continues it from the patch `before`.
 fn go_on(i: u32, before: u32, place: u32) {
     var first = vec2<u32>(i, 0u);

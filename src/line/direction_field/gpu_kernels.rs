@@ -1,7 +1,7 @@
 //! The kernels of the field of stroke directions, with their uniforms and buffers.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::sight::SIGHT_LINES;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, U32};
@@ -77,18 +77,52 @@ uniforms! {
 }
 
 bindings! {
-    FindPatchesBuffers { conductance, normal_x, normal_y, normal_z, depth, held, patches, depths, further }
-    LinkPatchesBuffers { held, patches, links }
-    FindRunsBuffers { held, links, runs }
-    SumRunsBuffers { held, links, values, sums }
-    ChainMeansBuffers {
-        held, further, patches, links, runs_across, runs_down, sums_across, sums_down, depths, values, means
+    FindPatchesBuffers {
+        conductance: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// Any buffer if there is no depth.
+        depth: &[f32],
+        /// Number of patches of each cell, and the index of those after the first one.
+        held: &mut [vec2<u32>], patches: &mut [Patch],
+        /// Depth of each patch, 0 without one.
+        depths: &mut [f32],
+        /// Number of patches after the first ones.
+        further: &mut [atomic<u32>],
     }
-    PatchFormsBuffers { held, further, patches, links, forms }
-    PatchDirectionsBuffers { held, further, patches, forms, directions }
-    SettlePatchesBuffers { held, further, patches, links, own, around, settled }
+    LinkPatchesBuffers {
+        held: &[vec2<u32>], patches: &[Patch],
+        /// The continuation of each patch to the left, to the right, above and below.
+        links: &mut [vec4<u32>],
+    }
+    FindRunsBuffers {
+        held: &[vec2<u32>], links: &[vec4<u32>],
+        /// The first and the last patch of the run, and their distances in cells.
+        runs: &mut [vec4<u32>],
+    }
+    SumRunsBuffers {
+        held: &[vec2<u32>], links: &[vec4<u32>], values: &[vec4<f32>], sums: &mut [Sums],
+    }
+    ChainMeansBuffers {
+        held: &[vec2<u32>], further: &[u32], patches: &[Patch], links: &[vec4<u32>], runs_across: &[vec4<u32>],
+        runs_down: &[vec4<u32>], sums_across: &[Sums], sums_down: &[Sums], depths: &[f32], values: &[vec4<f32>],
+        means: &mut [vec4<f32>],
+    }
+    PatchFormsBuffers {
+        held: &[vec2<u32>], further: &[u32], patches: &[Patch], links: &[vec4<u32>], forms: &mut [vec4<f32>],
+    }
+    PatchDirectionsBuffers {
+        held: &[vec2<u32>], further: &[u32], patches: &[Patch], forms: &[vec4<f32>], directions: &mut [vec4<f32>],
+    }
+    SettlePatchesBuffers {
+        held: &[vec2<u32>], further: &[u32], patches: &[Patch], links: &[vec4<u32>], own: &[vec4<f32>],
+        around: &[vec4<f32>], settled: &mut [vec2<f32>],
+    }
     BetweenPatchesBuffers {
-        covered, held, patches, links, settled, direction_x, direction_y, filled, marks, lacking, counts
+        covered: &[u32], held: &[vec2<u32>], patches: &[Patch], links: &[vec4<u32>], settled: &[vec2<f32>],
+        direction_x: &mut [f32], direction_y: &mut [f32],
+        /// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
+        filled: &mut [u32],
+        /// Marks set by waves at pixels: none as yet.
+        marks: &mut [u32], lacking: &mut [u32], counts: &mut [atomic<u32>],
     }
 }
 
@@ -96,7 +130,6 @@ bindings! {
 pub(crate) static FIND_PATCHES: Kernel = Kernel::new::<DirectionParams, FindPatchesBuffers>(
     "FindPatches",
     &[
-        INDEX,
         PATCHES,
         wgsl!("find_patches.wgsl", [("OPEN", F32(setting::OPEN))]),
     ],
@@ -197,8 +230,6 @@ pub(crate) static SETTLE_PATCHES: Kernel = Kernel::new::<DirectionParams, Settle
 pub(crate) static BETWEEN_PATCHES: Kernel = Kernel::new::<DirectionParams, BetweenPatchesBuffers>(
     "BetweenPatches",
     &[
-        INDEX,
-        COVERAGE,
         PATCHES,
         DOUBLED,
         wgsl!("between_patches.wgsl", [("OPEN_COUNT", U32(OPEN_COUNT))]),

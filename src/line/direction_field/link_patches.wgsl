@@ -1,11 +1,5 @@
 // Links patches to their continuations.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> patches: array<Patch>;
-// The continuation of each patch to the left, to the right, above and below.
-@group(0) @binding(3) var<storage, read_write> links: array<vec4<u32>>;
-
 // The pixels of a patch along a side of its cell: left, right, above or below.
 fn along_side(pixels: vec2<u32>, side: u32) -> u32 {
     let last = params.cell_px - 1u;

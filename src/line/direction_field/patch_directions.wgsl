@@ -1,13 +1,6 @@
 // For each patch: twice the angle of one curvature direction, with its confidence as length, plus the fallback with the
 // surface's flatness as length; the sum of both lengths; and 1.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> further: u32;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> forms: array<vec4<f32>>;
-@group(0) @binding(5) var<storage, read_write> directions: array<vec4<f32>>;
-
 // The unit direction of the curvature larger in magnitude, in the frame of the tensor; 0 without any.
 fn curvature_tensor_larger(form: vec4<f32>) -> vec2<f32> {
     let d = select(-form.xy, form.xy, form.z >= 0.0);

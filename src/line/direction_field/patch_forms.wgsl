@@ -1,13 +1,6 @@
 // The tensor of curvature of each patch, per pixel, from the rays along the normals of the patches around it: half the
 // difference of the curvatures toward twice the angle of the larger one, their mean, and 1.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> further: u32;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read_write> forms: array<vec4<f32>>;
-
 // The step from a patch to its continuation, in pixels, x right and y down.
 fn step_between(from_patch: u32, to_patch: u32) -> vec2<f32> {
     let here = patches[from_patch];

@@ -1,15 +1,6 @@
 // The stroke direction of each patch, as twice an angle: the mean of its own directions, or, the more those disagree,
 // of those around it, with the fallback, normalised. 0 for specks.
 
-@group(0) @binding(0) var<uniform> params: DirectionParams;
-@group(0) @binding(1) var<storage, read> held: array<vec2<u32>>;
-@group(0) @binding(2) var<storage, read> further: u32;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read> links: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> own: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> around: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read_write> settled: array<vec2<f32>>;
-
 // Whether directions were averaged at all.
 override IS_CALMED: bool;
 

@@ -1,7 +1,7 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
@@ -53,8 +53,15 @@ uniforms! {
 
 bindings! {
     NormalRaysBuffers {
-        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, filled, marks, open,
-        closed, counts
+        covered: &[u32], conductance: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// Any buffer where points are taken from normals.
+        depth: &[f32], direction_x: &mut [f32], direction_y: &mut [f32],
+        /// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
+        filled: &mut [u32],
+        /// 1 where the surface is a plane.
+        marks: &mut [u32],
+        /// Pixels without a direction: open ones and those on edges, with their counts.
+        open: &mut [u32], closed: &mut [u32], counts: &mut [atomic<u32>],
     }
 }
 
@@ -62,8 +69,6 @@ bindings! {
 pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffers>(
     "NormalRays",
     &[
-        INDEX,
-        COVERAGE,
         SIGHT_LINES,
         NORMAL_RAY,
         wgsl!(

@@ -1,25 +1,6 @@
 // Directions of the surface's own curvature larger in size, from the normal rays beside each pixel. Covered pixels that
 // have none are listed.
 
-@group(0) @binding(0) var<uniform> params: RayParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> conductance: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(5) var<storage, read> normal_z: array<f32>;
-// Any buffer where points are taken from normals.
-@group(0) @binding(6) var<storage, read> depth: array<f32>;
-@group(0) @binding(7) var<storage, read_write> direction_x: array<f32>;
-@group(0) @binding(8) var<storage, read_write> direction_y: array<f32>;
-// 1 for a pixel with a direction, 0 without one, and NOTHING outside the surface.
-@group(0) @binding(9) var<storage, read_write> filled: array<u32>;
-// 1 where the surface is a plane.
-@group(0) @binding(10) var<storage, read_write> marks: array<u32>;
-// Pixels without a direction: open ones and those on edges, with their counts.
-@group(0) @binding(11) var<storage, read_write> open: array<u32>;
-@group(0) @binding(12) var<storage, read_write> closed: array<u32>;
-@group(0) @binding(13) var<storage, read_write> counts: array<atomic<u32>>;
-
 override HAS_DEPTH: bool;
 override IS_PARALLEL: bool;
 override DEPTH_ALONG_RAY: bool;

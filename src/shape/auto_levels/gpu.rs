@@ -1,10 +1,10 @@
 //! The gain of curvature, chosen by the CPU from planes read back.
 
+use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::gpu::run::Run;
-use crate::shape::auto_levels::stage;
 
-/// Chooses the gain of curvature, if it is left open.
-pub(crate) fn choose_gain(run: &mut Run) {
+/// Has the CPU choose the gain of curvature, with the planes it depends on if that is left open.
+pub(crate) fn with_trace(run: &mut Run, choose: fn(&mut HostRun)) {
     if run.plan.chooses_gain() {
         let shape = run.made.shape.take().expect("the gain takes the trace");
         let [trace, conductance] = run.read_planes([shape.trace(), &shape.conductance]);
@@ -12,7 +12,7 @@ pub(crate) fn choose_gain(run: &mut Run) {
         (of_host.trace, of_host.conductance) = (Some(trace), Some(conductance));
         run.made.shape = Some(shape);
     }
-    stage::choose_gain(&mut run.host);
+    choose(&mut run.host);
     let of_host = &mut run.host.outcome.shape;
     (of_host.trace, of_host.conductance) = (None, None);
 }

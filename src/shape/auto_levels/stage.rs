@@ -29,7 +29,7 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     }],
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
-    gpu: super::gpu::choose_gain,
+    gpu: |run| super::gpu::with_trace(run, choose_gain),
     ..Stage::DEFAULT
 };
 

@@ -1,7 +1,7 @@
 //! The Hessian, and curvatures.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::uniforms;
@@ -36,27 +36,27 @@ uniforms! {
 }
 
 bindings! {
-    HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
-    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, curvature, direction }
+    HessianBuffers {
+        covered: &[u32], conductance: &[f32], gradient: &[vec2<f32>], trace: &mut [f32], hessian_xx: &mut [f32],
+        hessian_xy: &mut [f32], hessian_yy: &mut [f32],
+    }
+    CurvaturesBuffers {
+        covered: &[u32], hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32],
+        /// View-centred curvature: u, v, mean and kappa.
+        curvature: &mut [vec4<f32>], direction: &mut [vec2<f32>],
+    }
 }
 
 /// The Hessian of a gradient, or only its trace.
 pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
     "Hessian",
-    &[
-        INDEX,
-        AROUND,
-        COVERAGE,
-        wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))]),
-    ],
+    &[wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))])],
 );
 
 /// Planes that the layers of the descriptor derive from the Hessian.
 pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams, CurvaturesBuffers>(
     "Curvatures",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         wgsl!("curvatures.wgsl", [("UMBILIC", F32(UMBILIC))]),
     ],
