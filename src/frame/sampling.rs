@@ -34,7 +34,7 @@ pub(crate) fn one_in(
 }
 
 /// Square cells of whole pixels, with a place in each. Integers alone decide where these lie, so that every backend, and
-/// every strip of a picture, finds the same. A twin is in lattice.wgsl.
+/// every strip of a picture, finds the same.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Lattice {
     /// Pixels along a side of a cell.
@@ -46,7 +46,7 @@ pub(crate) struct Lattice {
 /// Least number of pixels that a lattice takes of a large picture, and of values that are enough for a percentile. On
 /// renders and photos, percentiles of curvature and light from these are up to 0.7 % off, from half as many over 1 %.
 const WANTED: usize = 120_000;
-pub(crate) const ENOUGH: u32 = 100_000;
+const ENOUGH: u32 = 100_000;
 
 impl Lattice {
     /// Cells over these pixels, `count` of which are covered: from [`WANTED`] on up to four times as many as that are
@@ -90,7 +90,7 @@ impl Lattice {
 }
 
 /// The place in cell `i` of cells with this side along `length` pixels, the last of which may be shorter.
-pub(crate) fn lattice_place(i: u32, side: u32, length: u32, random: u32) -> u32 {
+fn lattice_place(i: u32, side: u32, length: u32, random: u32) -> u32 {
     let from = i * side;
     from + place_in(side.min(length - from), random)
 }
@@ -114,7 +114,7 @@ fn place_in(length: u32, random: u32) -> u32 {
 }
 
 /// Bits that depend on both numbers like random ones.
-pub(crate) fn scattered(i: u32, j: u32) -> u32 {
+fn scattered(i: u32, j: u32) -> u32 {
     let mixed = |bits: u32, by: u32| (bits ^ bits >> 16).wrapping_mul(by);
     let both = i
         .wrapping_mul(0x9e37_79b1)

@@ -36,14 +36,8 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
         decide: decide_white,
     }],
     cpu: choose_white,
-    // The device chooses it where it scales.
     #[cfg(feature = "gpu")]
-    gpu: Some(|_| ()),
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| {
-        let of_tile = plan.tile.is_some() && chosen_for(plan).is_some();
-        of_tile.then_some("a white level chosen from a tile")
-    },
+    gpu: Some(|run| choose_white(&mut run.host)),
     ..Stage::DEFAULT
 };
 

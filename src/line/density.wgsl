@@ -1,16 +1,5 @@
 // From the luminance of a picture to the optical density of the drawing.
 
-@group(0) @binding(0) var<uniform> params: DensityParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> red: array<f32>;
-@group(0) @binding(3) var<storage, read> green: array<f32>;
-@group(0) @binding(4) var<storage, read> blue: array<f32>;
-// Any buffer if there is no alpha.
-@group(0) @binding(5) var<storage, read> alpha: array<f32>;
-// Densities at even steps of the square root of luminance, from 0 to white.
-@group(0) @binding(6) var<storage, read> density_table: array<f32>;
-@group(0) @binding(7) var<storage, read_write> densities: array<f32>;
-
 override HAS_ALPHA: bool;
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)

@@ -101,10 +101,6 @@ fn tile(width: usize, height: usize, wraps: [bool; 2]) -> Frame {
 fn tiles() {
     on_gpu(|_| {
         let engines = [Engine::gpu().unwrap(), Engine::cpu()];
-        let scaling = ScalingParams {
-            curvature_gain: Adaptive::Fixed(3.0),
-            ..ScalingParams::default()
-        };
         for (wraps, sigma) in [
             ([true, true], 8.0),
             ([true, false], 6.0),
@@ -115,7 +111,7 @@ fn tiles() {
                 scale: Scale::Sigma(sigma),
                 ..ShapeParams::default()
             };
-            let plan = plan(Goal::Layers, &frame, shape, scaling);
+            let plan = plan(Goal::Layers, &frame, shape, ScalingParams::default());
             let [found, expected] = engines.each_ref().map(|engine| {
                 let inputs = relievo::engine::Inputs::default();
                 engine.execute(&plan, &frame, inputs, &Run::new()).unwrap()

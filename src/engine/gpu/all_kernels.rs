@@ -1,27 +1,23 @@
 //! The list of all kernels, for code that iterates over them; passes do not use it.
 
 use crate::engine::gpu::kernels::Kernel;
-use crate::light::radiance_scaling::gpu::{SCALE_BY_GRADIENT, SCALE_PICTURE};
+use crate::light::radiance_scaling::gpu::SCALE_PICTURE;
 use crate::light::relight::gpu::RELIGHT;
 use crate::line::hatching::gpu::{DENSITY, PICTURE_STROKES, STROKES};
 use crate::line::normal_rays::gpu::NORMAL_RAYS;
-use crate::shape::auto_levels::gpu::{COUNT, NARROW};
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
 use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
 
 /// All kernels.
-pub(crate) static ALL: [&Kernel; 15] = [
+pub(crate) static ALL: [&Kernel; 12] = [
     &LOG_DEPTH,
     &EDGES,
     &DIFFUSION,
     &HESSIAN,
     &CURVATURES,
-    &COUNT,
-    &NARROW,
     &SCALE_PICTURE,
-    &SCALE_BY_GRADIENT,
     &CURVATURE_DISPLAY,
     &NORMAL_RAYS,
     &DENSITY,
@@ -45,22 +41,5 @@ mod tests {
     fn no_two_kernels_have_the_same_name() {
         let names: BTreeSet<_> = ALL.iter().map(|kernel| kernel.name).collect();
         assert_eq!(names.len(), ALL.len());
-    }
-
-    #[test]
-    fn every_kernel_has_the_buffers_of_its_wgsl() {
-        for kernel in ALL {
-            let mut bound = kernel.bindings();
-            assert_eq!(
-                bound.remove(0),
-                "params",
-                "{} is given its uniform block first",
-                kernel.name
-            );
-            let mut declared = kernel.buffers.to_vec();
-            declared.sort_unstable();
-            bound.sort();
-            assert_eq!(declared, bound, "{}", kernel.name);
-        }
     }
 }

@@ -1,31 +1,43 @@
-//! The buffers of a kernel, by their names in WGSL.
+//! The buffers of a kernel.
 
-/// Buffers with the names of the variables they are bound to.
+/// Buffers with the names and types of the WGSL variables that they are bound to, after the uniform block.
 pub(crate) trait Bindings {
-    /// The names, in the order of the struct.
-    const NAMES: &'static [&'static str];
+    /// Declarations in WGSL, in the order of the struct.
+    const WGSL: &'static [&'static str];
 
-    /// Each name with its buffer.
-    fn named(&self) -> Vec<(&'static str, &wgpu::Buffer)>;
+    /// The buffers in that order.
+    fn buffers(&self) -> Vec<&wgpu::Buffer>;
 }
 
-/// Defines a struct of buffers for each kernel.
+/// Defines a struct of buffers for each kernel. Their WGSL is that of slices: `&[f32]` or `&mut [f32]`.
 macro_rules! bindings {
-    ($($kernel:ident { $($buffer:ident),* })*) => {
+    ($($kernel:ident { $($(#[$doc:meta])* $buffer:ident: & $($mutable:ident)? [$($element:tt)+],)* })*) => {
         $(
             pub(crate) struct $kernel<'b> {
-                $(pub(crate) $buffer: &'b wgpu::Buffer,)*
+                $($(#[$doc])* pub(crate) $buffer: &'b wgpu::Buffer,)*
             }
 
             impl $crate::engine::gpu::bindings::Bindings for $kernel<'_> {
-                const NAMES: &'static [&'static str] = &[$(stringify!($buffer)),*];
+                const WGSL: &'static [&'static str] = &[$(concat!(
+                    "var<storage, ", $crate::engine::gpu::bindings::access!($($mutable)?), "> ",
+                    stringify!($buffer), ": array<", stringify!($($element)+), ">;\n",
+                )),*];
 
-                fn named(&self) -> Vec<(&'static str, &wgpu::Buffer)> {
-                    vec![$((stringify!($buffer), self.$buffer)),*]
+                fn buffers(&self) -> Vec<&wgpu::Buffer> {
+                    vec![$(self.$buffer),*]
                 }
             }
         )*
     };
 }
 
-pub(crate) use bindings;
+macro_rules! access {
+    () => {
+        "read"
+    };
+    (mut) => {
+        "read_write"
+    };
+}
+
+pub(crate) use {access, bindings};

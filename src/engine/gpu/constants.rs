@@ -1,4 +1,4 @@
-//! Workgroup sizes, indices of chosen numbers, and the constants that every kernel takes from Rust.
+//! Workgroup sizes, and the constants that every kernel takes from Rust.
 
 use crate::engine::gpu::wgsl::Number;
 use crate::fast_math::circular::{ATAN, COT_EIGHTH_PI, PI_2_LOW, TAN_EIGHTH_PI};
@@ -26,23 +26,6 @@ pub(crate) const SWEEPS_PER_PASS: usize = 6;
 /// Rows per invocation in kernels that read neighbours: each row reuses the previous one.
 pub(crate) const STRIP_ROWS: u32 = 16;
 
-/// Invocations of a workgroup in a percentile search.
-pub(crate) const SEARCH_INVOCATIONS: u32 = 256;
-
-/// Maximum number of workgroups that count in that search. Each also clears all bins and merges its own into them.
-pub(crate) const MOST_COUNTING_GROUPS: u32 = 1024;
-
-/// Bits resolved by one pass of that search, and the number of passes for all 32.
-pub(crate) const SEARCH_BITS: u32 = 11;
-pub(crate) const SEARCH_PASSES: u32 = u32::BITS.div_ceil(SEARCH_BITS);
-
-/// Bins of one pass.
-pub(crate) const SEARCH_BINS: u32 = 1 << SEARCH_BITS;
-
-/// Indices of the numbers chosen from the whole picture.
-pub(crate) const GAIN: u32 = 0;
-pub(crate) const WHITE: u32 = 1;
-
 /// WGSL text of the constants and of the polynomials of elementary functions, for every kernel.
 pub(crate) fn constants() -> String {
     let mut text = String::new();
@@ -50,10 +33,8 @@ pub(crate) fn constants() -> String {
         ("GROUP_COLUMNS", GROUP[0]),
         ("GROUP_ROWS", GROUP[1]),
         ("STRIP_ROWS", STRIP_ROWS),
-        ("GAIN", GAIN),
-        ("WHITE", WHITE),
         ("FRAC_1_SQRT_2_BITS", consts::FRAC_1_SQRT_2.to_bits()),
-        // Not the key of any finite number.
+        // Neither a count nor an index.
         ("NOTHING", u32::MAX),
     ];
     let real = [

@@ -15,6 +15,9 @@ pub enum Choice {
     Any,
     /// Hardware only: software is no faster than the CPU backend.
     Hardware,
+    /// Software only.
+    #[cfg(test)]
+    Software,
 }
 
 /// An opened adapter.
@@ -60,7 +63,13 @@ impl Device {
         });
         let mut adapters = instance.enumerate_adapters(backends).await;
         adapters.retain(|adapter| {
-            choice == Choice::Any || adapter.get_info().device_type != wgpu::DeviceType::Cpu
+            let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+            match choice {
+                Choice::Any => true,
+                Choice::Hardware => !is_software,
+                #[cfg(test)]
+                Choice::Software => is_software,
+            }
         });
         adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
         let Some(adapter) = adapters.first() else {
@@ -187,8 +196,8 @@ fn rank(info: &wgpu::AdapterInfo) -> u32 {
 fn none(choice: Choice) -> Error {
     Error::NoGpu {
         found: match choice {
-            Choice::Any => "no adapter was found".into(),
             Choice::Hardware => "no adapter in hardware was found".into(),
+            _ => "no adapter was found".into(),
         },
         remedy: "install a driver (Debian: libvulkan1 and mesa-vulkan-drivers, or the vendor's), or use --backend cpu",
     }

@@ -1,9 +1,6 @@
 //! Device limits that the kernels need, and the largest picture they allow.
 
-use crate::engine::gpu::constants::{
-    GROUP, MOST_COUNTING_GROUPS, REGION, REGION_GROUP_ROWS, SEARCH_BINS, SEARCH_INVOCATIONS,
-    SWEEPS_PER_PASS,
-};
+use crate::engine::gpu::constants::{GROUP, REGION, REGION_GROUP_ROWS, SWEEPS_PER_PASS};
 
 /// Maximum number of storage buffers of a kernel.
 const STORAGE_BUFFERS: u32 = 16;
@@ -30,7 +27,7 @@ struct Need {
     needed: u64,
 }
 
-fn needs() -> [Need; 11] {
+fn needs() -> [Need; 9] {
     let need = |what, needed: u32, has| Need {
         what,
         has,
@@ -52,27 +49,19 @@ fn needs() -> [Need; 11] {
         need("bytes of a uniform buffer", TOLD_BYTES, |l| {
             l.max_uniform_buffer_binding_size
         }),
-        need("bytes of a storage buffer", 4 * SEARCH_BINS, plane_bytes),
-        need(
-            "columns of a workgroup",
-            GROUP[0].max(REGION[0]).max(SEARCH_INVOCATIONS),
-            |l| l.max_compute_workgroup_size_x.into(),
-        ),
+        need("columns of a workgroup", GROUP[0].max(REGION[0]), |l| {
+            l.max_compute_workgroup_size_x.into()
+        }),
         need("rows of a workgroup", group_rows, |l| {
             l.max_compute_workgroup_size_y.into()
         }),
         need(
             "invocations of a workgroup",
-            invocations[0].max(invocations[1]).max(SEARCH_INVOCATIONS),
+            invocations[0].max(invocations[1]),
             |l| l.max_compute_invocations_per_workgroup.into(),
         ),
-        need(
-            "bytes of workgroup memory",
-            REGION_BYTES.max(4 * SEARCH_BINS),
-            |l| l.max_compute_workgroup_storage_size.into(),
-        ),
-        need("workgroups in a row", MOST_COUNTING_GROUPS, |l| {
-            l.max_compute_workgroups_per_dimension.into()
+        need("bytes of workgroup memory", REGION_BYTES, |l| {
+            l.max_compute_workgroup_storage_size.into()
         }),
     ]
 }
@@ -126,7 +115,7 @@ mod tests {
     #[test]
     fn what_a_device_lacks_is_named() {
         type Change = fn(&mut Limits);
-        let table: [(&str, Change); 11] = [
+        let table: [(&str, Change); 9] = [
             ("takes 8 storage buffers", |l| {
                 l.max_storage_buffers_per_shader_stage = 8;
             }),
@@ -138,21 +127,13 @@ mod tests {
             ("takes 64 bytes of a uniform", |l| {
                 l.max_uniform_buffer_binding_size = 64;
             }),
-            ("takes 4096 bytes of a storage", |l| {
-                l.max_storage_buffer_binding_size = 4096;
-            }),
-            ("takes 128 columns", |l| {
-                l.max_compute_workgroup_size_x = 128;
-            }),
+            ("takes 32 columns", |l| l.max_compute_workgroup_size_x = 32),
             ("takes 2 rows", |l| l.max_compute_workgroup_size_y = 2),
             ("takes 128 invocations", |l| {
                 l.max_compute_invocations_per_workgroup = 128;
             }),
             ("takes 16352 bytes of workgroup", |l| {
                 l.max_compute_workgroup_storage_size = 16352;
-            }),
-            ("takes 1 workgroups in a row", |l| {
-                l.max_compute_workgroups_per_dimension = 1;
             }),
         ];
         for (expected, change) in table {

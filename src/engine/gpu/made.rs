@@ -11,16 +11,17 @@ pub(crate) struct Shape {
     pub(crate) gradient: wgpu::Buffer,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<wgpu::Buffer>,
-    /// The Hessian at the first scale, unless it is consumed in the kernel that computes it.
+    /// The Hessian at the first scale, if curvature is wanted.
     pub(crate) hessian: Option<Hessian>,
 }
 
 impl Shape {
-    /// The plane that the gain is chosen from.
-    pub(crate) fn of_gain(&self) -> [&wgpu::Buffer; 3] {
+    /// The trace of the Hessian.
+    pub(crate) fn trace(&self) -> &wgpu::Buffer {
         let hessian = self.hessian.as_ref();
-        let trace = &hessian.expect("the gain takes the trace").trace;
-        [trace, &self.conductance, trace]
+        &hessian
+            .expect("curvature is planned with its Hessian")
+            .trace
     }
 
     /// All of its buffers.

@@ -2,9 +2,10 @@
 //!
 //! This module holds the parts that know no stage, and the runner that combines stages. Kernels and passes of a stage
 //! are in its own module: `gpu.rs` beside `cpu.rs`, and WGSL beside the Rust file it mirrors statement by statement;
-//! constants and structs come from Rust. Where the CPU uses double precision, devices work on differences. Between
-//! stages of shape and picture nothing is read back. What is followed from pixel to pixel, the lines and directions of a
-//! drawing, comes after that, on the CPU; only strokes of a texture are drawn on the device again.
+//! constants, structs and buffers are declared in Rust. Where the CPU uses double precision, devices work on
+//! differences. Between stages of shape and picture nothing is read back but what the CPU makes automatic choices from.
+//! What is followed from pixel to pixel, the lines and directions of a drawing, comes after that, on the CPU; only strokes
+//! of a texture are drawn on the device again.
 
 mod all_kernels;
 pub(crate) mod bindings;

@@ -1,7 +1,7 @@
 //! Records kernels and their inputs in order of execution.
 
 use crate::engine::gpu::bindings::Bindings;
-use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::kernels::Kernel;
@@ -11,7 +11,7 @@ use crate::engine::outcome::add_timings;
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
 /// Name in timings of copies to the device.
@@ -27,14 +27,7 @@ pub(crate) const KERNELS: &str = "kernels";
 pub(crate) const READ_BACK: &str = "read-back";
 
 /// Compiled kernels, by name and switches.
-type Compiled = HashMap<(&'static str, Vec<(&'static str, bool)>), Arc<Program>>;
-
-/// A pipeline, and the names of its bindings in order.
-#[derive(Debug)]
-struct Program {
-    pipeline: wgpu::ComputePipeline,
-    bindings: Vec<String>,
-}
+type Compiled = HashMap<(&'static str, Vec<(&'static str, bool)>), wgpu::ComputePipeline>;
 
 /// Kernels compiled so far.
 #[derive(Debug, Default)]
@@ -52,11 +45,11 @@ impl Programs {
         device: &wgpu::Device,
         kernel: &Kernel,
         switches: &[(&'static str, bool)],
-    ) -> Arc<Program> {
+    ) -> wgpu::ComputePipeline {
         let mut compiled = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (kernel.name, switches.to_vec());
-        if let Some(program) = compiled.get(&key) {
-            return program.clone();
+        if let Some(pipeline) = compiled.get(&key) {
+            return pipeline.clone();
         }
         let label = Some(kernel.name);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -79,22 +72,8 @@ impl Programs {
             },
             cache: None,
         });
-        let program = Arc::new(Program {
-            pipeline,
-            bindings: kernel.bindings(),
-        });
-        compiled.insert(key, program.clone());
-        program
-    }
-}
-
-impl Program {
-    /// The number of the binding with this name.
-    fn binding(&self, name: &str) -> u32 {
-        let mut bindings = (0..).zip(&self.bindings);
-        let found = bindings.find(|(_, bound)| *bound == name);
-        let (number, _) = found.expect("a kernel is given the buffers of its own bindings");
-        number
+        compiled.insert(key, pipeline.clone());
+        pipeline
     }
 }
 
@@ -115,7 +94,7 @@ pub(crate) struct Recorder<'d> {
     /// When the first kernel was recorded.
     start: Option<Instant>,
     /// Why the recorded work cannot run.
-    failed: Option<Error>,
+    pub(super) failed: Option<Error>,
 }
 
 impl<'d> Recorder<'d> {
@@ -151,7 +130,7 @@ impl<'d> Recorder<'d> {
         debug_assert!(kernel.takes::<U, B>(), "{} is given its own", kernel.name);
         self.start.get_or_insert_with(Instant::now);
         let device = &self.device.device;
-        let program = self.programs.of(device, kernel, switches);
+        let pipeline = self.programs.of(device, kernel, switches);
         let bytes = uniforms.bytes();
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -168,16 +147,17 @@ impl<'d> Recorder<'d> {
             }
         }
         uniform.unmap();
-        let entries: Vec<_> = std::iter::once(("params", &uniform))
-            .chain(buffers.named())
-            .map(|(name, buffer)| wgpu::BindGroupEntry {
-                binding: program.binding(name),
+        let bound = std::iter::once(&uniform).chain(buffers.buffers());
+        let entries: Vec<_> = (0..)
+            .zip(bound)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
                 resource: buffer.as_entire_binding(),
             })
             .collect();
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
-            layout: &program.pipeline.get_bind_group_layout(0),
+            layout: &pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
         // Out of timestamp slots: report no timings.
@@ -200,7 +180,7 @@ impl<'d> Recorder<'d> {
                 label: Some(stage),
                 timestamp_writes,
             });
-        pass.set_pipeline(&program.pipeline);
+        pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(groups[0], groups[1], 1);
     }
@@ -247,8 +227,11 @@ impl<'d> Recorder<'d> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn run(&mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
-        let recorded = self.start.map_or(Duration::ZERO, |start| start.elapsed());
+    pub(crate) fn read(&mut self, wanted: &[&wgpu::Buffer]) -> Result<(Vec<Vec<f32>>, Timings)> {
+        let recorded = self
+            .start
+            .take()
+            .map_or(Duration::ZERO, |start| start.elapsed());
         let start = Instant::now();
         let (read, stages) = self.submit(wanted).read()?;
         let waited = start.elapsed();
@@ -265,7 +248,7 @@ impl<'d> Recorder<'d> {
     /// Submits the recorded work and continues recording; the contents of `wanted` can then be read.
     pub(crate) fn submit(&mut self, wanted: &[&wgpu::Buffer]) -> Submitted<'d> {
         let device = &self.device.device;
-        let readable = |size: u64| self.buffers.take_to_read(self.device, size);
+        let readable = |size: u64| self.buffers.take(self.device, size, Purpose::ReadBack);
         let mut to_read: Vec<wgpu::Buffer> = Vec::new();
         for buffer in wanted {
             let target = readable(buffer.size());
@@ -332,7 +315,7 @@ impl Submitted<'_> {
             Some((stages, tick_ns)) => {
                 let clock = self.to_read.pop().expect("the clock is read last");
                 let readings = contents(self.device, &clock)?;
-                self.buffers.take_back_read([clock]);
+                self.buffers.recycle_as(Purpose::ReadBack, [clock]);
                 Some(times(&stages, &readings, tick_ns))
             }
             None => None,
@@ -340,7 +323,7 @@ impl Submitted<'_> {
         let numbers = self.to_read.par_iter();
         let numbers = numbers.map(|buffer| contents(self.device, buffer));
         let numbers = numbers.collect::<Result<_>>()?;
-        self.buffers.take_back_read(self.to_read);
+        self.buffers.recycle_as(Purpose::ReadBack, self.to_read);
         Ok((numbers, times))
     }
 }

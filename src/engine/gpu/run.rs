@@ -1,14 +1,14 @@
 //! One frame on its way through the kernels.
 
 use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
-use crate::engine::gpu::recorder::{KERNELS, RECORD, Recorder, Submitted, Timings};
+use crate::engine::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
 use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
-use crate::frame::{Frame, Vector2Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
@@ -27,15 +27,13 @@ pub(crate) struct Run<'a> {
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
     pub(crate) surface: SurfaceBuffers,
-    /// Numbers chosen from the whole picture: gain and white level.
-    pub(crate) chosen: wgpu::Buffer,
     pub(crate) made: Made,
-    /// The CPU run, for stages or parts of them without kernels. Its outcome is the result.
+    /// The CPU run, for automatic choices, and for stages or parts of them without kernels. Its outcome is the result.
     pub(crate) host: HostRun<'a>,
     /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
     /// The submission in progress, if the run is observed.
-    at_work: Option<Submitted<'a>>,
+    pub(super) at_work: Option<Submitted<'a>>,
     /// Timings of submissions waited for so far.
     pub(crate) waited: Timings,
     /// Buffers uploaded during recording.
@@ -43,34 +41,6 @@ pub(crate) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub(crate) fn new(
-        (device, buffers): (&'a Device, &'a Buffers),
-        recorder: Recorder<'a>,
-        texture: &'a TextureCache,
-        host: HostRun<'a>,
-        light: Option<&'a Light<'a>>,
-        surface: SurfaceBuffers,
-        chosen: [f32; 2],
-    ) -> Self {
-        let upload = Upload { device, buffers };
-        Self {
-            plan: host.plan,
-            frame: host.frame,
-            light,
-            made: Made::default(),
-            host,
-            texture,
-            device,
-            buffers,
-            recorder,
-            surface,
-            chosen: upload.bytes(bytemuck::cast_slice(&chosen)),
-            at_work: None,
-            waited: Timings::new(),
-            held: Vec::new(),
-        }
-    }
-
     /// Submits the recorded work once the previous submission has finished.
     pub(super) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
@@ -83,23 +53,41 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Reads buffers after the work recorded so far. If the device fails, they are 0, and so does the run.
+    pub(crate) fn read<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Vec<f32>; N] {
+        match self.recorder.read(&wanted) {
+            Ok((read, times)) => {
+                add_timings(&mut self.waited, &times);
+                read.try_into().expect("all that is wanted is read")
+            }
+            Err(error) => {
+                self.recorder.failed = Some(error);
+                wanted.map(|buffer| vec![0.0; buffer.size() as usize / 4])
+            }
+        }
+    }
+
+    /// [`Run::read`] of planes.
+    pub(crate) fn read_planes<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Plane; N] {
+        let [width, height] = self.surface.size.map(|side| side as usize);
+        self.read(wanted)
+            .map(|samples| Plane::from_samples(width, height, samples))
+    }
+
+    /// The gain of curvature; 0 in a plan without.
+    pub(crate) fn gain(&self) -> f32 {
+        self.host.outcome.gain.unwrap_or(0.0)
+    }
+
     /// Replaces the shape.
     pub(crate) fn change_shape(&mut self, change: impl FnOnce(&mut Self, Shape) -> Shape) {
         let shape = self.made.shape.take().expect("edges come first");
         self.made.shape = Some(change(self, shape));
     }
 
-    /// Changes the picture in place, using the shape.
-    pub(crate) fn change_picture(&mut self, change: impl FnOnce(&mut Self, &Shape, &Picture)) {
-        let shape = self.made.shape.take().expect("scaling takes the shape");
-        let picture = self.made.picture.take().expect("enhancing takes a picture");
-        change(self, &shape, &picture);
-        (self.made.shape, self.made.picture) = (Some(shape), Some(picture));
-    }
-
     /// A buffer of this many bytes with undefined contents.
     pub(crate) fn take(&self, bytes: u64) -> wgpu::Buffer {
-        self.buffers.take(self.device, bytes)
+        self.buffers.take(self.device, bytes, Purpose::Kernels)
     }
 
     pub(crate) fn copy_of(&mut self, buffer: &wgpu::Buffer) -> wgpu::Buffer {
@@ -134,8 +122,8 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if the device fails.
-    pub(crate) fn read(&mut self, wanted: &[&wgpu::Buffer]) -> Result<Vec<Vec<f32>>> {
-        let (read, times) = self.recorder.run(wanted)?;
+    pub(crate) fn read_all(&mut self, wanted: &[&wgpu::Buffer]) -> Result<Vec<Vec<f32>>> {
+        let (read, times) = self.recorder.read(wanted)?;
         if let Some(last) = self.at_work.take() {
             add_timings(&mut self.waited, &last.read()?.1.unwrap_or_default());
         }
@@ -146,7 +134,7 @@ impl<'a> Run<'a> {
     /// Ends the run; its buffers are reused.
     pub(crate) fn finish(self) -> Finished<'a> {
         let copied = self.surface.into_buffers().chain(self.held);
-        self.buffers.recycle_copied(copied.chain([self.chosen]));
+        self.buffers.recycle_as(Purpose::Upload, copied);
         Finished {
             made: self.made,
             timings: self.waited,

@@ -4,12 +4,11 @@ use crate::engine::cpu;
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::cpu::runner::taken_by;
-use crate::engine::gpu::buffers::Buffers;
-use crate::engine::gpu::constants::{GAIN, WHITE};
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::made::{Layer, Made};
-use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, UPLOAD};
+use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
 use crate::engine::gpu::run::{Finished, Run};
 use crate::engine::gpu::surface::{Upload, deinterleave};
 use crate::engine::gpu::wait::wait_for;
@@ -19,12 +18,9 @@ use crate::engine::outcome::add_timings;
 use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
-use crate::light::enhancement::Subject;
-use crate::light::radiance_scaling::gpu::known_white_level;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::hatching::gpu_texture::TextureCache;
-use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::resolve::running;
 use crate::plan::stage::Stage;
@@ -86,7 +82,8 @@ impl Runner {
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
     /// The prepared environment is cached for the next run with the same one.
     ///
-    /// later ones; on a lost device all runs fail.
+    /// Of a drawing the device finds edges and tone, and draws strokes of a texture; the CPU does the rest. Failed runs do
+    /// not affect later ones; on a lost device all runs fail.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the device is lost, or too small for the frame or for its environment; [`Error::Unfit`] if the
@@ -171,13 +168,6 @@ impl Runner {
                     .error(format_args!("cannot hold a picture of {width}x{height}")),
             )),
         }
-        frame: &Frame,
-        beside: Beside,
-    ) -> Result<Outcome> {
-        let start = Instant::now();
-        let copied = match beside.light {
-            Some(light) => light.albedo(plan, frame),
-            None if plan.makes_picture() && !plan.display => frame.color.as_ref(),
     }
 
     /// The CPU run for a frame.
@@ -204,54 +194,54 @@ impl Runner {
         beside: Beside<'a>,
     ) -> Run<'a> {
         self.buffers.begin_run();
-        let mut chosen = [0.0; 2];
-        chosen[WHITE as usize] = known_white_level(plan, frame).unwrap_or(1.0);
-        if let Adaptive::Fixed(gain) = plan.scaling.curvature_gain {
-            chosen[GAIN as usize] = gain;
+        Run {
+            plan,
+            frame,
+            light: beside.light,
+            device: &self.device,
+            buffers: &self.buffers,
+            recorder: Recorder::new(&self.device, &self.programs, &self.buffers),
+            surface: self.upload().surface(plan, frame),
+            made: Made::default(),
+            host: self.host_run(plan, frame, beside),
+            texture: &self.texture,
+            at_work: None,
+            waited: Timings::new(),
+            held: Vec::new(),
         }
-        let surface = self.upload().surface(plan, frame);
-        let host = self.host_run(plan, frame, beside);
-        let place = (&self.device, &self.buffers);
-        let recorder = Recorder::new(&self.device, &self.programs, &self.buffers);
-        Run::new(
-            place,
-            recorder,
-            &self.texture,
-            host,
-            beside.light,
-            surface,
-            chosen,
-        )
     }
 
     /// Runs `plan` on a frame that fits the device.
-    fn run(
-        &self,
-        plan: &Plan,
+    fn run(&self, plan: &Plan, frame: &Frame, beside: Beside) -> Result<Outcome> {
+        let start = Instant::now();
+        let copied = match beside.light {
+            Some(light) => light.albedo(plan, frame),
+            None if plan.makes_picture() && !plan.display => frame.color.as_ref(),
+            None => None,
+        };
+        let copied = copied.map(|color| self.upload().color(color));
+        let purpose = match copied {
+            Some(_) => Purpose::Upload,
+            None => Purpose::Kernels,
+        };
+        let mut run = self.start(plan, frame, beside);
+        run.made.picture = copied;
         run.host.outcome.timings.push((UPLOAD, start.elapsed()));
         let stages: Vec<_> = running(plan).collect();
         run.record(&stages)?;
         run.read_results(beside.light.is_some())?;
         run.go_on(&stages)?;
-            None => None,
-        };
-        let copied = copied.map(|color| self.upload().color(color));
-        let is_copied = copied.is_some();
-        let mut run = self.start(plan, frame, beside);
-        run.made.picture = copied;
-            host,
-        } = run.finish();
-        let mut outcome = host.outcome;
         let Finished {
             mut made,
             timings,
-        self.buffers.recycle(made.into_buffers());
-        Ok(outcome)
+            host,
+        } = run.finish();
+        let mut outcome = host.outcome;
         add_timings(&mut outcome.timings, &timings);
         let picture = made.picture.take().into_iter().flatten();
-        self.buffers.recycle_either(picture, is_copied);
-            watch.begins(stage.name, done as f32 / stages.len() as f32);
-            record(self);
+        self.buffers.recycle_as(purpose, picture);
+        self.buffers.recycle(made.into_buffers());
+        Ok(outcome)
     }
 }
 
@@ -322,6 +312,8 @@ impl Run<'_> {
         let recorded = stages.iter().map_while(|stage| Some((stage, stage.gpu?)));
         for (done, (stage, record)) in recorded.enumerate() {
             watch.check()?;
+            watch.begins(stage.name, done as f32 / stages.len() as f32);
+            record(self);
             if watch.looks_on() {
                 self.hand_over()?;
             }
@@ -329,21 +321,18 @@ impl Run<'_> {
         watch.check()
     }
 
-    /// Reads the results recorded so far into the outcome of the CPU run: the picture, in new light if it `is_lit`, the
-    /// layers, and what was chosen.
+    /// Reads the results recorded so far into the outcome of the CPU run: the picture, in new light if it `is_lit`, and
+    /// the layers.
     fn read_results(&mut self, is_lit: bool) -> Result<()> {
         let (plan, frame) = (self.plan, self.frame);
         let layers = layers_read(&self.made, plan);
         let picture = self.made.picture.clone().filter(|_| plan.makes_picture());
-        let chosen = self.chosen.clone();
-        let mut wanted = vec![&chosen];
-        wanted.extend(picture.iter().flatten());
+        let mut wanted: Vec<_> = picture.iter().flatten().collect();
         wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
-        let read = self.read(&wanted)?;
+        let read = self.read_all(&wanted)?;
 
         let start = Instant::now();
         let mut read = read.into_iter();
-        let chosen = read.next().expect("what was chosen is read first");
         let outcome = &mut self.host.outcome;
         if picture.is_some() {
             let mut planes = read.by_ref().map(|samples| plane(frame, samples));
@@ -353,12 +342,6 @@ impl Run<'_> {
             frame_lit(color, frame);
         }
         put_layers(outcome, plan, frame, &layers, read);
-        if plan.wants_curvature() {
-            outcome.gain = Some(chosen[GAIN as usize]);
-        }
-        if plan.scaled() == Some(Subject::Picture) {
-            outcome.white_level = Some(chosen[WHITE as usize]);
-        }
         add_timings(&mut self.waited, &[(READ_BACK, start.elapsed())]);
         Ok(())
     }

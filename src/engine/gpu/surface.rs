@@ -1,6 +1,6 @@
 //! A frame on the device.
 
-use crate::engine::gpu::buffers::Buffers;
+use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::plan::Plan;
@@ -50,7 +50,8 @@ impl Upload<'_> {
     }
 
     pub(crate) fn bytes(self, bytes: &[u8]) -> wgpu::Buffer {
-        let buffer = self.buffers.take_to_copy(self.device, bytes.len() as u64);
+        let size = bytes.len() as u64;
+        let buffer = self.buffers.take(self.device, size, Purpose::Upload);
         self.device.queue.write_buffer(&buffer, 0, bytes);
         buffer
     }

@@ -2,7 +2,7 @@
 
 /// A struct of 32-bit numbers, in WGSL layout order.
 pub(crate) trait Uniforms {
-    /// The definition in WGSL.
+    /// The struct and the variable in WGSL.
     const WGSL: &'static str;
 
     /// The numbers as bytes, in order.
@@ -23,7 +23,7 @@ macro_rules! uniforms {
                 const WGSL: &'static str = concat!(
                     "struct ", stringify!($name), " {\n",
                     $("    ", stringify!($field), ": ", stringify!($kind), ",\n",)*
-                    "}\n",
+                    "}\n@group(0) @binding(0) var<uniform> params: ", stringify!($name), ";\n",
                 );
 
                 fn bytes(&self) -> Vec<u8> {

@@ -1,19 +1,14 @@
 //! Radiance scaling of a picture on the device.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
-use crate::engine::gpu::made::Shape;
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
-use crate::frame::Frame;
+use crate::light::radiance_scaling::cpu::Scaler;
 use crate::light::radiance_scaling::{INVARIANT_MARGIN, MAX_EXPONENT};
-use crate::params::Adaptive;
-use crate::plan::Plan;
-use crate::shape::auto_levels::gpu::{Search, Searching, lattice_over};
-use crate::shape::curvature::gpu::{MAPPED_CURVATURE, PLANE_FIT};
+use crate::shape::curvature::gpu::MAPPED_CURVATURE;
 
 /// The scaling of light by curvature.
 pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
@@ -24,16 +19,13 @@ pub(crate) const RADIANCE_SCALING: Wgsl = wgsl!(
     ]
 );
 
-/// The scaling of one pixel.
-const SCALED_PIXEL: Wgsl = wgsl!("scaled_pixel.wgsl");
-
 uniforms! {
-    /// Uniforms of `scale_picture.wgsl` and `scale_by_gradient.wgsl`.
+    /// Uniforms of `scale_picture.wgsl`.
     ScaleParams {
         width: u32,
         height: u32,
-        /// Pixels per pixel of the reference.
-        resolution_factor: f32,
+        gain: f32,
+        white: f32,
         scaling: f32,
         invariant_point: f32,
         weight_r: f32,
@@ -45,110 +37,56 @@ uniforms! {
 }
 
 bindings! {
-    ScalePictureBuffers { covered, trace, chosen, red, green, blue }
-    ScaleByGradientBuffers { covered, conductance, gradient, chosen, red, green, blue }
+    ScalePictureBuffers {
+        covered: &[u32], trace: &[f32], red: &mut [f32], green: &mut [f32], blue: &mut [f32],
+    }
 }
 
 /// Scales a picture by the trace of the Hessian.
 pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictureBuffers>(
     "ScalePicture",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         RADIANCE_SCALING,
-        SCALED_PIXEL,
         wgsl!("scale_picture.wgsl"),
     ],
 );
 
-/// Scales a picture by the gradient; computes the trace on the fly.
-pub(crate) static SCALE_BY_GRADIENT: Kernel = Kernel::new::<ScaleParams, ScaleByGradientBuffers>(
-    "ScaleByGradient",
-    &[
-        INDEX,
-        AROUND,
-        COVERAGE,
-        PLANE_FIT,
-        MAPPED_CURVATURE,
-        RADIANCE_SCALING,
-        SCALED_PIXEL,
-        wgsl!("scale_by_gradient.wgsl"),
-    ],
-);
-
-/// The white level, if it does not depend on the picture.
-pub(crate) fn known_white_level(plan: &Plan, frame: &Frame) -> Option<f32> {
-    match plan.scaling.white_level {
-        Adaptive::Fixed(level) => Some(level),
-        // Ambient occlusion is the share of 1 that arrives.
-        Adaptive::Auto => frame.light.picture_is_occlusion.then_some(1.0),
-    }
-}
-
-/// Scales the picture.
-pub(crate) fn scale(run: &mut Run) {
-    run.change_picture(|run, shape, picture| run.scale(run.plan, run.frame, shape, picture));
-}
-
-impl Run<'_> {
-    /// Scales a picture in place; its white level is chosen first if unknown.
-    pub(crate) fn scale(&mut self, plan: &Plan, frame: &Frame, shape: &Shape, picture: &Picture) {
-        let weights = frame.luminance_weights();
-        let [red, green, blue] = picture;
-        if known_white_level(plan, frame).is_none() {
-            let search = Searching::new(self, Search::White(weights), lattice_over(&frame.mask));
-            let chosen = self.chosen.clone();
-            search.choose(self, [red, green, blue], &chosen);
-        }
-        let mut scaling = plan.scaling;
-        if frame.light.picture_is_occlusion {
-            scaling.scaling = scaling.magnitudes().ambient;
-        }
-        let [width, height] = self.surface.size;
-        let params = ScaleParams {
-            width,
-            height,
-            resolution_factor: plan.resolution_factor as f32,
-            scaling: scaling.scaling,
-            invariant_point: scaling.invariant_point,
-            weight_r: weights[0],
-            weight_g: weights[1],
-            weight_b: weights[2],
-            nan_bits: f32::NAN.to_bits(),
-        };
-        let size = [width, height];
-        let (covered, chosen) = (&self.surface.covered, &self.chosen);
-        match &shape.hessian {
-            Some(hessian) => self.recorder.over_pixels(
-                "radiance-scaling",
-                (&SCALE_PICTURE, &[]),
-                &params,
-                &ScalePictureBuffers {
-                    covered,
-                    trace: &hessian.trace,
-                    chosen,
-                    red,
-                    green,
-                    blue,
-                },
-                size,
-            ),
-            None => self.recorder.over_rows(
-                "radiance-scaling",
-                (&SCALE_BY_GRADIENT, &[]),
-                &params,
-                &ScaleByGradientBuffers {
-                    covered,
-                    conductance: &shape.conductance,
-                    gradient: &shape.gradient,
-                    chosen,
-                    red,
-                    green,
-                    blue,
-                },
-                size,
-            ),
-        }
-    }
+/// Scales the picture in place.
+pub(crate) fn scale(scaler: Scaler, run: &mut Run) {
+    let Scaler {
+        params: scaling,
+        gain,
+        white,
+        weights: [weight_r, weight_g, weight_b],
+    } = scaler;
+    let [width, height] = run.surface.size;
+    let params = ScaleParams {
+        width,
+        height,
+        gain,
+        white,
+        scaling: scaling.scaling,
+        invariant_point: scaling.invariant_point,
+        weight_r,
+        weight_g,
+        weight_b,
+        nan_bits: f32::NAN.to_bits(),
+    };
+    let shape = run.made.shape.as_ref().expect("scaling takes the shape");
+    let picture = run.made.picture.as_ref();
+    let [red, green, blue] = picture.expect("enhancing takes a picture");
+    run.recorder.over_pixels(
+        "radiance-scaling",
+        (&SCALE_PICTURE, &[]),
+        &params,
+        &ScalePictureBuffers {
+            covered: &run.surface.covered,
+            trace: shape.trace(),
+            red,
+            green,
+            blue,
+        },
+        [width, height],
+    );
 }

@@ -1,12 +1,4 @@
-// Radiance scaling of a picture by curvature computed earlier.
-
-@group(0) @binding(0) var<uniform> params: ScaleParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> trace: array<f32>;
-@group(0) @binding(3) var<storage, read> chosen: array<f32>;
-@group(0) @binding(4) var<storage, read_write> red: array<f32>;
-@group(0) @binding(5) var<storage, read_write> green: array<f32>;
-@group(0) @binding(6) var<storage, read_write> blue: array<f32>;
+// Radiance scaling of a finished picture: intensity is its luminance over the white level.
 
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -14,7 +6,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = index_of(id.x, id.y);
-    if is_covered(id.x, id.y) && trace[i] != 0.0 {
-        scale_pixel(i, trace[i]);
+    if !is_covered(id.x, id.y) || trace[i] == 0.0 {
+        return;
     }
+    let rgb = vec3<f32>(red[i], green[i], blue[i]);
+    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+    let exponent = params.scaling * mapped_curvature(trace[i], params.gain);
+    let sigma = scaling(weighted / params.white, exponent, params.invariant_point);
+    // A NaN makes all three channels NaN; so do infinities of both signs.
+    let has_nan = is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z) || is_nan(weighted);
+    let nan = bitcast<f32>(params.nan_bits);
+    red[i] = select(scaled(rgb.x, sigma), nan, has_nan);
+    green[i] = select(scaled(rgb.y, sigma), nan, has_nan);
+    blue[i] = select(scaled(rgb.z, sigma), nan, has_nan);
 }

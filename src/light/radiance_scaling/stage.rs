@@ -19,7 +19,7 @@ pub(crate) static RADIANCE_SCALING: Stage = Stage {
     }],
     cpu: scale,
     #[cfg(feature = "gpu")]
-    gpu: Some(super::gpu::scale),
+    gpu: Some(|run| super::gpu::scale(scaler(&run.host), run)),
     ..Stage::DEFAULT
 };
 

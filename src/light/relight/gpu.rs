@@ -1,7 +1,7 @@
 //! Relighting on the device: one kernel for every covered pixel.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
@@ -66,6 +66,8 @@ uniforms! {
         grain_y: f32,
         ior: f32,
         is_thin: u32,
+        /// Of mapped curvature.
+        gain: f32,
         /// Strength of the warp, before multiplication by the gain.
         warp: f32,
         contrast: f32,
@@ -99,8 +101,16 @@ uniforms! {
 
 bindings! {
     RelightBuffers {
-        covered, normal_x, normal_y, normal_z, hessian_xx, hessian_xy, hessian_yy, chosen, occlusion, alpha, depth,
-        lights, texels, red, green, blue
+        covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// The Hessian, or its trace in the first buffer.
+        hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32], occlusion: &[f32], alpha: &[f32], depth: &[f32],
+        /// Three vectors per directional light: direction, half vector with z, colour. Two per point light: position,
+        /// colour. One per even direction.
+        lights: &[vec4<f32>],
+        /// Texels of look-up maps.
+        texels: &[vec4<f32>],
+        /// Albedo, if it is not white; then the resulting colour.
+        red: &mut [f32], green: &mut [f32], blue: &mut [f32],
     }
 }
 
@@ -108,8 +118,6 @@ bindings! {
 pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
     "Relight",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
         RADIANCE_SCALING,
@@ -197,7 +205,7 @@ impl Run<'_> {
         let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
         let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
         let [red, green, blue] = &picture;
-        let params = light_params(plan, frame, light);
+        let params = light_params(plan, frame, light, self.gain());
         let [xx, xy, yy] = entries;
         self.recorder.over_pixels(
             "relight",
@@ -211,7 +219,6 @@ impl Run<'_> {
                 hessian_xx: xx,
                 hessian_xy: xy,
                 hessian_yy: yy,
-                chosen: &self.chosen,
                 occlusion: occlusion.as_ref().unwrap_or(&normal_x),
                 alpha: alpha.as_ref().unwrap_or(&normal_x),
                 depth: depth.as_ref().unwrap_or(&normal_x),
@@ -276,7 +283,7 @@ fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14
     ]
 }
 
-fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
+fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightParams {
     let relighting = relighting(plan);
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
@@ -330,6 +337,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light) -> LightParams {
         grain_y: grain.sin(),
         ior: material.ior,
         is_thin: u32::from(material.thin),
+        gain,
         warp: params.warping.warp,
         contrast: params.warping.contrast,
         invariant_point: scaling.invariant_point,

@@ -1,28 +1,5 @@
 // Relighting: prepare, sum, look up, compose.
 
-@group(0) @binding(0) var<uniform> params: LightParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// The Hessian, or its trace in the first buffer.
-@group(0) @binding(5) var<storage, read> hessian_xx: array<f32>;
-@group(0) @binding(6) var<storage, read> hessian_xy: array<f32>;
-@group(0) @binding(7) var<storage, read> hessian_yy: array<f32>;
-@group(0) @binding(8) var<storage, read> chosen: array<f32>;
-@group(0) @binding(9) var<storage, read> occlusion: array<f32>;
-@group(0) @binding(10) var<storage, read> alpha: array<f32>;
-@group(0) @binding(11) var<storage, read> depth: array<f32>;
-// Three vectors per directional light: direction, half vector with z, colour. Two per point light: position, colour.
-// One per even direction.
-@group(0) @binding(12) var<storage, read> lights: array<vec4<f32>>;
-// Texels of look-up maps.
-@group(0) @binding(13) var<storage, read> texels: array<vec4<f32>>;
-// Albedo, if it is not white; then the resulting colour.
-@group(0) @binding(14) var<storage, read_write> red: array<f32>;
-@group(0) @binding(15) var<storage, read_write> green: array<f32>;
-@group(0) @binding(16) var<storage, read_write> blue: array<f32>;
-
 override HAS_HESSIAN: bool;
 override HAS_TRACE: bool;
 override HAS_OCCLUSION: bool;
@@ -76,7 +53,7 @@ fn find_kappa(i: u32) {
     if HAS_HESSIAN {
         trace = pixel.hessian.x + pixel.hessian.z;
     }
-    pixel.kappa = mapped_curvature(trace, chosen[GAIN]);
+    pixel.kappa = mapped_curvature(trace, params.gain);
 }
 
 // Prepares the light-independent state of the pixel.
@@ -112,7 +89,7 @@ fn prepare(i: u32, column: u32, row: u32) {
         pixel.hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
     }
     if WARPS {
-        pixel.unwarp = warp_of(pixel.hessian, -params.warp * chosen[GAIN]);
+        pixel.unwarp = warp_of(pixel.hessian, -params.warp * params.gain);
         let xx = pixel.unwarp.x;
         let xy = pixel.unwarp.y;
         let yy = pixel.unwarp.z;

@@ -126,7 +126,7 @@ fn reflect_light(light: Arriving) -> Terms {
         if HAS_JACOBIAN {
             l = unwarped_xy(pixel.unwarp, light.half, arrived.inverse);
         }
-        let kappa = mapped_curvature_toward(pixel.hessian, l, chosen[GAIN], params.anisotropy);
+        let kappa = mapped_curvature_toward(pixel.hessian, l, params.gain, params.anisotropy);
         diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
         specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
     }

@@ -1,7 +1,7 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::recorder::UPLOAD;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::surface::Picture;
@@ -68,35 +68,46 @@ uniforms! {
 }
 
 bindings! {
-    DensityBuffers { covered, red, green, blue, alpha, density_table, densities }
+    DensityBuffers {
+        covered: &[u32], red: &[f32], green: &[f32], blue: &[f32],
+        /// Any buffer if there is no alpha.
+        alpha: &[f32],
+        /// Densities at even steps of the square root of luminance, from 0 to white.
+        density_table: &[f32], densities: &mut [f32],
+    }
     StrokesBuffers {
-        covered, densities, direction_x, direction_y, thresholds, turned, texels, paper, place_x, place_y, depth,
-        motion_x, motion_y, shares
+        covered: &[u32],
+        /// Optical density that is wanted in all.
+        densities: &[f32], direction_x: &[f32], direction_y: &[f32],
+        /// Thresholds at even steps of density.
+        thresholds: &[f32],
+        /// Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
+        turned: &[vec4<f32>], texels: &[u32],
+        /// Share of the paper left white; for the last pass, the share inked.
+        paper: &mut [f32],
+        /// Any buffers if there are no places.
+        place_x: &[f32], place_y: &[f32], depth: &[f32], motion_x: &[f32], motion_y: &[f32],
+        /// This sheet's share of the drawing; any buffer if it is the only one.
+        shares: &[f32],
     }
 }
 
 /// The optical density that is wanted of each pixel.
 pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
     "Density",
-    &[
-        INDEX,
-        COVERAGE,
-        wgsl!(
-            "../density.wgsl",
-            [
-                ("DENSITY_STEPS", F32(STEPS as f32)),
-                ("LEAST_ALPHA", F32(LEAST_ALPHA))
-            ]
-        ),
-    ],
+    &[wgsl!(
+        "../density.wgsl",
+        [
+            ("DENSITY_STEPS", F32(STEPS as f32)),
+            ("LEAST_ALPHA", F32(LEAST_ALPHA))
+        ]
+    )],
 );
 
 /// Strokes inked by thresholds.
 pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
     "Strokes",
     &[
-        INDEX,
-        COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
         wgsl!("../stroke_texture.wgsl"),
@@ -108,8 +119,6 @@ pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
 pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
     "PictureStrokes",
     &[
-        INDEX,
-        COVERAGE,
         TEXTURE_COORDINATES,
         PLACES,
         wgsl!("../slice_texture.wgsl"),
@@ -166,7 +175,7 @@ pub(crate) fn hatch(run: &mut Run) -> Result<()> {
         &strokes,
         &sheets,
     );
-    let read = run.read(&[&ink])?.remove(0);
+    let read = run.read_all(&[&ink])?.remove(0);
     run.buffers.recycle([densities, ink]);
     let ink = Plane::from_samples(frame.mask.width(), frame.mask.height(), read);
     finish(&mut run.host, tone, ink, Vec::new());
@@ -177,8 +186,9 @@ impl Run<'_> {
     /// The picture made so far, or that of the frame.
     fn drawn_picture(&mut self) -> Picture {
         self.made.picture.clone().unwrap_or_else(|| {
-            let picture = self.upload().picture(self.frame);
-            let picture = picture.expect("a drawing is planned with its tone");
+            let color = self.frame.color.as_ref();
+            let color = color.expect("a drawing is planned with its tone");
+            let picture = self.upload().color(color);
             self.held.extend(picture.iter().cloned());
             picture
         })

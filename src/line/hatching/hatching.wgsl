@@ -1,21 +1,5 @@
 // Strokes of one family: a texture cut and pasted along a field of directions, over the paper left white so far.
 
-@group(0) @binding(0) var<uniform> params: StrokeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-// Optical density that is wanted in all.
-@group(0) @binding(2) var<storage, read> densities: array<f32>;
-@group(0) @binding(3) var<storage, read> direction_x: array<f32>;
-@group(0) @binding(4) var<storage, read> direction_y: array<f32>;
-// Thresholds at even steps of density.
-@group(0) @binding(5) var<storage, read> thresholds: array<f32>;
-// Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
-@group(0) @binding(6) var<storage, read> turned: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read> texels: array<u32>;
-// Share of the paper left white; for the last pass, the share inked.
-@group(0) @binding(8) var<storage, read_write> paper: array<f32>;
-// This sheet's share of the drawing; any buffer if it is the only one.
-@group(0) @binding(14) var<storage, read> shares: array<f32>;
-
 // Whether the texture moves with places of its own, or is fixed in the picture.
 override MOVES: bool;
 override HAS_SHARE: bool;

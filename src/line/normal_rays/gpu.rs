@@ -1,7 +1,7 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
 use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
@@ -54,7 +54,11 @@ uniforms! {
 
 bindings! {
     NormalRaysBuffers {
-        covered, conductance, normal_x, normal_y, normal_z, depth, direction_x, direction_y, planar
+        covered: &[u32], conductance: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// Any buffer where points are taken from normals.
+        depth: &[f32], direction_x: &mut [f32], direction_y: &mut [f32],
+        /// 1 where the surface is a plane.
+        planar: &mut [f32],
     }
 }
 
@@ -62,8 +66,6 @@ bindings! {
 pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffers>(
     "NormalRays",
     &[
-        INDEX,
-        COVERAGE,
         SIGHT_LINES,
         NORMAL_RAY,
         wgsl!(
@@ -96,12 +98,9 @@ pub(crate) fn fill_gaps(run: &mut Run) -> Result<()> {
     let Some(found) = run.made.directions.take() else {
         return Ok(());
     };
-    let read = run.read(&found.each_ref())?;
+    let [x, y, flat] = run.read_planes(found.each_ref());
     run.buffers.recycle(found);
     let (frame, host) = (run.frame, &mut run.host);
-    let plane = |samples| Plane::from_samples(frame.mask.width(), frame.mask.height(), samples);
-    let mut planes = read.into_iter().map(plane);
-    let [x, y, flat] = [(); 3].map(|()| planes.next().expect("each buffer is read"));
     let conductance = host.outcome.shape.conductance.take();
     let conductance = conductance.expect("directions are planned with their edges");
     let directions = host.timed(STAGE, || {

@@ -1,18 +1,5 @@
 // Directions of the surface's own curvature larger in size, from the normal rays beside each pixel.
 
-@group(0) @binding(0) var<uniform> params: RayParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> conductance: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(5) var<storage, read> normal_z: array<f32>;
-// Any buffer where points are taken from normals.
-@group(0) @binding(6) var<storage, read> depth: array<f32>;
-@group(0) @binding(7) var<storage, read_write> direction_x: array<f32>;
-@group(0) @binding(8) var<storage, read_write> direction_y: array<f32>;
-// 1 where the surface is a plane.
-@group(0) @binding(9) var<storage, read_write> planar: array<f32>;
-
 override HAS_DEPTH: bool;
 override IS_PARALLEL: bool;
 override DEPTH_ALONG_RAY: bool;

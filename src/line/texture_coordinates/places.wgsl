@@ -1,12 +1,5 @@
 // Maps of places, and adjacency in them.
 
-// Any buffers if there are no places.
-@group(0) @binding(9) var<storage, read> place_x: array<f32>;
-@group(0) @binding(10) var<storage, read> place_y: array<f32>;
-@group(0) @binding(11) var<storage, read> depth: array<f32>;
-@group(0) @binding(12) var<storage, read> motion_x: array<f32>;
-@group(0) @binding(13) var<storage, read> motion_y: array<f32>;
-
 override HAS_DEPTH: bool;
 override HAS_MOTION: bool;
 

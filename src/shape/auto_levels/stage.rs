@@ -29,12 +29,7 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     }],
     cpu: choose_gain,
     #[cfg(feature = "gpu")]
-    gpu: Some(super::gpu::choose_gain),
-    #[cfg(feature = "gpu")]
-    gpu_lacks: |plan| {
-        let of_tile = plan.tile.is_some() && plan.chooses_gain();
-        of_tile.then_some("a gain chosen from a tile")
-    },
+    gpu: Some(|run| super::gpu::with_trace(run, choose_gain)),
     ..Stage::DEFAULT
 };
 

@@ -1,15 +1,5 @@
 // Principal curvatures, the direction of the larger by magnitude, and mapped curvature, from the Hessian.
 
-@group(0) @binding(0) var<uniform> params: SizeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> hessian_xx: array<f32>;
-@group(0) @binding(3) var<storage, read> hessian_xy: array<f32>;
-@group(0) @binding(4) var<storage, read> hessian_yy: array<f32>;
-@group(0) @binding(5) var<storage, read> chosen: array<f32>;
-// View-centred curvature: u, v, mean and kappa.
-@group(0) @binding(6) var<storage, read_write> curvature: array<vec4<f32>>;
-@group(0) @binding(7) var<storage, read_write> direction: array<vec2<f32>>;
-
 // The length of a vector whose square may exceed the range of f32.
 fn hypot(a: f32, b: f32) -> f32 {
     let large = max(abs(a), abs(b));
@@ -65,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let hessian = vec3<f32>(hessian_xx[i], hessian_xy[i], hessian_yy[i]);
     let mean = 0.5 * (hessian.x + hessian.z);
-    let kappa = mapped_curvature(2.0 * mean, chosen[GAIN]);
+    let kappa = mapped_curvature(2.0 * mean, params.gain);
     curvature[i] = vec4<f32>(principal_curvatures(hessian), mean, kappa);
     direction[i] = principal_direction(hessian);
 }

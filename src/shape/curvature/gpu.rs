@@ -1,20 +1,16 @@
 //! The Hessian, and curvatures.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
-use crate::light::enhancement::Subject;
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::curvature::UMBILIC;
 use crate::shape::hessian::RIDGE;
-
-/// The plane fit to the gradients around a pixel.
-pub(crate) const PLANE_FIT: Wgsl = wgsl!("../plane_fit.wgsl", [("RIDGE", F32(RIDGE))]);
 
 /// The mapped curvature.
 pub(crate) const MAPPED_CURVATURE: Wgsl = wgsl!("mapped_curvature.wgsl");
@@ -30,25 +26,37 @@ uniforms! {
         /// Pixels per pixel of the reference.
         resolution_factor: f32,
     }
+
+    /// For kernels that map curvature.
+    GainParams {
+        width: u32,
+        height: u32,
+        gain: f32,
+    }
 }
 
 bindings! {
-    HessianBuffers { covered, conductance, gradient, trace, hessian_xx, hessian_xy, hessian_yy }
-    CurvaturesBuffers { covered, hessian_xx, hessian_xy, hessian_yy, chosen, curvature, direction }
+    HessianBuffers {
+        covered: &[u32], conductance: &[f32], gradient: &[vec2<f32>], trace: &mut [f32], hessian_xx: &mut [f32],
+        hessian_xy: &mut [f32], hessian_yy: &mut [f32],
+    }
+    CurvaturesBuffers {
+        covered: &[u32], hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32],
+        /// View-centred curvature: u, v, mean and kappa.
+        curvature: &mut [vec4<f32>], direction: &mut [vec2<f32>],
+    }
 }
 
 /// The Hessian of a gradient, or only its trace.
 pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
     "Hessian",
-    &[INDEX, AROUND, COVERAGE, PLANE_FIT, wgsl!("../hessian.wgsl")],
+    &[wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))])],
 );
 
 /// Planes that the layers of the descriptor derive from the Hessian.
-pub(crate) static CURVATURES: Kernel = Kernel::new::<SizeParams, CurvaturesBuffers>(
+pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams, CurvaturesBuffers>(
     "Curvatures",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         wgsl!("curvatures.wgsl", [("UMBILIC", F32(UMBILIC))]),
     ],
@@ -74,21 +82,11 @@ pub(crate) fn describe(run: &mut Run) {
 
 const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
 
-/// Whether the trace of the Hessian is used only once, and computed there.
-fn scales_by_gradient(plan: &Plan) -> bool {
-    let is_used_again = plan.runs("auto-gain")
-        || plan
-            .enhancement
-            .is_some_and(|enhancement| enhancement.occlusion > 0.0);
-    plan.enhancement.is_some() && plan.scaled() == Some(Subject::Picture) && !is_used_again
-}
-
 impl Run<'_> {
-    /// Adds the Hessian to a shape, unless it is computed where it is used.
+    /// Adds the Hessian to a shape, if curvature is wanted.
     pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
         let plan = self.plan;
-        let wanted = plan.wants_curvature() && !scales_by_gradient(plan);
-        let hessian = wanted.then(|| {
+        let hessian = plan.wants_curvature().then(|| {
             let entries = plan.wants(Product::Hessian);
             self.hessian(plan, &shape.gradient, &shape.conductance, entries)
         });
@@ -147,13 +145,16 @@ impl Run<'_> {
         self.recorder.over_pixels(
             "curvatures",
             (&CURVATURES, &[]),
-            &SizeParams { width, height },
+            &GainParams {
+                width,
+                height,
+                gain: self.gain(),
+            },
             &CurvaturesBuffers {
                 covered: &self.surface.covered,
                 hessian_xx: xx,
                 hessian_xy: xy,
                 hessian_yy: yy,
-                chosen: &self.chosen,
                 curvature: &curvature,
                 direction: &direction,
             },

@@ -1,14 +1,5 @@
 // The curvature display: edges black, concave warm, convex cold, flat neutral, background white.
 
-@group(0) @binding(0) var<uniform> params: SizeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> conductance: array<f32>;
-@group(0) @binding(3) var<storage, read> trace: array<f32>;
-@group(0) @binding(4) var<storage, read> chosen: array<f32>;
-@group(0) @binding(5) var<storage, read_write> red: array<f32>;
-@group(0) @binding(6) var<storage, read_write> green: array<f32>;
-@group(0) @binding(7) var<storage, read_write> blue: array<f32>;
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {
@@ -17,7 +8,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = index_of(id.x, id.y);
     var shown = BACKGROUND;
     if is_covered(id.x, id.y) {
-        let kappa = mapped_curvature(trace[i], chosen[GAIN]);
+        let kappa = mapped_curvature(trace[i], params.gain);
         let toward = select(CONCAVE, CONVEX, kappa >= 0.0);
         shown = conductance[i] * (NEUTRAL + abs(kappa) * (toward - NEUTRAL));
     }

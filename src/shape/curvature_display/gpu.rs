@@ -1,26 +1,23 @@
 //! The curvature display on the device.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
-use crate::engine::gpu::made::Shape;
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::run::Run;
-use crate::engine::gpu::surface::Picture;
-use crate::engine::gpu::uniforms::SizeParams;
 use crate::engine::gpu::wgsl::Number::Color;
 use crate::engine::gpu::wgsl::wgsl;
-use crate::shape::curvature::gpu::MAPPED_CURVATURE;
+use crate::shape::curvature::gpu::{GainParams, MAPPED_CURVATURE};
 use crate::shape::curvature_display::palette;
 
 bindings! {
-    CurvatureDisplayBuffers { covered, conductance, trace, chosen, red, green, blue }
+    CurvatureDisplayBuffers {
+        covered: &[u32], conductance: &[f32], trace: &[f32], red: &mut [f32], green: &mut [f32], blue: &mut [f32],
+    }
 }
 
 /// The curvature display.
-pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, CurvatureDisplayBuffers>(
+pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams, CurvatureDisplayBuffers>(
     "CurvatureDisplay",
     &[
-        INDEX,
-        COVERAGE,
         MAPPED_CURVATURE,
         wgsl!(
             "curvature_display.wgsl",
@@ -36,37 +33,29 @@ pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<SizeParams, Curvatur
 
 /// Makes the curvature display.
 pub(crate) fn display(run: &mut Run) {
-    let shape = run.made.shape.take().expect("the display takes curvature");
-    run.made.picture = Some(run.display(&shape));
-    run.made.shape = Some(shape);
-}
-
-impl Run<'_> {
-    /// The curvature display.
-    pub(crate) fn display(&mut self, shape: &Shape) -> Picture {
-        let [width, height] = self.surface.size;
-        let picture = [(); 3].map(|()| self.take(self.surface.plane_bytes()));
-        let [red, green, blue] = &picture;
-        let trace = &shape
-            .hessian
-            .as_ref()
-            .expect("the display takes curvature")
-            .trace;
-        self.recorder.over_pixels(
-            "display",
-            (&CURVATURE_DISPLAY, &[]),
-            &SizeParams { width, height },
-            &CurvatureDisplayBuffers {
-                covered: &self.surface.covered,
-                conductance: &shape.conductance,
-                trace,
-                chosen: &self.chosen,
-                red,
-                green,
-                blue,
-            },
-            [width, height],
-        );
-        picture
-    }
+    let shape = run.made.shape.as_ref();
+    let shape = shape.expect("the display takes curvature");
+    let [width, height] = run.surface.size;
+    let gain = run.gain();
+    let picture = [(); 3].map(|()| run.take(run.surface.plane_bytes()));
+    let [red, green, blue] = &picture;
+    run.recorder.over_pixels(
+        "display",
+        (&CURVATURE_DISPLAY, &[]),
+        &GainParams {
+            width,
+            height,
+            gain,
+        },
+        &CurvatureDisplayBuffers {
+            covered: &run.surface.covered,
+            conductance: &shape.conductance,
+            trace: shape.trace(),
+            red,
+            green,
+            blue,
+        },
+        [width, height],
+    );
+    run.made.picture = Some(picture);
 }

@@ -4,19 +4,6 @@
 // pixel per sweep at its rim. Earlier terms, sums and faces stay with the invocation that owns the pixel. A region
 // without surface has no slopes, and is skipped.
 
-@group(0) @binding(0) var<uniform> params: DiffusionParams;
-@group(0) @binding(1) var<storage, read> last: array<vec2<f32>>;
-// The term before the last; unused if there is none.
-@group(0) @binding(2) var<storage, read> earlier: array<vec2<f32>>;
-@group(0) @binding(3) var<storage, read> conductance: array<f32>;
-// Weights of the terms, for all levels of importance together.
-@group(0) @binding(4) var<storage, read> term_weights: array<f32>;
-@group(0) @binding(5) var<storage, read> levels: array<u32>;
-@group(0) @binding(6) var<storage, read> covered: array<u32>;
-@group(0) @binding(7) var<storage, read_write> next_last: array<vec2<f32>>;
-@group(0) @binding(8) var<storage, read_write> next_earlier: array<vec2<f32>>;
-@group(0) @binding(9) var<storage, read_write> sums: array<vec2<f32>>;
-
 override IS_EXPANSION: bool;
 override BY_LEVEL: bool;
 

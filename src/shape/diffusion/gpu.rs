@@ -4,7 +4,7 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::constants::{
     REGION, REGION_GROUP_ROWS, ROWS_PER_INVOCATION, SWEEPS_PER_PASS,
 };
-use crate::engine::gpu::kernels::{COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::uniforms::uniforms;
@@ -45,15 +45,20 @@ uniforms! {
 }
 
 bindings! {
-    DiffusionBuffers { last, earlier, conductance, term_weights, levels, covered, next_last, next_earlier, sums }
+    DiffusionBuffers {
+        last: &[vec2<f32>],
+        /// The term before the last; unused if there is none.
+        earlier: &[vec2<f32>], conductance: &[f32],
+        /// Weights of the terms, for all levels of importance together.
+        term_weights: &[f32], levels: &[u32], covered: &[u32], next_last: &mut [vec2<f32>],
+        next_earlier: &mut [vec2<f32>], sums: &mut [vec2<f32>],
+    }
 }
 
 /// Several sweeps in the memory of a workgroup.
 pub(crate) static DIFFUSION: Kernel = Kernel::new::<DiffusionParams, DiffusionBuffers>(
     "Diffusion",
     &[
-        INDEX,
-        COVERAGE,
         FACE_CONDUCTANCE,
         FLUX,
         wgsl!(

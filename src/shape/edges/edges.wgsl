@@ -1,18 +1,5 @@
 // Silhouettes, creases, conductance and the depth gradient.
 
-@group(0) @binding(0) var<uniform> params: EdgeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> normal_x: array<f32>;
-@group(0) @binding(3) var<storage, read> normal_y: array<f32>;
-@group(0) @binding(4) var<storage, read> normal_z: array<f32>;
-// The logarithm of depth, or an occlusion map.
-@group(0) @binding(5) var<storage, read> silhouette_map: array<f32>;
-@group(0) @binding(6) var<storage, read> normal_length: array<f32>;
-@group(0) @binding(7) var<storage, read_write> conductance: array<f32>;
-@group(0) @binding(8) var<storage, read_write> gradient: array<vec2<f32>>;
-// Silhouette and crease weight, if requested.
-@group(0) @binding(9) var<storage, read_write> weights: array<vec2<f32>>;
-
 override HAS_MAP: bool;
 override HAS_LENGTHS: bool;
 override WEIGHTS_WANTED: bool;

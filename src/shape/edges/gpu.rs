@@ -1,7 +1,7 @@
 //! Edges on the device, and the gradient.
 
 use crate::engine::gpu::bindings::bindings;
-use crate::engine::gpu::kernels::{AROUND, COVERAGE, INDEX, Kernel};
+use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
 use crate::engine::gpu::sight::to_eye;
@@ -41,27 +41,26 @@ uniforms! {
 }
 
 bindings! {
-    LogDepthBuffers { covered, depth, log_depth }
-    EdgesBuffers { covered, normal_x, normal_y, normal_z, silhouette_map, normal_length, conductance, gradient, weights }
+    LogDepthBuffers {
+        covered: &[u32], depth: &[f32], log_depth: &mut [f32],
+    }
+    EdgesBuffers {
+        covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// The logarithm of depth, or an occlusion map.
+        silhouette_map: &[f32], normal_length: &[f32], conductance: &mut [f32], gradient: &mut [vec2<f32>],
+        /// Silhouette and crease weight, if requested.
+        weights: &mut [vec2<f32>],
+    }
 }
 
 /// The logarithm of depth, used for silhouettes.
-pub(crate) static LOG_DEPTH: Kernel = Kernel::new::<SizeParams, LogDepthBuffers>(
-    "LogDepth",
-    &[INDEX, COVERAGE, wgsl!("log_depth.wgsl")],
-);
+pub(crate) static LOG_DEPTH: Kernel =
+    Kernel::new::<SizeParams, LogDepthBuffers>("LogDepth", &[wgsl!("log_depth.wgsl")]);
 
 /// Edges, and the gradient before diffusion.
 pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
     "Edges",
-    &[
-        INDEX,
-        AROUND,
-        COVERAGE,
-        wgsl!("soft_threshold.wgsl"),
-        FACING,
-        wgsl!("edges.wgsl"),
-    ],
+    &[wgsl!("soft_threshold.wgsl"), FACING, wgsl!("edges.wgsl")],
 );
 
 /// Finds edges and the gradient.

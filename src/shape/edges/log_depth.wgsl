@@ -1,10 +1,5 @@
 // The logarithm of depth where covered, 0 elsewhere: the map for silhouettes.
 
-@group(0) @binding(0) var<uniform> params: SizeParams;
-@group(0) @binding(1) var<storage, read> covered: array<u32>;
-@group(0) @binding(2) var<storage, read> depth: array<f32>;
-@group(0) @binding(3) var<storage, read_write> log_depth: array<f32>;
-
 @compute @workgroup_size(GROUP_COLUMNS, GROUP_ROWS)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= width() || id.y >= height() {

@@ -1,71 +1,52 @@
-//! The table of twins.
-
-use super::domains::*;
-use super::twin::{Tolerance, Twin};
-use super::words::UNSPECIFIED;
-use crate::fast_math::circular::{ATAN, rest_of_tangent};
-use crate::fast_math::exponential::{EXP, LN, split_exp};
-use crate::fast_math::{self, polynomial, power_of_two};
-use crate::frame::luminance;
-use crate::frame::sampling::{finer_side, lattice_place, scattered};
-use crate::frame::{Projection, SightLines};
-use crate::light::batch::BATCH;
-use crate::light::brdf::{
-    self, AshikhminShirley, Cosines, entering, fifth_power, passed, share_seen,
-};
-use crate::light::cosines::{at_most_1, positive, scalar_product};
-use crate::light::environment::equirectangular_position;
-use crate::light::light_warping::{
-    MOST_BRIGHTENED, SIXTH, Warp, bounded_entry, contrast, half_vector, scale_factor,
-};
-use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
-use crate::light::relight::gpu::RELIGHT;
-use crate::light::relight::shade::premultiplied;
-use crate::light::sum::exponent::Exponent;
-use crate::light::sum::terms;
-use crate::light::texels::mixed;
-use crate::light::tones::tone_factor;
-use crate::line::hatching::gpu::{PICTURE_STROKES, STROKES};
-use crate::line::hatching::share;
-use crate::line::normal_rays::gpu::NORMAL_RAYS;
-use crate::line::normal_rays::{Difference, Local, NormalRay, Slopes};
-use crate::line::slice_texture::{mix, within};
-use crate::line::stroke_texture::{ramp_between, ramp_of};
-use crate::line::texture_coordinates::{
-    in_texture, is_joined, is_one_depth, is_one_motion, jacobian, slope,
-};
-use crate::params::{Quantisation, ShapeParams, SoftThreshold};
-use crate::shape::auto_levels::gpu::{COUNT, NARROW, key_of, value_of};
-use crate::shape::conductance::face_conductance;
-use crate::shape::crease::{CreaseDetector, angle_within};
-use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
-use crate::shape::curvature::{
-    mapped_curvature, mapped_curvature_toward, principal_curvatures, principal_direction,
-};
-use crate::shape::diffusion::gpu::DIFFUSION;
-use crate::shape::diffusion::{Update, flux, through};
-use crate::shape::edges::gpu::EDGES;
-use crate::shape::gradient::{depth_gradient, facing};
-use crate::shape::hessian::{fitted, in_the_open, plane_fit};
-use crate::shape::silhouette::jump_weight;
-use crate::shape::sobel;
-use glam::{DVec2, DVec3, Vec3};
-
-/// A pair: the name in WGSL, the path of the Rust function, checked by the compiler, and a kernel that contains the
-/// WGSL.
-macro_rules! twin {
-    ($name:ident, $path:path, $kernel:ident, $rust:expr) => {{
-        let _ = $path;
-        Twin::new(stringify!($name), stringify!($path), &$kernel, $rust)
-    }};
-}
+//! The rows, and the inputs that occur where random ones do not.
 
 mod light;
 mod line;
 mod shape;
 
-/// All pairs.
+use super::{Twin, twin};
+use glam::Vec3;
+
+/// All rows.
 pub(super) fn twins() -> Vec<Twin> {
     let rooms = [shape::twins(), light::twins(), line::twins()];
     rooms.into_iter().flatten().collect()
+}
+
+fn each(words: &mut [u32], f: impl Fn(f32) -> f32) {
+    for word in words {
+        *word = f(f32::from_bits(*word)).to_bits();
+    }
+}
+
+/// Multiples of 1/16 up to `most` in magnitude: sums and products of a few are exact, so that both precisions fall on
+/// the same side of every threshold.
+fn coarse(words: &mut [u32], most: f32) {
+    each(words, |v| (16.0 * v.clamp(-most, most)).round() / 16.0);
+}
+
+/// Three floats.
+fn vector(words: &[u32]) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|i| f32::from_bits(words[i])))
+}
+
+fn set(words: &mut [u32], values: &[f32]) {
+    for (word, value) in words.iter_mut().zip(values) {
+        *word = value.to_bits();
+    }
+}
+
+/// A unit vector, one of a few thousand, the axes included.
+fn unit_vector(words: &mut [u32]) {
+    coarse(&mut words[..3], 4.0);
+    set(
+        words,
+        &vector(words).try_normalize().unwrap_or(Vec3::Z).to_array(),
+    );
+}
+
+/// The direction of a sight line, scaled to z = -1, at most 65 degrees from the axis.
+fn sight_line(words: &mut [u32]) {
+    coarse(&mut words[..2], 1.5);
+    words[2] = (-1.0_f32).to_bits();
 }

@@ -1,13 +1,9 @@
 //! Rust values as the words of their WGSL counterparts.
 
-/// Marks results that WGSL leaves open: a NaN that no arithmetic produces.
-pub(super) const UNSPECIFIED: f32 = f32::from_bits(0x7fc0_dead);
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// A value composed of words.
 pub(super) trait Words {
-    /// Number of words.
-    const COUNT: usize;
-
     fn read(words: &mut dyn Iterator<Item = u32>) -> Self;
     fn write(self, out: &mut Vec<u32>);
 }
@@ -15,14 +11,12 @@ pub(super) trait Words {
 macro_rules! words {
     ($($kind:ty: $read:expr, $write:expr;)*) => {
         $(impl Words for $kind {
-            const COUNT: usize = 1;
-
             fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
-                $read(words.next().expect("as many inputs as the closure takes"))
+                $read(Words::read(words))
             }
 
             fn write(self, out: &mut Vec<u32>) {
-                out.push($write(self));
+                $write(self).write(out);
             }
         })*
     };
@@ -30,14 +24,27 @@ macro_rules! words {
 
 words! {
     f32: f32::from_bits, f32::to_bits;
-    u32: std::convert::identity, std::convert::identity;
-    i32: |word| word as i32, |number| number as u32;
-    bool: |word| word != 0, u32::from;
+    f64: |v: f32| f64::from(v), |v| v as f32;
+    i32: |word: u32| word as i32, |v| v as u32;
+    usize: |word: u32| word as usize, |v| v as u32;
+    bool: |word: u32| word != 0, u32::from;
+    Vec2: Vec2::from_array, |v: Vec2| v.to_array();
+    Vec3: Vec3::from_array, |v: Vec3| v.to_array();
+    DVec2: DVec2::from_array, |v: DVec2| v.to_array();
+    DVec3: DVec3::from_array, |v: DVec3| v.to_array();
+}
+
+impl Words for u32 {
+    fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
+        words.next().expect("as many inputs as Rust takes")
+    }
+
+    fn write(self, out: &mut Vec<u32>) {
+        out.push(self);
+    }
 }
 
 impl<T: Words, const N: usize> Words for [T; N] {
-    const COUNT: usize = N * T::COUNT;
-
     fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
         std::array::from_fn(|_| T::read(words))
     }
@@ -47,10 +54,8 @@ impl<T: Words, const N: usize> Words for [T; N] {
     }
 }
 
-/// A struct whose last member says whether the others are valid.
+/// A struct whose last member says whether the others, floats, mean something.
 impl<T: Words> Words for Option<T> {
-    const COUNT: usize = T::COUNT + 1;
-
     fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
         let value = T::read(words);
         bool::read(words).then_some(value)
@@ -58,15 +63,14 @@ impl<T: Words> Words for Option<T> {
 
     fn write(self, out: &mut Vec<u32>) {
         let is_there = self.is_some();
-        match self {
-            Some(value) => value.write(out),
-            None => out.extend(std::iter::repeat_n(UNSPECIFIED.to_bits(), T::COUNT)),
-        }
+        // Results that are not finite are not compared.
+        let nothing = || T::read(&mut std::iter::repeat(f32::NAN.to_bits()));
+        self.unwrap_or_else(nothing).write(out);
         is_there.write(out);
     }
 }
 
-/// A closure over values composed of words.
+/// A function of values composed of words.
 pub(super) trait Namesake<A> {
     fn run(&self, words: &mut dyn Iterator<Item = u32>, out: &mut Vec<u32>);
 }
@@ -75,8 +79,6 @@ macro_rules! namesakes {
     ($($($part:ident)+;)*) => {
         $(
             impl<$($part: Words),+> Words for ($($part,)+) {
-                const COUNT: usize = 0 $(+ $part::COUNT)+;
-
                 fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
                     ($($part::read(words),)+)
                 }
@@ -91,7 +93,7 @@ macro_rules! namesakes {
             impl<F: Fn($($part),+) -> R, R: Words, $($part: Words),+> Namesake<($($part,)+)> for F {
                 fn run(&self, words: &mut dyn Iterator<Item = u32>, out: &mut Vec<u32>) {
                     self($($part::read(words)),+).write(out);
-                    assert!(words.next().is_none(), "as many inputs as the closure takes");
+                    assert!(words.next().is_none(), "as many inputs as Rust takes");
                 }
             }
         )*
