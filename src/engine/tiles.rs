@@ -1,14 +1,22 @@
 //! Pictures in strips, where memory or a device limits the number of rows at a time.
 
+#[cfg(feature = "gpu")]
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::watch::Watch;
+#[cfg(feature = "gpu")]
 use crate::error::Result;
-use crate::frame::{Frame, Plane, Window};
+#[cfg(feature = "gpu")]
+use crate::frame::Plane;
+use crate::frame::{Frame, Window};
 use std::ops::Range;
 
 /// Division of a picture into strips.
 #[derive(Clone, Copy)]
 pub(crate) struct Strips<'a> {
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(dead_code, reason = "devices alone run strips one by one")
+    )]
     watch: Watch<'a>,
     height: usize,
     /// Output rows of a strip, and its margin above and below.
@@ -55,6 +63,7 @@ impl<'a> Strips<'a> {
     ///
     /// # Errors
     /// Those of `run`; [`Error::Cancelled`](crate::Error::Cancelled).
+    #[cfg(feature = "gpu")]
     pub(crate) fn run(
         &self,
         frame: &Frame,
@@ -120,6 +129,7 @@ pub(crate) fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
 }
 
 /// Copies the rows `from` of a strip to `whole`, starting at row `start`.
+#[cfg(feature = "gpu")]
 fn paste(strip: &Plane, from: &Range<usize>, whole: &mut Plane, start: usize) {
     for (i, y) in from.clone().enumerate() {
         whole.row_mut(start + i).copy_from_slice(strip.row(y));
