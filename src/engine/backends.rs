@@ -177,10 +177,9 @@ impl Engine {
         }
     }
 
-    /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. A picture leaves out edges and slopes
-    /// that it no longer takes; of a large frame it consumes normals and depth, unless rays meet the surface. The
-    /// outcome of a drawing is that and the automatic choices, without the shape; a large frame drawn in its own light takes
-    /// half the memory: the picture is consumed.
+    /// As [`Engine::execute`], bit for bit, with less memory where the CPU does it. For a picture or a drawing the outcome
+    /// lacks the shape, that of a drawing also the picture of its tone, and the frame loses planes that no stage reads any
+    /// more: all but the mask and the planes of settings, of light, and of the picture where none is drawn.
     ///
     /// # Errors
     /// As [`Engine::execute`].

@@ -434,6 +434,7 @@ impl Outcome {
     }
 
     /// Changes every plane, with the matching one of an outcome of the same plan.
+    #[cfg(feature = "gpu")]
     pub(crate) fn for_each_pair(&mut self, of: &Self, mut change: impl FnMut(&mut Plane, &Plane)) {
         let mut pairs = |planes: Vec<&mut Plane>, of: Vec<&Plane>| {
             let pairs = planes.into_iter().zip(of);

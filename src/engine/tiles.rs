@@ -1,8 +1,6 @@
 //! Pictures in strips, where memory limits the number of rows at a time.
 
-use crate::engine::outcome::{Outcome, add_timings};
-use crate::error::Result;
-use crate::frame::{Frame, Plane, Window};
+use crate::frame::{Frame, Window};
 use std::ops::Range;
 
 /// Division of a picture into strips.
@@ -34,43 +32,6 @@ impl Strips {
         Some(Self::of_rows(rows, height, reach))
     }
 
-    /// Calls `run` for every strip of a frame, and assembles the results. Planes of strips are passed to `recycle`.
-    ///
-    /// # Errors
-    /// Those of `run`.
-    pub(crate) fn run(
-        &self,
-        frame: &Frame,
-        mut run: impl FnMut(&Frame) -> Result<Outcome>,
-        mut recycle: impl FnMut(Vec<Plane>),
-    ) -> Result<Outcome> {
-        let mut whole: Option<Outcome> = None;
-        for (takes, gives) in self.each() {
-            let mut part = run(&strip_of(frame, &takes))?;
-            let start = takes.start + gives.start;
-            match &mut whole {
-                None => {
-                    let mut strips = Vec::new();
-                    part.for_each_plane(|plane| {
-                        let size = (frame.mask.width(), frame.mask.height());
-                        let all = Plane::filled(size.0, size.1, 0.0);
-                        let strip = std::mem::replace(plane, all);
-                        paste(&strip, &gives, plane, start);
-                        strips.push(strip);
-                    });
-                    recycle(strips);
-                    whole = Some(part);
-                }
-                Some(whole) => {
-                    whole.for_each_pair(&part, |whole, strip| paste(strip, &gives, whole, start));
-                    add_timings(&mut whole.timings, &part.timings);
-                    recycle(part.into_planes());
-                }
-            }
-        }
-        Ok(whole.unwrap_or_default())
-    }
-
     /// Number of strips.
     pub(crate) fn count(&self) -> usize {
         self.height.div_ceil(self.rows)
@@ -98,12 +59,5 @@ pub(crate) fn rows_of(whole: Window, rows: &Range<usize>) -> Window {
         y0: whole.y0 + rows.start as i32,
         y1: whole.y0 + rows.end as i32,
         ..whole
-    }
-}
-
-/// Copies the rows `from` of a strip to `whole`, starting at row `start`.
-fn paste(strip: &Plane, from: &Range<usize>, whole: &mut Plane, start: usize) {
-    for (i, y) in from.clone().enumerate() {
-        whole.row_mut(start + i).copy_from_slice(strip.row(y));
     }
 }

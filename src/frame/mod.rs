@@ -6,7 +6,6 @@ mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
 mod enlarged;
-pub(crate) mod halves;
 mod holes;
 mod light_layers;
 mod mask;

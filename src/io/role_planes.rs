@@ -7,9 +7,13 @@ use super::points::Points;
 use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::{sanitise, shares};
-use crate::frame::halves;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use half::f16;
+use half::slice::HalfFloatSliceExt;
+use rayon::prelude::*;
+
+/// Samples converted by a task.
+const SAMPLES_PER_TASK: usize = 1 << 16;
 
 /// The planes of one role: one or three, and the coverage stored with them.
 pub(super) struct RolePlanes {
@@ -70,7 +74,7 @@ impl RolePlanes {
             let spare = spare.pop().map(Plane::into_samples);
             let spare = spare.filter(|samples| samples.len() == width * height);
             let samples = spare.unwrap_or_else(|| vec![0.0; width * height]);
-            self.planes.push(halves::widened(&half, samples));
+            self.planes.push(widened(&half, samples));
         }
     }
 
@@ -175,6 +179,14 @@ impl RolePlanes {
         let planes = self.planes.iter_mut().chain(&mut self.alpha);
         planes.map(sanitise).sum()
     }
+}
+
+/// A plane of half floats as one of floats, in the memory of `samples`, of which there are as many.
+fn widened(halves: &Plane<f16>, mut samples: Vec<f32>) -> Plane {
+    let parts = samples.par_chunks_mut(SAMPLES_PER_TASK);
+    let parts = parts.zip(halves.samples().par_chunks(SAMPLES_PER_TASK));
+    parts.for_each(|(to, from)| from.convert_to_f32_slice(to));
+    Plane::from_samples(halves.width(), halves.height(), samples)
 }
 
 /// One plane of one or three: their mean.

@@ -73,7 +73,7 @@ fn choose_white(run: &mut Run) {
     }
 }
 
-pub(crate) fn choose_picture_white(run: &mut Run) {
+fn choose_picture_white(run: &mut Run) {
     let (plan, frame) = (run.plan, run.frame);
     let white = match plan.scaling.white_level {
         Adaptive::Fixed(level) => level,

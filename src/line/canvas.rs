@@ -13,8 +13,6 @@ use std::sync::Arc;
 pub(crate) struct Canvas {
     /// The surface seen in mirrors and lenses, with its edges, which stop lines like any others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
-    /// The luminance of the tone, if no picture of it is kept.
-    pub(crate) luminance: Option<Plane>,
     /// The optical densities to draw, if they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and their coverage.

@@ -5,12 +5,13 @@ use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::density::coverage_at;
 use crate::line::streamlines::Streamline;
-use crate::line::tone::{Densities, PictureDensities, ToneOf};
+use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
 use crate::plan::planned::DrawnAs;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
+use crate::shape::auto_levels::cpu::white_level;
 use rayon::prelude::*;
 
 /// The verdict on a step of drawings.
@@ -68,12 +69,10 @@ fn leave_white(run: &mut Run) {
     finish(run, tone, blank, Vec::new());
 }
 
-/// The tone to draw: the picture made so far, or that of the frame; or the luminance of one that is not kept; or
-/// densities computed from any of these.
+/// The tone to draw: the picture made so far, or that of the frame, or densities computed from either.
 pub(crate) struct Tone {
     density: Option<Plane>,
     made: Option<ColorPlanes>,
-    luminance: Option<Plane>,
     /// Luminance of paper white.
     pub(crate) white: f32,
 }
@@ -86,19 +85,21 @@ impl Tone {
         let mut tone = Self {
             density: run.canvas.density.take(),
             made: run.outcome.color.take(),
-            luminance: run.canvas.luminance.take(),
             white: 1.0,
         };
         tone.white = match params.tone.white_point {
             _ if tone.density.is_some() => 1.0,
             Adaptive::Fixed(white) => white,
-            Adaptive::Auto => run.timed("auto-white", || tone.of(frame).white_level(&frame.mask)),
+            Adaptive::Auto => run.timed("auto-white", || {
+                let weights = frame.luminance_weights();
+                white_level(tone.of(frame), weights, &frame.mask)
+            }),
         };
         tone
     }
 
-    fn of<'a>(&'a self, frame: &'a Frame) -> ToneOf<'a> {
-        let shown = shown(self.made.as_ref(), self.luminance.as_ref(), frame);
+    fn of<'a>(&'a self, frame: &'a Frame) -> &'a ColorPlanes {
+        let shown = self.made.as_ref().or(frame.color.as_ref());
         shown.expect("a drawing is planned with its tone")
     }
 
@@ -112,19 +113,6 @@ impl Tone {
             }
         }
     }
-}
-
-/// The source of a drawing's tone: `luminance`, else the picture that was `made`, else the frame's own.
-pub(crate) fn shown<'a>(
-    made: Option<&'a ColorPlanes>,
-    luminance: Option<&'a Plane>,
-    frame: &'a Frame,
-) -> Option<ToneOf<'a>> {
-    if let Some(luminance) = luminance {
-        return Some(ToneOf::Luminance(luminance));
-    }
-    let color = made.or(frame.color.as_ref())?;
-    Some(ToneOf::Picture(color, frame.luminance_weights()))
 }
 
 /// The share of the paper that is covered at optical densities.

@@ -5,42 +5,11 @@ use crate::engine::cpu::rows::map_rows;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane};
+use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::BATCH;
 use crate::params::ToneParams;
-use crate::shape::auto_levels::cpu as statistics;
 use std::ops::Range;
-
-/// The picture whose luminance is a drawing's tone.
-#[derive(Clone, Copy)]
-pub(crate) enum ToneOf<'a> {
-    /// A picture, by the weights of its primaries.
-    Picture(&'a ColorPlanes, [f32; 3]),
-    /// The luminance itself.
-    Luminance(&'a Plane),
-}
-
-impl<'a> ToneOf<'a> {
-    /// A high percentile of the luminance of the covered pixels; 1 where none has any.
-    pub(crate) fn white_level(self, mask: &Mask) -> f32 {
-        match self {
-            Self::Picture(color, weights) => statistics::white_level(color, weights, mask),
-            Self::Luminance(plane) => statistics::white_level_of(plane, mask),
-        }
-    }
-
-    /// Three planes, zeros for missing ones, and the weights that make them the luminance.
-    fn planes(self) -> ([Option<&'a Plane>; 3], [f32; 3]) {
-        match self {
-            Self::Picture(color, weights) => ([&color.r, &color.g, &color.b].map(Some), weights),
-            Self::Luminance(plane) => ([Some(plane), None, None], [1.0, 0.0, 0.0]),
-        }
-    }
-}
-
-/// Samples of a missing plane.
-static ZEROS: [f32; BATCH] = [0.0; BATCH];
 
 /// The optical densities that are drawn.
 pub(crate) enum Densities<'a> {
@@ -84,7 +53,7 @@ impl Densities<'_> {
 
 /// The optical density of a picture, -ln(tone), looked up by luminance.
 pub(crate) struct PictureDensities<'a> {
-    planes: [Option<&'a Plane>; 3],
+    color: &'a ColorPlanes,
     frame: &'a Frame,
     weights: [f32; 3],
     /// Luminance of paper white.
@@ -94,22 +63,24 @@ pub(crate) struct PictureDensities<'a> {
 }
 
 impl<'a> PictureDensities<'a> {
-    pub(crate) fn new(tone: ToneOf<'a>, frame: &'a Frame, white: f32, params: &ToneParams) -> Self {
-        let (planes, weights) = tone.planes();
+    pub(crate) fn new(
+        color: &'a ColorPlanes,
+        frame: &'a Frame,
+        white: f32,
+        params: &ToneParams,
+    ) -> Self {
         Self {
-            planes,
+            color,
             frame,
-            weights,
+            weights: frame.luminance_weights(),
             white,
             table: density_table(params),
         }
     }
 
     fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
-        let color = self.planes.map(|plane| match plane {
-            Some(plane) => &plane.row(y)[columns.clone()],
-            None => &ZEROS[..columns.len()],
-        });
+        let ColorPlanes { r, g, b } = self.color;
+        let color = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);
         let alpha = self.frame.alpha.as_ref();
         let alpha = alpha.map(|plane| &plane.row(y)[columns.clone()]);
         simd.density_row(out, color, alpha, self);

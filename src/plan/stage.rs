@@ -25,6 +25,8 @@ pub(crate) struct Stage {
     pub(crate) by_rows: bool,
     /// Whether it reads the normals of the frame.
     pub(crate) reads_normals: bool,
+    /// Whether one that does makes its results in their memory, if no other stage after the first reads them.
+    pub(crate) takes_normals: fn(&Plan) -> bool,
     /// Whether one that does reads the depth of the frame too.
     pub(crate) reads_depth: fn(&Plan) -> bool,
     /// A key of the parameters its result depends on: equal keys, equal results.
@@ -53,6 +55,7 @@ impl Stage {
         reach_px: |_| 0,
         by_rows: false,
         reads_normals: true,
+        takes_normals: |_| false,
         reads_depth: |_| true,
         depends_on: |_| String::new(),
         cpu: |_| (),

@@ -9,7 +9,6 @@ pub(crate) mod rows;
 pub(crate) mod run;
 pub(crate) mod runner;
 pub(crate) mod simd;
-pub(crate) mod sparing;
 pub(crate) mod strips;
 
 pub(crate) use crate::engine::cpu::run::Runner;

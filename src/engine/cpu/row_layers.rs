@@ -2,7 +2,6 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::{Run, Runner};
-use crate::engine::cpu::sparing::Begun;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::strip_of;
@@ -35,7 +34,7 @@ pub(crate) struct LaidRows {
 }
 
 impl Runner {
-    /// Runs `plan`, but for stages that run on rows. A large frame loses the lengths of its normals.
+    /// Runs `plan`, but for stages that run on rows. The frame loses the lengths of its normals.
     ///
     /// # Errors
     /// As [`Runner::execute`].
@@ -47,10 +46,7 @@ impl Runner {
         watch: Watch,
     ) -> Result<RowLayers<'a>> {
         inputs.check(plan, frame)?;
-        let Begun {
-            outcome,
-            undiffused,
-        } = self.after_edges(plan, frame, None, inputs, watch)?;
+        let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
         let (rest, whole): (Vec<_>, Vec<_>) = stages()
             .skip(1)
             .filter(|stage| plan.has(stage))

@@ -6,7 +6,6 @@ use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::slot::Slot;
 use crate::engine::watch::Watch;
-use crate::frame::halves::StowedColors;
 use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;
@@ -46,12 +45,10 @@ pub(crate) struct Run<'a> {
     pub(crate) undiffused: Option<Vector2Planes>,
     /// The gradient at further scales.
     pub(crate) more_gradients: Vec<Vector2Planes>,
-    /// The normals, where the frame no longer has them: their memory is for what is made of them.
+    /// The normals, where the frame no longer has them: their memory is for what the only stage that reads them makes.
     pub(crate) normals: Option<Vector3Planes>,
     /// Their lengths, likewise.
     pub(crate) lengths: Option<Plane>,
-    /// The picture, where the frame no longer has it.
-    pub(crate) stowed: Option<&'a StowedColors>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
@@ -78,7 +75,6 @@ impl<'a> Run<'a> {
             more_gradients: Vec::new(),
             normals: None,
             lengths: None,
-            stowed: None,
             trace: None,
             canvas: Canvas::default(),
         }

@@ -1,19 +1,20 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
 use crate::engine::cpu::frame_cache::FrameCache;
+use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::watch::Watch;
 use crate::error::Result;
-use crate::frame::{Frame, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
 use crate::params::LineParams;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
-use crate::plan::stages::{SHAPE, stages};
+use crate::plan::stages::{DRAWING, PICTURE, SHAPE, stages};
 use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
@@ -50,6 +51,83 @@ impl Runner {
         Ok(run.outcome)
     }
 
+    /// [`Runner::execute_watched`], bit for bit, in less memory. For a picture or a drawing the outcome lacks the shape,
+    /// whose products are recycled after their last reader, and the frame what no later stage reads.
+    ///
+    /// # Errors
+    /// As [`Runner::execute_watched`].
+    pub(crate) fn execute_sparingly(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<Outcome> {
+        let rest: Vec<_> = stages().skip(1).filter(|stage| plan.has(stage)).collect();
+        let [making, drawing] = [&PICTURE[..], &DRAWING[..]]
+            .map(|stages| stages.iter().filter(|stage| plan.has(stage)).count());
+        if making + drawing == 0 {
+            return self.execute_watched(plan, frame, inputs, watch, None);
+        }
+        inputs.check(plan, frame)?;
+        let memory = &self.memory.for_run(watch.token());
+        let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
+        let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
+        if plan.relighting.is_none() && !finds_shadows {
+            memory.recycle(colors(frame.albedo.take()));
+        }
+        let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
+        let normals = take_unread(plan, frame, memory);
+        let mut run = Run {
+            memory,
+            watch,
+            normals,
+            outcome,
+            undiffused,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        let before = rest.len() - drawing;
+        run.go_through_once(&rest, before)?;
+        let outcome = run.outcome;
+        // A drawing takes its tone from the picture that was made.
+        if drawing > 0 && outcome.color.is_some() && !finds_shadows {
+            memory.recycle(colors(frame.color.take()));
+            memory.recycle(colors(frame.albedo.take()));
+        }
+        let mut run = Run {
+            memory,
+            watch,
+            outcome,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through_once(&rest[before..], drawing)?;
+        Ok(run.outcome)
+    }
+
+    /// Runs the first stage, the only one that reads the lengths of the normals, in the memory of these unless rays meet the
+    /// surface later: its results, the gradient apart.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub(crate) fn after_edges(
+        &self,
+        plan: &Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        watch: Watch,
+    ) -> Result<(Outcome, Option<Vector2Planes>)> {
+        let memory = &self.memory.for_run(watch.token());
+        let lengths = frame.normal_length.take_if(|_| plan.specular.is_none());
+        let mut run = Run {
+            memory,
+            watch,
+            lengths,
+            ..Run::new(self, plan, frame, inputs)
+        };
+        run.go_through([SHAPE[0]])?;
+        Ok((run.outcome, run.undiffused))
+    }
+
     /// Directions that strokes with `params` follow: see
     /// [`Engine::stroke_fields`](crate::engine::Engine::stroke_fields).
     ///
@@ -84,21 +162,6 @@ impl Runner {
         )
     }
 
-    /// The shape only, whatever light `plan` is for.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled).
-    pub(crate) fn find_shape(&self, plan: &Plan, frame: &Frame, watch: Watch) -> Result<Outcome> {
-        let memory = &self.memory.for_run(watch.token());
-        let mut run = Run {
-            memory,
-            watch,
-            ..Run::new(self, plan, frame, Inputs::default())
-        };
-        run.go_through(SHAPE)?;
-        Ok(run.outcome)
-    }
-
     /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub(crate) fn forget_environment(&self) {
         self.environment.forget();
@@ -111,35 +174,54 @@ impl Runner {
 }
 
 /// The products of other stages that any of these takes.
-pub(crate) fn taken_by(
-    stages: impl IntoIterator<Item = &'static Stage>,
-    plan: &Plan,
-) -> Vec<Product> {
-    let stages = stages.into_iter();
+fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
+    let stages = stages.iter();
     stages.flat_map(|stage| (stage.takes)(plan)).collect()
 }
 
+/// Recycles depth, and takes the normals out of a frame, if no stage after the first reads them; normals are handed on
+/// where one makes its results in their memory.
+fn take_unread(plan: &Plan, frame: &mut Frame, memory: &Memory) -> Option<Vector3Planes> {
+    let later = stages().skip(1).filter(|stage| plan.has(stage));
+    let readers: Vec<_> = later.filter(|stage| stage.reads_normals).collect();
+    if !readers.iter().any(|stage| (stage.reads_depth)(plan)) {
+        memory.recycle(frame.depth.take());
+    }
+    if !readers.iter().all(|stage| (stage.takes_normals)(plan)) {
+        return None;
+    }
+    let none = Vector3Planes::of(vec![Plane::default()]);
+    let normals = std::mem::replace(&mut frame.normal, none);
+    if !readers.is_empty() {
+        return Some(normals);
+    }
+    memory.recycle([normals.x, normals.y, normals.z]);
+    None
+}
+
+/// The planes of a picture, if there is one.
+fn colors(picture: Option<ColorPlanes>) -> impl Iterator<Item = Plane> {
+    let planes = picture.into_iter();
+    planes.flat_map(|ColorPlanes { r, g, b }| [r, g, b])
+}
+
 impl Run<'_> {
-    /// [`Run::go_through`]; products of the shape are recycled where none of the stages to come takes them.
+    /// Runs the first `count` of `stages`, which are in the plan. Products of the shape are recycled where none of the stages
+    /// to come takes them.
     ///
     /// # Errors
     /// As [`Run::go_through`].
-    pub(crate) fn go_through_once(
-        &mut self,
-        stages: impl IntoIterator<Item = &'static Stage>,
-    ) -> Result<()> {
+    fn go_through_once(&mut self, stages: &[&'static Stage], count: usize) -> Result<()> {
         let plan = self.plan;
-        let planned = stages.into_iter().filter(|stage| plan.has(stage));
-        let planned: Vec<_> = planned.collect();
-        for (i, stage) in planned.iter().enumerate() {
-            let [now, later] =
-                [i, i + 1].map(|first| taken_by(planned[first..].iter().copied(), plan));
+        for i in 0..count {
+            let [now, later] = [i, i + 1].map(|first| taken_by(&stages[first..], plan));
             self.memory.recycle(self.outcome.shape.take_others(&now));
-            self.read_last = (stage.takes)(plan);
+            self.read_last = (stages[i].takes)(plan);
             self.read_last.retain(|product| !later.contains(product));
-            self.go_through([*stage])?;
+            self.go_through([stages[i]])?;
         }
-        self.memory.recycle(self.outcome.shape.take_others(&[]));
+        let left = taken_by(&stages[count..], plan);
+        self.memory.recycle(self.outcome.shape.take_others(&left));
         Ok(())
     }
 
@@ -164,14 +246,105 @@ impl Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::memory::Memory;
     use crate::engine::cpu::rows::map_covered;
     use crate::engine::watch::CancelToken;
-    use crate::frame::{Mask, Plane};
-    use crate::params::RunOptions;
+    use crate::frame::Mask;
+    use crate::light::lights::{DirectionalLight, Illumination};
+    use crate::params::{Adaptive, Method, RelightParams, RunOptions, ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal, LightKinds, ToneFrom};
     use crate::shape::diffusion::cpu::{Medium, diffusion};
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
     use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Bumps of 20 pixels with a hole, under varying light.
+    fn bumps() -> Frame {
+        let (width, height) = (90, 150);
+        let wave = |x: usize| x as f64 * std::f64::consts::TAU / 20.0;
+        let normal = Vector3Planes::from_fn(width, height, |x, y| {
+            let (x, y) = (wave(x), wave(y));
+            glam::DVec3::new(0.5 * x.sin() * y.cos(), -0.5 * x.cos() * y.sin(), 1.0).normalize()
+        });
+        let covered = Plane::from_fn(width, height, |x, y| x.abs_diff(30) + y.abs_diff(70) > 9);
+        let channel = |hue: f32| {
+            Plane::from_fn(width, height, |x, y| {
+                hue * (0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin())
+            })
+        };
+        Frame {
+            color: Some(ColorPlanes {
+                r: channel(0.9),
+                g: channel(0.7),
+                b: channel(0.5),
+            }),
+            depth: Some(Plane::filled(width, height, 3.0)),
+            normal_length: Some(Plane::filled(width, height, 1.0)),
+            ..Frame::of_normals(normal, Mask::new(covered))
+        }
+    }
+
+    /// Runs a plan both ways; the frame that is left, and the outcome.
+    fn assert_sparing(plan: &Plan, inputs: Inputs) -> (Frame, Outcome) {
+        let (runner, mut frame) = (Runner::default(), bumps());
+        let whole = runner.execute(plan, &frame, inputs).unwrap();
+        let made = runner.execute_sparingly(plan, &mut frame, inputs, Watch::default());
+        let made = made.unwrap();
+        let chosen = |o: &Outcome| (o.gain, o.white_level, o.tone_levels, o.line_levels);
+        assert_eq!(chosen(&made), chosen(&whole));
+        let drawn = [Product::Strokes, Product::Contours, Product::Interior];
+        let picture = Some(Product::Picture).filter(|_| plan.drawing.is_none());
+        for product in picture.into_iter().chain(drawn) {
+            assert_eq!(made.planes(product), whole.planes(product), "{product:?}");
+        }
+        assert!(made.shape.gradient.is_none() && whole.shape.gradient.is_some());
+        assert!(made.shape.conductance.is_none() && frame.normal_length.is_none());
+        (frame, made)
+    }
+
+    #[test]
+    fn an_enhanced_picture_leaves_no_shape_behind() {
+        let (available, shape) = (Available::in_frame(&bumps()), ShapeParams::default());
+        let plan = Plan::new(Goal::Enhance, available, shape, ScalingParams::default());
+        let (frame, made) = assert_sparing(&plan.unwrap(), Inputs::default());
+        assert_ne!(made.color, frame.color);
+        assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
+    }
+
+    #[test]
+    fn a_relit_picture_leaves_no_shape_behind() {
+        let light = Illumination {
+            directional: vec![DirectionalLight::white([135.0, 40.0])],
+            ..Illumination::default()
+        };
+        let (available, kinds) = (Available::in_frame(&bumps()), LightKinds::in_light(&light));
+        for method in [Method::Scale, Method::Warp, Method::Both] {
+            for curvature_gain in [Adaptive::Auto, Adaptive::Fixed(2.0)] {
+                let scaling = ScalingParams {
+                    curvature_gain,
+                    ..ScalingParams::default()
+                };
+                let params = RelightParams {
+                    method,
+                    ..RelightParams::default()
+                };
+                let shape = ShapeParams::default();
+                let plan = Plan::relight(available, shape, scaling, params, kinds).unwrap();
+                let (frame, _) = assert_sparing(&plan, Inputs::lit_by(&light));
+                assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
+            }
+        }
+    }
+
+    #[test]
+    fn a_drawing_leaves_no_shape_behind() {
+        let (available, shape) = (Available::in_frame(&bumps()), ShapeParams::default());
+        for tone in [ToneFrom::Enhanced, ToneFrom::Shape(None)] {
+            let (scaling, params) = (ScalingParams::default(), LineParams::default());
+            let plan = Plan::hatch(available, shape, scaling, tone, params).unwrap();
+            let (_, made) = assert_sparing(&plan, Inputs::default());
+            let hatching = made.drawing.unwrap().hatching;
+            assert!(hatching.samples().iter().any(|&ink| ink > 0.5));
+        }
+    }
 
     /// One thread writes 40 of 90 rows before row 39 cancels the run: the remaining rows are not written.
     #[test]

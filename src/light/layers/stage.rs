@@ -29,7 +29,7 @@ pub(crate) static LIGHT_LOBES: Stage = Stage {
 pub(crate) static LIGHT_GROUPS: Stage = Stage {
     takes: |plan| match plan.scaling.anisotropy == 0.0 {
         true => vec![Product::Trace],
-        false => vec![Product::Hessian],
+        false => vec![Product::Trace, Product::Hessian],
     },
     name: "light-groups",
     steps: &[Step {

@@ -51,7 +51,7 @@ impl Plan {
 }
 
 /// Radiance scaling of the picture with the white level and gain of this run.
-pub(crate) fn scaler(run: &Run) -> Scaler {
+fn scaler(run: &Run) -> Scaler {
     let mut params = run.plan.scaling;
     if run.frame.light.picture_is_occlusion {
         params.scaling = params.magnitudes().ambient;

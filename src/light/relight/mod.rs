@@ -81,7 +81,6 @@ pub(crate) fn relight(run: &mut Run) {
     let shading = shading(plan, relighting, gain, eye.is_none());
     let scene = Scene {
         frame,
-        stowed: run.stowed,
         relighting,
         curvature: curvature(plan, &shape),
         grain: shape.direction.as_ref().filter(|_| relighting.grain),
@@ -242,10 +241,9 @@ fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
             let y = first + i;
             for gap in mask.gaps(y) {
                 let out = &mut row[gap.clone()];
-                match (planes, scene.stowed) {
-                    (Some(planes), _) => out.copy_from_slice(&planes[k].row(y)[gap]),
-                    (None, Some(stowed)) => stowed.copy(k, y, gap, out),
-                    (None, None) => out.fill(0.0),
+                match planes {
+                    Some(planes) => out.copy_from_slice(&planes[k].row(y)[gap]),
+                    None => out.fill(0.0),
                 }
             }
         }

@@ -1,6 +1,5 @@
 //! State shared by all batches of a relit frame.
 
-use crate::frame::halves::StowedColors;
 use crate::frame::{ColorPlanes, Frame, Mask, SightLines, Vector2Planes};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::PointLight;
@@ -22,8 +21,6 @@ pub(crate) enum Term {
 /// State shared by all batches.
 pub(crate) struct Scene<'a> {
     pub(super) frame: &'a Frame,
-    /// Its picture, where it no longer has it.
-    pub(super) stowed: Option<&'a StowedColors>,
     pub(super) relighting: &'a Relighting,
     /// Curvature, if needed.
     pub(super) curvature: Option<Curvature<'a>>,

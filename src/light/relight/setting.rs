@@ -61,13 +61,6 @@ pub(crate) enum Albedo {
     White,
 }
 
-impl Albedo {
-    /// Whether it is found in the picture.
-    pub(crate) fn is_of_picture(self) -> bool {
-        matches!(self, Self::Estimate | Self::Picture)
-    }
-}
-
 /// Relighting of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Relighting {

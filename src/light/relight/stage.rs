@@ -13,12 +13,17 @@ const RIM_REACH: usize = 1;
 pub(crate) static RELIGHT: Stage = Stage {
     // Ambient light alone has no step.
     also_runs: |plan| plan.relighting.is_some(),
-    takes: |plan| plan.relighting.as_ref().map_or_else(Vec::new, takes),
+    takes: |plan| {
+        let relighting = plan.relighting.as_ref();
+        relighting.map_or_else(Vec::new, |relighting| takes(plan, relighting))
+    },
     reach_px: |_| RIM_REACH,
     reads_depth: |plan| {
         let relighting = plan.relighting.as_ref();
         relighting.is_some_and(|lit| lit.near || lit.traced)
     },
+    // Rays meet a surface whole.
+    takes_normals: |plan| plan.specular.is_none(),
     name: "relight",
     steps: &[
         Step {
@@ -76,14 +81,19 @@ pub(crate) static RELIGHT: Stage = Stage {
 };
 
 /// Products of the shape stages that relighting needs; none where the light is not modified by shape.
-fn takes(relighting: &Relighting) -> Vec<Product> {
-    let curvature = match (relighting.needs_hessian(), relighting.needs_gain()) {
-        (true, _) => Some(Product::Hessian),
-        (false, true) => Some(Product::Trace),
-        (false, false) => None,
+fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
+    let slopes = [Product::Gradient, Product::Conductance];
+    let mut takes = match (relighting.needs_hessian(), relighting.needs_gain()) {
+        (true, _) => vec![Product::Hessian],
+        (false, true) => vec![Product::Trace],
+        (false, false) => Vec::new(),
     };
-    let grain = relighting.grain.then_some(Product::Direction);
-    curvature.into_iter().chain(grain).collect()
+    // Curvature is computed row by row, unless the gain was chosen from it.
+    if !takes.is_empty() && (relighting.needs_hessian() || !plan.chooses_gain()) {
+        takes.extend(slopes);
+    }
+    takes.extend(relighting.grain.then_some(Product::Direction));
+    takes
 }
 
 #[cfg(feature = "gpu")]

@@ -6,10 +6,9 @@ use super::{CLEAR_TURN, activity, key_stops, raised, seen_tone, stops};
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::map_covered;
-use crate::frame::{Frame, Mask, Plane, Vector2Planes, luminance};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::Grid;
-use crate::line::tone::ToneOf;
 use crate::params::{RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::diffusion::cpu::{Medium, diffusion};
@@ -55,7 +54,7 @@ pub(crate) struct Shown<'a> {
     /// The trace of the Hessian, and the gain of its mapping.
     pub(crate) curvature: (&'a Plane, f32),
     /// The picture, if there is one.
-    pub(crate) picture: Option<ToneOf<'a>>,
+    pub(crate) picture: Option<&'a ColorPlanes>,
     /// Toward the key light.
     pub(crate) to_key: Vec3,
     pub(crate) params: &'a ToneParams,
@@ -102,17 +101,13 @@ pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) ->
 
 /// The luminance of the surface in a row of the picture; 0 where it has none.
 fn luminances<'a>(shown: &Shown<'a>, y: usize) -> impl Fn(usize) -> f32 + use<'a> {
-    let rows = shown.picture.map(|picture| match picture {
-        ToneOf::Luminance(plane) => ([plane.row(y); 3], [1.0, 0.0, 0.0]),
-        ToneOf::Picture(color, weights) => (
-            [&color.r, &color.g, &color.b].map(|plane| plane.row(y)),
-            weights,
-        ),
-    });
+    let weights = shown.frame.luminance_weights();
+    let rows = shown.picture;
+    let rows = rows.map(|color| [&color.r, &color.g, &color.b].map(|plane| plane.row(y)));
     let alpha = shown.frame.alpha.as_ref().map(|alpha| alpha.row(y));
     move |x| {
         // Mapping an array is not inlined.
-        let found = rows.map(|([r, g, b], weights)| luminance([r[x], g[x], b[x]], weights));
+        let found = rows.map(|[r, g, b]| luminance([r[x], g[x], b[x]], weights));
         let alpha = alpha.map_or(1.0, |row| row[x]);
         let found = found.map(|found| found / alpha.clamp(LEAST_ALPHA, 1.0));
         found.filter(|&found| found > 0.0).unwrap_or(0.0)

@@ -4,7 +4,7 @@ use super::cpu::{Shown, densities};
 use super::halo::leave_bare;
 use super::key_light;
 use crate::engine::cpu::run::Run;
-use crate::line::drawing::{is_drawn, shown};
+use crate::line::drawing::is_drawn;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
@@ -33,7 +33,6 @@ fn find(run: &mut Run) {
     let options = &run.runner.options;
     let params = plan.drawing.as_ref().expect("tones are of a drawing");
     let (gain, shape) = (run.gain(), std::mem::take(&mut run.outcome.shape));
-    let mut canvas = std::mem::take(&mut run.canvas);
     let made = run.outcome.color.take();
     let given = run
         .inputs
@@ -46,20 +45,21 @@ fn find(run: &mut Run) {
             conductance: shape.conductance.as_ref().expect(there),
             silhouette: shape.silhouette.as_ref(),
             curvature: (shape.trace.as_ref().expect(there), gain),
-            picture: shown(made.as_ref(), canvas.luminance.as_ref(), frame),
+            picture: made.as_ref().or(frame.color.as_ref()),
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
         };
         let cells = densities(&of, options, memory);
-        // Densities take its place.
-        memory.recycle(canvas.luminance.take());
         let mut density = cells.of_pixels(&frame.mask, memory);
         leave_bare(&mut density, frame, params.tone.halo);
         (density, cells.levels)
     });
     run.outcome.tone_levels = Some(levels);
     run.outcome.shape = shape;
-    run.outcome.color = made;
-    run.canvas = canvas;
+    match run.read_last.contains(&Product::Trace) {
+        // Strokes take the tone alone.
+        true => memory.recycle(made.into_iter().flat_map(|made| [made.r, made.g, made.b])),
+        false => run.outcome.color = made,
+    }
     run.canvas.density = Some(density);
 }

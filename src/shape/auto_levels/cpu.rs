@@ -82,13 +82,6 @@ pub(crate) fn white_level(color: &ColorPlanes, weights: [f32; 3], mask: &Mask) -
     }))
 }
 
-/// The white level of a precomputed `luminance`.
-pub(crate) fn white_level_of(luminance: &Plane, mask: &Mask) -> f32 {
-    white_of(percentile(mask, WHITE_PERCENT, |x, y| {
-        Some(luminance.at(x, y))
-    }))
-}
-
 /// The luminance of a pixel.
 #[inline]
 pub(crate) fn luminance_at(color: &ColorPlanes, weights: [f32; 3], x: usize, y: usize) -> f32 {

@@ -13,8 +13,14 @@ pub(crate) static AUTO_GAIN: Stage = Stage {
     // A given gain is recorded.
     also_runs: Plan::wants_curvature,
     takes: |plan| match plan.wants(Product::Hessian) {
-        true => vec![Product::Hessian],
-        false => vec![Product::Trace],
+        // Relighting makes no Hessian as a plane: the gain is chosen from a trace of the gradient.
+        true => vec![
+            Product::Hessian,
+            Product::Trace,
+            Product::Gradient,
+            Product::Conductance,
+        ],
+        false => vec![Product::Trace, Product::Conductance],
     },
     reads_normals: false,
     name: "auto-gain",
@@ -56,7 +62,7 @@ impl Plan {
     }
 }
 
-pub(crate) fn choose_gain(run: &mut Run) {
+fn choose_gain(run: &mut Run) {
     let gain = match run.plan.scaling.curvature_gain {
         Adaptive::Fixed(gain) => gain,
         Adaptive::Auto => gain_of_frame(run),

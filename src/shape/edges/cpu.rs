@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
+use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;
 use crate::product::Product;
@@ -14,9 +14,6 @@ use std::ops::Range;
 
 /// Rows per task: enough to make the cost of the two rows around them, whose logarithm it computes too, negligible.
 const ROWS: usize = 32;
-
-/// The same where slopes replace normals: fewer rows at borders of tasks, of which normals are copied first.
-const ROWS_IN_PLACE: usize = 64;
 
 /// Columns checked together for creases: most contain none.
 const BLOCK: usize = 64;
@@ -39,7 +36,8 @@ pub(crate) fn edges_and_gradient(
     edges_of_lengths(plan, frame, None, with_weights, memory)
 }
 
-/// The same, with or without the two weights, and in the memory of the lengths of normals where they are given: `frame` no longer has them.
+/// The same, with or without the two weights; conductance takes the memory of the lengths of normals, where `frame` no
+/// longer has them.
 pub(crate) fn edges_of_lengths(
     plan: &Plan,
     frame: &Frame,
@@ -49,7 +47,7 @@ pub(crate) fn edges_of_lengths(
 ) -> (Weights, Vector2Planes) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
-    let in_place = lengths.is_some();
+    let has_lengths = lengths.is_some();
     let mut edges = Weights {
         silhouette: with_weights.then(blank),
         crease: with_weights.then(blank),
@@ -71,60 +69,13 @@ pub(crate) fn edges_of_lengths(
                 silhouette,
                 crease,
                 conductance,
-                has_lengths: in_place,
+                has_lengths,
                 gradient: [x, y],
             };
             sources.fill(&mut band, scratch);
         },
     );
     (edges, gradient)
-}
-
-/// [`edges_and_gradient`] without weights, in the memory of the normals and of their lengths, which `frame` no longer
-/// has.
-pub(crate) fn edges_in_place(
-    plan: &Plan,
-    frame: &Frame,
-    normal: Vector3Planes,
-    lengths: Option<Plane>,
-    memory: &Memory,
-) -> (Weights, Vector2Planes) {
-    let (width, height) = (frame.mask.width(), frame.mask.height());
-    let has_lengths = lengths.is_some();
-    let mut conductance = lengths.unwrap_or_else(|| memory.plane(&frame.mask));
-    let Vector3Planes { mut x, mut y, z } = normal;
-    let sources = Sources::new(plan, frame);
-    let rows = |band: usize| [&x, &y].map(|plane| plane.row(band).to_vec());
-    let borders: Vec<_> = (ROWS_IN_PLACE..height)
-        .step_by(ROWS_IN_PLACE)
-        .map(|top| (rows(top - 1), rows(top)))
-        .collect();
-    let samples = ROWS_IN_PLACE * width;
-    let bands = (conductance.samples_mut().par_chunks_mut(samples))
-        .zip(x.samples_mut().par_chunks_mut(samples))
-        .zip(y.samples_mut().par_chunks_mut(samples));
-    bands.enumerate().for_each_init(
-        || Scratch::new(width),
-        |scratch, (i, ((conductance, x), y))| {
-            let mut band = BandInPlace {
-                top: ROWS_IN_PLACE * i,
-                conductance,
-                has_lengths,
-                normal: [x, y],
-                z: &z,
-                above: i.checked_sub(1).map(|i| &borders[i].0),
-                below: borders.get(i).map(|(_, below)| below),
-            };
-            sources.fill_in_place(&mut band, scratch);
-        },
-    );
-    memory.recycle([z]);
-    let weights = Weights {
-        silhouette: None,
-        crease: None,
-        conductance,
-    };
-    (weights, Vector2Planes { x, y })
 }
 
 /// Bands of an optional plane: `None` for each band if there is no plane.
@@ -147,25 +98,6 @@ struct Band<'a> {
     conductance: &'a mut [f32],
     has_lengths: bool,
     gradient: [&'a mut [f32]; 2],
-}
-
-/// Rows of the first two components of normals, which become slopes, from row `top` on.
-struct BandInPlace<'a> {
-    top: usize,
-    /// The lengths of normals, if there are any.
-    conductance: &'a mut [f32],
-    has_lengths: bool,
-    normal: [&'a mut [f32]; 2],
-    z: &'a Plane,
-    /// The rows above and below these, within the picture.
-    above: Option<&'a [Vec<f32>; 2]>,
-    below: Option<&'a [Vec<f32>; 2]>,
-}
-
-/// The normals around a row, and their lengths in it.
-struct Given<'a> {
-    normals: NormalRows<'a>,
-    lengths: Option<&'a [f32]>,
 }
 
 /// Scratch rows of a thread.
@@ -235,24 +167,21 @@ impl<'a> Sources<'a> {
             let y = band.top + row;
             let of_row = row * width..(row + 1) * width;
             let conductance = &mut band.conductance[of_row.clone()];
+            let of_frame = self.frame.normal_length.as_ref();
+            let mut lengths_here = of_frame.map(|plane| plane.row(y));
             if band.has_lengths {
                 lengths.copy_from_slice(conductance);
-                self.blank_outside(conductance, y);
+                lengths_here = Some(&lengths);
+                let span = self.frame.mask.span(y);
+                conductance[..span.start].fill(0.0);
+                conductance[span.end..].fill(0.0);
             }
-            let of_frame = self.frame.normal_length.as_ref();
-            let given = Given {
-                normals: NormalRows::around(&self.frame.normal, y),
-                lengths: match band.has_lengths {
-                    true => Some(&lengths),
-                    false => of_frame.map(|plane| plane.row(y)),
-                },
-            };
             self.add_log_depth(y, row == 0, scratch);
             let slopes = [
                 &mut gradient_x[of_row.clone()],
                 &mut gradient_y[of_row.clone()],
             ];
-            self.fill_row(y, &given, conductance, slopes, scratch);
+            self.fill_row(y, lengths_here, conductance, slopes, scratch);
             for (plane, weights) in [
                 (&mut band.silhouette, &scratch.silhouette),
                 (&mut band.crease, &scratch.crease),
@@ -264,62 +193,11 @@ impl<'a> Sources<'a> {
         }
     }
 
-    /// Replaces normals by slopes, and their lengths by conductance, row by row.
-    fn fill_in_place(&self, band: &mut BandInPlace, scratch: &mut Scratch) {
-        let width = self.frame.mask.width();
-        let rows = band.conductance.len() / width;
-        let [x, y] = &mut band.normal;
-        // What the slopes of this row and of the one above were.
-        let mut here = [&x[..width], &y[..width]].map(<[f32]>::to_vec);
-        let mut above = band.above.unwrap_or(&here).clone();
-        let mut lengths = vec![0.0; width];
-        for row in 0..rows {
-            let at = band.top + row;
-            let (x, next_x) = x[row * width..].split_at_mut(width);
-            let (y, next_y) = y[row * width..].split_at_mut(width);
-            let conductance = &mut band.conductance[row * width..][..width];
-            here[0].copy_from_slice(x);
-            here[1].copy_from_slice(y);
-            lengths.copy_from_slice(conductance);
-            let below = match (row + 1 < rows, band.below) {
-                (true, _) => [&next_x[..width], &next_y[..width]],
-                (false, Some([x, y])) => [&x[..], y],
-                (false, None) => [&here[0][..], &here[1]],
-            };
-            let around = |k: usize| Rows {
-                above: &above[k],
-                at: &here[k],
-                below: below[k],
-            };
-            let given = Given {
-                normals: NormalRows {
-                    x: around(0),
-                    y: around(1),
-                    z: Rows::around(band.z, at),
-                },
-                lengths: band.has_lengths.then_some(&lengths),
-            };
-            self.add_log_depth(at, row == 0, scratch);
-            for out in [&mut *conductance, &mut *x, &mut *y] {
-                self.blank_outside(out, at);
-            }
-            self.fill_row(at, &given, conductance, [x, y], scratch);
-            std::mem::swap(&mut above, &mut here);
-        }
-    }
-
-    /// Blanks row `y` of an output where there is no surface to its end.
-    fn blank_outside(&self, out: &mut [f32], y: usize) {
-        let span = self.frame.mask.span(y);
-        out[..span.start].fill(0.0);
-        out[span.end..].fill(0.0);
-    }
-
     /// Fills the span of row `y` of the outputs, and of the scratch rows of both edge weights.
     fn fill_row(
         &self,
         y: usize,
-        given: &Given,
+        lengths: Option<&[f32]>,
         conductance: &mut [f32],
         slopes: [&mut [f32]; 2],
         scratch: &mut Scratch,
@@ -329,14 +207,15 @@ impl<'a> Sources<'a> {
             return;
         }
         self.silhouette_row(y, &columns, scratch);
-        self.crease_row(y, &columns, given, scratch);
+        let normals = NormalRows::around(&self.frame.normal, y);
+        self.crease_row(y, &columns, &normals, lengths, scratch);
         self.simd.conductance_row(
             &mut conductance[columns.clone()],
             &scratch.silhouette[columns.clone()],
             &scratch.crease[columns.clone()],
             &self.frame.mask.row(y)[columns.clone()],
         );
-        self.gradient_row(y, columns, given, slopes);
+        self.gradient_row(y, columns, &normals, slopes);
     }
 
     /// Ensures that the logarithm of depth around row `y` is in the scratch rows.
@@ -380,8 +259,14 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn crease_row(&self, y: usize, columns: &Range<usize>, given: &Given, scratch: &mut Scratch) {
-        let Given { normals, lengths } = given;
+    fn crease_row(
+        &self,
+        y: usize,
+        columns: &Range<usize>,
+        normals: &NormalRows,
+        lengths: Option<&[f32]>,
+        scratch: &mut Scratch,
+    ) {
         let covered = Rows::around(self.frame.mask.plane(), y);
         let least = &mut scratch.least_cosine;
         self.simd
@@ -409,13 +294,15 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn gradient_row(&self, y: usize, columns: Range<usize>, given: &Given, out: [&mut [f32]; 2]) {
-        let NormalRows {
-            x: nx,
-            y: ny,
-            z: nz,
-        } = given.normals;
-        let normal = [nx, ny, nz].map(|rows| &rows.at[columns.clone()]);
+    fn gradient_row(
+        &self,
+        y: usize,
+        columns: Range<usize>,
+        normals: &NormalRows,
+        out: [&mut [f32]; 2],
+    ) {
+        let NormalRows { x, y: up, z } = normals;
+        let normal = [x, up, z].map(|rows| &rows.at[columns.clone()]);
         let out = out.map(|row| &mut row[columns.clone()]);
         let covered = &self.frame.mask.row(y)[columns.clone()];
         let to_eye = (&self.to_eye.x[columns], self.to_eye.y[y]);
@@ -464,31 +351,26 @@ mod tests {
     use crate::plan::{Available, Goal};
     use crate::report::scenes::Scene;
 
-    /// Three bands, the last of 22 rows; normals outside the mask, and rows and columns without any inside.
+    /// Several bands; rows and columns without a surface.
     #[test]
-    fn slopes_in_the_memory_of_normals_are_the_same() {
+    fn edges_in_the_memory_of_lengths_are_the_same() {
         let memory = Memory::default();
         let mut frame = Scene::barriers(70, 150).frame;
         frame.mask = Mask::new(Plane::from_fn(70, 150, |x, y| {
             x > 3 && y.abs_diff(64) > 2 && y < 147 && x.abs_diff(30) + y.abs_diff(100) > 9
         }));
-        let lengths = Plane::from_fn(70, 150, |x, y| 1.0 - 0.5 * ((x * y) % 7 / 6) as f32);
-        for lengths in [None, Some(lengths)] {
-            frame.normal_length = lengths.clone();
-            let (available, shape) = (Available::in_frame(&frame), ShapeParams::default());
-            let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default());
-            let plan = plan.unwrap();
-            let (expected, slopes) = edges_and_gradient(&plan, &frame, &memory);
-            assert!(expected.conductance.samples().contains(&1.0));
-            frame.normal_length = None;
-            let normal = frame.normal.clone();
-            let in_normals = edges_in_place(&plan, &frame, normal, lengths.clone(), &memory);
-            let in_lengths = edges_of_lengths(&plan, &frame, lengths, true, &memory);
-            for (found, found_slopes) in [&in_normals, &in_lengths] {
-                assert_eq!(found.conductance, expected.conductance);
-                assert_eq!(found_slopes, &slopes);
-            }
-            assert_eq!(in_lengths.0.crease, expected.crease);
-        }
+        frame.normal_length = Some(Plane::from_fn(70, 150, |x, y| {
+            1.0 - 0.5 * ((x * y) % 7 / 6) as f32
+        }));
+        let (available, shape) = (Available::in_frame(&frame), ShapeParams::default());
+        let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default());
+        let plan = plan.unwrap();
+        let (expected, slopes) = edges_and_gradient(&plan, &frame, &memory);
+        assert!(expected.conductance.samples().contains(&1.0));
+        let lengths = frame.normal_length.take();
+        let (found, found_slopes) = edges_of_lengths(&plan, &frame, lengths, true, &memory);
+        assert_eq!(found.conductance, expected.conductance);
+        assert_eq!(found.crease, expected.crease);
+        assert_eq!(found_slopes, slopes);
     }
 }

@@ -6,7 +6,7 @@ use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::EDGE_REACH;
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::edges::cpu::{edges_in_place, edges_of_lengths};
+use crate::shape::edges::cpu::edges_of_lengths;
 
 /// Silhouettes, creases, conductance and the gradient before diffusion.
 pub(crate) static EDGES: Stage = Stage {
@@ -101,10 +101,9 @@ fn find_edges(run: &mut Run) {
     let weights = kept.unwrap_or_else(|| {
         // With a cache the weights may be requested later.
         let with_weights = wanted || run.kept.is_some();
-        let (normals, lengths) = (run.normals.take(), run.lengths.take());
-        let (mut weights, gradient) = run.timed(EDGES.name, || match normals {
-            Some(normals) => edges_in_place(plan, frame, normals, lengths, memory),
-            None => edges_of_lengths(plan, frame, lengths, with_weights, memory),
+        let lengths = run.lengths.take();
+        let (mut weights, gradient) = run.timed(EDGES.name, || {
+            edges_of_lengths(plan, frame, lengths, with_weights, memory)
         });
         if let Some(kept) = run.kept_if_whole() {
             kept.keep_unwanted(&mut weights, wanted);
