@@ -175,7 +175,6 @@ impl FrameCommand for HatchArgs {
         }
         let done = Done {
             loaded,
-            plan,
             outcome,
             read,
         };

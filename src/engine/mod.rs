@@ -5,7 +5,6 @@ pub(crate) mod cpu;
 pub(crate) mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub(crate) mod guard;
 pub(crate) mod inputs;
 pub(crate) mod outcome;
 pub(crate) mod part;

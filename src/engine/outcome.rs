@@ -380,13 +380,6 @@ impl Outcome {
         held!(self, product, planes, as_ref)
     }
 
-    /// The planes at all scales.
-    pub(crate) fn at_all_scales(&self, product: Product) -> impl Iterator<Item = &Plane> {
-        let scales = self.shape.more_scales.iter();
-        let more = scales.flat_map(move |scale| scale.planes(product));
-        self.planes(product).into_iter().chain(more)
-    }
-
     fn planes_mut(&mut self, product: Product) -> Vec<&mut Plane> {
         held!(self, product, planes_mut, as_mut)
     }
