@@ -29,7 +29,7 @@ mod window;
 
 pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
-pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
+pub use builder::{FrameBuilder, Normals, Sample, Samples};
 pub(crate) use confidence::CONFIDENCE_REACH;
 pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
