@@ -2,7 +2,6 @@
 
 use super::timing::{self, Effort, Timed};
 use crate::Result;
-pub(super) use crate::engine::cpu::{map_row, vector_bits};
 pub(super) use crate::engine::device_times::{KERNELS, READ_BACK, RECORD, UPLOAD};
 use crate::engine::{Engine, Run};
 pub(super) use crate::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};

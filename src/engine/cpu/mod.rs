@@ -18,8 +18,6 @@ pub(crate) use crate::engine::cpu::run::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::error::Result;
-
-use crate::fast_math::Function;
 use crate::frame::Frame;
 use crate::plan::Plan;
 
@@ -29,14 +27,4 @@ use crate::plan::Plan;
 /// As [`Runner::execute`].
 pub(crate) fn run(plan: &Plan, frame: &Frame) -> Result<Outcome> {
     Runner::default().execute(plan, frame, Inputs::default())
-}
-
-/// Evaluates an elementary function over a row with the widest vectors of this machine, as the stages do.
-pub(crate) fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
-    simd::Simd::widest().map_row(function, out, x);
-}
-
-/// Bits of this machine's widest vectors.
-pub(crate) fn vector_bits() -> u32 {
-    simd::Simd::widest().bits()
 }
