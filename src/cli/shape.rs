@@ -139,7 +139,8 @@ fn descriptor_channels<'a>(
     let normals = [("x", &normal.x), ("y", &normal.y), ("z", &normal.z)];
     let normals = normals.map(|(axis, plane)| (format!("normal.{axis}"), plane));
     let of_product = |product: Product| {
-        let sample_type = match product.needs_floats() {
+        // Half floats tell heights to three digits.
+        let sample_type = match product == Product::Height {
             true => OutputType::Float,
             false => sample_type,
         };

@@ -2,6 +2,7 @@
 
 pub(crate) mod backends;
 pub(crate) mod cpu;
+#[cfg(any(feature = "gpu", feature = "report"))]
 pub(crate) mod device_times;
 #[cfg(feature = "gpu")]
 pub mod gpu;
