@@ -42,6 +42,7 @@ pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
+pub(crate) use plane::parallel_rows;
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };

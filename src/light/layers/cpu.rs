@@ -4,7 +4,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_rows};
 use crate::light::layers::terms::LightTerm;
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
@@ -166,8 +166,7 @@ pub(crate) fn scale_by_occlusion(
     by: TermScaling,
 ) -> ColorPlanes {
     let (width, simd) = (mask.width(), Simd::widest());
-    rows_of(&mut color)
-        .enumerate()
+    parallel_rows([&mut color.r, &mut color.g, &mut color.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
             || vec![0.0; width],
@@ -222,8 +221,7 @@ fn changed(
     let color = frame.color.as_ref().expect("scaling needs a picture");
     let [r, g, b] = [(); 3].map(|()| memory.plane(mask));
     let mut made = ColorPlanes { r, g, b };
-    rows_of(&mut made)
-        .enumerate()
+    parallel_rows([&mut made.r, &mut made.g, &mut made.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
             || Scratch::new(mask.width()),
@@ -250,12 +248,4 @@ fn changed(
 
 fn color_row(color: &ColorPlanes, y: usize) -> ColorRow<'_> {
     [&color.r, &color.g, &color.b].map(|plane| plane.row(y))
-}
-
-/// The rows of a picture, for writing.
-fn rows_of(color: &mut ColorPlanes) -> impl IndexedParallelIterator<Item = [&mut [f32]; 3]> {
-    let width = color.r.width();
-    let [r, g, b] = [&mut color.r, &mut color.g, &mut color.b]
-        .map(|plane| plane.samples_mut().par_chunks_mut(width));
-    r.zip(g).zip(b).map(|((r, g), b)| [r, g, b])
 }
