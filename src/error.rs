@@ -131,17 +131,15 @@ pub enum Error {
         /// The panic's message and location.
         found: String,
     },
-    /// A stage produced non-finite samples from finite inputs.
+    /// A result is not finite where all inputs are.
     #[error(
-        "{}: {stage} gives {found}, from inputs that are; give numbers that are less extreme",
+        "{}: {found} is not finite, from inputs that are; give numbers that are less extreme",
         shown(path)
     )]
     NotFinite {
         /// The picture being processed.
         path: PathBuf,
-        /// The first stage that produced them.
-        stage: String,
-        /// Number of non-finite samples, and where.
+        /// The first result that is not, and where.
         found: String,
     },
     /// The system refused a file operation.

@@ -81,15 +81,6 @@
 //! - **\[MC\]** P. Debevec: *A Median Cut Algorithm for Light Probe Sampling*. SIGGRAPH 2005 posters.
 //!   <https://vgl.ict.usc.edu/Research/MedianCut/>
 
-#![cfg_attr(
-    not(feature = "cli"),
-    allow(
-        dead_code,
-        unused_imports,
-        reason = "much that the command line asks for nobody else does"
-    )
-)]
-
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cli")]

@@ -192,16 +192,6 @@ impl Product {
         TABLE.iter().map(|row| row.product)
     }
 
-    /// Whether it belongs to the shape descriptor, rather than a picture or a drawing.
-    pub(crate) fn is_of_shape(self) -> bool {
-        self < Self::Picture
-    }
-
-    /// Whether half floats are too coarse for it: they tell heights to three digits.
-    pub(crate) fn needs_floats(self) -> bool {
-        self == Self::Height
-    }
-
     /// Its row of the table.
     pub fn row(self) -> &'static ProductRow {
         let row = &TABLE[self as usize];

@@ -14,15 +14,6 @@ pub(crate) fn quantile<T: Copy>(
     Some(*values.select_nth_unstable_by(rank, order).1)
 }
 
-/// The smallest of `values` that at least a share of them, 0..1, do not exceed, such as an error bound. `None` if
-/// `values` is empty. Reorders `values`.
-pub(crate) fn bound(values: &mut [f64], share: f64) -> Option<f64> {
-    let last = values.len().checked_sub(1)?;
-    let count = (share * values.len() as f64).ceil() as usize;
-    let rank = count.saturating_sub(1).min(last);
-    Some(*values.select_nth_unstable_by(rank, f64::total_cmp).1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -33,10 +24,6 @@ mod tests {
         let mut of = |share| quantile(&mut values, share, f64::total_cmp);
         assert_eq!([0.0, 0.5, 1.0].map(&mut of), [1.0, 3.0, 4.0].map(Some));
         assert_eq!(of(0.8), Some(3.0));
-        assert_eq!(
-            [0.0, 0.5, 0.51, 1.0].map(|share| bound(&mut values, share)),
-            [1.0, 2.0, 3.0, 4.0].map(Some)
-        );
         assert_eq!(quantile(&mut [], 0.5, f32::total_cmp), None);
     }
 }

@@ -68,7 +68,6 @@ impl FrameCommand for EnhanceArgs {
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,
-            plan,
             outcome,
             read,
         };

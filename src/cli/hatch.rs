@@ -23,7 +23,6 @@ use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::StrokeParams;
-use crate::plan::planned::DrawnAs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -128,13 +127,8 @@ impl FrameCommand for HatchArgs {
                 is_specular: scene.is_some(),
             },
         )?;
-        plan.drawn_as = match is_svg(&job.work) {
-            true => DrawnAs::Lines,
-            false => match job.work.output.kind()? {
-                Kind::Picture(_) => DrawnAs::Picture,
-                _ => DrawnAs::Layers,
-            },
-        };
+        plan.inks_strokes = !is_svg(&job.work);
+        plan.keeps_tone = plan.inks_strokes && job.work.output.kind()? == Kind::Exr;
         job.tell_plan(&plan)?;
         let inputs = engine::Inputs {
             specular: scene.as_ref(),
@@ -175,7 +169,6 @@ impl FrameCommand for HatchArgs {
         }
         let done = Done {
             loaded,
-            plan,
             outcome,
             read,
         };

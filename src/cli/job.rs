@@ -9,12 +9,11 @@ use crate::command::output::{Displayed, Kind, MadePicture};
 use crate::command::recipe::RecipeText;
 use crate::command::shape::held_gain;
 use crate::engine::cpu::row_layers::{LaidRows, RowLayers};
-use crate::engine::guard::{NotFinite, lines_not_finite, not_finite};
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::Strips;
 use crate::engine::{self, Engine, Run};
-use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, Window};
+use crate::error::Result;
+use crate::frame::{ColorPlanes, Frame, Mask, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
@@ -44,7 +43,6 @@ pub(super) struct Job<'a> {
 /// A frame that has been read and what the plan made of it.
 pub(super) struct Done {
     pub(super) loaded: Loaded,
-    pub(super) plan: Plan,
     pub(super) outcome: Outcome,
     pub(super) read: Duration,
 }
@@ -316,7 +314,7 @@ impl<'a> Job<'a> {
         picture: &Picture,
         settings: String,
     ) -> Result<()> {
-        self.guard(done, &picture.planes())?;
+        self.check_picture(&done.loaded.frame, picture)?;
         let ReadyOutput { path, replace } = output;
         let Kind::Picture(format) = Kind::of(path)? else {
             unreachable!("layers go to an EXR")
@@ -335,7 +333,7 @@ impl<'a> Job<'a> {
         let channels = self.work.output.picked(channels)?;
         self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
-            self.guard(done, &results)?;
+            self.check_channels(&done.loaded.frame, &channels)?;
             let recipe = self.recipe(&done.chosen());
             let (args, loaded) = (&self.work.output, &done.loaded);
             let (window, attributes) = (
@@ -356,7 +354,6 @@ impl<'a> Job<'a> {
     pub(super) fn write_layers(
         &self,
         loaded: &Loaded,
-        plan: &Plan,
         layers: &RowLayers,
         read: Duration,
         channels: impl Fn(&LaidRows) -> Vec<OutputChannel<'_>> + Sync,
@@ -379,8 +376,7 @@ impl<'a> Job<'a> {
                 let made = |rows: Range<usize>| {
                     let laid = layers.rows(frame, &rows)?;
                     let named = args.picked(channels(&laid))?;
-                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
-                    self.refuse(not_finite(plan, &laid.frame, &laid.outcome, &planes))?;
+                    self.check_channels(&laid.frame, &named)?;
                     Ok(laid)
                 };
                 let mut laid = bands.next().map(made).transpose()?;
@@ -414,23 +410,6 @@ impl<'a> Job<'a> {
             .for_each(|warning| self.say_once("warning", warning, true));
     }
 
-    /// Refuses to write results that are not finite where all inputs are.
-    fn guard(&self, done: &Done, results: &[&Plane]) -> Result<()> {
-        let (frame, outcome) = (&done.loaded.frame, &done.outcome);
-        self.refuse(not_finite(&done.plan, frame, outcome, results))
-    }
-
-    /// Refuses results that are not finite.
-    pub(super) fn refuse(&self, found: Option<NotFinite>) -> Result<()> {
-        found.map_or(Ok(()), |NotFinite { stage, found }| {
-            Err(Error::NotFinite {
-                path: self.work.input.clone(),
-                stage,
-                found,
-            })
-        })
-    }
-
     /// The recipe of this run, with what was chosen.
     pub(super) fn recipe(&self, chosen: &Chosen) -> String {
         self.recipe.with(chosen)
@@ -439,8 +418,7 @@ impl<'a> Job<'a> {
     /// Writes a drawing in lines and ends the frame.
     pub(super) fn write_svg(&self, done: &Done, drawing: &svg::Drawing) -> Result<Chosen> {
         self.write(done, done.chosen(), |ReadyOutput { path, replace }| {
-            let (frame, outcome) = (&done.loaded.frame, &done.outcome);
-            self.refuse(lines_not_finite(&done.plan, frame, outcome))?;
+            self.check_lines(drawing)?;
             write_atomically(path, replace, |w| svg::write_svg(w, path, drawing))?;
             Ok(Whites::default())
         })

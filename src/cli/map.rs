@@ -69,11 +69,8 @@ impl FrameCommand for MapArgs {
             samples.take(pass, &mut outcome);
             engine.recycle(outcome);
         }
-        let last = passes.into_iter().last();
-        let plan = last.expect("there is a map, and a pass for it").plan;
         let done = Done {
             loaded,
-            plan,
             outcome: all,
             read,
         };

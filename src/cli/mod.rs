@@ -6,6 +6,7 @@ mod enhance;
 mod exit;
 mod files;
 mod frames;
+mod guard;
 mod hatch;
 mod inspect;
 mod inspect_motion;

@@ -96,7 +96,6 @@ impl FrameCommand for RelightArgs {
         job.work.mix(&loaded.frame, &mut outcome);
         let done = Done {
             loaded,
-            plan,
             outcome,
             read,
         };

@@ -65,7 +65,7 @@ impl FrameCommand for ShapeArgs {
         if self.work.goal()? == Goal::Layers {
             let layers = job.execute_for_rows(engine, &plan, &mut loaded.frame)?;
             job.release_spare_memory(engine);
-            let chosen = job.write_layers(&loaded, &plan, &layers, read, |rows| {
+            let chosen = job.write_layers(&loaded, &layers, read, |rows| {
                 work.named(&rows.frame, &rows.outcome)
             })?;
             engine.recycle(layers.outcome);
@@ -75,7 +75,6 @@ impl FrameCommand for ShapeArgs {
         job.release_spare_memory(engine);
         let done = Done {
             loaded,
-            plan,
             outcome,
             read,
         };
@@ -140,7 +139,8 @@ fn descriptor_channels<'a>(
     let normals = [("x", &normal.x), ("y", &normal.y), ("z", &normal.z)];
     let normals = normals.map(|(axis, plane)| (format!("normal.{axis}"), plane));
     let of_product = |product: Product| {
-        let sample_type = match product.needs_floats() {
+        // Half floats tell heights to three digits.
+        let sample_type = match product == Product::Height {
             true => OutputType::Float,
             false => sample_type,
         };

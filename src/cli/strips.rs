@@ -9,7 +9,6 @@ use crate::command::output::{Kind, MadePicture};
 use crate::engine;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
-use crate::engine::guard::not_finite;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
 use crate::error::Result;
@@ -294,10 +293,10 @@ fn write_exr<W: StripWork>(
     let attributes = attributes(&job.work, sample, recipe);
     let part = args.part(sample, source.whole, channels, attributes);
     let warnings = args.write_exr(output, sample, &part, |next| {
-        each_made(source, job, |(plan, strip, outcome), rows| {
+        each_made(source, job, |(strip, outcome), rows| {
             let channels = args.picked(source.work.channels(job, strip, outcome))?;
             let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
-            job.refuse(not_finite(plan, &strip.frame, outcome, &planes))?;
+            job.check_channels(&strip.frame, &channels)?;
             next(&planes, rows, &mut || ())
         })
     })?;
@@ -314,10 +313,10 @@ fn write_gathered<W: StripWork>(
     exposure: Option<f32>,
 ) -> Result<Whites> {
     let mut whites = Whites::default();
-    each_made(source, job, |(plan, strip, outcome), rows| {
+    each_made(source, job, |(strip, outcome), rows| {
         let shown = source.work.shown(strip, outcome);
         let counted = shown.with(job, strip, exposure, |picture| {
-            job.refuse(not_finite(plan, &strip.frame, outcome, &picture.planes()))?;
+            job.check_picture(&strip.frame, picture)?;
             gathered.push(picture, rows.clone());
             Ok(match shown {
                 Shown::Made(_) => job.whites(picture, &strip.frame.mask, rows),
@@ -334,11 +333,11 @@ fn write_gathered<W: StripWork>(
     Ok(whites)
 }
 
-/// Makes every strip, from top to bottom, and hands its plan, the strip, its result and the rows that count to `take`.
+/// Makes every strip, from top to bottom, and hands it, its result and the rows that count to `take`.
 fn each_made<W: StripWork>(
     source: &Source<W>,
     job: &Job,
-    mut take: impl FnMut((&Plan, &Loaded, &Outcome), Range<usize>) -> Result<()>,
+    mut take: impl FnMut((&Loaded, &Outcome), Range<usize>) -> Result<()>,
 ) -> Result<()> {
     let bar = strips_bar(&job.work.run, "writing", source.strips.count());
     for (takes, rows) in source.strips.each() {
@@ -351,7 +350,7 @@ fn each_made<W: StripWork>(
             timings.covered += covered;
             timings.add_all(&outcome);
         }
-        source.timed("write", || take((&plan, &loaded, &outcome), rows))?;
+        source.timed("write", || take((&loaded, &outcome), rows))?;
         source.work.runner().recycle(outcome);
         bar.inc(1);
     }

@@ -99,8 +99,8 @@ impl Chosen {
         let groups = kinds.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
         Self {
             numbers: groups.map(|group| *group[group.len() / 2]).collect(),
-            tone_levels: ToneLevels::median(each.iter().filter_map(|chosen| chosen.tone_levels)),
-            line_levels: LineLevels::median(each.iter().filter_map(|chosen| chosen.line_levels)),
+            tone_levels: median(each.iter().filter_map(|chosen| chosen.tone_levels)),
+            line_levels: median(each.iter().filter_map(|chosen| chosen.line_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
@@ -218,6 +218,16 @@ fn most_frequent(all: impl Iterator<Item = Conventions>) -> Option<Conventions> 
     }
     let best = counts.iter().rev().max_by_key(|(_, count)| *count);
     best.map(|(conventions, _)| *conventions)
+}
+
+/// The median of each level over several pictures.
+fn median<const COUNT: usize>(each: impl Iterator<Item = [f32; COUNT]>) -> Option<[f32; COUNT]> {
+    let each: Vec<_> = each.collect();
+    let middle = |i: usize| {
+        let mut levels: Vec<f32> = each.iter().map(|levels| levels[i]).collect();
+        quantile(&mut levels, 0.5, f32::total_cmp).unwrap_or_default()
+    };
+    (!each.is_empty()).then(|| std::array::from_fn(middle))
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ mod motion_arg;
 pub(crate) mod output;
 #[cfg(any(feature = "view", feature = "host"))]
 pub(crate) mod reading;
+mod rec709;
 pub mod recipe;
 pub(crate) mod relight;
 pub(crate) mod relight_args;

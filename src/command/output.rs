@@ -1,10 +1,11 @@
 //! The kind of output that a path names, and the picture for a display.
 
 use super::args::{OutputArgs, WorkArgs};
+use super::rec709::{converted, rec709_from};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
-use crate::io::colorspace::{Chromaticities, converted, rec709_from};
+use crate::io::colorspace::Chromaticities;
 use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, ViewTransform};
 use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};

@@ -1,6 +1,7 @@
 //! The engine: runs plans on the CPU, or on a GPU that was requested or found.
 
 use crate::engine::cpu;
+#[cfg(feature = "cli")]
 use crate::engine::cpu::row_layers::RowLayers;
 #[cfg(feature = "gpu")]
 use crate::engine::gpu;
@@ -116,11 +117,6 @@ impl Engine {
         self
     }
 
-    /// The runner of the CPU.
-    pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
-        &self.cpu
-    }
-
     /// Runs `request` on `frame`.
     ///
     /// # Errors
@@ -200,28 +196,6 @@ impl Engine {
         })?;
         run.finish(frame, &outcome)?;
         Ok(outcome)
-    }
-
-    /// As [`Engine::execute`], with stages left where the CPU does it: they run on rows, while these are written.
-    ///
-    /// # Errors
-    /// As [`Engine::execute`].
-    pub(crate) fn execute_for_rows<'a>(
-        &'a self,
-        plan: &'a Plan,
-        frame: &mut Frame,
-        inputs: Inputs,
-        run: &Run,
-    ) -> Result<RowLayers<'a>> {
-        let whole = |outcome| RowLayers::whole(&self.cpu, plan, outcome);
-        if frame.is_tile() {
-            return self.execute(plan, frame, inputs, run).map(whole);
-        }
-        run.begin([frame.mask.height(), frame.mask.width()])?;
-        run.install(|| match self.on_device(plan, frame, inputs, run)? {
-            Some(outcome) => Ok(whole(outcome)),
-            None => self.cpu.execute_for_rows(plan, frame, inputs, run.watch()),
-        })
     }
 
     /// The result of the device; `None` if the CPU must run the plan. A lost device is reported once.
@@ -329,14 +303,44 @@ impl Engine {
         self.cpu.forget_environment();
     }
 
-    /// Frees the memory kept for further runs, as before the last result is written.
-    pub(crate) fn release_spare_memory(&self) {
-        self.cpu.memory.release();
-    }
-
     /// Reclaims the memory of an outcome.
     pub fn recycle(&self, outcome: Outcome) {
         self.cpu.recycle(outcome);
+    }
+}
+
+#[cfg(feature = "cli")]
+impl Engine {
+    /// The runner of the CPU.
+    pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
+        &self.cpu
+    }
+
+    /// As [`Engine::execute`], with stages left where the CPU does it: they run on rows, while these are written.
+    ///
+    /// # Errors
+    /// As [`Engine::execute`].
+    pub(crate) fn execute_for_rows<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &mut Frame,
+        inputs: Inputs,
+        run: &Run,
+    ) -> Result<RowLayers<'a>> {
+        let whole = |outcome| RowLayers::whole(&self.cpu, plan, outcome);
+        if frame.is_tile() {
+            return self.execute(plan, frame, inputs, run).map(whole);
+        }
+        run.begin([frame.mask.height(), frame.mask.width()])?;
+        run.install(|| match self.on_device(plan, frame, inputs, run)? {
+            Some(outcome) => Ok(whole(outcome)),
+            None => self.cpu.execute_for_rows(plan, frame, inputs, run.watch()),
+        })
+    }
+
+    /// Frees the memory kept for further runs, as before the last result is written.
+    pub(crate) fn release_spare_memory(&self) {
+        self.cpu.memory.release();
     }
 }
 

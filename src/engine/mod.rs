@@ -4,7 +4,6 @@ pub(crate) mod backends;
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub(crate) mod guard;
 pub(crate) mod inputs;
 pub(crate) mod outcome;
 pub(crate) mod part;

@@ -52,22 +52,7 @@ macro_rules! shape_products {
                 taken
             }
 
-            /// The same of planes that `change` makes of these.
-            fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
-                let scales = self.more_scales.iter();
-                Self {
-                    $($field: self.$field.mapped(change),)*
-                    more_scales: scales
-                        .map(|scale| ScaleShape {
-                            sigma_px: scale.sigma_px,
-                            curvatures: scale.curvatures.mapped(change),
-                            kappa: change(&scale.kappa),
-                        })
-                        .collect(),
-                }
-            }
-
-            #[cfg(feature = "gpu")]
+            #[cfg(any(feature = "cli", feature = "gpu"))]
             fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
                 match product {
                     $(Product::$product => self.$field = Planes::of_planes(planes),)*
@@ -280,9 +265,7 @@ pub(crate) fn add_timings(
 trait Planes {
     fn planes(&self) -> Vec<&Plane>;
     fn planes_mut(&mut self) -> Vec<&mut Plane>;
-    /// The same of planes that `change` makes of these.
-    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self;
-    #[cfg(feature = "gpu")]
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self;
 }
 
@@ -298,11 +281,7 @@ macro_rules! planes {
                 vec![$(&mut self.$field),+]
             }
 
-            fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
-                Self { $($field: change(&self.$field)),+ }
-            }
-
-            #[cfg(feature = "gpu")]
+            #[cfg(any(feature = "cli", feature = "gpu"))]
             fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
                 Self { $($field: Plane::of_planes(planes)),+ }
             }
@@ -327,11 +306,7 @@ impl Planes for Plane {
         vec![self]
     }
 
-    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
-        change(self)
-    }
-
-    #[cfg(feature = "gpu")]
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
         planes.next().expect("every component is there")
     }
@@ -346,11 +321,7 @@ impl<P: Planes> Planes for Option<P> {
         self.as_mut().map_or_else(Vec::new, Planes::planes_mut)
     }
 
-    fn mapped(&self, change: &impl Fn(&Plane) -> Plane) -> Self {
-        self.as_ref().map(|planes| planes.mapped(change))
-    }
-
-    #[cfg(feature = "gpu")]
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     fn of_planes(planes: &mut dyn Iterator<Item = Plane>) -> Self {
         Some(P::of_planes(planes))
     }
@@ -380,19 +351,12 @@ impl Outcome {
         held!(self, product, planes, as_ref)
     }
 
-    /// The planes at all scales.
-    pub(crate) fn at_all_scales(&self, product: Product) -> impl Iterator<Item = &Plane> {
-        let scales = self.shape.more_scales.iter();
-        let more = scales.flat_map(move |scale| scale.planes(product));
-        self.planes(product).into_iter().chain(more)
-    }
-
     fn planes_mut(&mut self, product: Product) -> Vec<&mut Plane> {
         held!(self, product, planes_mut, as_mut)
     }
 
     /// Moves a product of the descriptor, or a picture, out of the front of `planes`.
-    #[cfg(feature = "gpu")]
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn put(&mut self, product: Product, planes: &mut dyn Iterator<Item = Plane>) {
         match product {
             Product::Picture => self.color = Planes::of_planes(planes),
@@ -403,7 +367,7 @@ impl Outcome {
     }
 
     /// Moves the curvature at a further scale out of the front of `planes`.
-    #[cfg(feature = "gpu")]
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn put_scale(&mut self, sigma_px: f32, planes: &mut dyn Iterator<Item = Plane>) {
         self.shape.more_scales.push(ScaleShape {
             sigma_px,
@@ -450,12 +414,28 @@ impl Outcome {
     }
 
     /// The shape with planes that `change` makes of its own, and the gain chosen for it.
+    #[cfg(feature = "cli")]
     pub(crate) fn shape_mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
-        Self {
-            shape: self.shape.mapped(&change),
+        let mut made = Self {
             gain: self.gain,
             ..Self::default()
+        };
+        for product in Product::all().filter(|product| *product < Product::Picture) {
+            let planes = self.shape.planes(product);
+            if !planes.is_empty() {
+                made.put(product, &mut planes.into_iter().map(&change));
+            }
         }
+        for ScaleShape {
+            sigma_px,
+            curvatures,
+            kappa,
+        } in &self.shape.more_scales
+        {
+            let planes = curvatures.planes().into_iter().chain([kappa]);
+            made.put_scale(*sigma_px, &mut planes.map(&change));
+        }
+        made
     }
 
     /// Crops results of the window `from` to the window `to`.

@@ -97,7 +97,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    pub(crate) fn enlarged(&self, frame: &Frame, factor: f64) -> Result<Frame> {
+    pub fn enlarged(&self, frame: &Frame, factor: f64) -> Result<Frame> {
         self.before.store(0, Ordering::Relaxed);
         self.furthest.store(0, Ordering::Relaxed);
         let watch = self.watch();

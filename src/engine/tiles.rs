@@ -24,6 +24,7 @@ impl Strips {
 
     /// Strips of at most `most_rows` rows, margins of `reach` included; `None` if that leaves no output row. One strip
     /// if the whole picture fits.
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
         if most_rows >= height {
             return Some(Self::of_rows(height, height, 0));
@@ -33,6 +34,7 @@ impl Strips {
     }
 
     /// Number of strips.
+    #[cfg(feature = "cli")]
     pub(crate) fn count(&self) -> usize {
         self.height.div_ceil(self.rows)
     }

@@ -16,6 +16,7 @@ const PASSES: usize = 4;
 const WIDEST: usize = 3;
 
 /// Number of rows and columns within which a sample can affect the filling of another.
+#[cfg(feature = "cli")]
 pub(crate) const HOLE_REACH: usize = PASSES * WIDEST;
 
 /// Two depths belong to one surface if their relative difference is below this.

@@ -118,8 +118,7 @@ pub(crate) struct Extent {
 impl Extent {
     pub(crate) fn of(mask: &Mask) -> Self {
         let mut extent = Self::default();
-        extent.spans(mask, 0..mask.height(), 0);
-        extent.count = mask.count;
+        extent.add(mask, 0..mask.height(), 0);
         extent
     }
 
@@ -127,10 +126,6 @@ impl Extent {
     pub(crate) fn add(&mut self, mask: &Mask, rows: Range<usize>, top: usize) {
         let covered = |y| mask.row(y).iter().filter(|&&covered| covered).count();
         self.count += rows.clone().map(covered).sum::<usize>();
-        self.spans(mask, rows, top);
-    }
-
-    fn spans(&mut self, mask: &Mask, rows: Range<usize>, top: usize) {
         for y in rows {
             let span = mask.span(y);
             if span.is_empty() {

@@ -28,10 +28,12 @@ mod window;
 
 pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
-pub use builder::{FrameBuilder, Normals, Sample, Samples, Strides};
+pub use builder::{FrameBuilder, Normals, Sample, Samples};
+#[cfg(feature = "cli")]
 pub(crate) use confidence::CONFIDENCE_REACH;
 pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
+#[cfg(feature = "cli")]
 pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub(crate) use mask::Extent;
@@ -39,6 +41,7 @@ pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
+pub(crate) use plane::parallel_rows;
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };
@@ -54,9 +57,7 @@ pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub(crate) use strength::strength_of;
 pub use surroundings::{Surroundings, map_direction};
-pub(crate) use unrounded::{
-    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped,
-};
+pub(crate) use unrounded::{UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped};
 pub use window::Window;
 
 use std::collections::BTreeMap;

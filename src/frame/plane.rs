@@ -130,16 +130,7 @@ impl<T: Copy> Plane<T> {
     /// If `part` reaches outside `whole`.
     pub fn crop(&self, whole: Window, part: Window) -> Plane<T> {
         assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
-        let columns = (part.x0 - whole.x0) as usize..(part.x1 - whole.x0) as usize;
-        let rows = (part.y0 - whole.y0) as usize..(part.y1 - whole.y0) as usize;
-        let mut samples = Vec::with_capacity(part.width() * part.height());
-        self.rows_within(columns, rows)
-            .for_each(|row| samples.extend_from_slice(row));
-        Plane {
-            width: part.width(),
-            height: part.height(),
-            samples,
-        }
+        self.repeated(whole, part)
     }
 
     /// [`Plane::crop`] in the memory that it has.
@@ -227,9 +218,18 @@ pub(crate) fn each_row_of<const N: usize>(
     planes: [&mut Plane; N],
     work: impl Fn(usize, [&mut [f32]; N]) + Sync,
 ) {
-    let rows = rows_of(planes).into_par_iter();
-    let rows = rows.with_max_len(MOST_ROWS_PER_TASK);
-    rows.enumerate().for_each(|(y, rows)| work(y, rows));
+    let rows = parallel_rows(planes).with_max_len(MOST_ROWS_PER_TASK);
+    rows.for_each(|(y, rows)| work(y, rows));
+}
+
+/// Every row of several planes of one size, with its number, in parallel.
+///
+/// # Panics
+/// If their sizes differ.
+pub(crate) fn parallel_rows<const N: usize>(
+    planes: [&mut Plane; N],
+) -> impl IndexedParallelIterator<Item = (usize, [&mut [f32]; N])> {
+    rows_of(planes).into_par_iter().enumerate()
 }
 
 /// Calls `work(y, row, rows)` for every row of a plane and of several others of its size, in parallel.

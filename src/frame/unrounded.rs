@@ -25,10 +25,6 @@ pub(crate) const UNROUNDING_REACH: usize = PASSES * (5 * ((2 << LEVELS) - 2) - 4
 /// Halvings start at multiples of this: rows read separately give the same result if the first one is a multiple.
 pub(crate) const UNROUNDING_PHASE: usize = 1 << LEVELS;
 
-/// Working memory per pixel, in bytes: three components, and for one of them the codes, the steps and the wide
-/// neighbourhoods.
-pub(crate) const UNROUNDING_BYTES: usize = 7 * size_of::<f32>();
-
 /// Moves the components of quantised vectors to the smoothest field within `half_step` of them. Vectors with all
 /// components 0 were never written, and stay.
 pub(crate) fn unround(stored: &mut Vector3Planes, half_step: f32) {

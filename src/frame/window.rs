@@ -58,11 +58,6 @@ impl Window {
         DVec2::new(0.5 * (x0 + x1), 0.5 * (y0 + y1))
     }
 
-    /// Whether the pixel (`x`, `y`) lies inside.
-    pub fn contains(&self, x: i32, y: i32) -> bool {
-        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
-    }
-
     /// The same pixels, counted from the corner of `whole`.
     pub(crate) fn relative_to(&self, whole: Window) -> Window {
         Window {

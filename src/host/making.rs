@@ -19,7 +19,6 @@ use crate::frame::{Frame, Mask, Plane};
 use crate::io::picture::pixels;
 use crate::io::svg::write_svg;
 use crate::io::wrapped;
-use crate::plan::planned::DrawnAs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -167,10 +166,7 @@ impl Work {
         let drawn = drawn(times, scene);
         let (mut plan, light) = plan_of(&self.command, frame, self.light.clone(), drawn)?;
         let in_lines = is_svg(&args.relight.work);
-        plan.drawn_as = match in_lines {
-            true => DrawnAs::Lines,
-            false => DrawnAs::Layers,
-        };
+        (plan.inks_strokes, plan.keeps_tone) = (!in_lines, !in_lines);
         let inputs = Inputs {
             specular: scene.specular.as_ref(),
             art_map: art_map.as_ref(),

@@ -1,7 +1,10 @@
 //! Memory needed for a frame, estimated from headers alone.
 
 use super::exr::{ExrFile, Limits};
+use super::opened::Opened;
 use super::photo::StoredPhoto;
+use super::surroundings::place_in;
+use crate::error::Result;
 use crate::frame::Window;
 use std::path::Path;
 
@@ -86,4 +89,17 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
 pub(crate) fn decoding_bytes(path: &Path) -> u64 {
     let file = ExrFile::open(path, &Limits::default());
     file.map_or(0, |file| file.decoding_bytes())
+}
+
+/// Bytes per pixel of a map: its planes as read, and the points, normals and colours made from them.
+const SURROUNDINGS_PER_PIXEL: u64 = 96;
+
+/// Approximate memory for the surroundings in the panorama at `path`, by its header.
+///
+/// # Errors
+/// As for reading it, except errors that only pixels reveal.
+pub(crate) fn surroundings_bytes(path: &Path) -> Result<u64> {
+    let window = place_in(&Opened::open(path)?)?.window();
+    let pixels = window.width() as u64 * window.height() as u64;
+    Ok(pixels.saturating_mul(SURROUNDINGS_PER_PIXEL))
 }

@@ -12,7 +12,7 @@ use super::light_layers::LightSources;
 use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
-use super::opened::{Holding, Opened};
+use super::opened::Opened;
 use super::photo::PhotoMetadata;
 use super::points::Points;
 use super::role_planes::RolePlanes;
@@ -51,7 +51,7 @@ pub struct Loaded {
     /// Whether the camera was recovered from layers instead of given.
     pub camera_is_recovered: bool,
     /// Median distance of the surface, where its depth has been looked at.
-    pub(crate) distance: Option<f32>,
+    pub distance: Option<f32>,
     /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
@@ -109,97 +109,12 @@ impl Loaded {
 /// wanted; [`crate::Error::SizeMismatch`] for inputs of unlike windows; [`crate::Error::Undetermined`] where
 /// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    InputFiles::open(inputs)?.load(inputs, needs)
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    load_from(main, inputs, needs)
 }
 
-/// The files of a frame, opened once for any number of loads of its rows.
-pub(crate) struct InputFiles {
-    main: Rc<Opened>,
-}
-
-/// Size of a frame, by its headers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Extent {
-    /// The pixels that it has.
-    pub window: Window,
-    /// Bytes for its decoded photos, including those for undoing their rounding.
-    pub photo_bytes: u64,
-}
-
-impl InputFiles {
-    /// Opens the picture of `inputs`. Photos are released after they have been read.
-    ///
-    /// # Errors
-    /// Any [`crate::Error`] of reading a header.
-    pub(crate) fn open(inputs: &Inputs) -> Result<Self> {
-        Self::open_held(inputs, Holding::default())
-    }
-
-    /// [`InputFiles::open`] for reading rows repeatedly: photos stay decoded.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_for_strips(inputs: &Inputs) -> Result<Self> {
-        let holding = Holding {
-            stay: true,
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
-    }
-
-    /// [`InputFiles::open`] with at most `most_bytes` of a photo decoded at a time: of larger ones rows are read.
-    ///
-    /// # Errors
-    /// As [`InputFiles::open`].
-    pub(crate) fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
-        let holding = Holding {
-            most_bytes,
-            ..Holding::default()
-        };
-        Self::open_held(inputs, holding)
-    }
-
-    fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
-        let main = Opened::open_held(&inputs.picture, inputs.view.as_deref(), holding)?;
-        Ok(Self { main })
-    }
-
-    /// Size of the frame of `inputs`.
-    ///
-    /// # Errors
-    /// As [`load`], except errors that only pixels reveal.
-    pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
-        let light = LightSources::resolve(inputs, &self.main)?;
-        let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
-        let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
-        photos.extend(light.sources().iter().filter_map(RoleSource::photo));
-        photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
-        photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
-        Ok(Extent {
-            window: sources.common_window(&light)?,
-            photo_bytes: photos
-                .into_iter()
-                .map(|photo| photo.header.bytes())
-                .sum::<u64>()
-                + sources.roles[0].unrounding_bytes(),
-        })
-    }
-
-    /// Reads the frame, or the rows of it named by `inputs`.
-    ///
-    /// # Errors
-    /// As [`load`].
-    pub(crate) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-        load_from(self.main.clone(), inputs, needs)
-    }
-
-    /// Releases decoded photos.
-    pub(crate) fn release(&self) {
-        self.main.release();
-    }
-}
-
-fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
+/// Reads the frame, or the rows of it named by `inputs`, from its opened picture.
+pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
     let light = LightSources::resolve(inputs, &main)?;
     let sources = FrameSources::resolve(inputs, &main, needs, !light.is_empty())?;
     let whole = sources.common_window(&light)?;

@@ -12,8 +12,11 @@ mod exif;
 pub mod exr;
 mod fence;
 mod finding;
+#[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
+#[cfg(feature = "cli")]
+mod in_strips;
 pub mod inputs;
 mod integrability;
 mod light_layers;
@@ -60,16 +63,19 @@ pub(crate) use borders::wrapped;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
 #[cfg(feature = "cli")]
-pub(crate) use footprint::{decoding_bytes, frame_bytes, picture_size, program_bytes};
+pub(crate) use footprint::{
+    decoding_bytes, frame_bytes, picture_size, program_bytes, surroundings_bytes,
+};
 #[cfg(feature = "cli")]
-pub(crate) use frame_sources::motion_layer_names;
+pub(crate) use in_strips::InputFiles;
 pub use inputs::Needs;
-pub(crate) use load::InputFiles;
 pub use load::{Loaded, load};
+#[cfg(feature = "cli")]
+pub(crate) use motion::motion_layer_names;
+#[cfg(feature = "cli")]
 pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;
 pub use specular::{SpecularInputs, load_specular};
-pub(crate) use surroundings::surroundings_bytes;
 #[cfg(feature = "cli")]
 pub(crate) use survey::layers;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};

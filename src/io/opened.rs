@@ -192,6 +192,7 @@ impl Opened {
     }
 
     /// Releases the samples of photos, its own and those of companion files.
+    #[cfg(feature = "cli")]
     pub(super) fn release(&self) {
         let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
         let files = companions.files.borrow();

@@ -1,7 +1,6 @@
 //! Sequences: lists of frame numbers, and file names that hold one.
 
-use crate::error::{Error, Result};
-use crate::untrusted::{Untrusted, shown};
+use crate::untrusted::Untrusted;
 use std::path::{Path, PathBuf};
 
 /// Frame numbers in order, each once; at least one.
@@ -113,50 +112,8 @@ pub fn of_frame(name: &str, frame: i32) -> Option<String> {
 }
 
 /// [`of_frame`] of a path.
-pub(crate) fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
+pub fn path_of_frame(path: &Path, frame: i32) -> Option<PathBuf> {
     of_frame(path.to_str()?, frame).map(PathBuf::from)
-}
-
-/// The requested frames, for names with a placeholder; `None` for a single picture.
-///
-/// # Errors
-/// [`Error::BadParameter`] for names that have a place for frame numbers without `frames`, and for `frames`
-/// without a place for them in `input` or `output`.
-pub(crate) fn frames_of<'a>(
-    frames: Option<&'a FrameList>,
-    input: &Path,
-    output: Option<&Path>,
-) -> Result<Option<&'a [i32]>> {
-    let named = [("IN", Some(input)), ("-o", output)];
-    let named = named.into_iter();
-    let mut named = named.filter_map(|(name, path)| Some((name, path?)));
-    let bad = |name, path: &Path, what: &str, remedy: &str| {
-        Err(Error::BadParameter {
-            name,
-            found: format!("{} {what}", shown(path)),
-            remedy: remedy.into(),
-        })
-    };
-    match frames {
-        None => match named.find(|(_, path)| path.to_str().is_some_and(is_pattern)) {
-            Some((name, path)) => bad(
-                name,
-                path,
-                "names a file of each frame, and no frames are given",
-                "give them, as in --frames 1-12",
-            ),
-            None => Ok(None),
-        },
-        Some(frames) => match named.find(|(_, path)| path_of_frame(path, 0).is_none()) {
-            Some((name, path)) => bad(
-                name,
-                path,
-                "has no place for the numbers of --frames",
-                "put #### or %04d where they go, or leave out --frames",
-            ),
-            None => Ok(Some(frames.numbers())),
-        },
-    }
 }
 
 /// Placeholder of the frame number in a name.
@@ -280,25 +237,5 @@ mod tests {
         }
         assert!(is_pattern("a.##.png") && is_pattern("a.%d.png"));
         assert!(!is_pattern("take #1.png") && !is_pattern("100%.png"));
-    }
-
-    #[test]
-    fn names_and_frames_go_together() {
-        let frames: FrameList = "1-3".parse().unwrap();
-        let [many, out, one] = ["in.####.exr", "out.%04d.png", "one.png"].map(Path::new);
-        let found = frames_of(Some(&frames), many, Some(out)).unwrap();
-        assert_eq!(found, Some([1, 2, 3].as_slice()));
-        assert_eq!(frames_of(Some(&frames), many, None).unwrap(), found);
-        assert_eq!(frames_of(None, one, Some(one)).unwrap(), None);
-        let says =
-            |frames, input, output| frames_of(frames, input, output).unwrap_err().to_string();
-        assert!(
-            says(None, many, Some(out)).starts_with("IN in.####.exr names a file of each frame")
-        );
-        assert!(
-            says(None, one, Some(out)).starts_with("-o out.%04d.png names a file of each frame")
-        );
-        assert!(says(Some(&frames), one, Some(out)).starts_with("IN one.png has no place"));
-        assert!(says(Some(&frames), many, Some(one)).starts_with("-o one.png has no place"));
     }
 }

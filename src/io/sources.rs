@@ -12,9 +12,7 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::{
-    UNROUNDING_BYTES, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped,
-};
+use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped};
 use crate::untrusted::Untrusted;
 use std::ops::Range;
 use std::path::Path;
@@ -308,17 +306,6 @@ impl RoleSource {
         }
     }
 
-    /// Bytes for undoing the rounding of its vectors while rows of them are read.
-    pub(super) fn unrounding_bytes(&self) -> u64 {
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } if has_coarse_vectors(photo) => {
-                let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
-                (rows * photo.header.width * UNROUNDING_BYTES) as u64
-            }
-            _ => 0,
-        }
-    }
-
     /// Its channels, its alpha last. A picture of half floats is held as such until it is needed, positions to the end.
     fn wanted(&self) -> Vec<Wanted> {
         let Some(layer) = &self.layer else {
@@ -487,7 +474,7 @@ fn photo_planes(
 }
 
 /// Whether a photo holds vectors in 8-bit codes.
-fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
+pub(super) fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
     photo.header.bits == 8 && photo.header.color_channels() == 3
 }
 

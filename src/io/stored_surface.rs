@@ -16,6 +16,7 @@ pub(crate) struct StoredSurface {
     pub(crate) position: Option<Vector3Planes>,
 }
 
+#[cfg(feature = "cli")]
 impl Loaded {
     /// Reads the surface of `inputs`, whose frame this is, once more.
     ///

@@ -21,21 +21,8 @@ const WORST_RESIDUAL_PX: f64 = 1.0;
 /// Error of normals computed from points, mostly due to facets.
 const MADE_ROUNDING: f32 = 1e-3;
 
-/// Bytes per pixel of a map: its planes as read, and the points, normals and colours made from them.
-const BYTES_PER_PIXEL: u64 = 96;
-
-/// Approximate memory for the surroundings in the panorama at `path`, by its header.
-///
-/// # Errors
-/// As [`read_surroundings`], except errors that only pixels reveal.
-pub(crate) fn surroundings_bytes(path: &Path) -> Result<u64> {
-    let window = place_in(&Opened::open(path)?)?.window();
-    let pixels = window.width() as u64 * window.height() as u64;
-    Ok(pixels.saturating_mul(BYTES_PER_PIXEL))
-}
-
 /// The layer of points: positions, or else distances.
-fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
+pub(super) fn place_in(file: &Rc<Opened>) -> Result<RoleSource> {
     let find = |role| RoleSource::resolve(role, None, file);
     let place = match find(Role::Position)? {
         Some(positions) => Some(positions),

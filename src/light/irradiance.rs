@@ -19,7 +19,7 @@ pub(crate) fn irradiance_filter(environment: &Environment) -> GlossyFilter {
 /// The irradiance E(n) / pi under `environment`, by normal n: the colour of a white Lambertian surface. A constant
 /// environment gives that constant.
 pub fn irradiance(environment: &Environment) -> Environment {
-    irradiance_filter(environment).all_rows()
+    irradiance_filter(environment).filtered(|| true)
 }
 
 #[cfg(test)]

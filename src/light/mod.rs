@@ -15,6 +15,7 @@ pub mod light_warping;
 pub mod lights;
 pub mod lit_sphere;
 pub mod median_cut;
+#[cfg(feature = "cli")]
 pub(crate) mod mixing;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;

@@ -3,7 +3,6 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
-use crate::frame::{ColorPlanes, Plane};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
 use crate::light::irradiance::irradiance_filter;
@@ -14,7 +13,6 @@ use crate::light::median_cut::median_cut;
 use crate::params::{Adaptive, Material};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -220,9 +218,10 @@ impl<'a> Illuminants<'a> {
 impl PreparedEnvironment {
     fn of(environment: &Environment, purpose: &Purpose, memory: &Memory) -> Self {
         let weights = purpose.weights;
+        let goes_on = || !memory.is_cancelled();
         let prefiltered = purpose.used == EnvironmentUse::Prefiltered;
         let irradiance = (prefiltered || purpose.gain == Adaptive::Auto)
-            .then(|| Map::of_normals(filtered(&irradiance_filter(environment), memory), weights));
+            .then(|| Map::of_normals(irradiance_filter(environment).filtered(goes_on), weights));
         let gain = match purpose.gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
@@ -250,7 +249,7 @@ impl PreparedEnvironment {
                 diffuse: irradiance.expect("made above"),
                 specular: (purpose.material == Material::Phong).then(|| {
                     let filter = GlossyFilter::new(environment, purpose.shininess, GLOSSY_WIDTH);
-                    Map::new(filtered(&filter, memory), weights)
+                    Map::new(filter.filtered(goes_on), weights)
                 }),
             },
             EnvironmentUse::Mirrored => Used::Mirrored(Map::new(environment.clone(), weights)),
@@ -293,20 +292,4 @@ fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {
         intensity: light.intensity.map(|channel| gain * channel),
         ..light
     }
-}
-
-/// The filtered map, with rows computed in parallel.
-fn filtered(filter: &GlossyFilter, memory: &Memory) -> Environment {
-    let (width, height) = (filter.width(), filter.height());
-    let mut planes = [(); 3].map(|()| Plane::filled(width, height, 0.0));
-    let [r, g, b] = planes
-        .each_mut()
-        .map(|plane| plane.samples_mut().par_chunks_mut(width));
-    r.zip(g)
-        .zip(b)
-        .enumerate()
-        .filter(|_| !memory.is_cancelled())
-        .for_each(|(y, ((r, g), b))| filter.row(y, [r, g, b]));
-    let [r, g, b] = planes;
-    filter.finish(ColorPlanes { r, g, b })
 }

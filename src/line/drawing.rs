@@ -8,7 +8,6 @@ use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
-use crate::plan::planned::DrawnAs;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::white_level;
@@ -137,7 +136,7 @@ pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Stre
     let (contours, contour_lines) = canvas.contours.unzip();
     let (interior, interior_lines) = canvas.interior.unzip();
     run.outcome.color = tone.made;
-    let asked = tone.density.filter(|_| plan.drawn_as == DrawnAs::Layers);
+    let asked = tone.density.filter(|_| plan.keeps_tone);
     run.outcome.drawing = Some(Drawing {
         hatching,
         lines,

@@ -84,8 +84,6 @@ impl<F: Float> LinearCamera<F> {
 pub struct LocalCamera {
     camera: LinearCamera<f64>,
     foot: DVec3,
-    /// The steps along u and v, and their normal, of about their length.
-    axes: DMat3,
     local_from_view: DMat3,
 }
 
@@ -108,8 +106,8 @@ impl LocalCamera {
         if !is_flat {
             return None;
         }
-        let axes = DMat3::from_cols(u, v, across / area.sqrt());
-        let local_from_view = axes.inverse();
+        // The normal gets about the length of the steps.
+        let local_from_view = DMat3::from_cols(u, v, across / area.sqrt()).inverse();
         let direction = local_from_view * ray.direction;
         let slope = direction.truncate() / direction.z;
         // The derivative of the slope: the slope of a ray a step away is of first order in the step.
@@ -124,7 +122,6 @@ impl LocalCamera {
         Some(Self {
             camera: LinearCamera::new(slopes.map(|slope| slope.to_array())),
             foot: ray.start,
-            axes,
             local_from_view,
         })
     }
@@ -137,13 +134,6 @@ impl LocalCamera {
         self.camera
             .foot_direction(height, tangent.to_array())
             .into()
-    }
-
-    /// The same in space: the direction, of any length, in which the foot moves on its plane.
-    #[inline]
-    pub fn seen_on_plane(&self, point: DVec3, tangent: DVec3) -> DVec3 {
-        let seen = self.seen(point, tangent);
-        self.axes.x_axis * seen.x + self.axes.y_axis * seen.y
     }
 }
 

@@ -5,7 +5,7 @@
 //! tangent at the hit point through the external camera onto the back faces, the result through the internal one onto
 //! the front, and that onto the picture. Changes: the axes of both planes are the steps of their rays from pixel to
 //! pixel, so an offset on either is directly an offset in pixels; the internal camera then adds nothing but errors of
-//! its own order (tested), and drawings omit it. Steps are central differences where both neighbours exist, which is of
+//! its own order (measured on a ball of glass), and is left out. Steps are central differences where both neighbours exist, which is of
 //! second order. Practice: [`external_camera`], and [`LocalCamera::seen`] for a tangent.
 
 use super::linear_camera::LocalCamera;
@@ -25,32 +25,15 @@ pub struct Beside<'a> {
 /// neighbour, or the surface is seen edge-on.
 #[inline]
 pub fn external_camera(here: &Path, beside: &Beside) -> Option<LocalCamera> {
-    camera(here, beside, |path| Some(path.leaving()))
-}
-
-/// The camera of the rays inside a lens, which meet its back faces; `None` also for a mirror.
-#[inline]
-pub fn internal_camera(here: &Path, beside: &Beside) -> Option<LocalCamera> {
-    camera(here, beside, |path| path.exit.map(|_| path.entry))
-}
-
-fn camera(here: &Path, beside: &Beside, ray: impl Fn(&Path) -> Option<Ray>) -> Option<LocalCamera> {
-    let own = ray(here)?;
-    let steps = [
-        step(&own, beside.across, &ray)?,
-        step(&own, beside.up, &ray)?,
-    ];
+    let own = here.leaving();
+    let steps = [step(&own, beside.across)?, step(&own, beside.up)?];
     LocalCamera::new(own, steps)
 }
 
 /// Change of a ray from pixel to pixel, from the paths on both sides or on one.
-fn step(
-    own: &Ray,
-    [before, after]: [Option<&Path>; 2],
-    ray: &impl Fn(&Path) -> Option<Ray>,
-) -> Option<Ray> {
-    let behind = before.and_then(ray).map(|before| own.minus(&before));
-    let ahead = after.and_then(ray).map(|after| after.minus(own));
+fn step(own: &Ray, [before, after]: [Option<&Path>; 2]) -> Option<Ray> {
+    let behind = before.map(|before| own.minus(&before.leaving()));
+    let ahead = after.map(|after| after.leaving().minus(own));
     let (Some(behind), Some(ahead)) = (behind, ahead) else {
         return behind.or(ahead);
     };

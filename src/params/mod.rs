@@ -33,14 +33,18 @@ mod specular;
 
 pub use display::{DisplayParams, Exposure, Highlights};
 pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
+pub(crate) use line::MM_PER_INCH;
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
     Levels, LineLevels, LineParams, ObjectAngle, PaperSize, Plotter, Stroke, StrokeDirections,
     StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
-pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS, MM_PER_INCH};
+#[cfg(feature = "report")]
+pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
-pub(crate) use relight::{AUTO_SAMPLES, MAX_LIGHTS};
+pub(crate) use relight::AUTO_SAMPLES;
+#[cfg(feature = "report")]
+pub(crate) use relight::MAX_LIGHTS;
 pub use relight::{
     AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,
     WarpBy, WarpingParams,

@@ -13,4 +13,3 @@ pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighti
 pub use crate::plan::available::Available;
 pub use crate::plan::planned::{Decision, Plan, Points};
 pub use crate::plan::resolve::{Goal, ToneFrom};
-pub(crate) use crate::shape::diffusion::sweeps::{DiffusionSchedule, Recurrence};

@@ -21,17 +21,6 @@ pub enum Points {
     Normals,
 }
 
-/// What is written from a drawing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DrawnAs {
-    /// Coverage layer by layer, and the tone that strokes were to have.
-    Layers,
-    /// Ink on paper.
-    Picture,
-    /// Lines and dots; no coverage of strokes is computed.
-    Lines,
-}
-
 /// A tile within a frame that repeats it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Tile {
@@ -72,8 +61,10 @@ pub struct Plan {
     pub(crate) display: bool,
     /// Drawing of the picture, if any.
     pub(crate) drawing: Option<LineParams>,
-    /// What is written from it.
-    pub(crate) drawn_as: DrawnAs,
+    /// Whether the coverage of its strokes is computed, which lines alone do not take.
+    pub(crate) inks_strokes: bool,
+    /// Whether the tone that its strokes were to have is a result.
+    pub(crate) keeps_tone: bool,
     /// Width factor of the drawing's lines along edges; 1 at scale 1.
     pub(crate) line_scale: f32,
     /// Whether the drawing's tone is stretched to show the shape.

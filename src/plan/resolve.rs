@@ -8,7 +8,7 @@ use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales,
 };
 use crate::plan::available::Available;
-use crate::plan::planned::{Decision, DrawnAs, Plan, Points};
+use crate::plan::planned::{Decision, Plan, Points};
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::plan::stages::stages;
 use crate::product::Product;
@@ -231,7 +231,8 @@ impl Plan {
             relighting,
             display: goal == Goal::Display,
             drawing,
-            drawn_as: DrawnAs::Layers,
+            inks_strokes: true,
+            keeps_tone: true,
             line_scale,
             shows_shape,
             specular: available.specular,
@@ -272,6 +273,7 @@ impl Plan {
     }
 
     /// The same plan without the stages that produce `product`.
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn without(mut self, product: Product) -> Self {
         let gives = |stage: &&Stage| stage.gives().any(|given| given == product);
         for left_out in stages().filter(gives) {

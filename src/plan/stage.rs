@@ -20,9 +20,6 @@ pub(crate) struct Stage {
     pub(crate) takes: fn(&Plan) -> Vec<Product>,
     /// How far, in pixels, samples of those products reach.
     pub(crate) reach_px: fn(&Plan) -> usize,
-    /// Whether rows of its results take nothing but those rows of its products, with that reach, and the mask: it may
-    /// then run on some rows at a time, while they are written.
-    pub(crate) by_rows: bool,
     /// Whether it reads the normals of the frame.
     pub(crate) reads_normals: bool,
     /// Whether one that does makes its results in their memory, if no other stage after the first reads them.
@@ -53,7 +50,6 @@ impl Stage {
         also_runs: |_| false,
         takes: |_| Vec::new(),
         reach_px: |_| 0,
-        by_rows: false,
         reads_normals: true,
         takes_normals: |_| false,
         reads_depth: |_| true,

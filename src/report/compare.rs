@@ -2,7 +2,6 @@
 
 use super::numbers::{rounded, scientific};
 use crate::frame::{Mask, Plane, Window};
-use crate::quantile;
 use serde::Serialize;
 use std::fmt::{self, Display};
 
@@ -136,9 +135,14 @@ impl Tally {
         self.errors.push(error);
     }
 
-    /// The bound on the errors of a share, 0..1, of the pixels; 0 if there are none.
+    /// The smallest error that at least a share, 0..1, of the pixels do not exceed; 0 if there are none.
     pub(crate) fn quantile(&mut self, share: f64) -> f64 {
-        quantile::bound(&mut self.errors, share).unwrap_or(0.0)
+        let Some(last) = self.errors.len().checked_sub(1) else {
+            return 0.0;
+        };
+        let count = (share * self.errors.len() as f64).ceil() as usize;
+        let rank = count.saturating_sub(1).min(last);
+        *self.errors.select_nth_unstable_by(rank, f64::total_cmp).1
     }
 
     /// Number of pixels.

@@ -2,7 +2,6 @@
 
 use super::timing::{self, Effort, Timed};
 use crate::Result;
-pub(super) use crate::engine::cpu::{map_row, vector_bits};
 use crate::engine::{Engine, Run};
 pub(super) use crate::engine::{Inputs, Outcome, SequenceInputs, TextureCoordinates};
 use crate::frame::{Frame, Plane, SymmetricPlanes, Vector2Planes};

@@ -4,6 +4,14 @@
 //! from the samples in its files (`surface.rs`). Errors of slopes and of their derivatives are relative to the largest
 //! |g| before diffusion; times are of the stages, without reading and writing files.
 
+#![cfg_attr(
+    not(feature = "cli"),
+    allow(
+        dead_code,
+        reason = "scenes are for anyone, reports for the command line"
+    )
+)]
+
 pub(crate) mod advice;
 pub(crate) mod answers;
 mod asked;

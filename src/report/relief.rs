@@ -21,7 +21,6 @@ pub(crate) struct ReliefReport {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct HeightRow {
     pub surface: &'static str,
-    /// 0 where Fourier transforms solve it.
     pub tolerance: f32,
     pub rounds: usize,
     pub seconds: f64,
@@ -50,8 +49,15 @@ pub(crate) fn run(extent: Extent) -> ReliefReport {
         Extent::Full => 1024,
         Extent::Quick => 256,
     };
-    let mut heights = vec![height_row("tile of waves", size, [true; 2], None, 0.0)];
+    let mut heights = Vec::new();
     for tolerance in TOLERANCES {
+        heights.push(height_row(
+            "tile of waves",
+            size,
+            [true; 2],
+            None,
+            tolerance,
+        ));
         heights.push(height_row(
             "waves with borders",
             size,
@@ -111,11 +117,11 @@ fn height_row(
         tolerance,
     };
     let start = Instant::now();
-    let solved = solve(&problem);
+    let (height, rounds) = solve(&problem);
     let seconds = start.elapsed().as_secs_f64();
     let pixels = (0..size).flat_map(|y| mask.runs(y).flatten().map(move |x| (x, y)));
     let pairs: Vec<[f64; 2]> = pixels
-        .map(|(x, y)| [f64::from(solved.height.at(x, y)), at(x, y).0])
+        .map(|(x, y)| [f64::from(height.at(x, y)), at(x, y).0])
         .collect();
     let count = pairs.len().max(1) as f64;
     let offset = pairs
@@ -131,7 +137,7 @@ fn height_row(
     HeightRow {
         surface,
         tolerance,
-        rounds: solved.rounds,
+        rounds,
         seconds,
         largest: errors.clone().fold(0.0, f64::max),
         mean: (errors.map(|e| e * e).sum::<f64>() / count).sqrt(),
@@ -167,8 +173,7 @@ mod tests {
     #[test]
     fn more_rounds_and_slices_bring_the_answer_nearer() {
         let report = run(Extent::Quick);
-        assert!(report.heights[0].largest < 1e-5, "{:?}", report.heights[0]);
-        for surface in ["waves with borders", "waves on a ring"] {
+        for surface in ["tile of waves", "waves with borders", "waves on a ring"] {
             let rows = report.heights.iter().filter(|row| row.surface == surface);
             let rows: Vec<_> = rows.collect();
             assert!(rows.is_sorted_by(|a, b| a.rounds <= b.rounds), "{rows:?}");

@@ -5,7 +5,7 @@
 //! operation, and a logarithm, power, sine or arc tangent as twenty.
 
 use crate::params::ShapeParams;
-use crate::plan::{DiffusionSchedule, Recurrence};
+use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
 
 /// Bytes and operations per covered pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,11 @@ fn of_diffusion(sweeps: &DiffusionSchedule) -> Work {
         Recurrence::Explicit(_) => FLUX + 2.0,
         Recurrence::Chebyshev => FLUX + 6.0,
     };
-    let (count, results) = (sweeps.count() as f64, sweeps.results() as f64);
+    let results = match &sweeps.readout {
+        Readout::Sums(sums) => sums.len() as f64,
+        Readout::Last | Readout::ByImportance(_) => 1.0,
+    };
+    let count = sweeps.count() as f64;
     Work {
         bytes: SAMPLE * (3.0 + 2.0 * results),
         operations: count * 2.0 * operations,

@@ -28,12 +28,17 @@ pub(super) enum Layer {
     Tone,
 }
 
+/// Whether a product belongs to the shape descriptor, rather than a picture or a drawing.
+fn is_of_shape(product: Product) -> bool {
+    product < Product::Picture
+}
+
 impl Layer {
     /// The layers of a command, in the order of the list.
     pub(super) fn all(command: &str) -> impl Iterator<Item = Self> + use<> {
         let is_drawn = command == DRAWN;
         let grey = Product::all().filter(|product| product.row().shown.is_some());
-        let (shape, lines): (Vec<_>, Vec<_>) = grey.partition(|product| product.is_of_shape());
+        let (shape, lines): (Vec<_>, Vec<_>) = grey.partition(|product| is_of_shape(*product));
         [Self::Picture, Self::Curvature]
             .into_iter()
             .chain(shape.into_iter().map(Self::Grey))
@@ -51,7 +56,7 @@ impl Layer {
 
     /// Whether it holds lines of a drawing.
     pub(super) fn is_drawn(self) -> bool {
-        matches!(self, Self::Grey(product) if !product.is_of_shape())
+        matches!(self, Self::Grey(product) if !is_of_shape(product))
     }
 
     pub(super) fn name(self) -> &'static str {

@@ -2,10 +2,10 @@
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, f16};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use ndarray::{Array3, ArrayView3};
+use ndarray::{Array3, ArrayView3, Axis, ShapeBuilder};
 use relievo::frame::{
     Camera, ColorPlanes, DepthKind, Flip, Frame, FrameBuilder, LightLayers, Lobe, LobeLayer,
-    NormalSpace, Normals, Plane, Projection, Samples, StoredDepth, Strides, Window,
+    NormalSpace, Normals, Plane, Projection, Samples, StoredDepth, Window,
 };
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
 use relievo::io::inputs::{Inputs, KnownCamera, LightInputs, NormalEncoding};
@@ -416,14 +416,10 @@ fn every_layout_makes_the_same_frame() {
     for (row, samples) in interleaved(4).chunks(20).rev().enumerate() {
         padded[3 + row * stride..][..20].copy_from_slice(samples);
     }
-    let strides = Strides {
-        first: 3 + 3 * stride,
-        row: -(stride as isize),
-        column: 4,
-        channel: 1,
-        channels: 3,
-    };
-    assert_same(&built(Samples::strided(&padded, strides)), &expected);
+    let layout = (4, 5, 3).strides((stride, 4, 1));
+    let mut upward = ArrayView3::from_shape(layout, &padded[3..]).unwrap();
+    upward.invert_axis(Axis(0));
+    assert_same(&built(upward), &expected);
     // Arrays: interleaved, stacked planes, columns before rows.
     let array = Array3::from_shape_vec((4, 5, 3), interleaved(3)).unwrap();
     assert_same(&built(&array), &expected);
@@ -434,9 +430,9 @@ fn every_layout_makes_the_same_frame() {
     let stacked = ArrayView3::from_shape((3, 4, 5), &stacked).unwrap();
     assert_same(&built(stacked.permuted_axes([1, 2, 0])), &expected);
     let mut turned = array.clone();
-    turned.invert_axis(ndarray::Axis(0));
+    turned.invert_axis(Axis(0));
     let mut reversed = turned.as_standard_layout().to_owned();
-    reversed.invert_axis(ndarray::Axis(0));
+    reversed.invert_axis(Axis(0));
     assert_same(&built(&reversed), &expected);
 }
 
@@ -502,13 +498,6 @@ fn what_does_not_fit_is_refused_by_name() {
         },
         ..camera()
     };
-    let outside = Strides {
-        first: 0,
-        row: -15,
-        column: 3,
-        channel: 1,
-        channels: 3,
-    };
     let planar = StoredDepth::Planar;
     let turned = Plane::filled(4, 5, 1.0_f32);
     let refused = [
@@ -522,19 +511,15 @@ fn what_does_not_fit_is_refused_by_name() {
         ),
         (
             good().normals(Normals::view(&normals[1..])),
-            "normals holds 59 samples for 5x4 pixels; give 3 or 4 for each pixel, or Samples::strided where there are gaps",
+            "normals holds 59 samples for 5x4 pixels; give 3 or 4 for each pixel, or a view where there are gaps",
         ),
         (
             good().normals(Normals::view([&depth[..], &depth])),
             "normals has 2 channels; give 3 or 4",
         ),
         (
-            good().normals(Normals::view(Samples::strided(&normals, outside))),
-            "normals has strides that leave its 60 samples, for 5x4 pixels; count strides in samples, from the first one",
-        ),
-        (
             good().depth(&depth[..19], planar),
-            "depth holds 19 samples for 5x4 pixels; give 1 for each pixel, or Samples::strided where there are gaps",
+            "depth holds 19 samples for 5x4 pixels; give 1 for each pixel, or a view where there are gaps",
         ),
         (
             good().depth(&turned, planar),

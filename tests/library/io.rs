@@ -4,8 +4,7 @@ use crate::common::bits;
 use crate::common::real_files::real;
 use relievo::frame::{Plane, Window};
 use relievo::io::exr::{
-    ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, add_channels, append_part,
-    write_results,
+    ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, PartWriter, write_results,
 };
 use std::io::Cursor;
 use std::path::Path;
@@ -51,7 +50,8 @@ fn written(part: &OutputPart) -> Vec<u8> {
 
 fn appended(input: &ExrFile, part: &OutputPart) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
-    append_part(input, &mut file, Path::new("test"), part).unwrap();
+    let writer = PartWriter::append(input, &mut file, Path::new("test"), &part.description());
+    writer.unwrap().write(part).unwrap();
     file.into_inner()
 }
 
@@ -210,11 +210,14 @@ fn survive(path: &Path) -> Result<(), String> {
         let plane = Plane::filled(4, 4, 1.0);
         let window = Window::from_size(4, 4);
         let part = part("x", window, &[("Z", &plane, OutputType::Half)]);
-        append_part(&file, &mut Cursor::new(Vec::new()), path, &part)?;
+        let (mut copy, description) = (Cursor::new(Vec::new()), part.description());
+        PartWriter::append(&file, &mut copy, path, &description)?.write(&part)?;
         let window = file.parts[0].window;
         let plane = Plane::filled(window.width(), window.height(), 1.0);
         let part = self::part("x", window, &[("Z", &plane, OutputType::Half)]);
-        add_channels(&file, 0, &mut Cursor::new(Vec::new()), path, &part)?;
+        let (mut copy, description) = (Cursor::new(Vec::new()), part.description());
+        let (writer, _) = PartWriter::add_channels(&file, 0, &mut copy, path, &description)?;
+        writer.write(&part)?;
         Ok(())
     };
     attempt().map_err(|error| {

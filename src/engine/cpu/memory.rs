@@ -80,6 +80,7 @@ impl Memory {
     }
 
     /// Frees the planes kept for reuse.
+    #[cfg(feature = "cli")]
     pub(crate) fn release(&self) {
         self.spare
             .lock()

@@ -11,6 +11,7 @@ use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
 use crate::plan::stages::{SHAPE, stages};
+use crate::shape::curvature::stage::{CURVATURES, DIRECTIONS, HESSIAN, MAPPED_CURVATURE, TRACE};
 use std::ops::Range;
 
 /// Layers of a frame, with the stages that remain to be run on rows of them.
@@ -50,7 +51,7 @@ impl Runner {
         let (rest, whole): (Vec<_>, Vec<_>) = stages()
             .skip(1)
             .filter(|stage| plan.has(stage))
-            .partition(|stage| stage.by_rows && goes_by_rows(plan));
+            .partition(|stage| is_by_rows(stage) && goes_by_rows(plan));
         let memory = &self.memory.for_run(watch.token());
         let mut run = Run {
             memory,
@@ -127,6 +128,19 @@ impl<'a> RowLayers<'a> {
     pub(crate) fn recycle(&self, rows: LaidRows) {
         self.memory.recycle(rows.outcome.into_planes());
     }
+}
+
+/// Stages of which rows of the results take nothing but those rows of what they read, with their reach, and the mask.
+const BY_ROWS: [&Stage; 5] = [
+    &TRACE,
+    &HESSIAN,
+    &CURVATURES,
+    &DIRECTIONS,
+    &MAPPED_CURVATURE,
+];
+
+fn is_by_rows(stage: &Stage) -> bool {
+    BY_ROWS.iter().any(|own| own.name == stage.name)
 }
 
 /// Whether a plan is for layers, and for nothing that is made of them.

@@ -1,7 +1,7 @@
 //! Passes over the frame: rows in parallel, skipping columns without surface.
 
 use crate::engine::cpu::memory::Memory;
-use crate::frame::{MOST_ROWS_PER_TASK, Mask, Plane};
+use crate::frame::{MOST_ROWS_PER_TASK, Mask, Plane, parallel_rows};
 use rayon::prelude::*;
 
 /// Minimum number of rows per task, to be worth scheduling.
@@ -54,26 +54,9 @@ fn each_row<const N: usize>(
     memory: &Memory,
     fill: &(dyn Fn(usize, [&mut [f32]; N]) + Sync),
 ) {
-    rows_of(planes)
-        .into_par_iter()
-        .enumerate()
+    parallel_rows(planes.each_mut())
         .with_min_len(ROWS_PER_TASK)
         .with_max_len(MOST_ROWS_PER_TASK)
         .filter(|_| !memory.is_cancelled())
         .for_each(|(y, rows)| fill(y, rows));
-}
-
-/// The rows of several planes of equal size, grouped by row.
-fn rows_of<const N: usize>(planes: &mut [Plane; N]) -> Vec<[&mut [f32]; N]> {
-    let width = planes[0].width();
-    let mut rows = planes
-        .each_mut()
-        .map(|plane| plane.samples_mut().chunks_mut(width));
-    let height = rows[0].len();
-    (0..height)
-        .map(|_| {
-            rows.each_mut()
-                .map(|r| r.next().expect("planes of one size"))
-        })
-        .collect()
 }

@@ -23,6 +23,7 @@ impl Runner {
     ///
     /// # Errors
     /// [`Error::Unfit`](crate::Error::Unfit) if the plan was made for other inputs.
+    #[cfg(any(test, feature = "cli"))]
     pub(crate) fn execute(&self, plan: &Plan, frame: &Frame, inputs: Inputs) -> Result<Outcome> {
         self.execute_watched(plan, frame, inputs, Watch::default(), None)
     }

@@ -5,7 +5,7 @@ mod light;
 mod samples;
 
 pub(crate) use build::PIXEL_ASPECTS;
-pub use samples::{Sample, Samples, Strides};
+pub use samples::{Sample, Samples};
 
 use super::{
     Camera, Flip, Frame, Lobe, LobeLayer, NormalEncoding, NormalSpace, StoredDepth, Window,

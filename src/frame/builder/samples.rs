@@ -66,32 +66,14 @@ mod stored {
     }
 }
 
-/// Positions of samples in a slice, in samples: channel `c` at column `x` of row `y` is at index `first + y * row + x *
-/// column + c * channel`. Steps may be negative: for bottom-up rows `first` is the start of the last row and `row` is
-/// negative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Strides {
-    /// The first channel of the first pixel of the top row.
-    pub first: usize,
-    /// Step from a row to the one below.
-    pub row: isize,
-    /// Step from a pixel to the one on its right.
-    pub column: isize,
-    /// Step from a channel to the next of the same pixel.
-    pub channel: isize,
-    /// Number of channels, at least 1.
-    pub channels: usize,
-}
-
 /// Borrowed samples of one layer, with one or more channels per pixel.
 ///
 /// Made from
 /// - a contiguous slice, row-major from the top, channels interleaved: `(&rgb[..]).into()`;
 /// - an array of such slices, one for each channel: `[&x[..], &y, &z].into()`;
-/// - an `ndarray` view, `[row, column]` or `[row, column, channel]`, with any strides; for planes stacked as `[channel,
-///   row, column]` use `permuted_axes([1, 2, 0])`;
-/// - a [`Plane`] or a [`Mask`], or an array of planes;
-/// - a slice of any other layout by [`Samples::strided`]: padded rows, bottom-up rows, channels to skip.
+/// - an `ndarray` view, `[row, column]` or `[row, column, channel]`, with any strides: padded rows, bottom-up rows,
+///   channels to skip; for planes stacked as `[channel, row, column]` use `permuted_axes([1, 2, 0])`;
+/// - a [`Plane`] or a [`Mask`], or an array of planes.
 ///
 /// [`FrameBuilder::build`](super::FrameBuilder::build) checks that they match the frame.
 pub struct Samples<'a> {
@@ -102,11 +84,6 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Samples of `slice` at `strides`.
-    pub fn strided<T: Sample>(slice: &'a [T], strides: Strides) -> Self {
-        Self::of(Layout::Strided(slice, strides))
-    }
-
     fn of<T: Sample>(layout: Layout<'a, T>) -> Self {
         Self {
             channels: Box::new(layout),
@@ -178,7 +155,6 @@ enum Layout<'a, T> {
     Packed(&'a [T]),
     /// A contiguous slice per channel.
     Planes(Vec<&'a [T]>),
-    Strided(&'a [T], Strides),
     /// `[row, column]`, one per channel.
     Views(Vec<ArrayView2<'a, T>>),
 }
@@ -189,8 +165,7 @@ impl<T: Sample> Channels for Layout<'_, T> {
         let wanted = one_of(accepted);
         let short = |held: usize| {
             let found = format!("holds {held} samples for {width}x{height} pixels");
-            let remedy =
-                format!("give {wanted} for each pixel, or Samples::strided where there are gaps");
+            let remedy = format!("give {wanted} for each pixel, or a view where there are gaps");
             bad(name, found, &remedy)
         };
         let count = match self {
@@ -201,7 +176,6 @@ impl<T: Sample> Channels for Layout<'_, T> {
                 return count.copied().ok_or_else(|| short(slice.len()));
             }
             Self::Planes(slices) => slices.len(),
-            Self::Strided(_, strides) => strides.channels,
             Self::Views(views) => views.len(),
         };
         if !accepted.contains(&count) {
@@ -219,20 +193,6 @@ impl<T: Sample> Channels for Layout<'_, T> {
                     Err(bad(name, found, "give one sample for each pixel"))
                 }
                 None => Ok(count),
-            },
-            Self::Strided(slice, strides) => match strides.fit([width, height], slice.len()) {
-                true => Ok(count),
-                false => {
-                    let found = format!(
-                        "has strides that leave its {} samples, for {width}x{height} pixels",
-                        slice.len()
-                    );
-                    Err(bad(
-                        name,
-                        found,
-                        "count strides in samples, from the first one",
-                    ))
-                }
             },
             Self::Views(views) => match views[0].dim() == (height, width) {
                 true => Ok(count),
@@ -257,13 +217,6 @@ impl<T: Sample> Channels for Layout<'_, T> {
                 fill(row, stored.iter().step_by(channels));
             }
             Self::Planes(slices) => fill(row, &slices[channel][y * width..]),
-            Self::Strided(slice, strides) => {
-                let first = strides.first as isize + channel as isize * strides.channel;
-                let first = first + y as isize * strides.row;
-                let stored =
-                    (0..width).map(|x| &slice[(first + x as isize * strides.column) as usize]);
-                fill(row, stored);
-            }
             Self::Views(views) => fill(row, views[channel].row(y)),
         });
         plane
@@ -274,25 +227,6 @@ impl<T: Sample> Channels for Layout<'_, T> {
 fn fill<'a, T: Sample + 'a>(row: &mut [f32], stored: impl IntoIterator<Item = &'a T>) {
     for (value, stored) in row.iter_mut().zip(stored) {
         *value = stored.value();
-    }
-}
-
-impl Strides {
-    /// Whether all samples of a frame lie within a slice of `length`.
-    fn fit(&self, [width, height]: Size, length: usize) -> bool {
-        // The farthest samples are at corners.
-        let steps = [
-            (height, self.row),
-            (width, self.column),
-            (self.channels, self.channel),
-        ];
-        let (mut least, mut most) = (self.first as i128, self.first as i128);
-        for (count, step) in steps {
-            let reach = (count as i128 - 1) * step as i128;
-            least += reach.min(0);
-            most += reach.max(0);
-        }
-        least >= 0 && most < length as i128
     }
 }
 

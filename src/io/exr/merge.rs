@@ -231,7 +231,7 @@ fn free_channels(
 pub(super) struct InputRows<'f> {
     chunks: ChunkReader<'f>,
     blocks: PartBlocks,
-    held: HeldRows<u8>,
+    held: HeldRows,
 }
 
 impl<'f> InputRows<'f> {
@@ -246,7 +246,7 @@ impl<'f> InputRows<'f> {
         Ok(InputRows {
             chunks,
             blocks,
-            held: HeldRows::new(1, stride),
+            held: HeldRows::new(stride),
         })
     }
 
@@ -254,12 +254,10 @@ impl<'f> InputRows<'f> {
     pub(super) fn rows(&mut self, rows: &Range<usize>) -> Result<&[u8]> {
         let (blocks, chunks) = (&self.blocks, &mut self.chunks);
         let goal = blocks.layout.rows_of(&blocks.layout.bands_of(rows));
-        let held = self.held.hold(goal, |missing, targets| {
-            let targets = targets.into_iter().map(Rows::Bytes);
-            let mut read = targets.map(|target| blocks.read(chunks, missing.clone(), target));
-            read.try_for_each(|read| read)
+        let held = self.held.hold(goal, |missing, target| {
+            blocks.read(chunks, missing, Rows::Bytes(target))
         });
         held.map_err(|fault| fault.at(&self.chunks.exr.path))?;
-        Ok(self.held.rows(0, rows))
+        Ok(self.held.rows(rows))
     }
 }

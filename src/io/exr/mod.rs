@@ -17,6 +17,8 @@ mod encode;
 mod fault;
 mod header;
 mod layout;
+#[cfg(feature = "cli")]
+mod memory;
 mod merge;
 mod part;
 mod read;
@@ -28,15 +30,15 @@ mod writer;
 mod zip;
 
 pub use compression::OutputCompression;
+#[cfg(feature = "cli")]
+pub(crate) use memory::encoding_bytes;
 pub use merge::Merged;
 pub use part::{Channel, ChannelId, Part, SampleType};
 pub(super) use read::{ReadSamples, Wanted};
-pub use rows::RowReader;
+#[cfg(feature = "cli")]
 pub(crate) use write::X_DENSITY;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
-#[cfg(feature = "cli")]
-pub(crate) use writer::encoding_bytes;
-pub use writer::{PartWriter, add_channels, append_part, write_results};
+pub use writer::{PartWriter, write_results};
 
 use crate::error::{Error, Result};
 use crate::frame::Window;

@@ -42,16 +42,6 @@ pub enum SampleType {
     Uint,
 }
 
-impl SampleType {
-    /// Bytes per sample.
-    pub fn bytes(self) -> usize {
-        match self {
-            SampleType::Half => 2,
-            SampleType::Float | SampleType::Uint => 4,
-        }
-    }
-}
-
 /// A channel by its place in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ChannelId {

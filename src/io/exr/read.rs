@@ -75,8 +75,7 @@ impl ExrFile {
     /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
     /// window of each channel's part.
     ///
-    /// Only the blocks with such rows are read. The limits apply to the rows, not to the whole picture. For consecutive
-    /// ranges a [`RowReader`](super::RowReader) is cheaper.
+    /// Only the blocks with such rows are read. The limits apply to the rows, not to the whole picture.
     ///
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.
@@ -101,7 +100,7 @@ impl ExrFile {
         rows: Option<Range<usize>>,
     ) -> Parsed<Vec<(ReadSamples, bool)>> {
         let ids: Vec<_> = wanted.iter().map(|wanted| wanted.id).collect();
-        self.check_rows(&ids, rows.as_ref(), 1)?;
+        self.check_rows(&ids, rows.as_ref())?;
         let rows_of = |part: usize| match &rows {
             Some(rows) => rows.clone(),
             None => 0..self.parts[part].window.height(),
@@ -141,14 +140,8 @@ impl ExrFile {
         Ok(planes.into_iter().zip(is_finite).collect())
     }
 
-    /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated. Each
-    /// sample is held in `copies`.
-    pub(super) fn check_rows(
-        &self,
-        wanted: &[ChannelId],
-        rows: Option<&Range<usize>>,
-        copies: usize,
-    ) -> Parsed<()> {
+    /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated.
+    fn check_rows(&self, wanted: &[ChannelId], rows: Option<&Range<usize>>) -> Parsed<()> {
         let mut planes = 0;
         for id in wanted {
             let window = self.parts[id.part].window;
@@ -170,7 +163,7 @@ impl ExrFile {
                     remedy: "crop it",
                 });
             }
-            planes += (4 * copies) as u128 * pixels;
+            planes += 4 * pixels;
         }
         let parts: BTreeSet<usize> = wanted.iter().map(|id| id.part).collect();
         let decoding = parts
@@ -178,13 +171,6 @@ impl ExrFile {
             .map(|part| decoding_bytes(&self.header.meta.headers[part]));
         let decoding = decoding.max().unwrap_or(0);
         self.check_memory(planes + decoding)
-    }
-
-    /// Most bytes of blocks that are there while channels of any part are read.
-    pub(in crate::io) fn decoding_bytes(&self) -> u64 {
-        let parts = self.header.meta.headers.iter();
-        let most = parts.map(decoding_bytes).max();
-        most.map_or(0, |bytes| bytes.try_into().unwrap_or(u64::MAX))
     }
 
     /// Refuses to use more bytes of memory than allowed.
@@ -204,7 +190,7 @@ impl ExrFile {
 }
 
 /// Most bytes of the blocks of a part that are decoded at one time.
-fn decoding_bytes(header: &Header) -> u128 {
+pub(super) fn decoding_bytes(header: &Header) -> u128 {
     let layout = Layout::of(header);
     (copies(header.compression) * layout.bands_at_once()) as u128 * layout.band_bytes()
 }

@@ -2,30 +2,20 @@
 
 use super::ExrFile;
 use super::append::{Copied, start_append};
-use super::encode::{BATCH_BYTES, Encoder, Strip};
+use super::encode::{Encoder, Strip};
 use super::header::header_bytes;
 use super::merge::{InputRows, Merged, start_merge};
 use super::sink::ChunkSink;
 use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
 use crate::error::{Error, Result};
 use crate::frame::Plane;
-use ::exr::compression::Compression;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most bytes of blocks that wait for the file to be copied, before that is no longer done beside other work.
-const MOST_WAITING: usize = 32 << 20;
-
-/// Most memory that blocks take while a strip of `bytes`, `row_bytes` in each row, is written: compressed ones of the
-/// strip and those that wait, and for each thread one of ZIP as laid out, as differences, and compressed.
-#[cfg(feature = "cli")]
-pub(crate) fn encoding_bytes(bytes: u64, row_bytes: u64) -> u64 {
-    let block_rows = 3 * Compression::ZIP16.scan_lines_per_block() * rayon::current_num_threads();
-    let working = row_bytes.saturating_mul(block_rows as u64);
-    working.saturating_add(bytes.min((BATCH_BYTES + MOST_WAITING) as u64))
-}
+pub(super) const MOST_WAITING: usize = 32 << 20;
 
 /// Writes `part` alone as a file. `target` is only named in errors.
 ///
@@ -33,50 +23,8 @@ pub(crate) fn encoding_bytes(bytes: u64, row_bytes: u64) -> u64 {
 /// If a plane does not have the size of the data window.
 pub fn write_results(w: &mut (impl Write + Seek), target: &Path, part: &OutputPart) -> Result<()> {
     PartWriter::create(w, target, &part.description())?
-        .write_whole(part)
+        .write(part)
         .map(drop)
-}
-
-/// Writes a copy of `input` with `part` added. `target` is only named in errors.
-///
-/// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
-/// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
-/// time code of the first one, which all parts must share.
-///
-/// # Panics
-/// If a plane does not have the size of the data window.
-pub fn append_part(
-    input: &ExrFile,
-    w: &mut (impl Write + Seek),
-    target: &Path,
-    part: &OutputPart,
-) -> Result<()> {
-    PartWriter::append(input, w, target, &part.description())?
-        .write_whole(part)
-        .map(drop)
-}
-
-/// Writes a copy of `input` in which the part at index `part` also has the channels of `added`, for
-/// programs that see only one part. `target` is only named in errors.
-///
-/// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text attributes of
-/// `added` are set. Its pixels are compressed anew, with the same compression if that is lossless, else with ZIP; tiles
-/// become rows, at full resolution only. Other parts are copied as they are. If a layer of `added` shares a channel
-/// with the part, the layer is renamed: bare channels go to a layer named like `added`. Its window must be that of the
-/// part, which otherwise keeps its own description.
-///
-/// # Panics
-/// If there is no such part, or a plane does not have the size of the data window.
-pub fn add_channels(
-    input: &ExrFile,
-    part: usize,
-    w: &mut (impl Write + Seek),
-    target: &Path,
-    added: &OutputPart,
-) -> Result<Merged> {
-    let (writer, merged) = PartWriter::add_channels(input, part, w, target, &added.description())?;
-    writer.write_whole(added)?;
-    Ok(merged)
 }
 
 /// Writes the samples of one part, from the top, some rows at a time.
@@ -125,8 +73,11 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(Self::new(out, target, 0, part, &ready))
     }
 
-    /// Starts a copy of `input` with this part added, as [`append_part`] does. `target` is only named
-    /// in errors.
+    /// Starts a copy of `input` with this part added. `target` is only named in errors.
+    ///
+    /// The compressed pixels of the input are copied as they are, so nothing is lost a second time, and
+    /// every attribute is kept. The new part takes the display window, pixel aspect, chromaticities and
+    /// time code of the first one, which all parts must share.
     pub fn append(
         input: &'a ExrFile,
         w: &'a mut W,
@@ -139,8 +90,14 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(writer)
     }
 
-    /// Starts a copy of `input` in which the part at index `part` also has these channels, as
-    /// [`add_channels`] does. `target` is only named in errors.
+    /// Starts a copy of `input` in which the part at index `part` also has these channels, for programs that see only
+    /// one part. `target` is only named in errors.
+    ///
+    /// The part's own channels keep every bit, NaN payloads included, and its attributes stay; the text attributes of
+    /// `added` are set. Its pixels are compressed anew, with the same compression if that is lossless, else with ZIP;
+    /// tiles become rows, at full resolution only. Other parts are copied as they are. If a layer of `added` shares a
+    /// channel with the part, the layer is renamed: bare channels go to a layer named like `added`. Its window must be
+    /// that of the part, which otherwise keeps its own description.
     ///
     /// # Panics
     /// If there is no such part.
@@ -272,7 +229,11 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         Ok(self.encoder.clamped())
     }
 
-    fn write_whole(mut self, part: &OutputPart) -> Result<u64> {
+    /// Writes all rows, and finishes the file as [`PartWriter::finish`] does.
+    ///
+    /// # Panics
+    /// If there are more or fewer planes than channels, or one does not have the size of the data window.
+    pub fn write(mut self, part: &OutputPart) -> Result<u64> {
         let (planes, height) = (part.planes(), part.data_window.height());
         let fit = planes.iter().all(|plane| plane.height() == height);
         assert!(fit, "a plane does not fill the data window");

@@ -9,8 +9,10 @@ mod layers;
 
 pub(crate) use convention::MotionConvention;
 pub use evidence::{FrameBefore, MotionVerdict};
+#[cfg(feature = "cli")]
+pub(crate) use layers::motion_layer_names;
+pub(super) use layers::motion_sources;
 use layers::{convention_by_name, has_third};
-pub(super) use layers::{means_motion, motion_sources};
 
 use super::sources::RoleSource;
 use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
@@ -89,6 +91,7 @@ impl MotionLayers {
     }
 
     /// The same of the first layer, read by a convention that was given.
+    #[cfg(feature = "cli")]
     pub(crate) fn given(&self, convention: MotionConvention) -> Vector2Planes {
         self.come(0, convention)
     }

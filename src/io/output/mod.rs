@@ -1,12 +1,18 @@
 //! Output files: written atomically, and never in place of an input.
 
+#[cfg(feature = "cli")]
+mod files;
+#[cfg(feature = "cli")]
+mod leftovers;
 mod target;
 mod temporary;
 
-pub(crate) use target::Files;
+#[cfg(feature = "cli")]
+pub(crate) use files::Files;
+#[cfg(feature = "cli")]
+pub(crate) use leftovers::{drop_unfinished, remove_leftovers};
 pub use target::Replace;
 pub(crate) use target::directory_of;
-pub(crate) use temporary::{drop_unfinished, remove_leftovers};
 
 use super::exr::{ExrFile, Limits};
 use super::open::open_input;
@@ -54,7 +60,7 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// As for [`write_atomically`].
-pub(crate) fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
+pub fn write_text(path: &Path, replace: Replace, text: &str) -> Result<()> {
     write_atomically(path, replace, |w| {
         w.write_all(text.as_bytes())
             .map_err(Error::io(path, "write"))
@@ -225,40 +231,6 @@ mod tests {
         symlink("round", at("round")).unwrap();
         let refused = write_text(&at("round"), Replace::IfWritable, "x").unwrap_err();
         assert!(refused.to_string().contains("circle"), "{refused}");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn files_are_compared_whatever_they_are_called() {
-        use std::os::unix::fs::symlink;
-        let directory = tempfile::tempdir().unwrap();
-        let at = |name: &str| directory.path().join(name);
-        fs::write(at("in"), "x").unwrap();
-        fs::hard_link(at("in"), at("hard")).unwrap();
-        symlink("in", at("soft")).unwrap();
-        symlink("none", at("dangling")).unwrap();
-        fs::create_dir(at("style")).unwrap();
-        symlink("style", at("styles")).unwrap();
-        let refusal = |outputs: &[&str]| {
-            let mut files = Files::default();
-            files.reads(&at("in"));
-            files.reads_all_in(&at("style"));
-            let mut written = outputs.iter().map(|output| files.writes("-o", &at(output)));
-            written
-                .find_map(std::result::Result::err)
-                .map(|e| e.to_string())
-        };
-        for same in ["in", "./in", "style/../in", "hard", "soft"] {
-            assert!(refusal(&[same]).unwrap().contains("is the input"), "{same}");
-        }
-        for inside in ["style/1.png", "styles/1.png"] {
-            assert!(refusal(&[inside]).unwrap().contains("lies in"), "{inside}");
-        }
-        // Outputs that do not exist are distinguished by their directory and name.
-        for twice in [["out", "./out"], ["none", "dangling"]] {
-            assert!(refusal(&twice).unwrap().contains("too"), "{twice:?}");
-        }
-        assert_eq!(refusal(&["out", "other", "style2"]), None);
     }
 
     fn read(path: &Path) -> String {

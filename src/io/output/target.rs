@@ -1,9 +1,6 @@
 //! Target of a result: the file behind a path, and whether it may be replaced.
 
-use crate::error::{Error, Result};
 use crate::untrusted::shown;
-use std::collections::HashMap;
-use std::ffi::OsString;
 use std::fs::{self, Permissions};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -90,7 +87,7 @@ fn is_writable(_: &Path, data: &fs::Metadata) -> bool {
 }
 
 /// `path` with the links at its end followed, up to the first name that is not a link.
-fn followed(path: &Path) -> io::Result<PathBuf> {
+pub(super) fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         let data = fs::symlink_metadata(&path);
@@ -130,104 +127,6 @@ pub(crate) fn directory_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    }
-}
-
-/// Identity of a file, independent of names and links, whether it exists or not.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct FileId {
-    /// The file, or its directory if it does not exist.
-    place: Place,
-    name: Option<OsString>,
-}
-
-#[cfg(unix)]
-type Place = (u64, u64);
-#[cfg(not(unix))]
-type Place = PathBuf;
-
-impl FileId {
-    /// The file reached by reading or writing `path`; `None` if it cannot be reached.
-    pub(super) fn of(path: &Path) -> Option<Self> {
-        if let Some(place) = place_of(path) {
-            return Some(Self { place, name: None });
-        }
-        let path = followed(path).ok()?;
-        Some(Self {
-            place: place_of(directory_of(&path))?,
-            name: Some(path.file_name()?.into()),
-        })
-    }
-}
-
-#[cfg(unix)]
-fn place_of(path: &Path) -> Option<Place> {
-    use std::os::unix::fs::MetadataExt;
-    let data = fs::metadata(path).ok()?;
-    Some((data.dev(), data.ino()))
-}
-
-#[cfg(not(unix))]
-fn place_of(path: &Path) -> Option<Place> {
-    fs::canonicalize(path).ok()
-}
-
-/// The files that a run reads and writes: no output may be an input or another output.
-#[derive(Debug, Default)]
-pub(crate) struct Files {
-    read: HashMap<FileId, PathBuf>,
-    /// Directories with all their files as inputs.
-    folders: HashMap<FileId, PathBuf>,
-    written: HashMap<FileId, (&'static str, PathBuf)>,
-}
-
-impl Files {
-    /// Registers an input. One that does not exist cannot be overwritten.
-    pub(crate) fn reads(&mut self, path: &Path) {
-        if let Some(id) = FileId::of(path) {
-            self.read.insert(id, path.into());
-        }
-    }
-
-    /// Registers a folder with all its files as inputs.
-    pub(crate) fn reads_all_in(&mut self, folder: &Path) {
-        if let Some(id) = FileId::of(folder) {
-            self.folders.insert(id, folder.into());
-        }
-    }
-
-    /// Registers an output, given as the flag `name`. All inputs are registered before.
-    ///
-    /// # Errors
-    /// [`Error::BadParameter`] if it is an input, lies in a folder that is one, or is already an output.
-    pub(crate) fn writes(&mut self, name: &'static str, path: &Path) -> Result<()> {
-        // Unreachable paths fail later, on writing.
-        let Some(id) = FileId::of(path) else {
-            return Ok(());
-        };
-        let refused = |found: String| {
-            Err(Error::BadParameter {
-                name,
-                found: format!("{} {found}", shown(path)),
-                remedy: "write to another file".into(),
-            })
-        };
-        if let Some(input) = self.read.get(&id) {
-            return refused(format!("is the input {}", shown(input)));
-        }
-        let directory = followed(path).ok();
-        let directory = directory.and_then(|path| FileId::of(directory_of(&path)));
-        if let Some(folder) = directory.and_then(|directory| self.folders.get(&directory)) {
-            let folder = shown(folder);
-            return refused(format!("lies in {folder}, all of which is read"));
-        }
-        if let Some((other, theirs)) = self.written.insert(id, (name, path.into())) {
-            return refused(match other == name {
-                true => format!("is {} too, of another frame", shown(&theirs)),
-                false => format!("is the output of {other} too"),
-            });
-        }
-        Ok(())
     }
 }
 

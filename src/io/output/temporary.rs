@@ -1,7 +1,6 @@
 //! Files being written, and leftovers of killed programs.
 
 use super::target::directory_of;
-use crate::io::open::open_input;
 use std::fs::{self, File, Permissions};
 use std::io;
 use std::panic::resume_unwind;
@@ -9,14 +8,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 use tempfile::TempPath;
 
 /// Suffix of temporary files.
-const SUFFIX: &str = ".part";
+pub(super) const SUFFIX: &str = ".part";
 
 /// Prefix of this machine's temporary files: locks and process numbers mean nothing to others.
-fn prefix_of_host() -> String {
+pub(super) fn prefix_of_host() -> String {
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let host: String = host.chars().filter(char::is_ascii_alphanumeric).collect();
     format!(".relievo-{host}-")
@@ -25,9 +24,6 @@ fn prefix_of_host() -> String {
 /// Bytes that are worth bringing to disk before a file is whole, and how often it is looked at whether there are as many.
 const WORTH_SYNCING: u64 = 4 << 20;
 const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
-
-/// A temporary file that is younger may get its lock any moment.
-const JUST_MADE: Duration = Duration::from_secs(2);
 
 /// A file being written, locked so that other programs can tell.
 pub(super) struct Temporary {
@@ -210,7 +206,7 @@ fn prefix() -> String {
 }
 
 /// Names of temporary files that are being written.
-static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+pub(super) static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A note of such a name, for as long as it lasts.
 struct Unfinished(PathBuf);
@@ -230,59 +226,4 @@ impl Drop for Unfinished {
             all.retain(|path| *path != self.0);
         }
     }
-}
-
-/// Removes unfinished files, for a program about to end. Nothing can be written after it.
-pub(crate) fn drop_unfinished() {
-    if let Ok(all) = UNFINISHED.lock() {
-        for path in all.iter() {
-            // Files already gone need no removal.
-            let _ = fs::remove_file(path);
-        }
-        // Whoever begins another file waits for the lock until the program ends.
-        std::mem::forget(all);
-    }
-}
-
-/// Removes the leftovers of programs killed on this machine from `directory`: temporary files no longer being written.
-pub(crate) fn remove_leftovers(directory: &Path) {
-    let prefix = prefix_of_host();
-    let Ok(entries) = fs::read_dir(directory) else {
-        return;
-    };
-    for path in entries.flatten().map(|entry| entry.path()) {
-        let name = path.file_name().and_then(|name| name.to_str());
-        let rest = name
-            .and_then(|name| name.strip_prefix(&prefix))
-            .and_then(|rest| rest.strip_suffix(SUFFIX));
-        if rest.is_some_and(|rest| is_left(&path, rest)) {
-            // Another program may have been faster.
-            let _ = fs::remove_file(&path);
-        }
-    }
-}
-
-/// Whether the temporary file `path`, named `rest` after the machine's prefix, is no longer being written: its process
-/// has ended or it is old, and it is not locked.
-fn is_left(path: &Path, rest: &str) -> bool {
-    let Ok(file) = open_input(path) else {
-        return false;
-    };
-    let written = file.metadata().and_then(|data| data.modified()).ok();
-    let age = written.and_then(|at| SystemTime::now().duration_since(at).ok());
-    let is_orphan = rest.split('-').next().is_some_and(has_ended);
-    (is_orphan || age.is_some_and(|age| age > JUST_MADE)) && file.try_lock().is_ok()
-}
-
-/// Whether `process` is the number of an ended process.
-#[cfg(unix)]
-fn has_ended(process: &str) -> bool {
-    use rustix::process::{Pid, test_kill_process};
-    let pid = process.parse().ok().and_then(Pid::from_raw);
-    pid.is_some_and(|pid| test_kill_process(pid) == Err(rustix::io::Errno::SRCH))
-}
-
-#[cfg(not(unix))]
-fn has_ended(_: &str) -> bool {
-    false
 }

@@ -46,6 +46,31 @@ enum Samples {
     Float(Vec<image::Rgb<f32>>),
 }
 
+#[cfg(feature = "cli")]
+impl Gathered {
+    /// Bytes of its samples.
+    pub(crate) fn bytes(&self) -> u64 {
+        let pixels = self.size[0] as u64 * self.size[1] as u64;
+        pixels
+            * self.channels as u64
+            * match self.samples {
+                Samples::Narrow(_) => 1,
+                Samples::Wide(_) => 2,
+                // Always three floats.
+                Samples::Float(_) => return pixels * 12,
+            }
+    }
+
+    /// Additional bytes for encoding: compressed data, and 16-bit samples in another byte order.
+    pub(crate) fn encoding_bytes(&self) -> u64 {
+        match self.samples {
+            Samples::Wide(_) => 2 * self.bytes(),
+            Samples::Narrow(_) => self.bytes(),
+            Samples::Float(_) => 0,
+        }
+    }
+}
+
 impl Gathered {
     /// A picture of `size`, columns and rows, for parts like `part` in grey or colour, alpha, and bits.
     ///
@@ -79,28 +104,6 @@ impl Gathered {
             is_photo: !part.grey && part.transform == ViewTransform::Srgb,
             is_opaque: true,
             samples,
-        }
-    }
-
-    /// Bytes of its samples.
-    pub(crate) fn bytes(&self) -> u64 {
-        let pixels = self.size[0] as u64 * self.size[1] as u64;
-        pixels
-            * self.channels as u64
-            * match self.samples {
-                Samples::Narrow(_) => 1,
-                Samples::Wide(_) => 2,
-                // Always three floats.
-                Samples::Float(_) => return pixels * 12,
-            }
-    }
-
-    /// Additional bytes for encoding: compressed data, and 16-bit samples in another byte order.
-    pub(crate) fn encoding_bytes(&self) -> u64 {
-        match self.samples {
-            Samples::Wide(_) => 2 * self.bytes(),
-            Samples::Narrow(_) => self.bytes(),
-            Samples::Float(_) => 0,
         }
     }
 

@@ -3,6 +3,7 @@
 mod codes;
 mod display;
 mod encoding;
+#[cfg(feature = "cli")]
 mod exposure;
 mod format;
 mod gathered;
@@ -11,16 +12,19 @@ mod scale_bar;
 #[cfg(feature = "report")]
 mod small;
 mod stored;
+#[cfg(feature = "cli")]
 mod whites;
 
 pub use display::{Bright, Display};
 pub use encoding::Encoding;
+#[cfg(feature = "cli")]
 pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
 #[cfg(feature = "report")]
 pub(crate) use small::small;
+#[cfg(feature = "cli")]
 pub(crate) use whites::Whites;
 
 use super::photo::max_code;

@@ -1,16 +1,15 @@
 //! Radiance scaling of the light layers of a frame: all terms of a row in turn, rows in parallel.
 
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+use crate::engine::cpu::percentile::percentile;
 use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{ColorPlanes, Extent, Frame, Mask, Plane, SymmetricPlanes};
-use crate::light::layers::terms::{LightTerm, light_terms};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_rows};
+use crate::light::layers::terms::LightTerm;
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
 use crate::shape::auto_levels::WHITE_PERCENT;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// The curvature used for scaling.
 #[derive(Clone, Copy)]
@@ -22,13 +21,13 @@ pub(crate) struct Curvature<'a> {
 }
 
 /// Rows in place of absent layers.
-struct Absent {
+pub(super) struct Absent {
     zeros: Vec<f32>,
     ones: Vec<f32>,
 }
 
 impl Absent {
-    fn new(width: usize) -> Self {
+    pub(super) fn new(width: usize) -> Self {
         Self {
             zeros: vec![0.0; width],
             ones: vec![1.0; width],
@@ -51,7 +50,7 @@ impl LightTerm<'_> {
     }
 
     /// The luminance of this light at a pixel; `None` where there is none.
-    fn lit<'b>(
+    pub(super) fn lit<'b>(
         &'b self,
         weights: [f32; 3],
         absent: &'b Absent,
@@ -65,29 +64,6 @@ impl LightTerm<'_> {
     /// A high percentile of this light's luminance; 1 without light.
     fn white_level(&self, weights: [f32; 3], mask: &Mask, absent: &Absent) -> f32 {
         percentile(mask, WHITE_PERCENT, self.lit(weights, absent)).unwrap_or(1.0)
-    }
-}
-
-/// Adds the luminance of each term in the rows `rows` of a strip, whose first row is row `top` of a picture with this
-/// extent, to the search for its white level; given levels need none.
-pub(crate) fn add_to_searches(
-    searches: &mut Vec<(&'static str, PercentileSearch)>,
-    extent: &Extent,
-    (strip, params): (&Frame, &ScalingParams),
-    rows: &Range<usize>,
-    top: usize,
-) {
-    let (weights, absent) = (strip.luminance_weights(), Absent::new(strip.mask.width()));
-    for term in light_terms(&strip.light.lobes, params) {
-        let known = searches.iter().position(|(name, _)| *name == term.name);
-        let index = known.unwrap_or_else(|| {
-            let mut search = PercentileSearch::new(WHITE_PERCENT);
-            search.begin(extent);
-            searches.push((term.name, search));
-            searches.len() - 1
-        });
-        let lit = term.lit(weights, &absent);
-        searches[index].1.add(&strip.mask, rows.clone(), top, lit);
     }
 }
 
@@ -190,8 +166,7 @@ pub(crate) fn scale_by_occlusion(
     by: TermScaling,
 ) -> ColorPlanes {
     let (width, simd) = (mask.width(), Simd::widest());
-    rows_of(&mut color)
-        .enumerate()
+    parallel_rows([&mut color.r, &mut color.g, &mut color.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
             || vec![0.0; width],
@@ -246,8 +221,7 @@ fn changed(
     let color = frame.color.as_ref().expect("scaling needs a picture");
     let [r, g, b] = [(); 3].map(|()| memory.plane(mask));
     let mut made = ColorPlanes { r, g, b };
-    rows_of(&mut made)
-        .enumerate()
+    parallel_rows([&mut made.r, &mut made.g, &mut made.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
             || Scratch::new(mask.width()),
@@ -274,12 +248,4 @@ fn changed(
 
 fn color_row(color: &ColorPlanes, y: usize) -> ColorRow<'_> {
     [&color.r, &color.g, &color.b].map(|plane| plane.row(y))
-}
-
-/// The rows of a picture, for writing.
-fn rows_of(color: &mut ColorPlanes) -> impl IndexedParallelIterator<Item = [&mut [f32]; 3]> {
-    let width = color.r.width();
-    let [r, g, b] = [&mut color.r, &mut color.g, &mut color.b]
-        .map(|plane| plane.samples_mut().par_chunks_mut(width));
-    r.zip(g).zip(b).map(|((r, g), b)| [r, g, b])
 }

@@ -9,6 +9,8 @@
 pub(crate) mod cpu;
 pub(crate) mod stage;
 pub(crate) mod terms;
+#[cfg(feature = "cli")]
+pub(crate) mod white_search;
 
 use super::radiance_scaling::{scaled, scaling};
 use crate::engine::cpu::simd::widened;

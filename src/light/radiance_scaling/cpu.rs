@@ -5,7 +5,7 @@ use crate::engine::cpu::rows::ROWS_PER_TASK;
 use crate::engine::cpu::simd::Simd;
 use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
-use crate::frame::{ColorPlanes, Mask, Plane};
+use crate::frame::{ColorPlanes, Mask, Plane, parallel_rows};
 use crate::light::radiance_scaling::{scaled, scaling};
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;
@@ -28,21 +28,14 @@ impl Scaler {
         mask: &Mask,
         memory: &Memory,
     ) -> ColorPlanes {
-        let width = mask.width();
         let simd = Simd::widest();
         let mut scaled = [(); 3].map(|()| memory.plane(mask));
-        let [r, g, b] = scaled
-            .each_mut()
-            .map(|plane| plane.samples_mut().par_chunks_mut(width));
-        r.zip(g)
-            .zip(b)
-            .enumerate()
+        parallel_rows(scaled.each_mut())
             .with_min_len(ROWS_PER_TASK)
-            .for_each(|(y, ((r, g), b))| {
+            .for_each(|(y, mut to)| {
                 let from = [&color.r, &color.g, &color.b].map(|plane| plane.row(y));
                 let span = mask.span(y);
                 let (before, after) = (..span.start, span.end..);
-                let mut to = [r, g, b];
                 for (to, from) in to.iter_mut().zip(from) {
                     to[before].copy_from_slice(&from[before]);
                     to[after.clone()].copy_from_slice(&from[after.clone()]);

@@ -2,19 +2,19 @@
 
 #[cfg(feature = "gpu")]
 use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+use crate::engine::cpu::percentile::percentile;
 #[cfg(feature = "gpu")]
 use crate::engine::cpu::rows::map_covered;
 #[cfg(feature = "gpu")]
 use crate::frame::ColorPlanes;
-use crate::frame::{Extent, Frame, Vector3Planes, luminance};
+use crate::frame::{Frame, Vector3Planes, luminance};
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Luminance that the albedo's white level is mapped to: that of paper.
-const BRIGHT: f32 = 0.8;
+pub(super) const BRIGHT: f32 = 0.8;
 
 /// The estimate: the picture divided by its best-fitting shading, scaled so that all but a few pixels are darker than
 /// paper. White where the picture is black.
@@ -45,56 +45,6 @@ pub(crate) fn by_estimate(
     ColorPlanes { r, g, b }
 }
 
-/// A search for the estimate in a picture that comes some rows at a time, from top to bottom: once for the shading, and
-/// as often as a [`PercentileSearch`] looks for the white level over it.
-#[derive(Debug, Clone)]
-pub(crate) struct AlbedoSearch {
-    fit: ShadingFit,
-    /// The fitted shading, and the search for the white level over it.
-    white: Option<(Option<FittedShading>, PercentileSearch)>,
-}
-
-impl AlbedoSearch {
-    pub(crate) fn new() -> Self {
-        Self {
-            fit: ShadingFit::default(),
-            white: None,
-        }
-    }
-
-    /// Takes in the rows `rows` of a strip whose first row is row `top` of the picture.
-    pub(crate) fn add(&mut self, strip: &Frame, weights: [f32; 3], rows: Range<usize>, top: usize) {
-        match &mut self.white {
-            None => self.fit = fitted(self.fit, strip, &strip.normal, weights, rows),
-            Some((shading, search)) => {
-                let bright = luminance_over(*shading, strip, &strip.normal, weights);
-                search.add(&strip.mask, rows, top, bright);
-            }
-        }
-    }
-
-    /// Solves for the shading, and begins to search the white level, in a picture with this extent.
-    pub(crate) fn begin_white(&mut self, extent: &Extent) {
-        let mut search = PercentileSearch::new(statistics::WHITE_PERCENT);
-        search.begin(extent);
-        self.white = Some((self.fit.solved(), search));
-    }
-
-    /// The search for the white level.
-    pub(crate) fn white_search(&mut self) -> Option<&mut PercentileSearch> {
-        self.white.as_mut().map(|(_, search)| search)
-    }
-
-    /// The estimate, at the end.
-    pub(crate) fn found(self) -> Option<AlbedoEstimate> {
-        let (shading, search) = self.white?;
-        Some(AlbedoEstimate {
-            shading,
-            factor: BRIGHT / statistics::white_of(search.found()),
-        })
-    }
-}
-
 /// The colour of a pixel divided by its coverage.
 fn bare(frame: &Frame) -> impl Fn(usize, usize) -> [f32; 3] + Sync + '_ {
     let color = frame.color.as_ref().expect("an estimate takes a picture");
@@ -111,7 +61,7 @@ fn vector(planes: &Vector3Planes, x: usize, y: usize) -> [f32; 3] {
 }
 
 /// `fit` with the pixels of some rows added.
-fn fitted(
+pub(super) fn fitted(
     fit: ShadingFit,
     frame: &Frame,
     normal: &Vector3Planes,
@@ -133,7 +83,7 @@ fn fitted(
 }
 
 /// The luminance of a pixel of the picture divided by a shading; of white without one.
-fn luminance_over(
+pub(super) fn luminance_over(
     shading: Option<FittedShading>,
     frame: &Frame,
     normal: &Vector3Planes,

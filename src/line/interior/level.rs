@@ -1,7 +1,7 @@
 //! Levels: the normals of a frame on a grid that is as fine as lines need it, and their diffusion.
 
 use crate::engine::cpu::memory::Memory;
-use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes};
+use crate::frame::{Frame, Mask, Plane, Vector2Planes, Vector3Planes, parallel_rows};
 use crate::line::grid::parts;
 use crate::params::RunOptions;
 use crate::shape::diffusion::cpu::{Medium, diffusion};
@@ -65,19 +65,12 @@ impl Level {
         let blank = || Plane::filled(width, height, 0.0);
         let (mut normal, mut conductance) = ([blank(), blank(), blank()], blank());
         let mut covered = Plane::filled(width, height, false);
-        let [nx, ny, nz] = normal
-            .each_mut()
-            .map(|plane| plane.samples_mut().par_chunks_mut(width));
-        let rows = nx
-            .zip(ny)
-            .zip(nz)
-            .zip(conductance.samples_mut().par_chunks_mut(width));
-        let rows = rows
-            .zip(covered.samples_mut().par_chunks_mut(width))
-            .enumerate();
+        let [nx, ny, nz] = normal.each_mut();
+        let rows = parallel_rows([nx, ny, nz, &mut conductance])
+            .zip(covered.samples_mut().par_chunks_mut(width));
         rows.for_each_init(
             || vec![Block::default(); width],
-            |blocks, (y, ((((nx, ny), nz), conductance), covered))| {
+            |blocks, ((y, [nx, ny, nz, conductance]), covered)| {
                 blocks.fill(Block::default());
                 let rows = y * factor..((y + 1) * factor).min(mask.height());
                 for row in rows.clone() {

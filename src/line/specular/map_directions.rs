@@ -1,7 +1,7 @@
 //! Directions of curvature on the surroundings, texel by texel.
 
 use crate::engine::cpu::simd::{Simd, widened};
-use crate::frame::{Plane, Surroundings, Vector3Planes};
+use crate::frame::{Plane, Surroundings, Vector3Planes, parallel_rows};
 use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,9 +56,7 @@ fn directions(surroundings: &Surroundings) -> Vector3Planes {
     let normal_noise = f64::from(surroundings.normal_rounding).max(ROUNDING);
     let simd = Simd::widest();
     let [mut x, mut y, mut z] = [(); 3].map(|()| Plane::filled(width, height, 0.0));
-    let rows = |plane| Plane::samples_mut(plane).par_chunks_mut(width.max(1));
-    let rows = rows(&mut x).zip(rows(&mut y)).zip(rows(&mut z));
-    rows.enumerate().for_each(|(row, ((x, y), z))| {
+    parallel_rows([&mut x, &mut y, &mut z]).for_each(|(row, [x, y, z])| {
         let [above, own, below] = [row.checked_sub(1), Some(row), Some(row + 1)]
             .map(|row| RowOfMap::new(surroundings, row));
         let mut found = LargerTangents::default();

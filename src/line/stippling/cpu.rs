@@ -3,7 +3,7 @@
 use super::dark_dots::{covered, mended};
 use super::room::fitted;
 use super::settled::settled;
-use super::spread::{self, Field, places};
+use super::spread::{Field, places};
 use super::{Dot, LaidDot};
 use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane};
@@ -65,8 +65,9 @@ fn radius_of(stroke: &Stroke) -> f32 {
 }
 
 /// Dots in a pixel where all is black.
+#[cfg(feature = "cli")]
 pub(crate) fn most_dots_per_px(stroke: &Stroke) -> f32 {
-    spread::most_dots_per_px(radius_of(stroke))
+    super::spread::laid(1.0) / (std::f32::consts::PI * radius_of(stroke) * radius_of(stroke))
 }
 
 /// Dots that begin with this frame, and their sizes.

@@ -28,13 +28,8 @@ const APART: f32 = 1.0;
 /// The farthest that a dot pushes, in radii.
 const FARTHEST: f32 = 16.0;
 
-/// Dots of this radius in a pixel where all is black.
-pub(super) fn most_dots_per_px(radius: f32) -> f32 {
-    laid(1.0) / (PI * radius * radius)
-}
-
 /// Sum of the dots' areas needed to cover this share of the paper.
-fn laid(covered: f32) -> f32 {
+pub(super) fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
 }
 

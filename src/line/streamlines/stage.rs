@@ -7,7 +7,6 @@ use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
-use crate::plan::planned::DrawnAs;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
@@ -67,9 +66,9 @@ fn lay(run: &mut Run) {
             drawn,
             memory,
         );
-        let ink = match plan.drawn_as {
-            DrawnAs::Lines => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
-            DrawnAs::Layers | DrawnAs::Picture => inked(&laid, frame, memory),
+        let ink = match plan.inks_strokes {
+            false => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
+            true => inked(&laid, frame, memory),
         };
         (ink, laid, seeds)
     });

@@ -121,6 +121,7 @@ impl Tool {
     }
 
     /// Points of lines in a pixel where all is black, at most.
+    #[cfg(feature = "cli")]
     pub(crate) fn most_points_per_px(&self) -> f32 {
         (self.closest() * self.step()).recip()
     }

@@ -3,7 +3,6 @@
 use crate::params::Param;
 use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
-use crate::quantile::quantile;
 use serde::Serialize;
 
 /// The levels that a drawing is fitted to: `COUNT` numbers.
@@ -28,16 +27,6 @@ pub type LineLevels = Levels<3>;
 impl<const COUNT: usize> Levels<COUNT> {
     /// Number of levels.
     pub const COUNT: usize = COUNT;
-
-    /// The median of each level over several pictures.
-    pub(crate) fn median(each: impl Iterator<Item = [f32; COUNT]>) -> Option<[f32; COUNT]> {
-        let each: Vec<_> = each.collect();
-        let middle = |i: usize| {
-            let mut levels: Vec<f32> = each.iter().map(|levels| levels[i]).collect();
-            quantile(&mut levels, 0.5, f32::total_cmp).unwrap_or_default()
-        };
-        (!each.is_empty()).then(|| std::array::from_fn(middle))
-    }
 }
 
 impl<const COUNT: usize> Value for Levels<COUNT> {

@@ -4,10 +4,10 @@
 //! The crate's functions run in the widest vectors of the machine, as in the stages; those of the standard library are
 //! scalar calls on any machine.
 
-use crate::fast_math::Function;
+use crate::engine::cpu::simd::{Simd, widened};
+use crate::fast_math::{atan, exp, ln, tanh};
 use crate::report::asked::Extent;
 use crate::report::compare::larger;
-use crate::report::engine;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -36,14 +36,42 @@ pub(crate) struct FunctionRow {
 
 /// The vectors used by the crate's functions.
 pub(crate) fn vectors() -> String {
-    format!("{} bits", engine::vector_bits())
+    format!("{} bits", Simd::widest().bits())
 }
 
 /// Length of the timed row, within the first-level cache.
 const ROW: usize = 2048;
 
-/// The exponent for testing `pow`: that of a display.
-const EXPONENT: f32 = 2.2;
+/// A function of [`crate::fast_math`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Function {
+    Exp,
+    Ln,
+    Tanh,
+    Atan,
+}
+
+/// Applies the function to each number of `x`.
+#[inline(always)]
+fn map_row(function: Function, out: &mut [f32], x: &[f32]) {
+    match function {
+        Function::Exp => map(out, x, exp),
+        Function::Ln => map(out, x, ln),
+        Function::Tanh => map(out, x, tanh),
+        Function::Atan => map(out, x, atan),
+    }
+}
+
+widened! {
+    fn map_row(function: Function, out: &mut [f32], x: &[f32]);
+}
+
+#[inline(always)]
+fn map(out: &mut [f32], x: &[f32], function: impl Fn(f32) -> f32) {
+    for (out, &x) in out.iter_mut().zip(x) {
+        *out = function(x);
+    }
+}
 
 /// Every function.
 pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
@@ -51,9 +79,6 @@ pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
         Extent::Full => (4_000_000, Duration::from_millis(60)),
         Extent::Quick => (120_000, Duration::from_millis(4)),
     };
-    let power = Function::Pow(EXPONENT);
-    let std_power = |x: f32| x.powf(EXPONENT);
-    let exact_power = |x: f64| x.powf(EXPONENT.into());
     let row = |name, domain, function, std: fn(f32) -> f32, exact: fn(f64) -> f64| {
         measure(name, domain, effort, function, std, exact)
     };
@@ -62,7 +87,6 @@ pub(crate) fn measured(extent: Extent) -> Vec<FunctionRow> {
         row("ln", [1e-37, 1e38], Function::Ln, f32::ln, f64::ln),
         row("tanh", [-10.0, 10.0], Function::Tanh, f32::tanh, f64::tanh),
         row("atan", [-1e9, 1e9], Function::Atan, f32::atan, f64::atan),
-        row("pow 2.2", [1e-16, 1e16], power, std_power, exact_power),
     ]
 }
 
@@ -74,12 +98,8 @@ fn measure(
     std: fn(f32) -> f32,
     exact: fn(f64) -> f64,
 ) -> FunctionRow {
-    let ours = |out: &mut [f32], x: &[f32]| engine::map_row(function, out, x);
-    let theirs = |out: &mut [f32], x: &[f32]| {
-        for (out, &x) in out.iter_mut().zip(x) {
-            *out = std(x);
-        }
-    };
+    let ours = |out: &mut [f32], x: &[f32]| Simd::widest().map_row(function, out, x);
+    let theirs = |out: &mut [f32], x: &[f32]| map(out, x, std);
     let all = sweep(domain, arguments);
     let inputs = sweep(domain, ROW);
     FunctionRow {

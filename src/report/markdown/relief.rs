@@ -22,7 +22,7 @@ pub(super) fn section(report: &ReliefReport) -> String {
     });
     format!(
         "## Height and occlusion\n\nThe height of waves, from exact slopes, {size}x{size}: errors are in \
-         relation to its range. A tile takes Fourier transforms, all else rounds of conjugate gradients.\n\n{heights}\n\
+         relation to its range.\n\n{heights}\n\
          The sky at the bottom of a groove with sides of 45 degrees, against its closed form.\n\n{skies}"
     )
 }

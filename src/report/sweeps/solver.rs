@@ -4,7 +4,7 @@ use super::{EdgeErrors, Measuring, named};
 use crate::Result;
 use crate::frame::{Frame, Plane};
 use crate::params::{Scale, ShapeParams, Solver};
-use crate::plan::{DiffusionSchedule, Goal, Plan, Recurrence};
+use crate::plan::{Goal, Plan};
 use crate::report::asked::On;
 use crate::report::compare::{Errors, Tally, compare, pixels};
 use crate::report::engine;
@@ -13,6 +13,7 @@ use crate::report::pareto;
 use crate::report::surface::Surface;
 use crate::report::timing::{self, Effort, Timed, Times, Utilisation, measure_in_turn};
 use crate::report::work;
+use crate::shape::diffusion::sweeps::{DiffusionSchedule, Recurrence};
 use serde::Serialize;
 
 /// Tolerances tried.

@@ -1,10 +1,9 @@
 //! Automatic choices from the whole frame: the gain of the curvature mapping and the white level.
 
-use crate::engine::cpu::percentile::{PercentileSearch, percentile};
+use crate::engine::cpu::percentile::percentile;
 use crate::frame::{ColorPlanes, Mask, Plane, Window, luminance};
 pub(crate) use crate::shape::auto_levels::WHITE_PERCENT;
 use crate::shape::auto_levels::{CURVATURE_PERCENT, flat_curvature, typical_exponent};
-use std::ops::Range;
 
 /// The gain that maps the 80th percentile of |trace| to 0.35, over curved pixels off edges in `part`, counted from the
 /// corner of the planes; `mask` is that of the part.
@@ -26,52 +25,21 @@ pub(crate) fn curvature_gain(
 }
 
 /// The magnitude of the trace at a pixel, off edges and where the surface is not flat.
-fn curved(trace: &Plane, conductance: &Plane, flat: f32, [x, y]: [usize; 2]) -> Option<f32> {
+pub(super) fn curved(
+    trace: &Plane,
+    conductance: &Plane,
+    flat: f32,
+    [x, y]: [usize; 2],
+) -> Option<f32> {
     let size = trace.at(x, y).abs();
     (size > flat && conductance.at(x, y) > 0.5).then_some(size)
 }
 
 /// The gain for a typical magnitude of the trace.
-fn gain_of(typical: Option<f32>, most: f32) -> f32 {
+pub(super) fn gain_of(typical: Option<f32>, most: f32) -> f32 {
     match typical {
         Some(typical) if typical > 0.0 => (typical_exponent() / typical).min(most),
         _ => most,
-    }
-}
-
-/// A search for the gain in a picture that comes some rows at a time.
-#[derive(Debug, Clone)]
-pub(crate) struct GainSearch {
-    pub(crate) search: PercentileSearch,
-    flat: f32,
-    most: f32,
-}
-
-impl GainSearch {
-    /// For a picture of this size, a trace of `factor` times its value per pixel, and a gain of at most `most`.
-    pub(crate) fn new(size: [usize; 2], factor: f32, most: f32) -> Self {
-        Self {
-            search: PercentileSearch::new(CURVATURE_PERCENT),
-            flat: flat_curvature(size, factor),
-            most,
-        }
-    }
-
-    /// As [`PercentileSearch::add`].
-    pub(crate) fn add(
-        &mut self,
-        mask: &Mask,
-        rows: Range<usize>,
-        top: usize,
-        [trace, conductance]: [&Plane; 2],
-    ) {
-        let flat = self.flat;
-        let curved = |x, y| curved(trace, conductance, flat, [x, y]);
-        self.search.add(mask, rows, top, curved);
-    }
-
-    pub(crate) fn gain(self) -> f32 {
-        gain_of(self.search.found(), self.most)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::auto_levels::{MAX_GAIN, cpu, most_gain};
+use crate::shape::auto_levels::{cpu, most_gain};
 use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
@@ -57,8 +57,9 @@ impl Plan {
     }
 
     /// Whether the automatic gain was limited, since coarse normals would show their steps.
+    #[cfg(feature = "report")]
     pub(crate) fn holds_gain(&self, gain: Option<f32>) -> bool {
-        self.chooses_gain() && self.most_gain() < MAX_GAIN && gain == Some(self.most_gain())
+        self.chooses_gain() && self.most_gain() < super::MAX_GAIN && gain == Some(self.most_gain())
     }
 }
 

@@ -15,7 +15,6 @@ use crate::shape::hessian::REACH;
 pub(crate) static TRACE: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
-    by_rows: true,
     reads_normals: false,
     name: "trace",
     steps: &[Step {
@@ -40,7 +39,6 @@ pub(crate) static TRACE: Stage = Stage {
 pub(crate) static HESSIAN: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
-    by_rows: true,
     reads_normals: false,
     depends_on: |plan| plan.resolution_factor.to_string(),
     name: "hessian",
@@ -67,7 +65,6 @@ pub(crate) static HESSIAN: Stage = Stage {
 /// Principal and mean curvatures.
 pub(crate) static CURVATURES: Stage = Stage {
     takes: |_| vec![Product::Hessian],
-    by_rows: true,
     reads_normals: false,
     name: "curvatures",
     steps: &[Step {
@@ -85,7 +82,6 @@ pub(crate) static CURVATURES: Stage = Stage {
 /// Directions of the larger view-centred curvature by magnitude.
 pub(crate) static DIRECTIONS: Stage = Stage {
     takes: |_| vec![Product::Hessian],
-    by_rows: true,
     reads_normals: false,
     name: "directions",
     steps: &[Step {
@@ -109,7 +105,6 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
         true => vec![Product::Trace, Product::Conductance],
         false => vec![Product::Curvature, Product::Hessian, Product::Conductance],
     },
-    by_rows: true,
     reads_normals: false,
     name: "mapped-curvature",
     steps: &[Step {

@@ -125,14 +125,6 @@ impl DiffusionSchedule {
         self.count
     }
 
-    /// Number of fields read out.
-    pub(crate) fn results(&self) -> usize {
-        match &self.readout {
-            Readout::Sums(sums) => sums.len(),
-            Readout::Last | Readout::ByImportance(_) => 1,
-        }
-    }
-
     /// The sweeps in words.
     pub(crate) fn described(&self) -> String {
         let sweeps = match self.recurrence {

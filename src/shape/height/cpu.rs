@@ -1,6 +1,6 @@
 //! From a frame to its height.
 
-use super::{Problem, Slopes, Solved, residual, solve};
+use super::{Problem, Slopes, residual, solve};
 use crate::engine::cpu::run::Run;
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Window};
 use crate::plan::Plan;
@@ -62,7 +62,7 @@ fn made(plan: &Plan, frame: &Frame, conductance: &Plane) -> (Plane, Option<Plane
             .map(|known| (known, plan.shape.height_detail)),
         tolerance: plan.shape.height_tolerance,
     };
-    let Solved { mut height, .. } = solve(&problem);
+    let (mut height, _) = solve(&problem);
     let wants_missed = plan.wants(Product::HeightResidual);
     let mut missed = wants_missed.then(|| residual(&problem, &height));
     if let Unknown::LogDistance { focal_px } = Unknown::of(&projection) {

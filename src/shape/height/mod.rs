@@ -1,14 +1,13 @@
 //! Height from normals: the surface whose slopes are nearest to those that the normals say.
 //!
 //! Across each face between two pixels the height should change by the mean of their slopes. The least-squares height,
-//! faces weighted by their conductance so that it may jump at silhouettes and creases, solves Poisson's equation. A tile
-//! without edges is solved by Fourier transforms, all else by conjugate gradients. Depth, where there is any, pulls the
-//! height at low frequencies: the normals hold its detail, depth its overall shape (Nehab, Rusinkiewicz, Davis,
-//! Ramamoorthi, *Efficiently Combining Positions and Normals for Precise 3D Geometry*, SIGGRAPH 2005).
+//! faces weighted by their conductance so that it may jump at silhouettes and creases, solves Poisson's equation: here by
+//! conjugate gradients with multigrid. Depth, where there is any, pulls the height at low frequencies: the normals hold
+//! its detail, depth its overall shape (Nehab, Rusinkiewicz, Davis, Ramamoorthi, *Efficiently Combining Positions and
+//! Normals for Precise 3D Geometry*, SIGGRAPH 2005).
 
 mod cpu;
 mod faces;
-mod fourier;
 mod multigrid;
 pub(crate) mod stage;
 
@@ -36,19 +35,12 @@ pub(crate) struct Problem<'a> {
     pub(crate) tolerance: f32,
 }
 
-/// A height.
-pub(crate) struct Solved {
-    /// In pixels, 0 outside the mask; without depth its mean over each connected surface is 0.
-    pub(crate) height: Plane,
-    /// Rounds of conjugate gradients; 0 if Fourier transforms did it.
-    pub(crate) rounds: usize,
-}
-
 /// More rounds are not worth their time: with half of all faces closed at random 40 do.
 const MOST_ROUNDS: usize = 200;
 
-/// Solves for the height.
-pub(crate) fn solve(problem: &Problem) -> Solved {
+/// The height in pixels, 0 outside the mask, without depth with mean 0 over each connected surface; and the rounds of
+/// conjugate gradients that it took.
+pub(crate) fn solve(problem: &Problem) -> (Plane, usize) {
     let &Problem {
         slopes,
         mask,
@@ -56,28 +48,20 @@ pub(crate) fn solve(problem: &Problem) -> Solved {
         near,
         ..
     } = problem;
-    let open = |plane: &Plane| plane.samples().par_iter().all(|&open| open == 1.0);
-    let is_all = mask.count() == mask.width() * mask.height() && open(problem.conductance);
-    if near.is_none() && wraps == [true; 2] && is_all {
-        return Solved {
-            height: fourier::height_of_tile(slopes),
-            rounds: 0,
-        };
-    }
     let faces = Faces::new(problem.conductance, mask, wraps);
     let mut changes = Changes::of(slopes, &faces);
     let Some((depth, length_px)) = near else {
         let islands = Islands::of(&faces, mask);
         let right = changes.divergence(&faces);
         drop(changes);
-        let mut solved = conjugate_gradients(
+        let (mut height, rounds) = conjugate_gradients(
             Level::all(faces, None),
             right,
             problem.tolerance,
             islands.are_one(mask),
         );
-        islands.level(&mut solved.height);
-        return solved;
+        islands.level(&mut height);
+        return (height, rounds);
     };
     // What is wanted beyond the depth is small: single precision is enough for it.
     changes.subtract(&Changes::between(depth));
@@ -85,17 +69,17 @@ pub(crate) fn solve(problem: &Problem) -> Solved {
     let pull = mask.plane().map(|covered| if covered { pull } else { 0.0 });
     let right = changes.divergence(&faces);
     drop(changes);
-    let mut solved = conjugate_gradients(
+    let (mut height, rounds) = conjugate_gradients(
         Level::all(faces, Some(pull)),
         right,
         problem.tolerance,
         false,
     );
-    solved.height.each_row(|y, row| {
+    height.each_row(|y, row| {
         let heights = row.iter_mut().zip(depth.row(y));
         heights.for_each(|(height, depth)| *height += depth);
     });
-    solved
+    (height, rounds)
 }
 
 /// How far the changes of `height` are from those wanted: for each pixel the length of the difference, the root mean
@@ -208,7 +192,7 @@ fn conjugate_gradients(
     right: Plane,
     tolerance: f32,
     is_free: bool,
-) -> Solved {
+) -> (Plane, usize) {
     let (width, rows) = (right.width(), right.height());
     let empty = || Plane::filled(width, rows, 0.0);
     let (mut height, mut residual) = (empty(), right);
@@ -245,7 +229,7 @@ fn conjugate_gradients(
             samples.for_each(|(direction, correction)| *direction = kept * *direction + correction);
         });
     }
-    Solved { height, rounds }
+    (height, rounds)
 }
 
 /// Adds `factor` times `other`.

@@ -14,7 +14,7 @@ pub(crate) mod stage;
 
 use crate::engine::cpu::simd::{Simd, widened};
 use crate::fast_math::atan;
-use crate::frame::{Mask, Plane, Vector3Planes};
+use crate::frame::{Mask, Plane, Vector3Planes, parallel_rows};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -131,13 +131,8 @@ pub(crate) fn sky(
     let slices = Slice::all(slices, radius);
     let simd = Simd::widest();
     let mut planes = [(); 4].map(|()| Plane::filled(width, rows, 0.0));
-    let all = planes
-        .each_mut()
-        .map(|plane| plane.samples_mut().par_chunks_mut(width.max(1)));
-    let [seen, x, y, z] = all;
-    let all = seen.zip(x).zip(y.zip(z)).enumerate();
     let scratch = || [(); 4].map(|()| vec![0.0; width]);
-    all.for_each_init(scratch, |scratch, (row, ((seen, x), (y, z)))| {
+    parallel_rows(planes.each_mut()).for_each_init(scratch, |scratch, (row, [seen, x, y, z])| {
         let span = mask.span(row);
         if span.is_empty() {
             return;

@@ -144,7 +144,7 @@ fn windows_that_differ_are_brought_to_the_picture_s() {
     let inner = frame.crop(display());
     let alpha = truth.alpha();
     for (x, y) in (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
-        let seen = alpha.at(x, y) == 1.0 && crop.contains(x as i32, y as i32);
+        let seen = alpha.at(x, y) == 1.0 && crop.encloses(&Window::at(x as i32, y as i32, 1, 1));
         assert_eq!(inner.mask.at(x, y), seen, "{x} {y}");
     }
     assert_eq!(frame.mask.count(), inner.mask.count());

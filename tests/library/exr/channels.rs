@@ -7,10 +7,7 @@ use exr::prelude::{AnyChannel, AnyChannels, Blocks, Compression, FlatSamples, Li
 use exr::prelude::{ReadChannels, ReadLayers, WritableImage};
 use half::f16;
 use relievo::frame::{Plane, Window};
-use relievo::io::exr::{
-    ExrFile, Limits, Merged, OutputPart, OutputType, PartWriter, SampleType, add_channels,
-    append_part,
-};
+use relievo::io::exr::{ExrFile, Limits, Merged, OutputPart, OutputType, PartWriter, SampleType};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -87,7 +84,10 @@ fn foreign(compression: Compression, blocks: Blocks) -> Vec<u8> {
 
 fn merged(input: &ExrFile, index: usize, part: &OutputPart) -> (Vec<u8>, Merged) {
     let mut file = Cursor::new(Vec::new());
-    let merged = add_channels(input, index, &mut file, Path::new(TARGET), part).unwrap();
+    let target = Path::new(TARGET);
+    let (writer, merged) =
+        PartWriter::add_channels(input, index, &mut file, target, &part.description()).unwrap();
+    writer.write(part).unwrap();
     (file.into_inner(), merged)
 }
 
@@ -144,7 +144,8 @@ fn other_parts_stay_as_they_were() {
     let bytes = foreign(Compression::DWAA(None), Blocks::Tiles(Vec2(32, 16)));
     let (_directory, single) = saved(&bytes, &Limits::default());
     let mut two = Cursor::new(Vec::new());
-    append_part(&single, &mut two, Path::new(TARGET), &part).unwrap();
+    let writer = PartWriter::append(&single, &mut two, Path::new(TARGET), &part.description());
+    writer.unwrap().write(&part).unwrap();
     let two = two.into_inner();
     let (_directory, input) = saved(&two, &Limits::default());
     for channel in &mut part.channels {
@@ -192,7 +193,9 @@ fn a_part_with_another_window_is_refused() {
     let bytes = foreign(Compression::ZIP16, Blocks::ScanLines);
     let (_directory, input) = saved(&bytes, &Limits::default());
     let mut file = Cursor::new(Vec::new());
-    let error = add_channels(&input, 0, &mut file, Path::new(TARGET), &part).unwrap_err();
+    let (target, description) = (Path::new(TARGET), part.description());
+    let writer = PartWriter::add_channels(&input, 0, &mut file, target, &description);
+    let error = writer.err().unwrap();
     assert!(error.to_string().contains("5x5"), "{error}");
     assert!(file.into_inner().is_empty());
 }

@@ -1,6 +1,6 @@
 //! Any bytes as an EXR file: a frame or an error, whole or by rows, and a copy with a part more.
 
-use relievo::io::exr::{ExrFile, Limits, OutputChannel, OutputPart, OutputType, append_part};
+use relievo::io::exr::{ExrFile, Limits, OutputChannel, OutputPart, OutputType, PartWriter};
 use relievo::io::inputs::{Inputs, LightInputs};
 use relievo::io::{Needs, load};
 use std::io::{Cursor, Write};
@@ -53,5 +53,7 @@ pub(super) fn run(data: &[u8]) {
         chromaticities: None,
         compression: Default::default(),
     };
-    let _ = append_part(&exr, &mut Cursor::new(Vec::new()), file.path(), &part);
+    let mut copy = Cursor::new(Vec::new());
+    let _ = PartWriter::append(&exr, &mut copy, file.path(), &part.description())
+        .and_then(|writer| writer.write(&part));
 }

@@ -1,0 +1,113 @@
+//! Reading a frame some rows at a time.
+
+use super::frame_sources::FrameSources;
+use super::inputs::{Inputs, Needs};
+use super::light_layers::LightSources;
+use super::load::{Loaded, load_from};
+use super::opened::{Holding, Opened};
+use super::sources::{RoleSource, has_coarse_vectors};
+use crate::error::Result;
+use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
+use std::rc::Rc;
+
+/// Memory per pixel, in bytes, for undoing the rounding of vectors: three components, and for one of them the codes, the
+/// steps and the wide neighbourhoods.
+const UNROUNDING_BYTES: usize = 7 * size_of::<f32>();
+
+/// The files of a frame, opened once for any number of loads of its rows.
+pub(crate) struct InputFiles {
+    main: Rc<Opened>,
+}
+
+/// Size of a frame, by its headers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Extent {
+    /// The pixels that it has.
+    pub window: Window,
+    /// Bytes for its decoded photos, including those for undoing their rounding.
+    pub photo_bytes: u64,
+}
+
+impl InputFiles {
+    /// Opens the picture of `inputs`. Photos are released after they have been read.
+    ///
+    /// # Errors
+    /// Any [`crate::Error`] of reading a header.
+    pub(crate) fn open(inputs: &Inputs) -> Result<Self> {
+        Self::open_held(inputs, Holding::default())
+    }
+
+    /// [`InputFiles::open`] for reading rows repeatedly: photos stay decoded.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub(crate) fn open_for_strips(inputs: &Inputs) -> Result<Self> {
+        let holding = Holding {
+            stay: true,
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    /// [`InputFiles::open`] with at most `most_bytes` of a photo decoded at a time: of larger ones rows are read.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub(crate) fn open_within(inputs: &Inputs, most_bytes: u64) -> Result<Self> {
+        let holding = Holding {
+            most_bytes,
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
+        let main = Opened::open_held(&inputs.picture, inputs.view.as_deref(), holding)?;
+        Ok(Self { main })
+    }
+
+    /// Size of the frame of `inputs`.
+    ///
+    /// # Errors
+    /// As [`load`], except errors that only pixels reveal.
+    pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
+        let light = LightSources::resolve(inputs, &self.main)?;
+        let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
+        let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
+        photos.extend(light.sources().iter().filter_map(RoleSource::photo));
+        photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
+        photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
+        Ok(Extent {
+            window: sources.common_window(&light)?,
+            photo_bytes: photos
+                .into_iter()
+                .map(|photo| photo.header.bytes())
+                .sum::<u64>()
+                + unrounding_bytes(&sources.roles[0]),
+        })
+    }
+
+    /// Reads the frame, or the rows of it named by `inputs`.
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub(crate) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
+        load_from(self.main.clone(), inputs, needs)
+    }
+
+    /// Releases decoded photos.
+    pub(crate) fn release(&self) {
+        self.main.release();
+    }
+}
+
+/// Bytes for undoing the rounding of the vectors of `source` while rows of them are read.
+fn unrounding_bytes(source: &RoleSource) -> u64 {
+    match source.file.as_ref() {
+        Opened::Photo { photo, .. } if has_coarse_vectors(photo) => {
+            let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
+            (rows * photo.header.width * UNROUNDING_BYTES) as u64
+        }
+        _ => 0,
+    }
+}
