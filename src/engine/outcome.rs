@@ -397,22 +397,6 @@ impl Outcome {
         }
     }
 
-    /// Changes every plane, with the matching one of an outcome of the same plan.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn for_each_pair(&mut self, of: &Self, mut change: impl FnMut(&mut Plane, &Plane)) {
-        let mut pairs = |planes: Vec<&mut Plane>, of: Vec<&Plane>| {
-            let pairs = planes.into_iter().zip(of);
-            pairs.for_each(|(plane, of)| change(plane, of));
-        };
-        for product in Product::all() {
-            pairs(self.planes_mut(product), of.planes(product));
-            let scales = self.shape.more_scales.iter_mut();
-            for (scale, of) in scales.zip(&of.shape.more_scales) {
-                pairs(scale.planes_mut(product), of.planes(product));
-            }
-        }
-    }
-
     /// The shape with planes that `change` makes of its own, and the gain chosen for it.
     #[cfg(feature = "cli")]
     pub(crate) fn shape_mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {

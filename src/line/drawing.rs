@@ -61,7 +61,6 @@ fn leave_white(run: &mut Run) {
     let tone = Tone {
         density: None,
         made: None,
-        luminance: None,
         white: 1.0,
     };
     let blank = Plane::filled(mask.width(), mask.height(), 0.0);

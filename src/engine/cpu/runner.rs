@@ -175,7 +175,7 @@ impl Runner {
 }
 
 /// The products of other stages that any of these takes.
-fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
+pub(crate) fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
     let stages = stages.iter();
     stages.flat_map(|stage| (stage.takes)(plan)).collect()
 }

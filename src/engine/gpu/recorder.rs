@@ -217,11 +217,6 @@ impl<'d> Recorder<'d> {
             .copy_buffer_to_buffer(from, 0, to, 0, from.size());
     }
 
-    /// Sets a buffer to 0.
-    pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer) {
-        self.encoder.clear_buffer(buffer, 0, None);
-    }
-
     /// Runs the work recorded so far, waits for it and returns the contents of `wanted`, with the times of recording, of each
     /// stage if the device has a clock, else of all kernels, and of read-back.
     ///

@@ -5,7 +5,7 @@ use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
 use crate::engine::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
-use crate::engine::gpu::surface::{Picture, SurfaceBuffers, Upload};
+use crate::engine::gpu::surface::{SurfaceBuffers, Upload};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};

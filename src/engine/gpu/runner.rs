@@ -250,7 +250,7 @@ fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
     let mut layers = made.layers();
     if !plan.wants(Product::Curvature) {
         let on_cpu = running(plan).filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
-        let taken = taken_by(on_cpu, plan);
+        let taken = taken_by(&on_cpu.collect::<Vec<_>>(), plan);
         layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
     }
     layers

@@ -8,7 +8,7 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::error::Result;
-use crate::frame::{DepthKind, Frame, Plane, Vector2Planes};
+use crate::frame::{DepthKind, Frame, Vector2Planes};
 use crate::line::normal_rays::cpu::filled;
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::line::normal_rays::{CERTAINTY, MIN_COSINE, MIN_SINE, PLANAR_TURN, UMBILIC};
