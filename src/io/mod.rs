@@ -48,6 +48,10 @@ mod specular;
 pub mod srgb;
 mod step_fit;
 #[cfg(feature = "report")]
+#[cfg_attr(
+    not(feature = "cli"),
+    allow(dead_code, reason = "reports are for the command line")
+)]
 pub(crate) mod stored_surface;
 mod surface;
 mod surroundings;

@@ -16,7 +16,6 @@ pub(crate) struct StoredSurface {
     pub(crate) position: Option<Vector3Planes>,
 }
 
-#[cfg(feature = "cli")]
 impl Loaded {
     /// Reads the surface of `inputs`, whose frame this is, once more.
     ///
