@@ -37,7 +37,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
     }],
     cpu: choose_white,
     #[cfg(feature = "gpu")]
-    gpu: Some(|run| choose_white(&mut run.host)),
+    gpu: Some(|run| run.choose(choose_white)),
     ..Stage::DEFAULT
 };
 

@@ -80,7 +80,6 @@ impl Memory {
     }
 
     /// Frees the planes kept for reuse.
-    #[cfg(feature = "cli")]
     pub(crate) fn release(&self) {
         self.spare
             .lock()

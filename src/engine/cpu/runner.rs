@@ -75,7 +75,8 @@ impl Runner {
         let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
         let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
         if plan.relighting.is_none() && !finds_shadows {
-            memory.recycle(colors(frame.albedo.take()));
+            let albedo = frame.albedo.take().into_iter();
+            memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
         }
         let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
         let normals = take_unread(plan, frame, memory);
@@ -90,10 +91,10 @@ impl Runner {
         let before = rest.len() - drawing;
         run.go_through_once(&rest, before)?;
         let outcome = run.outcome;
-        // A drawing takes its tone from the picture that was made.
+        // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
         if drawing > 0 && outcome.color.is_some() && !finds_shadows {
-            memory.recycle(colors(frame.color.take()));
-            memory.recycle(colors(frame.albedo.take()));
+            (frame.color, frame.albedo) = (None, None);
+            memory.release();
         }
         let mut run = Run {
             memory,
@@ -198,12 +199,6 @@ fn take_unread(plan: &Plan, frame: &mut Frame, memory: &Memory) -> Option<Vector
     }
     memory.recycle([normals.x, normals.y, normals.z]);
     None
-}
-
-/// The planes of a picture, if there is one.
-fn colors(picture: Option<ColorPlanes>) -> impl Iterator<Item = Plane> {
-    let planes = picture.into_iter();
-    planes.flat_map(|ColorPlanes { r, g, b }| [r, g, b])
 }
 
 impl Run<'_> {

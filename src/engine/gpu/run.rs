@@ -74,6 +74,13 @@ impl<'a> Run<'a> {
             .map(|samples| Plane::from_samples(width, height, samples))
     }
 
+    /// Has the CPU make an automatic choice, within a stage that has been reported.
+    pub(crate) fn choose(&mut self, choose: fn(&mut HostRun)) {
+        let watch = std::mem::take(&mut self.host.watch);
+        choose(&mut self.host);
+        self.host.watch = watch;
+    }
+
     /// The gain of curvature; 0 in a plan without.
     pub(crate) fn gain(&self) -> f32 {
         self.host.outcome.gain.unwrap_or(0.0)

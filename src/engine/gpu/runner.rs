@@ -354,11 +354,13 @@ impl Run<'_> {
         let watch = self.host.watch;
         for (done, stage) in stages.iter().enumerate() {
             watch.check()?;
-            if stage.gpu.is_none() {
-                watch.begins(stage.name, done as f32 / stages.len() as f32);
-            }
             match (stage.after_gpu, stage.gpu) {
-                (Some(pass), _) => pass(self)?,
+                (Some(pass), recorded) => {
+                    if recorded.is_none() {
+                        watch.begins(stage.name, done as f32 / stages.len() as f32);
+                    }
+                    pass(self)?;
+                }
                 (None, None) => (stage.cpu)(&mut self.host),
                 (None, Some(_)) => (),
             }

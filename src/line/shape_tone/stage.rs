@@ -58,7 +58,7 @@ fn find(run: &mut Run) {
     run.outcome.shape = shape;
     match run.read_last.contains(&Product::Trace) {
         // Strokes take the tone alone.
-        true => memory.recycle(made.into_iter().flat_map(|made| [made.r, made.g, made.b])),
+        true => drop(made),
         false => run.outcome.color = made,
     }
     run.canvas.density = Some(density);

@@ -12,7 +12,7 @@ pub(crate) fn with_trace(run: &mut Run, choose: fn(&mut HostRun)) {
         (of_host.trace, of_host.conductance) = (Some(trace), Some(conductance));
         run.made.shape = Some(shape);
     }
-    choose(&mut run.host);
+    run.choose(choose);
     let of_host = &mut run.host.outcome.shape;
     (of_host.trace, of_host.conductance) = (None, None);
 }
