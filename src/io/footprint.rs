@@ -21,7 +21,7 @@ pub(crate) fn program_bytes() -> u64 {
 }
 
 /// Lower bound of the estimate, in bytes per pixel while a frame is made. Measured with 16 channels, the program included:
-/// at 1920x1080 `enhance` 69, `shape` 75, `relight` 86, drawings 119; at 3840x2160 43, 58, 66, 62. A strip of `shape`
+/// at 1920x1080 `enhance` 54, `shape` 70, `relight` 71, drawings 82; at 3840x2160 48, 58, 64, 64. A strip of `shape`
 /// holds all its layers at once: 83.
 const LEAST_PER_PIXEL: u64 = 100;
 
