@@ -29,7 +29,10 @@ pub(crate) mod role_args;
 pub(crate) mod sequence;
 #[cfg(any(feature = "view", feature = "host"))]
 // Public where the feature `host` exports it.
-#[cfg_attr(not(feature = "host"), allow(unreachable_pub))]
+#[cfg_attr(
+    not(feature = "host"),
+    allow(unreachable_pub, reason = "the host alone exports it")
+)]
 pub(crate) mod setting;
 pub(crate) mod shape;
 mod specular_args;

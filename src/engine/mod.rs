@@ -12,6 +12,7 @@ pub(crate) mod run;
 pub(crate) mod session;
 pub(crate) mod slot;
 pub(crate) mod target;
+#[cfg(feature = "cli")]
 pub(crate) mod tiles;
 pub(crate) mod tolerances;
 pub(crate) mod watch;

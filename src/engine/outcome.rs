@@ -249,6 +249,7 @@ pub struct Outcome {
 }
 
 /// Adds times to those of the same passes.
+#[cfg(any(feature = "cli", feature = "gpu"))]
 pub(crate) fn add_timings(
     sum: &mut Vec<(&'static str, Duration)>,
     more: &[(&'static str, Duration)],

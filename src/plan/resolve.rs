@@ -273,7 +273,7 @@ impl Plan {
     }
 
     /// The same plan without the stages that produce `product`.
-    #[cfg(any(feature = "cli", feature = "gpu"))]
+    #[cfg(feature = "cli")]
     pub(crate) fn without(mut self, product: Product) -> Self {
         let gives = |stage: &&Stage| stage.gives().any(|given| given == product);
         for left_out in stages().filter(gives) {
