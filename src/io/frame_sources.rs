@@ -4,6 +4,8 @@ use super::borders::Borders;
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs};
 use super::light_layers::LightSources;
+#[cfg(feature = "cli")]
+use super::motion::means_motion;
 use super::motion::{MotionLayers, motion_sources};
 use super::objects::refuse_numbers;
 use super::opened::Opened;
@@ -254,4 +256,28 @@ impl Planes {
         }
         (Some(read), alpha)
     }
+}
+
+/// Names of the layers that may hold motion of the frame that `inputs` describe, without reading a pixel, and whether they
+/// mean motion.
+///
+/// # Errors
+/// Any [`crate::Error`] of reading a header.
+#[cfg(feature = "cli")]
+pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<(Vec<String>, bool)> {
+    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    let needs = Needs {
+        motion: true,
+        ..Needs::default()
+    };
+    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
+    let roles = sources.roles.iter();
+    let motion: Vec<_> = roles.filter(|s| s.role == Role::Motion).collect();
+    let mean_motion = inputs.motion.is_some() || motion.iter().any(|source| means_motion(source));
+    let mut names: Vec<_> = motion
+        .iter()
+        .map(|source| source.label().to_string())
+        .collect();
+    names.dedup();
+    Ok((names, mean_motion))
 }

@@ -71,11 +71,11 @@ pub(crate) use footprint::{
     decoding_bytes, frame_bytes, picture_size, program_bytes, surroundings_bytes,
 };
 #[cfg(feature = "cli")]
+pub(crate) use frame_sources::motion_layer_names;
+#[cfg(feature = "cli")]
 pub(crate) use in_strips::InputFiles;
 pub use inputs::Needs;
 pub use load::{Loaded, load};
-#[cfg(feature = "cli")]
-pub(crate) use motion::motion_layer_names;
 #[cfg(feature = "cli")]
 pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;

@@ -5,10 +5,6 @@
 use super::MotionConvention;
 use crate::error::Result;
 use crate::io::exr::SampleType;
-#[cfg(feature = "cli")]
-use crate::io::frame_sources::FrameSources;
-#[cfg(feature = "cli")]
-use crate::io::inputs::{Inputs, Needs};
 use crate::io::names;
 use crate::io::opened::Opened;
 use crate::io::roles::{Layer, Match, Role};
@@ -85,34 +81,10 @@ pub(in crate::io) fn motion_sources(
     Ok(found)
 }
 
-/// Names of the layers that may hold motion of the frame that `inputs` describe, without reading a pixel, and whether they
-/// mean motion.
-///
-/// # Errors
-/// Any [`crate::Error`] of reading a header.
+/// Whether the name of the layer that `source` was found in means motion.
 #[cfg(feature = "cli")]
-pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<(Vec<String>, bool)> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
-    let needs = Needs {
-        motion: true,
-        ..Needs::default()
-    };
-    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
-    let motion: Vec<_> = sources
-        .roles
-        .iter()
-        .filter(|s| s.role == Role::Motion)
-        .collect();
-    let mean_motion = inputs.motion.is_some()
-        || motion
-            .iter()
-            .any(|source| layer_of(source).is_some_and(is_motion));
-    let mut names: Vec<_> = motion
-        .iter()
-        .map(|source| source.label().to_string())
-        .collect();
-    names.dedup();
-    Ok((names, mean_motion))
+pub(in crate::io) fn means_motion(source: &RoleSource) -> bool {
+    layer_of(source).is_some_and(is_motion)
 }
 
 /// The pairs of the layer that `source` was found in; a photo, or a channel, is one.

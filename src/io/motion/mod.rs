@@ -10,7 +10,7 @@ mod layers;
 pub(crate) use convention::MotionConvention;
 pub use evidence::{FrameBefore, MotionVerdict};
 #[cfg(feature = "cli")]
-pub(crate) use layers::motion_layer_names;
+pub(super) use layers::means_motion;
 pub(super) use layers::motion_sources;
 use layers::{convention_by_name, has_third};
 
