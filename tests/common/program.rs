@@ -23,8 +23,11 @@ pub fn relievo(directory: &Path, words: &str) -> Ran {
     run(directory, words.split_whitespace())
 }
 
-/// Messages without the line of a build with the GPU backend on a machine that has no GPU.
+/// Messages without the line of a build with the GPU backend on a machine that has no GPU, which tests of backends expect.
 fn without_devices(said: String) -> String {
+    if env!("CARGO_CRATE_NAME") == "backends" {
+        return said;
+    }
     let lines = said.split_inclusive('\n');
     let is_kept = |line: &&str| !line.starts_with("warning: no GPU: no adapter in hardware");
     lines.filter(is_kept).collect()

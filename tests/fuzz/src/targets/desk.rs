@@ -71,7 +71,6 @@ impl Desk {
         self.tidy();
         fs::write(EXTRA, extra).expect("room for a file");
         let named = Named::by(words);
-        let spoiled = named.holds_infinities();
         let program = [&b"relievo"[..]];
         let line = program.iter().chain(words);
         let code = relievo::cli::run_words(line.map(|word| OsString::from_vec(word.to_vec())));
@@ -93,7 +92,8 @@ impl Desk {
                 .into_iter()
                 .any(|p| p.as_ref() == Some(&path));
             if is_new && path != given.0 && !is_text {
-                check_output(&path, code == 0 && !spoiled);
+                // Inputs are as they were. Large ones take seconds to look through, and few runs make an output.
+                check_output(&path, code == 0 && !named.holds_infinities());
             }
         }
         std::env::set_current_dir(home).expect("it was there before");
