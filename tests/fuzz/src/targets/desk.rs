@@ -59,7 +59,7 @@ impl Desk {
     /// Runs a command line and checks the files it leaves.
     pub(super) fn run(&self, words: &[&[u8]], extra: &[u8]) {
         // A report takes seconds at least, and help ignores everything else.
-        let left_out = [&b"report"[..], b"--help", b"-h"];
+        let left_out = [&b"report"[..], b"--help", b"--help-all", b"-h"];
         if !words.iter().all(|word| stays_here(word))
             || words.iter().any(|word| left_out.contains(word))
         {
