@@ -84,11 +84,11 @@ impl Desk {
             let input = named.inputs.iter().any(|input| path.starts_with(input));
             assert!(!input || look(path) == *thing, "{path:?} was written over");
         }
-        let [_, recipe, timings] = named.outputs;
+        let [_, recipe, timings] = &named.outputs;
         for path in all_in(Path::new(".")) {
             let is_new = self.things.get(&path) != Some(&look(&path));
             // These two may have any name.
-            let is_text = [&recipe, &timings]
+            let is_text = [recipe, timings]
                 .into_iter()
                 .any(|p| p.as_ref() == Some(&path));
             if is_new && path != given.0 && !is_text {
