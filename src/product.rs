@@ -148,7 +148,7 @@ const DIRECTION: &str = "unit, x right, y up; 0 for none";
 #[rustfmt::skip]
 static TABLE: [ProductRow; 18] = [
     row(Product::Silhouette, "silhouette", Some("weights"), &["silhouette"], "0..1", 1e-5)
-        .shown("Silhouette", "weights where depth jumps: 1 is white"),
+        .shown("Silhouette", "weights in front of gaps: 1 is white"),
     row(Product::Crease, "crease", Some("weights"), &["crease"], "0..1", 1e-5)
         .shown("Crease", "weights where the surface bends sharply: 1 is white"),
     row(Product::Conductance, "conductance", Some("weights"), &["conductance"], "0..1", 1e-5)

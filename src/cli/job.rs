@@ -246,6 +246,9 @@ impl<'a> Job<'a> {
 
     /// Prints the plan, where asked to.
     pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
+        if let Some(text) = plan.shape.outdated() {
+            self.warn(text);
+        }
         if self.work.run.explain && self.speaks_for_all() {
             let verbose = self.work.run.verbose;
             let shown = plan.decisions().iter().filter(|step| step.kept || verbose);

@@ -67,7 +67,7 @@ impl FrameCommand for RelightArgs {
 
     fn make(&self, kit: &RelightInputs, job: &Job) -> Result<Chosen> {
         let Params { shape, scaling, .. } = self.work.flags.params;
-        let needs = needs(&self.params(), shape.foreshortening, &kit.illumination);
+        let needs = needs(&self.params(), &kit.illumination);
         let specular = self.specular.of_frame(job.frame).inputs();
         let mut work = Relight {
             args: self,

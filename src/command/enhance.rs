@@ -31,7 +31,7 @@ impl EnhanceArgs {
             color: true,
             strength: true,
             confidence_if_any: true,
-            projection: self.work.flags.params.shape.foreshortening != 0.0,
+            projection: true,
             ..Needs::default()
         };
         (inputs, needs)

@@ -101,8 +101,7 @@ impl HatchArgs {
         illumination: &Illumination,
         frame: Option<i32>,
     ) -> (Inputs, Needs) {
-        let mut needs = needs(&looks.light, looks.shape.foreshortening, illumination);
-        needs.projection = true;
+        let mut needs = needs(&looks.light, illumination);
         // Lines of an SVG are either there or not, so the mask is read as coverage.
         needs.strength = !is_svg(&self.relight.work);
         needs.confidence_if_any = false;

@@ -265,7 +265,7 @@ impl MapArgs {
     /// Inputs and layers to read for a frame.
     pub(crate) fn reading(&self, frame: Option<i32>) -> (Inputs, Needs) {
         let needs = Needs {
-            projection: self.work.flags.params.shape.foreshortening != 0.0,
+            projection: true,
             ..Needs::default()
         };
         (self.work.inputs(frame), needs)

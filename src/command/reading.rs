@@ -44,8 +44,7 @@ impl Source {
             Command::Map(args) => (args.reading(frame), None),
             Command::Enhance(args) => (args.reading(frame), None),
             Command::Relight(args) => {
-                let foreshortening = args.work.flags.params.shape.foreshortening;
-                let needs = needs(&args.params(), foreshortening, light);
+                let needs = needs(&args.params(), light);
                 ((args.inputs(frame), needs), specular(args))
             }
             Command::Hatch(args) => {

@@ -100,17 +100,8 @@ pub(crate) fn specular_scene(
 }
 
 /// The picture is needed for estimating an albedo, and for the surroundings of the surface.
-pub(crate) fn needs(
-    params: &RelightParams,
-    foreshortening: f32,
-    illumination: &Illumination,
-) -> Needs {
+pub(crate) fn needs(params: &RelightParams, illumination: &Illumination) -> Needs {
     let own_color = params.albedo == AlbedoSource::White;
-    let diffuse = matches!(
-        params.material.material,
-        Material::Lambert | Material::Toon | Material::Sublambert
-    );
-    let near = !illumination.points.is_empty();
     Needs {
         color: matches!(
             params.albedo,
@@ -118,7 +109,7 @@ pub(crate) fn needs(
         ),
         color_if_any: true,
         albedo: !own_color && illumination.lit_spheres.is_empty(),
-        projection: foreshortening != 0.0 || near || !diffuse,
+        projection: true,
         motion: false,
         strength: true,
         confidence: false,

@@ -44,7 +44,7 @@ impl WorkArgs {
     /// Inputs and layers to read for the shape of a frame.
     pub(crate) fn reading(&self, goal: Goal, frame: Option<i32>) -> (Inputs, Needs) {
         let needs = Needs {
-            projection: self.flags.params.shape.foreshortening != 0.0 || goal == Goal::Layers,
+            projection: true,
             confidence: goal == Goal::Layers,
             ..Needs::default()
         };

@@ -6,7 +6,7 @@
 
 use super::squares::{around, mean_over_squares, of_rows, over_squares, sum_over_squares};
 use super::tiled::{Made, Part, of_tiles};
-use super::{Frame, Mask, Plane, Vector3Planes, Window};
+use super::{Frame, Mask, Plane, Projection, Vector3Planes, Window};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -34,8 +34,12 @@ const SPREADS: [f32; 2] = [0.001, 0.005];
 /// Half size of the square of depths around a pixel.
 const DEPTHS_REACH: usize = 5;
 
-/// A depth is isolated if both its neighbours along a row or a column differ from it by more than this share.
-const ALONE: f32 = 0.1;
+/// A depth is isolated if both its neighbours along a row or a column differ from it by more than this share of the
+/// picture's longer side: a tenth of the distance for a lens of 44 degrees.
+const ALONE: f32 = 0.125;
+
+/// That share of the distance, where the lens is not known.
+const UNKNOWN_LENS: f32 = 0.1;
 
 /// Shares of isolated depths for confidence 1 and 0. No 11x11 square of the sharp renders tried has a share above 0.08.
 const SHARES_ALONE: [f32; 2] = [0.1, 0.3];
@@ -53,7 +57,7 @@ pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
     let of_depths = frame
         .depth
         .as_ref()
-        .and_then(|depth| of_depths(depth, &frame.mask));
+        .and_then(|depth| of_depths(depth, &frame.mask, isolation(frame)));
     match (of_normals, of_depths) {
         (Some(a), Some(b)) => Some(of_two(&a, &b, f32::min)),
         (a, b) => a.or(b),
@@ -87,6 +91,19 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
     });
     for made in lifted {
         made.write_to(lengths);
+    }
+}
+
+/// The difference from which a depth is isolated: a share of it, and a length.
+type Isolation = [f32; 2];
+
+fn isolation(frame: &Frame) -> Isolation {
+    let window = frame.display_window;
+    let limit = ALONE * window.width().max(window.height()) as f32;
+    match frame.camera.map(|camera| camera.projection) {
+        Some(Projection::Perspective { fx, .. }) => [limit / fx.abs() as f32, 0.0],
+        Some(Projection::Orthographic { sx, .. }) => [0.0, limit / sx.abs() as f32],
+        None => [UNKNOWN_LENS, 0.0],
     }
 }
 
@@ -204,14 +221,14 @@ fn lattice(length: usize, range: Range<i32>) -> impl Iterator<Item = usize> + Cl
 }
 
 /// The confidence from isolated depths.
-fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
-    if !may_be_alone_together(depth, mask) {
+fn of_depths(depth: &Plane, mask: &Mask, from: Isolation) -> Option<Plane> {
+    if !may_be_alone_together(depth, mask, from) {
         return None;
     }
     let found = of_tiles(depth, |tile| {
         let part = Part::around(tile, DEPTHS_REACH + 1, depth);
         let (depth, mask) = part.of(depth, mask);
-        let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
+        let alone = of_rows(&depth, |y, row| alone_in_row((&depth, &mask), from, y, row));
         let share = mean_over_squares(&alone, DEPTHS_REACH);
         let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
         let any_is_mixed = share.samples().iter().any(is_mixed);
@@ -222,14 +239,14 @@ fn of_depths(depth: &Plane, mask: &Mask) -> Option<Plane> {
 
 /// Whether some square may hold enough isolated depths to count: every square lies within two by two tiles of its width,
 /// so it has no more than they do.
-fn may_be_alone_together(depth: &Plane, mask: &Mask) -> bool {
+fn may_be_alone_together(depth: &Plane, mask: &Mask, from: Isolation) -> bool {
     const SIDE: usize = 2 * DEPTHS_REACH + 1;
     let (width, height) = (depth.width(), depth.height());
     let counts_of = |band: usize| {
         let mut counts = vec![0.0; width.div_ceil(SIDE) + 1];
         let mut alone = vec![0.0; width];
         for y in band * SIDE..height.min((band + 1) * SIDE) {
-            alone_in_row(depth, mask, y, &mut alone);
+            alone_in_row((depth, mask), from, y, &mut alone);
             let tiles = counts.iter_mut().zip(alone.chunks(SIDE));
             tiles.for_each(|(count, alone)| *count += alone.iter().sum::<f32>());
         }
@@ -249,7 +266,7 @@ fn may_be_alone_together(depth: &Plane, mask: &Mask) -> bool {
 }
 
 /// 1 where the depth of a pixel of row `y` is isolated, else 0.
-fn alone_in_row(depth: &Plane, mask: &Mask, y: usize, alone: &mut [f32]) {
+fn alone_in_row((depth, mask): (&Plane, &Mask), from: Isolation, y: usize, alone: &mut [f32]) {
     alone.fill(0.0);
     let span = mask.span(y);
     if span.is_empty() {
@@ -261,31 +278,31 @@ fn alone_in_row(depth: &Plane, mask: &Mask, y: usize, alone: &mut [f32]) {
     let inner = alone.len().saturating_sub(2);
     if inner > 0 {
         let shifted = |by: usize| (&here[by..][..inner], &covered[by..][..inner]);
-        mark_alone(&mut alone[1..][..inner], [0, 1, 2].map(shifted));
+        mark_alone(&mut alone[1..][..inner], [0, 1, 2].map(shifted), from);
     }
     if y > 0 && y + 1 < depth.height() {
-        mark_alone(alone, [within(y - 1), (here, covered), within(y + 1)]);
+        mark_alone(alone, [within(y - 1), (here, covered), within(y + 1)], from);
     }
 }
 
 /// Marks the pixels in the middle of three covered ones whose depths are isolated between the two others.
-fn mark_alone(alone: &mut [f32], [before, here, after]: [(&[f32], &[bool]); 3]) {
+fn mark_alone(alone: &mut [f32], [before, here, after]: [(&[f32], &[bool]); 3], from: Isolation) {
     let count = alone.len();
     let [a, b, c] = [before.0, here.0, after.0].map(|depth| &depth[..count]);
     let [in_a, in_b, in_c] = [before.1, here.1, after.1].map(|covered| &covered[..count]);
     // Without branches, so that the compiler takes several pixels at a time.
     for (x, alone) in alone.iter_mut().enumerate() {
-        let is_alone = in_a[x] & in_b[x] & in_c[x] & stands_alone(b[x], [a[x], c[x]]);
+        let is_alone = in_a[x] & in_b[x] & in_c[x] & stands_alone(b[x], [a[x], c[x]], from);
         *alone = alone.max(f32::from(u8::from(is_alone)));
     }
 }
 
 /// Whether a depth differs from both its neighbours, other than along a steady slope.
 #[inline(always)]
-fn stands_alone(depth: f32, [before, after]: [f32; 2]) -> bool {
+fn stands_alone(depth: f32, [before, after]: [f32; 2], from: Isolation) -> bool {
     let [to_before, to_after] = [before - depth, after - depth];
     let bend = (to_before + to_after).abs();
-    (to_before.abs().min(to_after.abs()) > ALONE * depth)
+    (to_before.abs().min(to_after.abs()) > from[0] * depth + from[1])
         & (bend >= 0.5 * to_before.abs().max(to_after.abs()))
 }
 
@@ -441,14 +458,16 @@ mod tests {
                 assert_eq!(squares.is_some(), any, "{width}x{height}");
             }
             let depth = Plane::from_fn(width, height, |_, _| if chance(0.12) { 9.0 } else { 5.0 });
-            let alone = of_rows(&depth, |y, row| alone_in_row(&depth, &mask, y, row));
+            let alone = of_rows(&depth, |y, row| {
+                alone_in_row((&depth, &mask), [UNKNOWN_LENS, 0.0], y, row)
+            });
             let shares = mean_over_squares(&alone, DEPTHS_REACH);
             let is_mixed = shares
                 .samples()
                 .iter()
                 .any(|&share| share > SHARES_ALONE[0]);
             assert!(
-                may_be_alone_together(&depth, &mask) || !is_mixed,
+                may_be_alone_together(&depth, &mask, [UNKNOWN_LENS, 0.0]) || !is_mixed,
                 "{width}x{height}"
             );
             found[0] += usize::from(has_square);
@@ -512,7 +531,13 @@ mod tests {
 
     #[test]
     fn depths_that_stand_alone_are_mixed_but_not_steps_slopes_and_wires() {
-        let of = |depth: &Plane| of_depths(depth, &Mask::full(depth.width(), depth.height()));
+        let of = |depth: &Plane| {
+            of_depths(
+                depth,
+                &Mask::full(depth.width(), depth.height()),
+                [UNKNOWN_LENS, 0.0],
+            )
+        };
         let scenes: [fn(usize, usize) -> f32; 3] = [
             |x, y| if x + y < 40 { 5.0 } else { 9.0 },
             |_, y| 100.0 / (20.0 + y as f32),

@@ -15,6 +15,15 @@ pub(crate) fn is_distance(depth: f32) -> bool {
     depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
 }
 
+/// [`Source::depth_rounding`](super::Source::depth_rounding) of half floats, or of samples whose codes are this far apart
+/// half of the way from -1 to 1.
+pub(crate) fn depth_rounding(is_half: bool, of_signed: f32) -> [f32; 2] {
+    match is_half {
+        true => [f32::from(half::f16::EPSILON) / 2.0, 0.0],
+        false => [0.0, of_signed / 2.0],
+    }
+}
+
 /// Distance along the view axis of a world-space position; 0 without one.
 pub(crate) fn depth_of_position(position: DVec3, camera: &Camera) -> f32 {
     let depth = -camera.view_from_world.transform_point3(position).z as f32;

@@ -49,7 +49,7 @@ pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
-pub(crate) use sight::{PixelLines, direction_seen, line_of, point_on, step_by_normals};
+pub(crate) use sight::{PixelLines, ToEye, direction_seen, line_of, point_on, step_by_normals};
 pub use space::OutOfRange;
 pub(crate) use space::check_place;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};
@@ -127,6 +127,8 @@ pub struct Source {
     pub depth_kind: DepthKind,
     /// Largest rounding error of a component of the normals as stored: 1/255 for 8 bits, 0 for 32-bit floats.
     pub normal_rounding: f32,
+    /// Largest rounding errors of depth as stored: as a share of it, 2^-11 for half floats, and in its own unit, for codes.
+    pub depth_rounding: [f32; 2],
 }
 
 impl Frame {

@@ -1,6 +1,6 @@
 //! Sight lines: from pixels to points of view space, and from tangents back to the picture.
 
-use crate::frame::{DepthKind, Frame, Projection};
+use crate::frame::{DepthKind, Frame, Projection, Window};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -118,6 +118,28 @@ impl SightLines {
 
     pub(crate) fn is_perspective(&self) -> bool {
         matches!(self.projection, Projection::Perspective { .. })
+    }
+}
+
+/// The direction to the eye, scaled to z = 1, of the pixels of a window: its x depends only on the column, its y only on
+/// the row. Both are 0 for a projection in parallel lines, or an unknown one.
+pub(crate) struct ToEye {
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+}
+
+impl ToEye {
+    pub(crate) fn of(window: Window, projection: Option<Projection>) -> Self {
+        let at = |x, y| {
+            let place = window.middle(x, y);
+            projection.map_or(DVec2::ZERO, |projection| {
+                projection.to_eye(place.x, place.y)
+            })
+        };
+        Self {
+            x: (0..window.width()).map(|x| at(x, 0).x as f32).collect(),
+            y: (0..window.height()).map(|y| at(0, y).y as f32).collect(),
+        }
     }
 }
 

@@ -78,8 +78,8 @@ pub struct Needs {
     pub color_if_any: bool,
     /// The albedo, if there is one.
     pub albedo: bool,
-    /// The camera's projection, needed only for a foreshortened gradient. A camera needed for nothing else is then not
-    /// searched for.
+    /// The camera's projection: for gaps of depth, a foreshortened gradient and much else. Where it is not needed a camera is
+    /// not searched for.
     pub projection: bool,
     /// Motion since the previous frame, if there is any.
     pub motion: bool,

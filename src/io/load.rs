@@ -22,6 +22,7 @@ use super::surface::SurfaceSamples;
 use super::view::{View, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
+use crate::frame::depth::depth_rounding;
 use crate::frame::normals;
 use crate::frame::{
     Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
@@ -194,7 +195,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         light: read.layers,
         camera: view.camera,
         wraps: borders.wrapped(inputs.wrap),
-        source: source.source(chromaticities),
+        source: source.source(chromaticities, depth_is_half),
         ..Frame::of_normals(normal, mask)
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
@@ -436,14 +437,15 @@ impl FrameSource<'_> {
     }
 
     /// Provenance of the frame, except for the kind of its depth.
-    fn source(&self, chromaticities: Option<Chromaticities>) -> Source {
-        let normals = self.sources.get(Role::Normal);
+    fn source(&self, chromaticities: Option<Chromaticities>, depth_is_half: bool) -> Source {
+        let rounding = |role| self.sources.get(role).map_or(0.0, RoleSource::rounding);
         Source {
             layers: self.main.layer_names(),
             attributes: self.main.attributes().cloned().unwrap_or_default(),
             luminance_weights: chromaticities.and_then(luminance_weights),
             depth_kind: DepthKind::default(),
-            normal_rounding: normals.map_or(0.0, RoleSource::rounding),
+            normal_rounding: rounding(Role::Normal),
+            depth_rounding: depth_rounding(depth_is_half, rounding(Role::Depth)),
         }
     }
 

@@ -158,11 +158,11 @@ params! {
         /// Above 1/4 the scheme is unstable; at exactly 1/4 a checkerboard never decays.
         time_step: f32 = 0.2, valid: 0.001..=0.25,
             why: Some("explicit diffusion is stable only up to there");
-        /// Jump of depth, relative to the distance, that makes a silhouette.
+        /// Gap between two surfaces that makes a silhouette, as a share of the picture's longer side.
         ///
-        /// Measured across one pixel. Lower values cut steep slopes apart; higher ones let curvature leak between
-        /// objects.
-        silhouette: SoftThreshold = SoftThreshold { lo: 0.03, hi: 0.04 },
+        /// The distance of each pixel's point from the tangent plane of its neighbour, at least 1.5 and 2.5 pixels: a floor
+        /// has none, however grazing. Lower values outline small steps; higher ones let curvature leak between objects.
+        silhouette: SoftThreshold = SoftThreshold { lo: 0.008, hi: 0.012 },
             flag: "--silhouette", form: "LO,HI", valid: THRESHOLDS;
         /// Jump in an occlusion or alpha map that makes a silhouette where there is no depth, absolute.
         occlusion_silhouette: SoftThreshold = SoftThreshold { lo: 0.2, hi: 0.4 }, valid: THRESHOLDS;
@@ -205,6 +205,15 @@ const THRESHOLDS: RangeInclusive<f32> = 0.0..=1e30;
 pub(crate) const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl ShapeParams {
+    /// What is likely meant otherwise than it is read now.
+    pub(crate) fn outdated(&self) -> Option<&'static str> {
+        let former = SoftThreshold { lo: 0.03, hi: 0.04 };
+        (self.silhouette == former).then_some(
+            "--silhouette 0.03,0.04 was the default while it was a share of the distance; it is a share of the picture's \
+             longer side now: leave it out, or compare with --silhouette 0.008,0.012",
+        )
+    }
+
     fn relations(&self) -> Result<()> {
         for (name, threshold) in [
             ("--silhouette", self.silhouette),

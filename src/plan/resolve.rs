@@ -390,6 +390,7 @@ mod tests {
     use super::*;
     use crate::light::enhancement::LightAvailable;
     use crate::line::direction::FILL_REACH_PX;
+    use crate::shape::EDGE_REACH;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -479,14 +480,14 @@ mod tests {
         }
     }
 
-    /// Reach adds up along the stages: 1 for edges, 1 for each sweep, 1 for the Hessian.
+    /// Reach adds up along the stages: that of edges, 1 for each sweep, 1 for the Hessian.
     #[test]
     fn reaches_add_up() {
         let enhanced = plan(Goal::Enhance, DEPTH, 50);
-        assert_eq!(enhanced.reach(), 1 + enhanced.sweeps.count() + 1);
-        assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), 2);
+        assert_eq!(enhanced.reach(), EDGE_REACH + enhanced.sweeps.count() + 1);
+        assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), EDGE_REACH + 1);
         let layers = plan(Goal::Layers, DEPTH, 50);
-        let directions = 1 + layers.direction_steps_px[1] + FILL_REACH_PX;
+        let directions = EDGE_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;
         assert_eq!(layers.reach(), enhanced.reach().max(directions));
         assert_eq!(layers.without(Product::Direction).reach(), enhanced.reach());
     }

@@ -122,26 +122,17 @@ pub(crate) fn run(asked: Asked) -> Result<Report> {
     shape.validate()?;
     progress("the machine's bandwidth and arithmetic");
     let machine = Machine::measured();
-    // Without foreshortening no stage uses the camera; a command would not even look for one.
-    let lean = Frame {
-        camera: frame.camera.filter(|_| shape.foreshortening != 0.0),
-        ..frame.clone()
-    };
-    let lean = Asked {
-        frame: &lean,
-        ..asked
-    };
-    lean.progress("stages");
-    let decisions = timing::plan(Goal::Display, lean.frame, shape)?
+    progress("stages");
+    let decisions = timing::plan(Goal::Display, frame, shape)?
         .decisions()
         .to_vec();
-    let stages = stages(&lean, &machine)?;
-    let (swept, scenes) = sweeps(&lean, &machine)?;
-    let precision = precision(&lean)?;
+    let stages = stages(&asked, &machine)?;
+    let (swept, scenes) = sweeps(&asked, &machine)?;
+    let precision = precision(&asked)?;
     asked.progress("what there is to warn of");
     let answers = answers::of(&asked, &swept)?;
     let runs = match beyond {
-        true => runs(&lean)?,
+        true => runs(&asked)?,
         false => Vec::new(),
     };
     let directions = beyond.then(|| {

@@ -6,9 +6,11 @@
 //! anew, not shared with the kernels.
 
 use super::surface::Surface;
-use crate::frame::{Frame, Mask, Plane};
+use crate::frame::{Frame, Mask, Plane, SightLines};
 use crate::params::{Scale, ShapeParams, SoftThreshold};
 use crate::shape::chebyshev::{Spread, coefficients};
+use crate::shape::gap::{DEPARTS, GapScale, Gaps, NOISES, TURNS};
+use crate::shape::gap_noise::GapNoise;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -47,6 +49,23 @@ impl Weight {
         Self { exact, least, most }
     }
 
+    /// The larger of two, and their product.
+    fn max(self, other: Self) -> Self {
+        self.with(other, f64::max)
+    }
+
+    fn times(self, other: Self) -> Self {
+        self.with(other, |a, b| a * b)
+    }
+
+    fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            exact: of(self.exact, other.exact),
+            least: of(self.least, other.least),
+            most: of(self.most, other.most),
+        }
+    }
+
     /// The conductance: 1 minus the larger of two edge weights.
     fn conductance(a: Self, b: Self) -> Self {
         Self {
@@ -69,26 +88,26 @@ impl Edges {
     /// The edges of `surface` in `frame`.
     pub(super) fn of(frame: &Frame, surface: &Surface, params: &ShapeParams) -> Self {
         let mask = &frame.mask;
-        let silhouette = match (&surface.depth, &frame.occlusion) {
+        // Those drawn, and those that close.
+        let silhouettes = match (&surface.depth, &frame.occlusion) {
             (Some(depth), _) => {
-                let log = covered(mask, |x, y| depth.at(x, y).ln());
-                covered(mask, |x, y| {
-                    silhouette(&log, mask, [x, y], params.silhouette)
-                })
+                let gaps = ExactGaps::new(frame, surface, depth, params.silhouette);
+                covered(mask, |x, y| gaps.silhouettes([x, y]))
             }
             (None, Some(map)) => {
                 let map = map.map(f64::from);
                 let threshold = params.occlusion_silhouette;
-                covered(mask, |x, y| silhouette(&map, mask, [x, y], threshold))
+                covered(mask, |x, y| [silhouette(&map, mask, [x, y], threshold); 2])
             }
             (None, None) => covered(mask, |x, y| match is_border(mask, x, y) {
-                true => Weight::FULL,
-                false => Weight::default(),
+                true => [Weight::FULL; 2],
+                false => [Weight::default(); 2],
             }),
         };
+        let silhouette = silhouettes.map(|[line, _]| line);
         let crease = covered(mask, |x, y| crease(frame, surface, [x, y], params.crease));
         let conductance = covered(mask, |x, y| {
-            Weight::conductance(silhouette.at(x, y), crease.at(x, y))
+            Weight::conductance(silhouettes.at(x, y)[1], crease.at(x, y))
         });
         Self {
             silhouette,
@@ -132,6 +151,134 @@ fn is_border(mask: &Mask, x: usize, y: usize) -> bool {
 
 /// Spacing of single-precision numbers at 1.
 const EPSILON: f64 = f32::EPSILON as f64;
+
+/// Gaps between the surfaces of pixels, from their points and normals.
+struct ExactGaps<'a> {
+    frame: &'a Frame,
+    surface: &'a Surface,
+    depth: &'a Plane<f64>,
+    scale: GapScale,
+    sight: SightLines,
+    /// In single precision: how noisy depth is is no matter of rounding.
+    noise: Option<GapNoise>,
+}
+
+impl<'a> ExactGaps<'a> {
+    fn new(
+        frame: &'a Frame,
+        surface: &'a Surface,
+        depth: &'a Plane<f64>,
+        threshold: SoftThreshold,
+    ) -> Self {
+        let single = depth.map(|depth| depth as f32);
+        let gaps = Gaps::new(frame, &single, threshold);
+        Self {
+            frame,
+            surface,
+            depth,
+            scale: gaps.scale,
+            sight: SightLines::new(gaps.scale.projection),
+            noise: gaps.noise().cloned(),
+        }
+    }
+
+    /// The silhouettes that a pixel is in front of, and that it is beside.
+    fn silhouettes(&self, [x, y]: [usize; 2]) -> [Weight; 2] {
+        if is_border(&self.frame.mask, x, y) {
+            return [Weight::FULL; 2];
+        }
+        let [mut line, mut barrier] = [Weight::default(); 2];
+        let before = [[x.wrapping_sub(1), y], [x, y.wrapping_sub(1)]];
+        let pairs = [0, 1].map(|axis| [([x, y], axis, true), (before[axis], axis, false)]);
+        for (at, axis, is_first) in pairs.into_iter().flatten() {
+            let Some((weight, step)) = self.after(at, axis) else {
+                continue;
+            };
+            barrier = barrier.max(weight);
+            // Of equal depths the first is the nearer.
+            let is_front = if is_first { step >= 0.0 } else { step < 0.0 };
+            if is_front {
+                line = line.max(weight);
+            }
+        }
+        [line, barrier]
+    }
+
+    /// The place of the surface at a pixel inside, if it is covered.
+    fn place(&self, [x, y]: [usize; 2]) -> Option<DVec3> {
+        let mask = &self.frame.mask;
+        let is_inside = x < mask.width() && y < mask.height();
+        (is_inside && mask.at(x, y)).then(|| {
+            let at = self.frame.data_window.middle(x, y);
+            self.sight.point(
+                at.x,
+                at.y,
+                self.depth.at(x, y),
+                self.frame.source.depth_kind,
+            )
+        })
+    }
+
+    /// The weight of the gap from a pixel to the next along an axis, and the difference of their depths.
+    ///
+    /// Rounding: depths, their differences and products with normals are off by a few ulps of the larger depth.
+    fn after(&self, at: [usize; 2], axis: usize) -> Option<(Weight, f64)> {
+        let place = |by: usize| {
+            let mut at = at;
+            at[axis] = at[axis].wrapping_add(by);
+            self.place(at)
+        };
+        let (a, b) = (place(0)?, place(1)?);
+        let normal = |by: usize| {
+            let mut at = at;
+            at[axis] += by;
+            DVec3::from_array(
+                self.surface
+                    .normal
+                    .each_ref()
+                    .map(|plane| plane.at(at[0], at[1])),
+            )
+        };
+        let [depth_a, depth_b] = [-a.z, -b.z];
+        let pitch = f64::from(self.scale.pitch[axis]);
+        let is_perspective = self.scale.is_perspective;
+        let linear = |depth: f64| if is_perspective { 1.0 / depth } else { depth };
+        let (per_unit, per_linear) = match is_perspective {
+            true => (pitch / depth_a.min(depth_b), pitch * depth_a.max(depth_b)),
+            false => (pitch, pitch),
+        };
+        let px = [0, 1].map(|by| (normal(by).dot(b - a) * per_unit).abs());
+        let px = px[0].max(px[1]);
+        let rise = |from: DVec3, to: DVec3| (linear(-to.z) - linear(-from.z)) * per_linear;
+        let jump = rise(a, b);
+        let chords = [
+            place(usize::MAX).map(|c| rise(c, a)),
+            place(2).map(|c| rise(b, c)),
+        ];
+        let known = chords.into_iter().flatten();
+        let least = known.clone().reduce(f64::min);
+        let bend = least
+            .zip(known.reduce(f64::max))
+            .map_or(jump.abs(), |(least, most)| {
+                (least - jump).max(jump - most).max(0.0)
+            });
+        let size = depth_a.abs().max(depth_b.abs());
+        let rounding = 16.0 * EPSILON * (1.0 + per_unit * size);
+        let steep = jump.abs().max(f64::MIN_POSITIVE);
+        let departs = Weight::ramp(bend / steep, rounding / steep, DEPARTS);
+        let length = jump.hypot(1.0);
+        let turns = Weight::ramp(px / length, rounding / length, TURNS);
+        let [share, unit] = self.scale.rounding.map(f64::from);
+        let mut noise = [0.0];
+        if let Some(of) = &self.noise {
+            of.fill_row(at, axis, &mut noise);
+        }
+        let more = per_unit * (share * size + unit) + f64::from(NOISES * noise[0]);
+        let threshold = self.scale.threshold;
+        let raised = Weight::ramp(px - more, rounding, threshold);
+        Some((departs.max(turns).times(raised), depth_b - depth_a))
+    }
+}
 
 /// 1 at the border of the coverage, else by the jump of `map` across the pixel: its Sobel slope times the two pixels
 /// between left and right.
@@ -540,26 +687,25 @@ mod tests {
 
     #[test]
     fn weights_of_known_edges() {
-        // A step of 5 % of the distance is a full silhouette on both sides, one of 3.5 % half of one: the threshold is
-        // 3 to 4 %, and the Sobel slope of a step is half of it per pixel.
-        let step = |share: f64| {
+        // Of a frame of 9 pixels gaps count from 1.5 pixels on and in full from 2.5, at the nearer depth, with a lens of 1.25
+        // times its side: 11.25 pixels.
+        let step = |px: f64| {
             let normal = Scene::plane(9, 9).frame.normal;
-            let depth = Plane::from_fn(
-                9,
-                9,
-                |x, _| if x < 5 { 3.0 } else { 3.0 * share.exp() as f32 },
-            );
+            let far = (3.0 * (1.0 + px / 11.25)) as f32;
+            let depth = Plane::from_fn(9, 9, |x, _| if x < 5 { 3.0 } else { far });
             let frame = Frame {
                 depth: Some(depth),
                 ..Frame::of_normals(normal, Mask::full(9, 9))
             };
             Edges::of(&frame, &Surface::of(&frame), &ShapeParams::default())
         };
-        for (share, weight) in [(0.05, 1.0), (0.035, 0.5), (0.03, 0.0)] {
-            let edges = step(share);
+        for (px, weight) in [(3.0, 1.0), (2.0, 0.5), (1.5, 0.0)] {
+            let edges = step(px);
             let [x3, x4, x5] = [3, 4, 5].map(|x| edges.silhouette.at(x, 4).exact);
-            assert!(x3 == 0.0 && (x4 - weight).abs() < 1e-4 && (x5 - x4).abs() < 1e-9);
-            assert!((edges.conductance.at(4, 4).exact - (1.0 - weight)).abs() < 1e-4);
+            assert!(x3 == 0.0 && (x4 - weight).abs() < 1e-4 && x5 == 0.0);
+            for x in [4, 5] {
+                assert!((edges.conductance.at(x, 4).exact - (1.0 - weight)).abs() < 1e-4);
+            }
         }
         // Between normals at an angle the weight is the ramp of that angle, for any neighbour.
         let bend = |degrees: f64| {

@@ -1,17 +1,15 @@
 //! Silhouettes: where the surface ends or one part occludes another.
 //!
-//! Theory: [LW] section 4.4 takes the Sobel magnitude of depth. Changes: the logarithm of depth is differentiated, so
-//! that the weight is the same for a coin and for a cathedral, and for z, distance and 1/z alike; the border of
-//! coverage is always a silhouette. Practice: supply depth if available, else an occlusion map or alpha.
+//! Theory: [LW] section 4.4 takes the Sobel magnitude of depth. Changes: with depth, silhouettes are the gaps between
+//! surfaces, see [`super::gap`]; the border of coverage is always a silhouette. Practice: supply depth if available,
+//! else an occlusion map or alpha, whose jumps are found by Sobel's kernel.
 
 use crate::engine::cpu::simd::widened;
-use crate::fast_math::ln;
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
-/// Silhouette weight, 0..1, of the pixel at column `x` from `map`: the logarithm of depth, or an
-/// occlusion map.
+/// Silhouette weight, 0..1, of the pixel at column `x` from `map`, an occlusion map.
 ///
 /// A pixel with an uncovered pixel among its eight neighbours is on the border, weight 1.
 /// Source: [LW] algorithm 1, step 1.
@@ -35,21 +33,6 @@ pub(crate) fn jump_weight(around: [[f32; 3]; 3], threshold: SoftThreshold) -> f3
     threshold.weight(2.0 * (dx * dx + dy * dy).sqrt())
 }
 
-/// The logarithm of depth where covered, 0 elsewhere: the map for silhouettes.
-#[inline(always)]
-pub(crate) fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]) {
-    let n = out.len();
-    let (depth, covered) = (&depth[..n], &covered[..n]);
-    for x in 0..n {
-        let log = ln(depth[x]);
-        out[x] = if covered[x] { log } else { 0.0 };
-    }
-}
-
-widened! {
-    fn log_depth_row(out: &mut [f32], depth: &[f32], covered: &[bool]);
-}
-
 /// [`silhouette_weight`] of the pixels of a row in `columns`; undefined where uncovered.
 #[inline(always)]
 pub(crate) fn silhouette_row(
@@ -71,16 +54,73 @@ pub(crate) fn silhouette_row(
     let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
     for (i, out) in out.iter_mut().enumerate() {
         let jump = jump_weight([above.around(i), at.around(i), below.around(i)], threshold);
-        let seen = |r: usize| seen[r].left[i] & seen[r].at[i] & seen[r].right[i];
-        *out = if seen(0) & seen(1) & seen(2) {
-            jump
+        *out = if all_seen(&seen, i) { jump } else { 1.0 };
+    }
+}
+
+/// Whether the nine pixels around the `i`-th column are covered.
+#[inline(always)]
+fn all_seen(rows: &[Shifted<bool>; 3], i: usize) -> bool {
+    let seen = |r: usize| rows[r].left[i] & rows[r].at[i] & rows[r].right[i];
+    seen(0) & seen(1) & seen(2)
+}
+
+/// The weights of the silhouettes that a pixel is in front of, and that it is beside, from the signed weights of the gaps
+/// from the pixel before it and to the next one, and to the row below and from the row above.
+#[inline(always)]
+pub(crate) fn silhouettes_of_gaps([before, after]: [f32; 2], [below, above]: [f32; 2]) -> [f32; 2] {
+    let front = after.max(-before).max(below.max(-above));
+    let beside = after.abs().max(before.abs());
+    // Not numbers where the other side is uncovered, which `max` passes over.
+    [
+        front.max(0.0),
+        beside.max(below.abs().max(above.abs())).max(0.0),
+    ]
+}
+
+/// Silhouettes of the pixels of a row in `columns`, from the signed weights of the gaps to each pixel from the one before
+/// it, to the row below, and from the row above: those drawn, of pixels in front of a gap, and those that close, of pixels
+/// on both sides of one. Undefined where uncovered.
+#[inline(always)]
+pub(crate) fn silhouettes_of_gaps_row(
+    [line, barrier]: [&mut [f32]; 2],
+    [across, below, above]: [&[f32]; 3],
+    covered: &Rows<bool>,
+    columns: Range<usize>,
+) {
+    let inner = inner_columns(&columns, line.len());
+    let weights = |x: usize| silhouettes_of_gaps([across[x], across[x + 1]], [below[x], above[x]]);
+    for x in outer_columns(&columns, &inner) {
+        let of_gaps = if on_border(covered, x) {
+            [1.0; 2]
         } else {
-            1.0
+            weights(x)
         };
+        [line[x], barrier[x]] = of_gaps;
+    }
+    if inner.is_empty() {
+        return;
+    }
+    let seen = [covered.above, covered.at, covered.below].map(|row| Shifted::new(row, &inner));
+    let n = inner.len();
+    let (before, after) = (&across[inner.start..][..n], &across[inner.start + 1..][..n]);
+    let (below, above) = (&below[inner.start..][..n], &above[inner.start..][..n]);
+    let (line, barrier) = (&mut line[inner.clone()], &mut barrier[inner]);
+    for i in 0..n {
+        let [front, beside] = silhouettes_of_gaps([before[i], after[i]], [below[i], above[i]]);
+        let inside = all_seen(&seen, i);
+        line[i] = if inside { front } else { 1.0 };
+        barrier[i] = if inside { beside } else { 1.0 };
     }
 }
 
 widened! {
+    fn silhouettes_of_gaps_row(
+        out: [&mut [f32]; 2],
+        weights: [&[f32]; 3],
+        covered: &Rows<bool>,
+        columns: Range<usize>,
+    );
     fn silhouette_row(
         weight: &mut [f32],
         map: &Rows,
@@ -113,36 +153,19 @@ mod tests {
     use super::*;
     use crate::frame::Plane;
 
-    const THRESHOLD: SoftThreshold = SoftThreshold { lo: 0.03, hi: 0.04 };
-
-    fn weight_of_step(near: f32, far: f32) -> f32 {
-        let log_depth = Plane::from_fn(4, 3, |x, _| if x < 2 { near.ln() } else { far.ln() });
-        let covered = Plane::filled(4, 3, true);
-        silhouette_weight(
-            &Rows::around(&log_depth, 1),
-            &Rows::around(&covered, 1),
-            1,
-            THRESHOLD,
-        )
-    }
+    const THRESHOLD: SoftThreshold = SoftThreshold { lo: 0.2, hi: 0.4 };
 
     #[test]
-    fn a_step_of_three_and_a_half_percent_weighs_one_half() {
-        // ln(1.035) = 0.0344, 44 % of the way from 0.03 to 0.04.
-        let expected = (1.035_f32.ln() - 0.03) / 0.01;
-        assert!((weight_of_step(1.0, 1.035) - expected).abs() < 1e-4);
-        assert_eq!(weight_of_step(1.0, 1.02), 0.0);
-        assert_eq!(weight_of_step(1.0, 1.05), 1.0);
-    }
-
-    #[test]
-    fn the_weight_depends_on_neither_scale_nor_kind_of_depth() {
-        let reference = weight_of_step(1.0, 1.036);
-        for scale in [1e-6, 1e-3, 1e3, 1e6] {
-            assert!((weight_of_step(scale, 1.036 * scale) - reference).abs() < 1e-3);
-        }
-        // Inverse depth.
-        assert!((weight_of_step(1.0, 1.0 / 1.036) - reference).abs() < 1e-4);
+    fn a_step_of_occlusion_weighs_by_its_size() {
+        let weight_of_step = |step: f32| {
+            let map = Plane::from_fn(4, 3, |x, _| if x < 2 { 0.1 } else { 0.1 + step });
+            let covered = Plane::filled(4, 3, true);
+            let (map, covered) = (Rows::around(&map, 1), Rows::around(&covered, 1));
+            silhouette_weight(&map, &covered, 1, THRESHOLD)
+        };
+        // Half-way from 0.2 to 0.4.
+        assert!((weight_of_step(0.3) - 0.5).abs() < 1e-6);
+        assert_eq!([0.19, 0.5].map(weight_of_step), [0.0, 1.0]);
     }
 
     #[test]

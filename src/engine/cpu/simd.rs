@@ -122,7 +122,7 @@ pub(crate) use widened;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::DepthKind;
+    use crate::frame::{DepthKind, Frame, Mask, Vector3Planes};
     use crate::light::layers::{LobeRow, TermScaling};
     use crate::line::direction_field::Weighted;
     use crate::line::direction_field::directions::{self, Averaged, Source};
@@ -135,6 +135,7 @@ mod tests {
     use crate::shape::crease::NormalRows;
     use crate::shape::diffusion::kernel::{Chunk, Sum, Sweep};
     use crate::shape::diffusion::{LEVELS, Update};
+    use crate::shape::gap::{self, GapRow, GapScale};
     use crate::shape::occlusion::Step;
 
     const WIDTH: usize = 83;
@@ -172,13 +173,14 @@ mod tests {
         };
         let columns = || 0..WIDTH;
         let blank = || vec![0.0; WIDTH];
-        let [mut trace, mut faces, mut logs] = [blank(), blank(), blank()];
+        let [mut trace, mut faces, mut gaps] = [blank(), blank(), blank()];
         let [mut cosines, mut silhouette, mut conductance] = [blank(), blank(), blank()];
 
         let [x, y, c] = [&gx, &gy, &open].map(around);
         simd.trace_row(&mut trace, &x, &y, &c, columns());
         simd.face_conductance_row(&mut faces, &open[0], &open[1]);
-        simd.log_depth_row(&mut logs, &gx[0], &covered[0]);
+        let [mut front, mut beside] = [blank(), blank()];
+        made_of_gaps(simd, &gx, &gy, [&mut gaps, &mut front, &mut beside]);
         let normals = NormalRows { x, y, z: c };
         simd.least_cosine_row(&mut cosines, &normals, &seen, columns());
         let threshold = SoftThreshold { lo: 0.1, hi: 0.5 };
@@ -193,8 +195,8 @@ mod tests {
         simd.directions_row([along, upward], hessian, &covered[1][..WIDTH]);
         simd.mapped_row([mapped], &gx[0], 3.0, &covered[1][..WIDTH]);
 
-        let mut results = vec![trace, faces, logs, cosines, silhouette, conductance];
-        results.extend([half_x, half_y]);
+        let mut results = vec![trace, faces, gaps, cosines, silhouette, conductance];
+        results.extend([half_x, half_y, front, beside]);
         let of_curvature = [u, v, mean, along, upward, mapped];
         results.extend(of_curvature.map(std::mem::take));
         let value = |row: usize, i| [gx[row][i], gy[row][i], gx[row + 1][i], 1.0];
@@ -272,6 +274,46 @@ mod tests {
         let terms = rows.iter().flatten().flat_map(|chunk| chunk.terms);
         let sums = sums.iter().flat_map(|sum| numbers(sum));
         [terms.flatten().flatten().collect(), sums.collect()]
+    }
+
+    /// Weights of gaps across, and silhouettes of gaps, of sample rows.
+    fn made_of_gaps(simd: Simd, a: &[Vec<f32>; 3], b: &[Vec<f32>; 3], out: [&mut [f32]; 3]) {
+        let normal = [&a[0][..WIDTH], &b[0][..WIDTH], &a[1][..WIDTH]];
+        let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
+        let mut frame = Frame::of_normals(
+            Vector3Planes::from_fn(WIDTH, 1, |_, _| glam::DVec3::Z),
+            Mask::full(WIDTH, 1),
+        );
+        frame.source.depth_kind = DepthKind::Ray;
+        let scale = GapScale::of(&frame, SoftThreshold { lo: 0.01, hi: 1.0 });
+        let depth: Vec<f32> = b[2][..WIDTH].iter().map(|v| 1.0 + v).collect();
+        let samples = gap::Samples {
+            depth: &depth,
+            covered: &covered[..WIDTH],
+            normal,
+            to_eye: (&a[2], 0.2),
+        };
+        let mut row = GapRow::new(WIDTH);
+        simd.fill_gap_row(&mut row, &samples, &scale);
+        let [across, front, beside] = out;
+        let along = [normal[0], &normal[0][1..]];
+        let after = &mut across[1..];
+        simd.gap_weight_row(after, [&row; 4], along, &b[0], (0, &scale));
+        assert!(after.iter().any(|&weight| weight < 0.0));
+        // Not numbers beside uncovered pixels, of any bits.
+        after
+            .iter_mut()
+            .filter(|weight| weight.is_nan())
+            .for_each(|weight| *weight = 0.0);
+        let all = [true; WIDTH];
+        let covered = Rows {
+            above: &all[..],
+            at: &all,
+            below: &all,
+        };
+        let across = [&*across, &[0.0]].concat();
+        let weights = [&across[..], &b[1], &a[1]];
+        simd.silhouettes_of_gaps_row([front, beside], weights, &covered, 0..WIDTH);
     }
 
     /// Results of the occlusion kernels on sample rows.

@@ -8,11 +8,11 @@ use crate::line::normal_rays::gpu::NORMAL_RAYS;
 use crate::shape::curvature::gpu::{CURVATURES, HESSIAN};
 use crate::shape::curvature_display::gpu::CURVATURE_DISPLAY;
 use crate::shape::diffusion::gpu::DIFFUSION;
-use crate::shape::edges::gpu::{EDGES, LOG_DEPTH};
+use crate::shape::edges::gpu::{EDGES, GAPS};
 
 /// All kernels.
 pub(crate) static ALL: [&Kernel; 12] = [
-    &LOG_DEPTH,
+    &GAPS,
     &EDGES,
     &DIFFUSION,
     &HESSIAN,

@@ -19,7 +19,7 @@ pub(crate) struct Linear {
 
 impl Linear {
     /// The linear function that equals `vector` everywhere in the picture.
-    fn of(frame: &Frame, vector: impl Fn(f64, f64) -> DVec2) -> Self {
+    pub(crate) fn of(frame: &Frame, vector: impl Fn(f64, f64) -> DVec2) -> Self {
         let window = frame.data_window;
         let at = |column: i32, row: i32| {
             let [x, y] = [window.x0 + column, window.y0 + row].map(|at| f64::from(at) + 0.5);

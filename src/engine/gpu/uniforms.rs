@@ -37,11 +37,3 @@ macro_rules! uniforms {
 }
 
 pub(crate) use uniforms;
-
-uniforms! {
-    /// For kernels that need only the size of the picture.
-    SizeParams {
-        width: u32,
-        height: u32,
-    }
-}

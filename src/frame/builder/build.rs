@@ -5,7 +5,7 @@ use super::light::{colors, colors_of};
 use super::samples::{Name, Samples, bad};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered, cover};
-use crate::frame::depth::depth_of_position;
+use crate::frame::depth::{depth_of_position, depth_rounding};
 use crate::frame::{
     Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
     Window, confidence, lift_out_of_fog, normals, unround,
@@ -60,6 +60,8 @@ impl FrameBuilder<'_> {
             let (made, kind) = self.depth_of(position, camera.as_ref(), &mut mask)?;
             (depth, depth_kind) = (Some(made), kind);
         }
+        let of_depth = self.depth.as_ref().map(|(samples, _)| samples);
+        let of_depth = of_depth.or(self.position.as_ref());
         // Silhouettes follow depth where there is any.
         let shown = alpha.as_ref().filter(|_| depth.is_none());
         let occlusion = self.scalar("occlusion", &self.occlusion)?;
@@ -80,6 +82,9 @@ impl FrameBuilder<'_> {
             source: Source {
                 depth_kind,
                 normal_rounding: stored.samples.rounding,
+                depth_rounding: of_depth.map_or([0.0; 2], |samples| {
+                    depth_rounding(samples.is_half(), samples.rounding)
+                }),
                 luminance_weights: self.checked_weights()?,
                 ..Source::default()
             },

@@ -5,7 +5,7 @@ use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
-use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_jump};
+use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_gap};
 use crate::line::contours::{creases, silhouettes};
 use crate::params::{ContourParams, ShapeParams};
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ pub(crate) fn contours(
     let least = Least {
         length_px: params.shortest_px,
         twig_px: 0.5 * params.shortest_px,
-        strength: strength_of_jump(shape.silhouette.hi),
+        strength: strength_of_gap(shape.silhouette.hi),
         by_strength: false,
     };
     drop_short(&mut silhouettes, least);

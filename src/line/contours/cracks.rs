@@ -1,15 +1,14 @@
 //! The cracks between pixels that silhouettes pass.
 
 use crate::fast_math::ln;
-use crate::frame::{Frame, Plane, Projection, SightLines};
+use crate::frame::{Frame, Plane};
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
 use crate::line::contours::lattice::Lattice;
-use crate::line::contours::map_tile::{BLOCK, Map, MapTile};
 use crate::line::contours::network::Spot;
-use crate::line::contours::strength_of_jump;
-use crate::params::ShapeParams;
-use crate::plan::Available;
-use glam::{DVec2, DVec3, Vec2};
+use crate::line::contours::strength_of_gap;
+use crate::params::{ShapeParams, SoftThreshold};
+use crate::shape::gap::Gaps;
+use glam::Vec2;
 use rayon::prelude::*;
 
 /// Steps of the lattice of pixel corners: a crack between two rows runs right, one between two columns down.
@@ -21,6 +20,9 @@ const LEAST_STEP: f32 = 0.5;
 
 /// Rows of corners that one task looks at.
 const ROWS: usize = 16;
+
+/// Columns that are passed over together where no pixel has a weight.
+const BLOCK: usize = 64;
 
 /// A crack that a silhouette passes through.
 pub(crate) struct Crack {
@@ -34,8 +36,21 @@ pub(crate) struct Crack {
 pub(crate) struct Finder<'a> {
     frame: &'a Frame,
     map: Option<Map<'a>>,
-    /// The sight lines, and whether they meet in the eye, where depth is known along them.
-    sight: Option<(SightLines, bool)>,
+}
+
+/// What jumps at silhouettes.
+enum Map<'a> {
+    Depth(&'a Plane, Box<Gaps<'a>>),
+    /// An occlusion map, and the size of its jumps.
+    Occlusion(&'a Plane, SoftThreshold),
+}
+
+impl Map<'_> {
+    fn plane(&self) -> &Plane {
+        match self {
+            Self::Depth(plane, _) | Self::Occlusion(plane, _) => plane,
+        }
+    }
 }
 
 /// A pixel, possibly beyond the picture.
@@ -43,15 +58,15 @@ type Pixel = [i64; 2];
 
 impl<'a> Finder<'a> {
     pub(crate) fn new(frame: &'a Frame, shape: &ShapeParams) -> Self {
-        let projection = frame.camera.map(|camera| camera.projection);
-        let knows = Available::in_frame(frame).positions;
-        let is_perspective = |p: Projection| matches!(p, Projection::Perspective { .. });
+        let depth = frame.depth.as_ref().map(|plane| {
+            let gaps = Gaps::new(frame, plane, shape.silhouette);
+            Map::Depth(plane, Box::new(gaps))
+        });
+        let occlusion = frame.occlusion.as_ref();
+        let occlusion = occlusion.map(|plane| Map::Occlusion(plane, shape.occlusion_silhouette));
         Self {
             frame,
-            map: Map::of(frame, shape),
-            sight: projection
-                .filter(|_| knows)
-                .map(|p| (SightLines::new(p), is_perspective(p))),
+            map: depth.or(occlusion),
         }
     }
 
@@ -61,27 +76,23 @@ impl<'a> Finder<'a> {
         let bands = (mask.height() + 1).div_ceil(ROWS);
         let cracks: Vec<Vec<Crack>> = (0..bands)
             .into_par_iter()
-            .map_init(
-                || MapTile::new(mask.width(), ROWS),
-                |tile, band| self.cracks_of_band(weight, band, tile),
-            )
+            .map(|band| self.cracks_of_band(weight, band))
             .collect();
         cracks.into_iter().flatten().collect()
     }
 
     /// Cracks to the right of and below the corners of a band of lattice rows.
-    fn cracks_of_band(&self, weight: &Plane, band: usize, tile: &mut MapTile) -> Vec<Crack> {
+    fn cracks_of_band(&self, weight: &Plane, band: usize) -> Vec<Crack> {
         let mut found = Vec::new();
         let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
-        tile.move_to(rows.start);
         for y in rows {
-            self.add_row(weight, y, tile, &mut found);
+            self.add_row(weight, y, &mut found);
         }
         found
     }
 
     /// Adds the cracks of row `y`. Only pixels beside a silhouette have a weight.
-    fn add_row(&self, weight: &Plane, y: usize, tile: &mut MapTile, found: &mut Vec<Crack>) {
+    fn add_row(&self, weight: &Plane, y: usize, found: &mut Vec<Crack>) {
         let mask = &self.frame.mask;
         let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
         let [above, here] = rows.map(|y| y.map_or(&[][..], |y| weight.row(y)));
@@ -101,9 +112,6 @@ impl<'a> Finder<'a> {
             if !holds(above) && !holds(here) {
                 continue;
             }
-            if let Some(map) = &self.map {
-                tile.make(map, self.frame, y, block);
-            }
             for x in start..end {
                 let is_marked =
                     |row: &[f32], x: usize| row.get(x).is_some_and(|&weight| weight > 0.0);
@@ -114,7 +122,7 @@ impl<'a> Finder<'a> {
                     (DOWN, marked || before),
                 ];
                 for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
-                    let spot = self.spot(Across::leaving([x, y], step), tile);
+                    let spot = self.spot(Across::leaving([x, y], step));
                     found.extend(spot.map(|spot| Crack { corner, step, spot }));
                 }
             }
@@ -143,12 +151,12 @@ impl<'a> Finder<'a> {
     }
 
     /// The silhouette through a crack, if there is one.
-    fn spot(&self, crack: Across, tile: &MapTile) -> Option<Spot> {
+    fn spot(&self, crack: Across) -> Option<Spot> {
         self.inside(crack.pixel(0))?;
         self.inside(crack.pixel(1))?;
         match [0, 1].map(|i| self.is_covered(crack.pixel(i))) {
             [false, false] => None,
-            [true, true] => self.jump(&crack, tile),
+            [true, true] => self.jump(&crack),
             [first, _] => Some(self.border(&crack, first)),
         }
     }
@@ -197,36 +205,41 @@ impl<'a> Finder<'a> {
             .collect()
     }
 
-    /// The spot of a crack across which depth steps by enough once mixtures are parted.
-    fn riser(&self, crack: &Across) -> Option<Spot> {
-        let map = self.map.as_ref()?;
-        let value = |pixel: Pixel| {
-            let [x, y] = self.inside(pixel)?;
-            self.frame
-                .mask
-                .at(x, y)
-                .then(|| map.at(x, y))
-                .filter(|value| value.is_finite())
-        };
-        let sharp = |[x, y]: Pixel| {
-            let around = (0..9).filter_map(|j| value([x + j % 3 - 1, y + j / 3 - 1]));
-            Some(sharpened(value([x, y])?, around))
-        };
-        let pixels = [crack.pixel(0), crack.pixel(1)];
-        let sharp = [sharp(pixels[0])?, sharp(pixels[1])?];
-        let jump = (sharp[1] - sharp[0]).abs();
-        let raw = [value(pixels[0])?, value(pixels[1])?];
-        (jump > map.threshold.lo)
-            .then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
+    /// The map at a pixel that is covered.
+    fn value(&self, pixel: Pixel) -> Option<f32> {
+        let [x, y] = self.inside(pixel)?;
+        let value = self.map.as_ref()?.plane().at(x, y);
+        (self.frame.mask.at(x, y) && value.is_finite()).then_some(value)
     }
 
-    fn jump_spot(&self, crack: &Across, map: &Map, jump: f32, offset: f32) -> Spot {
+    /// The map at a pixel, parted from what a filter mixed into it.
+    fn sharp(&self, [x, y]: Pixel) -> Option<f32> {
+        let around = (0..9).filter_map(|j| self.value([x + j % 3 - 1, y + j / 3 - 1]));
+        Some(sharpened(self.value([x, y])?, around))
+    }
+
+    /// The spot of a crack across which depth steps by enough once mixtures are parted.
+    fn riser(&self, crack: &Across) -> Option<Spot> {
+        let pixels = [crack.pixel(0), crack.pixel(1)];
+        let sharp = [self.sharp(pixels[0])?, self.sharp(pixels[1])?];
+        let raw = [self.value(pixels[0])?, self.value(pixels[1])?];
+        let (size, least) = match self.map.as_ref()? {
+            Map::Depth(_, gaps) => {
+                let scale = &gaps.scale;
+                (scale.jump_px(sharp, crack.direction()), scale.threshold.lo)
+            }
+            Map::Occlusion(_, threshold) => ((sharp[1] - sharp[0]).abs(), threshold.lo),
+        };
+        (size > least).then(|| self.jump_spot(crack, size, spread_offset(raw, sharp)))
+    }
+
+    /// The spot of a jump of this size: of a gap in pixels, or of an occlusion map.
+    fn jump_spot(&self, crack: &Across, size: f32, offset: f32) -> Spot {
         Spot {
             at: crack.place(offset),
-            strength: if map.is_depth {
-                strength_of_jump(jump)
-            } else {
-                jump.min(1.0)
+            strength: match &self.map {
+                Some(Map::Depth(_, gaps)) => strength_of_gap(size / gaps.scale.side),
+                _ => size.min(1.0),
             },
             log_depth: self
                 .log_depth(crack.pixel(0))
@@ -236,63 +249,25 @@ impl<'a> Finder<'a> {
     }
 
     /// The silhouette between two covered pixels.
-    fn jump(&self, crack: &Across, tile: &MapTile) -> Option<Spot> {
-        let map = self.map.as_ref()?;
-        let samples = [-2, -1, 0, 1, 2, 3].map(|i| tile.value(crack.pixel(i)));
-        let least = map.threshold.lo;
-        let mut jump = unexplained_jump(&samples);
-        if jump <= least {
-            return None;
-        }
+    fn jump(&self, crack: &Across) -> Option<Spot> {
+        let samples = [-2, -1, 0, 1, 2, 3].map(|i| self.value(crack.pixel(i)));
+        let jump = unexplained_jump(&samples);
+        let size = match self.map.as_ref()? {
+            Map::Depth(_, gaps) => {
+                gaps.seen_after(self.inside(crack.pixel(0))?, crack.direction())?
+            }
+            Map::Occlusion(_, threshold) => Some(jump).filter(|&jump| jump > threshold.lo)?,
+        };
         let raw = [samples[2]?, samples[3]?];
-        let sharp = [0, 1].map(|i| {
-            let [x, y] = crack.pixel(i);
-            let around = (0..9).filter_map(|j| tile.value([x + j % 3 - 1, y + j / 3 - 1]));
-            sharpened(raw[i as usize], around)
-        });
-        let step = sharp[1] - sharp[0];
-        if step.abs() < LEAST_STEP * jump {
-            return None;
-        }
-        if map.is_depth {
-            jump = jump.min(self.unexplained_by_normals(crack, step));
-        }
-        (jump > least).then(|| self.jump_spot(crack, map, jump, spread_offset(raw, sharp)))
+        let sharp = [self.sharp(crack.pixel(0))?, self.sharp(crack.pixel(1))?];
+        let step = (sharp[1] - sharp[0]).abs();
+        (step >= LEAST_STEP * jump).then(|| self.jump_spot(crack, size, spread_offset(raw, sharp)))
     }
 
     /// Whether the border of coverage is so close that its own line suffices.
     fn is_beside_border(&self, crack: &Across) -> bool {
         let is_bare = |pixel| self.inside(pixel).is_some() && !self.is_covered(pixel);
         [-2, -1, 2, 3].iter().any(|&i| is_bare(crack.pixel(i)))
-    }
-
-    /// Step of the logarithm of depth across the crack, beyond that of a smooth surface with the normals on either
-    /// side.
-    fn unexplained_by_normals(&self, crack: &Across, step: f32) -> f32 {
-        let smooth = self.smooth_step(crack);
-        smooth.map_or(step.abs(), |smooth| (step - smooth).abs())
-    }
-
-    fn smooth_step(&self, crack: &Across) -> Option<f32> {
-        let (sight, is_perspective) = self.sight.as_ref()?;
-        let [from, to] = [self.inside(crack.pixel(0))?, self.inside(crack.pixel(1))?];
-        let window = self.frame.data_window;
-        let at = |[x, y]: [usize; 2]| {
-            let corner = DVec2::new(window.x0.into(), window.y0.into());
-            corner + DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
-        };
-        let normal = &self.frame.normal;
-        let normal = |[x, y]: [usize; 2]| {
-            let n = [&normal.x, &normal.y, &normal.z].map(|plane| f64::from(plane.at(x, y)));
-            DVec3::from_array(n)
-        };
-        let offset = sight.step(at(from), normal(from), at(to), normal(to))?;
-        let unit = match is_perspective {
-            true => 1.0,
-            false => f64::from(self.frame.depth.as_ref()?.at(from[0], from[1])),
-        };
-        let ratio = 1.0 - offset.z / unit;
-        (ratio > 0.0).then(|| ratio.ln() as f32)
     }
 }
 
@@ -324,6 +299,11 @@ impl Across {
             self.pixel[0] + i * self.axis[0],
             self.pixel[1] + i * self.axis[1],
         ]
+    }
+
+    /// The axis across it: 0 to the right, 1 downward.
+    fn direction(&self) -> usize {
+        self.axis[1] as usize
     }
 
     /// The place so far behind the middle of the crack.

@@ -13,7 +13,6 @@ pub(crate) mod cpu;
 pub(crate) mod cracks;
 pub(crate) mod creases;
 pub(crate) mod ground;
-pub(crate) mod map_tile;
 pub(crate) mod medium;
 pub(crate) mod silhouettes;
 pub(crate) mod stage;
@@ -174,12 +173,12 @@ fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
     }
 }
 
-/// The jump of the logarithm of depth whose strength is a half: a fifth of the distance.
-const HALF_PLAIN_JUMP: f32 = 0.2;
+/// The gap whose strength is a half, in longer sides of the picture.
+const HALF_PLAIN_GAP: f32 = 0.16;
 
-/// The strength of a jump of this size of the logarithm of depth, 0..1.
-pub(crate) fn strength_of_jump(jump: f32) -> f32 {
-    jump / (jump + HALF_PLAIN_JUMP)
+/// The strength of a gap of this many longer sides of the picture, 0..1.
+pub(crate) fn strength_of_gap(sides: f32) -> f32 {
+    sides / (sides + HALF_PLAIN_GAP)
 }
 
 #[cfg(test)]

@@ -51,7 +51,10 @@ fn find(run: &mut Run) {
         };
         let cells = densities(&of, options, memory);
         let mut density = cells.of_pixels(&frame.mask, memory);
-        leave_bare(&mut density, frame, params.tone.halo);
+        if let Some(silhouette) = &shape.silhouette {
+            let halo = (plan.shape.silhouette, params.tone.halo);
+            leave_bare(&mut density, frame, silhouette, halo);
+        }
         (density, cells.levels)
     });
     run.outcome.tone_levels = Some(levels);

@@ -2,18 +2,22 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::Rows;
 use crate::shape::crease::{CreaseDetector, NormalRows};
 use crate::shape::edges::SilhouetteSource;
+use crate::shape::gap::{GapRow, Gaps};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows per task: enough to make the cost of the two rows around them, whose logarithm it computes too, negligible.
+/// Rows per task: enough to make the cost of the rows around them, which it prepares too, negligible.
 const ROWS: usize = 32;
+
+/// Rows that the gap between two rows is found in.
+const GAP_ROWS: usize = 4;
 
 /// Columns checked together for creases: most contain none.
 const BLOCK: usize = 64;
@@ -102,9 +106,16 @@ struct Band<'a> {
 
 /// Scratch rows of a thread.
 struct Scratch {
-    /// The logarithm of depth in three rows, row y at index y modulo 3.
-    log_depth: [Vec<f32>; 3],
+    /// Rows prepared for gaps, row y at index y modulo 4.
+    gaps: [GapRow; GAP_ROWS],
+    /// Weights of the gaps to each pixel from the one before it; and to the row below, and from the row above.
+    across: Vec<f32>,
+    down: [Vec<f32>; 2],
+    noise: Vec<f32>,
+    /// The weight drawn: of pixels in front of a gap.
     silhouette: Vec<f32>,
+    /// The weight that closes: of pixels on both sides of one.
+    barrier: Vec<f32>,
     crease: Vec<f32>,
     least_cosine: Vec<f32>,
 }
@@ -113,17 +124,21 @@ impl Scratch {
     fn new(width: usize) -> Self {
         let row = || vec![0.0; width];
         Self {
-            log_depth: [row(), row(), row()],
+            gaps: std::array::from_fn(|_| GapRow::new(width)),
+            across: vec![0.0; width + 1],
+            down: [row(), row()],
+            noise: row(),
             silhouette: row(),
+            barrier: row(),
             crease: row(),
             least_cosine: row(),
         }
     }
 }
 
-/// The plane that silhouettes are found in, with the threshold of its jumps.
+/// What silhouettes are found in.
 enum Silhouettes<'a> {
-    Depth(&'a Plane, SoftThreshold),
+    Depth(Box<Gaps<'a>>),
     Occlusion(&'a Plane, SoftThreshold),
     Border,
 }
@@ -142,7 +157,10 @@ impl<'a> Sources<'a> {
         let map =
             |plane: &'a Option<Plane>| plane.as_ref().expect("the plan found it in the frame");
         let silhouettes = match SilhouetteSource::of(plan) {
-            SilhouetteSource::Depth => Silhouettes::Depth(map(&frame.depth), plan.shape.silhouette),
+            SilhouetteSource::Depth => {
+                let gaps = Gaps::new(frame, map(&frame.depth), plan.shape.silhouette);
+                Silhouettes::Depth(Box::new(gaps))
+            }
             SilhouetteSource::Occlusion => {
                 Silhouettes::Occlusion(map(&frame.occlusion), plan.shape.occlusion_silhouette)
             }
@@ -153,7 +171,10 @@ impl<'a> Sources<'a> {
             params: &plan.shape,
             silhouettes,
             creases: CreaseDetector::new(plan.shape.crease),
-            to_eye: ToEye::new(frame),
+            to_eye: ToEye::of(
+                frame.data_window,
+                frame.camera.map(|camera| camera.projection),
+            ),
             simd: Simd::widest(),
         }
     }
@@ -176,12 +197,11 @@ impl<'a> Sources<'a> {
                 conductance[..span.start].fill(0.0);
                 conductance[span.end..].fill(0.0);
             }
-            self.add_log_depth(y, row == 0, scratch);
             let slopes = [
                 &mut gradient_x[of_row.clone()],
                 &mut gradient_y[of_row.clone()],
             ];
-            self.fill_row(y, lengths_here, conductance, slopes, scratch);
+            self.fill_row(y, row == 0, lengths_here, conductance, slopes, scratch);
             for (plane, weights) in [
                 (&mut band.silhouette, &scratch.silhouette),
                 (&mut band.crease, &scratch.crease),
@@ -197,11 +217,15 @@ impl<'a> Sources<'a> {
     fn fill_row(
         &self,
         y: usize,
+        is_first: bool,
         lengths: Option<&[f32]>,
         conductance: &mut [f32],
         slopes: [&mut [f32]; 2],
         scratch: &mut Scratch,
     ) {
+        if let Silhouettes::Depth(gaps) = &self.silhouettes {
+            self.find_gaps(gaps, y, is_first, scratch);
+        }
         let columns = self.frame.mask.span(y);
         if columns.is_empty() {
             return;
@@ -211,52 +235,97 @@ impl<'a> Sources<'a> {
         self.crease_row(y, &columns, &normals, lengths, scratch);
         self.simd.conductance_row(
             &mut conductance[columns.clone()],
-            &scratch.silhouette[columns.clone()],
+            &scratch.barrier[columns.clone()],
             &scratch.crease[columns.clone()],
             &self.frame.mask.row(y)[columns.clone()],
         );
         self.gradient_row(y, columns, &normals, slopes);
     }
 
-    /// Ensures that the logarithm of depth around row `y` is in the scratch rows.
-    fn add_log_depth(&self, y: usize, is_first: bool, scratch: &mut Scratch) {
-        let Silhouettes::Depth(depth, _) = &self.silhouettes else {
-            return;
-        };
-        let from = if is_first { y.saturating_sub(1) } else { y + 1 };
-        for y in from..(y + 2).min(depth.height()) {
-            // Pixels outside the span adjoin a border, whatever their depth.
-            let columns = self.frame.mask.span(y);
-            self.simd.log_depth_row(
-                &mut scratch.log_depth[y % 3][columns.clone()],
-                &depth.row(y)[columns.clone()],
-                &self.frame.mask.row(y)[columns],
-            );
+    /// Finds the gaps within row `y`, to the row below, and to the row above, which are known unless it `is_first`.
+    fn find_gaps(&self, gaps: &Gaps, y: usize, is_first: bool, scratch: &mut Scratch) {
+        if is_first {
+            scratch.gaps.iter_mut().for_each(GapRow::clear);
+            for near in y.saturating_sub(2)..y + 2 {
+                self.prepare(gaps, near, scratch);
+            }
+            scratch.down[0].fill(0.0);
+            if y > 0 {
+                self.find_gaps_below(gaps, y - 1, scratch);
+            }
         }
+        self.prepare(gaps, y + 2, scratch);
+        scratch.down.swap(0, 1);
+        self.find_gaps_below(gaps, y, scratch);
+        let Scratch {
+            gaps: rows,
+            across,
+            noise,
+            ..
+        } = scratch;
+        let (row, normals) = (&rows[y % GAP_ROWS], self.frame.normal.x.row(y));
+        let last = normals.len() - 1;
+        fill_noise(gaps, [0, y], 0, noise);
+        let normals = [&normals[..last], &normals[1..]];
+        self.simd.gap_weight_row(
+            &mut across[1..=last],
+            [row; 4],
+            normals,
+            noise,
+            (0, &gaps.scale),
+        );
     }
 
+    /// Finds the gaps between row `y` and the one below.
+    fn find_gaps_below(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
+        let Scratch {
+            gaps: rows,
+            down,
+            noise,
+            ..
+        } = scratch;
+        let below = &mut down[0];
+        if y + 1 == self.frame.mask.height() {
+            below.fill(0.0);
+            return;
+        }
+        fill_noise(gaps, [0, y], 1, noise);
+        // Above the first row slots are as unknown as below the last.
+        let rows = [3, 0, 1, 2].map(|i| &rows[(y + i) % GAP_ROWS]);
+        let normals = [y, y + 1].map(|y| self.frame.normal.y.row(y));
+        self.simd
+            .gap_weight_row(below, rows, normals, noise, (1, &gaps.scale));
+    }
+
+    /// Prepares row `y` for gaps; all of a row below the picture is unknown.
+    fn prepare(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
+        let row = &mut scratch.gaps[y % GAP_ROWS];
+        match y < self.frame.mask.height() {
+            true => self.simd.fill_gap_row(row, &gaps.samples(y), &gaps.scale),
+            false => row.clear(),
+        }
+    }
     fn silhouette_row(&self, y: usize, columns: &Range<usize>, scratch: &mut Scratch) {
         let covered = Rows::around(self.frame.mask.plane(), y);
-        let out = &mut scratch.silhouette;
         let columns = columns.clone();
+        let out = &mut scratch.silhouette;
         match &self.silhouettes {
-            Silhouettes::Depth(depth, threshold) => {
-                let row = |y: usize| scratch.log_depth[y % 3].as_slice();
-                let map = Rows {
-                    above: row(y.saturating_sub(1)),
-                    at: row(y),
-                    below: row((y + 1).min(depth.height() - 1)),
-                };
+            Silhouettes::Depth(_) => {
+                let [below, above] = &scratch.down;
+                let weights = [&scratch.across[..], below, above];
+                let out = [&mut out[..], &mut scratch.barrier];
                 self.simd
-                    .silhouette_row(out, &map, &covered, columns, *threshold);
+                    .silhouettes_of_gaps_row(out, weights, &covered, columns);
+                return;
             }
             Silhouettes::Occlusion(map, threshold) => {
                 let map = Rows::around(map, y);
                 self.simd
-                    .silhouette_row(out, &map, &covered, columns, *threshold);
+                    .silhouette_row(out, &map, &covered, columns.clone(), *threshold);
             }
-            Silhouettes::Border => self.simd.border_row(out, &covered, columns),
+            Silhouettes::Border => self.simd.border_row(out, &covered, columns.clone()),
         }
+        scratch.barrier[columns.clone()].copy_from_slice(&out[columns]);
     }
 
     fn crease_row(
@@ -318,28 +387,10 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// The direction to the eye, scaled to z = 1: its x depends only on the column, its y only on the row.
-struct ToEye {
-    x: Vec<f32>,
-    y: Vec<f32>,
-}
-
-impl ToEye {
-    fn new(frame: &Frame) -> Self {
-        let window = frame.data_window;
-        let at = |x: usize, y: usize| {
-            let (column, row) = (
-                f64::from(window.x0) + x as f64,
-                f64::from(window.y0) + y as f64,
-            );
-            frame.camera.map_or(glam::Vec2::ZERO, |camera| {
-                camera.projection.to_eye(column + 0.5, row + 0.5).as_vec2()
-            })
-        };
-        Self {
-            x: (0..frame.mask.width()).map(|x| at(x, 0).x).collect(),
-            y: (0..frame.mask.height()).map(|y| at(0, y).y).collect(),
-        }
+/// Fills the noise of the gaps from the pixels of a row to the next ones along an axis; without any it stays as it is.
+fn fill_noise(gaps: &Gaps, first: [usize; 2], axis: usize, row: &mut [f32]) {
+    if let Some(noise) = gaps.noise() {
+        noise.fill_row(first, axis, row);
     }
 }
 

@@ -1,6 +1,7 @@
 // Silhouettes, creases, conductance and the depth gradient.
 
 override HAS_MAP: bool;
+override HAS_GAPS: bool;
 override HAS_LENGTHS: bool;
 override WEIGHTS_WANTED: bool;
 
@@ -91,6 +92,13 @@ fn depth_gradient(n: vec3<f32>, to_eye: vec2<f32>) -> vec2<f32> {
     return -n.xy * steepness;
 }
 
+// The weights of the silhouettes that a pixel is in front of, and that it is beside.
+fn silhouettes_of_gaps(after: vec2<f32>, before: f32, above: f32) -> vec2<f32> {
+    let front = max(max(after.x, -before), max(after.y, -above));
+    let beside = max(max(abs(after.x), abs(before)), max(abs(after.y), abs(above)));
+    return vec2<f32>(max(front, 0.0), beside);
+}
+
 fn write(i: u32, open: f32, g: vec2<f32>, edges: vec2<f32>) {
     conductance[i] = open;
     gradient[i] = g;
@@ -130,11 +138,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let i = row + id.x;
 
         let is_inside = all(covered_above) && all(covered_here) && all(covered_below);
-        var silhouette = 0.0;
-        if HAS_MAP {
-            silhouette = jump_weight(map_above, map_here, map_below);
+        var weights = vec2<f32>(0.0);
+        if HAS_GAPS {
+            let gaps_above = gaps[index_of(id.x, row_above(y))];
+            weights = silhouettes_of_gaps(gaps[i], gaps[row + columns.x].x, gaps_above.y);
+        } else if HAS_MAP {
+            weights = vec2<f32>(jump_weight(map_above, map_here, map_below));
         }
-        silhouette = select(1.0, silhouette, is_inside);
+        let silhouette = select(1.0, weights.x, is_inside);
+        let barrier = select(1.0, weights.y, is_inside);
         let left = normal_at(columns.x, row);
         let right = normal_at(columns.z, row);
         let around = NeighbourNormals(normal, left, right, normal_above, normal_below);
@@ -148,7 +160,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let g = depth_gradient(normal, to_eye);
 
         if covered_here.y {
-            write(i, 1.0 - max(silhouette, crease), g, vec2<f32>(silhouette, crease));
+            write(i, 1.0 - max(barrier, crease), g, vec2<f32>(silhouette, crease));
         } else {
             write(i, 0.0, vec2<f32>(0.0), vec2<f32>(0.0));
         }

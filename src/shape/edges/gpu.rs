@@ -4,8 +4,9 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::run::{NOWHERE, Run};
-use crate::engine::gpu::sight::to_eye;
-use crate::engine::gpu::uniforms::{SizeParams, uniforms};
+use crate::engine::gpu::sight::{Linear, to_eye};
+use crate::engine::gpu::uniforms::uniforms;
+use crate::engine::gpu::wgsl::Number::{F32, I32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
 use crate::params::ShapeParams;
@@ -13,11 +14,37 @@ use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;
+use crate::shape::gap::{DEPARTS, Gaps, NOISES, TURNS};
+use crate::shape::gap_noise::TILE;
 
 /// How far a normal faces the eye.
 pub(crate) const FACING: Wgsl = wgsl!("../facing.wgsl");
 
 uniforms! {
+    /// Uniforms of `gaps.wgsl`.
+    GapParams {
+        width: u32,
+        height: u32,
+        /// In pixels.
+        silhouette_lo: f32,
+        silhouette_hi: f32,
+        /// Pixels per unit of length, and the step to the next pixel, at depth 1.
+        pitch_x: f32,
+        pitch_y: f32,
+        step_x: f32,
+        step_y: f32,
+        rounding_share: f32,
+        rounding_unit: f32,
+        to_eye_x: f32,
+        to_eye_x_step: f32,
+        to_eye_y: f32,
+        to_eye_y_step: f32,
+        tile_columns: u32,
+        tile_rows: u32,
+        tile_x: i32,
+        tile_y: i32,
+    }
+
     /// Uniforms of `edges.wgsl`.
     EdgeParams {
         width: u32,
@@ -41,21 +68,39 @@ uniforms! {
 }
 
 bindings! {
-    LogDepthBuffers {
-        covered: &[u32], depth: &[f32], log_depth: &mut [f32],
+    GapBuffers {
+        covered: &[u32], depth: &[f32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
+        /// The noise of depth in tiles.
+        noise: &[f32],
+        gaps: &mut [vec2<f32>],
     }
     EdgesBuffers {
         covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
-        /// The logarithm of depth, or an occlusion map.
-        silhouette_map: &[f32], normal_length: &[f32], conductance: &mut [f32], gradient: &mut [vec2<f32>],
+        /// An occlusion map, and the weights of the gaps to the right and below.
+        silhouette_map: &[f32], gaps: &[vec2<f32>], normal_length: &[f32], conductance: &mut [f32], gradient: &mut [vec2<f32>],
         /// Silhouette and crease weight, if requested.
         weights: &mut [vec2<f32>],
     }
 }
 
-/// The logarithm of depth, used for silhouettes.
-pub(crate) static LOG_DEPTH: Kernel =
-    Kernel::new::<SizeParams, LogDepthBuffers>("LogDepth", &[wgsl!("log_depth.wgsl")]);
+/// Gaps between the surfaces of neighbouring pixels.
+pub(crate) static GAPS: Kernel = Kernel::new::<GapParams, GapBuffers>(
+    "Gaps",
+    &[
+        wgsl!("soft_threshold.wgsl"),
+        wgsl!(
+            "gaps.wgsl",
+            [
+                ("DEPARTS_LO", F32(DEPARTS.lo)),
+                ("DEPARTS_HI", F32(DEPARTS.hi)),
+                ("TURNS_LO", F32(TURNS.lo)),
+                ("TURNS_HI", F32(TURNS.hi)),
+                ("NOISES", F32(NOISES)),
+                ("TILE", I32(TILE)),
+            ]
+        ),
+    ],
+);
 
 /// Edges, and the gradient before diffusion.
 pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
@@ -74,33 +119,16 @@ impl Run<'_> {
         let [width, height] = self.surface.size;
         let plane = self.surface.plane_bytes();
         let of_depth = SilhouetteSource::of(plan) == SilhouetteSource::Depth;
-        let log_depth = of_depth.then(|| {
-            let log_depth = self.take(plane);
-            let depth = self.surface.map.as_ref();
-            let depth = depth.expect("the plan found it in the frame");
-            let params = SizeParams { width, height };
-            let buffers = LogDepthBuffers {
-                covered: &self.surface.covered,
-                depth,
-                log_depth: &log_depth,
-            };
-            self.recorder.over_pixels(
-                "edges-and-gradient",
-                (&LOG_DEPTH, &[]),
-                &params,
-                &buffers,
-                [width, height],
-            );
-            log_depth
-        });
+        let gaps = of_depth.then(|| self.gaps(plan, frame));
         let keeps_weights = plan.wants(Product::Silhouette);
         let weights = self.take(if keeps_weights { 2 * plane } else { NOWHERE });
         let (conductance, gradient) = (self.take(plane), self.take(2 * plane));
         let surface = &self.surface;
         let [x, y, z] = &surface.normal;
-        let map = log_depth.as_ref().or(surface.map.as_ref());
+        let map = surface.map.as_ref().filter(|_| !of_depth);
         let switches = [
             ("HAS_MAP", map.is_some()),
+            ("HAS_GAPS", of_depth),
             ("HAS_LENGTHS", surface.normal_length.is_some()),
             ("WEIGHTS_WANTED", keeps_weights),
         ];
@@ -110,6 +138,7 @@ impl Run<'_> {
             normal_y: y,
             normal_z: z,
             silhouette_map: map.unwrap_or(x),
+            gaps: gaps.as_ref().unwrap_or(x),
             normal_length: surface.normal_length.as_ref().unwrap_or(x),
             conductance: &conductance,
             gradient: &gradient,
@@ -122,7 +151,7 @@ impl Run<'_> {
             &buffers,
             [width, height],
         );
-        self.buffers.recycle(log_depth);
+        self.buffers.recycle(gaps);
         let weights = match keeps_weights {
             true => Some(weights),
             false => {
@@ -138,14 +167,72 @@ impl Run<'_> {
             hessian: None,
         }
     }
+
+    /// Weights of the gaps from each pixel to the next ones, to the right and below.
+    fn gaps(&mut self, plan: &Plan, frame: &Frame) -> wgpu::Buffer {
+        let [width, height] = self.surface.size;
+        let out = self.take(2 * self.surface.plane_bytes());
+        let there = "the plan found it in the frame";
+        let found = Gaps::new(
+            frame,
+            frame.depth.as_ref().expect(there),
+            plan.shape.silhouette,
+        );
+        let scale = &found.scale;
+        let noise = found.noise().map(|noise| noise.tiles());
+        let tiles = noise.map(|(tiles, _)| self.uploaded(tiles.samples()));
+        let (size, offset) = noise.map_or(([0; 2], [0; 2]), |(tiles, offset)| {
+            ([tiles.width() as u32, tiles.height() as u32], offset)
+        });
+        let to_eye = Linear::of(frame, |x, y| scale.to_eye(x, y));
+        let [x, y, z] = &self.surface.normal;
+        let depth = self.surface.map.as_ref().expect(there);
+        let switches = [
+            ("IS_PERSPECTIVE", scale.is_perspective),
+            ("DEPTH_ALONG_RAY", scale.along_lines),
+            ("HAS_NOISE", tiles.is_some()),
+        ];
+        self.recorder.over_pixels(
+            "edges-and-gradient",
+            (&GAPS, &switches),
+            &GapParams {
+                width,
+                height,
+                silhouette_lo: scale.threshold.lo,
+                silhouette_hi: scale.threshold.hi,
+                pitch_x: scale.pitch[0],
+                pitch_y: scale.pitch[1],
+                step_x: scale.step[0],
+                step_y: scale.step[1],
+                rounding_share: scale.rounding[0],
+                rounding_unit: scale.rounding[1],
+                to_eye_x: to_eye.first[0],
+                to_eye_x_step: to_eye.step[0],
+                to_eye_y: to_eye.first[1],
+                to_eye_y_step: to_eye.step[1],
+                tile_columns: size[0],
+                tile_rows: size[1],
+                tile_x: offset[0],
+                tile_y: offset[1],
+            },
+            &GapBuffers {
+                covered: &self.surface.covered,
+                depth,
+                normal_x: x,
+                normal_y: y,
+                normal_z: z,
+                noise: tiles.as_ref().unwrap_or(x),
+                gaps: &out,
+            },
+            [width, height],
+        );
+        out
+    }
 }
 
 fn edge_params(plan: &Plan, frame: &Frame) -> EdgeParams {
     let params: &ShapeParams = &plan.shape;
-    let silhouette = match SilhouetteSource::of(plan) == SilhouetteSource::Depth {
-        true => params.silhouette,
-        false => params.occlusion_silhouette,
-    };
+    let silhouette = params.occlusion_silhouette;
     let creases = CreaseDetector::new(params.crease);
     let to_eye = to_eye(frame);
     EdgeParams {

@@ -22,7 +22,7 @@ pub(crate) static EDGES: Stage = Stage {
         Step {
             name: "depth-silhouettes",
             gives: &[Product::Silhouette],
-            decide: |plan| silhouettes(SilhouetteSource::Depth, plan, "relative depth jumps"),
+            decide: |plan| silhouettes(SilhouetteSource::Depth, plan, "gaps between surfaces"),
         },
         Step {
             name: "occlusion-silhouettes",

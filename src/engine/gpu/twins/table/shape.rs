@@ -15,10 +15,11 @@ use crate::shape::curvature::{
 };
 use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::diffusion::{Update, flux, through};
-use crate::shape::edges::gpu::EDGES;
+use crate::shape::edges::gpu::{EDGES, GAPS};
+use crate::shape::gap::{Gap, GapUnit, Side};
 use crate::shape::gradient::{depth_gradient, facing};
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
-use crate::shape::silhouette::jump_weight;
+use crate::shape::silhouette::{jump_weight, silhouettes_of_gaps};
 use crate::shape::sobel;
 use glam::{Vec2, Vec3};
 
@@ -75,6 +76,38 @@ fn edges() -> Vec<Twin> {
             |rows: [[f32; 3]; 3], lo: f32, hi: f32| jump_weight(rows, SoftThreshold { lo, hi }),
         )
         .with(&["silhouette_lo", "silhouette_hi"]),
+        // Differences of depths, magnified to pixels; a threshold turns what they round to into up to all of a weight.
+        twin("gap_weight", &GAPS, gap)
+            .absolute(1e-3)
+            .with(&[
+                "rounding_share",
+                "rounding_unit",
+                "silhouette_lo",
+                "silhouette_hi",
+            ])
+            .within(&[
+                (1, 1.0, 2.0),
+                (2, 0.5, 1.0),
+                (2, -1.0, 1.0),
+                (1, 0.0, 1.0),
+                (1, 1.0, 2.0),
+                (2, 0.5, 1.0),
+                (2, -1.0, 1.0),
+                (1, 0.0, 1.0),
+                (1, 1.0, 20.0),
+                (1, 0.0, 0.1),
+                (1, 0.0, 1.0),
+                (2, 0.0, 1e-3),
+                (1, 1.0, 2.0),
+                (1, 5.0, 9.0),
+            ]),
+        twin(
+            "silhouettes_of_gaps",
+            &EDGES,
+            |after: [f32; 2], before: f32, above: f32| {
+                silhouettes_of_gaps([before, after[0]], [after[1], above])
+            },
+        ),
         twin("angle_within", &EDGES, angle_within).ulps(2),
         twin("crease_detector_weight", &EDGES, crease)
             .absolute(2.2e-6)
@@ -109,6 +142,34 @@ fn edges() -> Vec<Twin> {
         .with(&["min_nz", "foreshortening"])
         .within(&[(5, -100.0, 100.0), (1, 1e-3, 1.0), (1, 0.0, 4.0)]),
     ]
+}
+
+/// Depth, what is linear here and beyond, both products; and whether there is a pixel beyond.
+type SideWords = ([f32; 5], bool);
+
+fn gap(
+    first: SideWords,
+    second: SideWords,
+    pitch: f32,
+    noise: f32,
+    is_perspective: bool,
+    rounding: [f32; 2],
+    [lo, hi]: [f32; 2],
+) -> f32 {
+    let unit = GapUnit {
+        is_perspective,
+        pitch,
+        rounding,
+    };
+    let side = |([depth, linear, beyond, facing, along], has_beyond): SideWords| Side {
+        depth,
+        linear,
+        beyond: if has_beyond { beyond } else { f32::NAN },
+        facing,
+        along,
+    };
+    let gap = Gap::between(side(first), side(second), unit);
+    gap.weight(noise, SoftThreshold { lo, hi })
 }
 
 /// The CPU takes the angle from the cross product, the device from the chord, which loses digits only near half a turn,
