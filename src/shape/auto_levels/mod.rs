@@ -8,12 +8,14 @@ pub(crate) mod gpu;
 pub(crate) mod stage;
 
 use crate::params::COARSE_ROUNDING;
+use crate::quantile::quantile;
 
-/// Percentage of the surface with mapped curvature below [`TYPICAL_KAPPA`].
-pub(crate) const CURVATURE_PERCENT: u32 = 80;
+/// Mapped curvature where that is typical: clearly visible, far from saturated.
+const TYPICAL_KAPPA: f32 = 0.38;
 
-/// Mapped curvature at that percentile: clearly visible, far from saturated.
-const TYPICAL_KAPPA: f32 = 0.35;
+/// Curvature counts up to this factor of its 80th percentile, so that a few wrong normals don't rule.
+const CLIP: f32 = 8.0;
+const CLIP_SHARE: f64 = 0.8;
 
 /// Higher gains would draw the rounding of half-float normals (5e-4 per pixel) as relief. The limit holds for every
 /// resolution factor: diffusion over f times as many pixels lowers noise by f^2, more than the factor raises it.
@@ -48,9 +50,23 @@ pub(crate) fn most_gain(rounding: f32, sigma_px: f32, factor: f32) -> f32 {
     (STEP_KAPPA * width / (2.0 * LEFT_OF_STEP * rounding * factor)).min(MAX_GAIN)
 }
 
-/// Target of the gain times typical curvature.
-pub(crate) fn typical_exponent() -> f32 {
-    TYPICAL_KAPPA.atanh()
+/// The gain, at most `most`, for these magnitudes of curvature with their weights: it maps typical curvature, the mean
+/// weighted by curvature itself, to [`TYPICAL_KAPPA`].
+///
+/// So a wall adds area, but hardly weight: the gain is that of the shapes beside it.
+pub(crate) fn gain_of(curved: &[[f32; 2]], most: f32) -> f32 {
+    let mut sizes: Vec<f32> = curved.iter().map(|&[size, _]| size).collect();
+    let Some(high) = quantile(&mut sizes, CLIP_SHARE, f32::total_cmp) else {
+        return most;
+    };
+    let [mut sum, mut squares] = [0.0; 2];
+    for &[size, weight] in curved {
+        let size = f64::from(size.min(CLIP * high));
+        let share = f64::from(weight) * size;
+        sum += share;
+        squares += share * size;
+    }
+    ((f64::from(TYPICAL_KAPPA.atanh()) * sum / squares) as f32).min(most)
 }
 
 /// The curvature, `factor` times its value per pixel, below which a surface counts as flat in a picture of this size.
