@@ -29,7 +29,7 @@ const STEP_KAPPA: f32 = 0.1;
 const LEFT_OF_STEP: f32 = 1.0 / 6.0;
 
 /// The sigma of a Gaussian with the peak that a central difference gives a step.
-const SIGMA_OF_DIFFERENCE_PX: f32 = 0.8;
+pub(crate) const SIGMA_OF_DIFFERENCE_PX: f32 = 0.8;
 
 /// Percentage of the surface below the white level.
 pub(crate) const WHITE_PERCENT: u32 = 98;
@@ -39,9 +39,10 @@ pub(crate) const WHITE_PERCENT: u32 = 98;
 const FLAT_TURN: f32 = 0.25;
 
 /// Upper limit of an automatic gain, for normals rounded by up to `rounding` and a trace, `factor` times its value per
-/// pixel, of slopes diffused as by a Gaussian of `sigma_px`.
+/// pixel, of slopes diffused as by a Gaussian of `sigma_px`, or the mean of several that are mixed.
 ///
-/// A step between two codes makes a ridge of curvature 2 rounding / (sqrt(2 pi) sigma).
+/// A step between two codes makes a ridge of curvature 2 rounding / (sqrt(2 pi) sigma): with weights in proportion to
+/// sigma, a mixed one is as high as that of their mean.
 pub(crate) fn most_gain(rounding: f32, sigma_px: f32, factor: f32) -> f32 {
     if rounding <= COARSE_ROUNDING {
         return MAX_GAIN;

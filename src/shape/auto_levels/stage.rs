@@ -49,10 +49,11 @@ impl Plan {
     /// Upper limit of an automatic gain.
     pub(crate) fn most_gain(&self) -> f32 {
         let factor = self.resolution_factor;
-        let sigma_px = self.shape.scale_px() * factor;
+        let sigmas = self.shape.scales_px();
+        let mean_px = sigmas.iter().sum::<f64>() / sigmas.len() as f64 * factor;
         most_gain(
             self.available.normal_rounding,
-            sigma_px as f32,
+            mean_px as f32,
             factor as f32,
         )
     }
