@@ -1,7 +1,9 @@
 //! Flags of parameters, generated from the parameter table, and flags as typed.
 
 use crate::error::{Error, Result};
-use crate::params::{Choice, Kind, Many, Param, Parameters, Params, Style, check_scales, table};
+use crate::params::{
+    Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales, table,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -51,7 +53,7 @@ impl Flag {
 #[derive(Debug, Clone)]
 pub(crate) struct Flags {
     pub(crate) params: Params,
-    /// All sigmas of `--scale`.
+    /// All sigmas of `--scale`, unless they are mixed.
     scales: Vec<f32>,
     /// All radii of `--occlusion-radius`.
     radii: Vec<f32>,
@@ -90,7 +92,8 @@ impl Flags {
         Err(Error::BadParameter {
             name: "--scale",
             found: "names several scales".into(),
-            remedy: "give one, or write the layers of all with `shape` to an .exr".into(),
+            remedy: "give one, or write the layers of all with `shape` to an .exr; `enhance` and `relight` mix two"
+                .into(),
         })
     }
 }
@@ -116,11 +119,18 @@ impl FromArgMatches for Flags {
                 .filter_map(|value| value.parse().ok())
                 .collect()
         };
+        let mut scales = numbers("scale");
+        // One picture of light shows two scales mixed; a drawing has strokes, too.
+        let is_light = values(matches, "scaling").is_some() && values(matches, "style").is_none();
+        if let ([fine, coarse], true) = (&scales[..], is_light) {
+            params.shape.scale = Scale::Mixed([*fine, *coarse]);
+            scales.clear();
+        }
         let style =
             values(matches, "style").filter(|_| params.line.strokes.style == Style::Pictures);
         Ok(Self {
             params,
-            scales: numbers("scale"),
+            scales,
             radii: numbers("occlusion-radius"),
             folder_of_strokes: style.and_then(|style| style.last().map(PathBuf::from)),
         })

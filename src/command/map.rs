@@ -194,7 +194,7 @@ impl MapArgs {
         let flags = &self.work.flags;
         let first = match flags.params.shape.scale {
             Scale::Sigma(sigma) => sigma,
-            Scale::Iterations(_) => flags.params.shape.scale_px() as f32,
+            _ => flags.params.shape.scale_px() as f32,
         };
         let more = flags.more_scales().iter().copied();
         std::iter::once(first).chain(more).collect()

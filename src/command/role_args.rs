@@ -38,7 +38,8 @@ pub(crate) struct RoleArgs {
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     importance: Option<String>,
     /// Where and how far the picture is changed, 0 to 1: a layer of IN or a file. Shape is computed over the whole
-    /// picture; drawings and measurements cover the pixels where the mask is above one half.
+    /// picture, and the gain is that of this part; drawings and measurements cover the pixels where the mask is above one
+    /// half.
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
     /// Only this object, by its name in Cryptomatte, * and ? for any letters, or its number in an index pass; !NAME

@@ -81,9 +81,9 @@ pub struct Frame {
     /// Length of the normals before normalisation: below 1 where a filter mixed different normals. `None` if nothing
     /// was filtered.
     pub normal_length: Option<Plane>,
-    /// Confidence, 0..1, that a pixel shows a single surface: lower in defocus, motion blur, fur or fog. Engines ignore
-    /// it; the command line blends results with the frame's own picture by it. `None` if it is 1 everywhere, or was not
-    /// computed.
+    /// Confidence, 0..1, that a pixel shows a single surface: lower in defocus, motion blur, fur or fog. Engines weight
+    /// by it what they choose a gain from; the command line blends results with the frame's own picture by it. `None` if
+    /// it is 1 everywhere, or was not computed.
     pub confidence: Option<Plane>,
     /// Distance from the viewer, positive, in scene units; [`Source::depth_kind`] gives the direction it is measured
     /// in.
@@ -92,7 +92,8 @@ pub struct Frame {
     pub occlusion: Option<Plane>,
     /// Importance: the share, 0..1, of the diffusion that each pixel gets.
     pub importance: Option<Plane>,
-    /// Strength of the effect, 0..1. Engines ignore it; the command line blends results with the frame's own picture by it.
+    /// Strength of the effect, 0..1. Engines weight by it what they choose a gain from; the command line blends results
+    /// with the frame's own picture by it.
     pub strength: Option<Plane>,
     /// Stroke directions where curvature gives none, for objects with a direction of their own: x and y are the unit
     /// vector at twice its angle, z is 1 for upright on the surface; all 0 for the drawing's general direction.

@@ -62,6 +62,8 @@ pub enum Scale {
     Iterations(u32),
     /// The standard deviation, 0 to 4096 pixels, of the Gaussian that diffusion equals away from edges.
     Sigma(f32),
+    /// Two such standard deviations, whose results are added with weights in proportion to them.
+    Mixed([f32; 2]),
 }
 
 const DEFAULT_ITERATIONS: u32 = 10;
@@ -74,8 +76,8 @@ const _: () = {
     );
     params!(
         @row Shape scale [
-            "The same in pixels, as the sigma of a Gaussian, in place of --iterations; of several `shape` makes layers,"
-            "and `map` maps."
+            "The same in pixels, as the sigma of a Gaussian, in place of --iterations. Of several `shape` makes layers, and"
+            "`map` maps; `enhance` and `relight` mix two."
         ]
         Option<f32> = None, flag: "--scale", common: true, alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
@@ -105,6 +107,7 @@ const _: () = {
             match self {
                 Self::Iterations(_) => Ok(()),
                 Self::Sigma(sigma) => scale.check(sigma.outside(&scale)),
+                Self::Mixed([a, b]) => scale.check(a.outside(&scale).or(b.outside(&scale))),
             }
         }
     }
@@ -277,11 +280,12 @@ impl ShapeParams {
         })
     }
 
-    /// Diffusion time of [`ShapeParams::scale`], in pixels of the reference squared.
+    /// Diffusion time of [`ShapeParams::scale`], of the larger one if two are mixed, in pixels of the reference squared.
     pub fn diffusion_time(&self) -> f64 {
         match self.scale {
             Scale::Iterations(count) => f64::from(count) * f64::from(self.time_step),
             Scale::Sigma(sigma) => Self::time_of(sigma),
+            Scale::Mixed([a, b]) => Self::time_of(a.max(b)),
         }
     }
 
@@ -312,6 +316,14 @@ impl ShapeParams {
     /// from edges.
     pub fn scale_px(&self) -> f64 {
         (2.0 * self.diffusion_time()).sqrt()
+    }
+
+    /// The same for each scale that is mixed.
+    pub(crate) fn scales_px(&self) -> Vec<f64> {
+        match self.scale {
+            Scale::Mixed(sigmas) => sigmas.map(f64::from).to_vec(),
+            _ => vec![self.scale_px()],
+        }
     }
 }
 

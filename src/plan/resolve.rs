@@ -193,9 +193,7 @@ impl Plan {
         }
         shape.validate()?;
         check_scales(1 + more_px.len())?;
-        if !more_px.is_empty() {
-            refuse_several_scales(&shape, available)?;
-        }
+        refuse_several_scales(&shape, more_px, available)?;
         shape.validate_for(available.image_height)?;
         scaling.validate()?;
         let resolution_factor = shape.resolution_factor(available.image_height);
@@ -362,7 +360,8 @@ impl Asked<'_> {
     }
 }
 
-fn refuse_several_scales(shape: &ShapeParams, available: Available) -> Result<()> {
+fn refuse_several_scales(shape: &ShapeParams, more_px: &[f32], available: Available) -> Result<()> {
+    let are_mixed = matches!(shape.scale, Scale::Mixed(_));
     let bad = |found: &str, remedy: &str| {
         Err(Error::BadParameter {
             name: "--scale",
@@ -370,13 +369,13 @@ fn refuse_several_scales(shape: &ShapeParams, available: Available) -> Result<()
             remedy: remedy.into(),
         })
     };
-    if shape.solver == Solver::Explicit {
+    if shape.solver == Solver::Explicit && (are_mixed || !more_px.is_empty()) {
         return bad(
             "names several scales, which explicit steps cannot share",
             "leave out --solver explicit, or run once per scale",
         );
     }
-    if available.importance {
+    if available.importance && !more_px.is_empty() {
         return bad(
             "names several scales, but --importance gives every pixel its own",
             "give one scale, or leave out --importance",

@@ -500,6 +500,14 @@ impl Operator {
                 self.expanded(&field[axis], Spread::Steps { count, time_step })
             }
             Scale::Sigma(_) => self.exponential(&field[axis], params.diffusion_time()),
+            Scale::Mixed([a, b]) => {
+                let at = |sigma| self.exponential(&field[axis], ShapeParams::time_of(sigma));
+                let (fine, coarse) = (at(a), at(b));
+                let [a, b] = [a, b].map(f64::from);
+                Plane::from_fn(fine.width(), fine.height(), |x, y| {
+                    (a * fine.at(x, y) + b * coarse.at(x, y)) / (a + b)
+                })
+            }
         })
     }
 }

@@ -25,6 +25,13 @@ pub(crate) enum Spread {
         /// Length of a step, at most 1/4.
         time_step: f64,
     },
+    /// The sum of exact diffusion for these times, with these weights, whose sum is 1.
+    Mixed {
+        /// The times.
+        times: [f64; 2],
+        /// The weight of each.
+        weights: [f64; 2],
+    },
 }
 
 impl Spread {
@@ -32,6 +39,10 @@ impl Spread {
     pub(crate) fn share(self, importance: f64) -> Self {
         match self {
             Self::Time(t) => Self::Time(importance * t),
+            Self::Mixed { times, weights } => Self::Mixed {
+                times: times.map(|t| importance * t),
+                weights,
+            },
             Self::Steps { count, time_step } => Self::Steps {
                 count: (importance * f64::from(count)).round() as u32,
                 time_step,
@@ -44,6 +55,10 @@ impl Spread {
         let eigenvalue = -4.0 * (1.0 + x);
         match self {
             Self::Time(t) => (t * eigenvalue).exp(),
+            Self::Mixed { times, weights } => {
+                let [a, b] = [0, 1].map(|i| weights[i] * (times[i] * eigenvalue).exp());
+                a + b
+            }
             Self::Steps { count, time_step } => {
                 (1.0 + time_step * eigenvalue).powi(count.min(i32::MAX as u32) as i32)
             }
@@ -55,6 +70,7 @@ impl Spread {
     fn largest_degree(self) -> usize {
         match self {
             Self::Time(t) => 32 + (18.0 * t.max(0.0).sqrt()) as usize,
+            Self::Mixed { times: [a, b], .. } => Self::Time(a.max(b)).largest_degree(),
             Self::Steps { count, time_step } => {
                 let as_time = Self::Time(f64::from(count) * time_step).largest_degree();
                 as_time.min(count as usize)

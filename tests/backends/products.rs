@@ -68,6 +68,15 @@ fn several_scales_at_once() {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = Plan::at_scales(Goal::Layers, available, shape, scaling, &[1.0, 5.0]).unwrap();
         assert_same("scales", runner, &plan, &frame);
+        let scale = Scale::Mixed([1.0, 5.0]);
+        let plan = Plan::new(
+            Goal::Layers,
+            available,
+            ShapeParams { scale, ..shape },
+            scaling,
+        )
+        .unwrap();
+        assert_same("mixed scales", runner, &plan, &frame);
     });
 }
 

@@ -304,12 +304,51 @@ fn several_scales_are_layers_named_after_them() {
         assert_eq!(further.samples(), alone.samples(), "{component}");
     }
     assert_eq!(both.parts[0].channels.len(), CONTRACT.len() + 4);
-    for (verb, output) in [("enhance", "a.png"), ("shape", "a.png")] {
+    for (verb, scales) in [("hatch", "2,5"), ("shape", "2,5"), ("enhance", "2,5,9")] {
         let line = desk
-            .run(verb, &gears, output, &["--scale", "2,5"])
+            .run(verb, &gears, "a.png", &["--scale", scales])
             .refused(2);
         assert!(line.contains("several scales"), "{line}");
     }
+}
+
+/// Both scales of a picture are one, and so is what is said of it and written.
+#[test]
+fn two_scales_of_a_picture_are_mixed() {
+    let desk = Desk::new();
+    let gears = fixture("gears.exr");
+    let said = desk.run("enhance", &gears, "a.png", &["--scale", "2,8", "--explain"]);
+    let said = said.done().stdout.clone();
+    assert!(said.contains("scale 2.00 and 8.00 px"), "{said}");
+    for verb in ["enhance", "relight"] {
+        let picture = |name, scales: &[&str]| {
+            let path = desk.make(verb, &gears, name, scales);
+            // Beside its settings, which tell the scales as they were given.
+            image::open(path).unwrap().into_rgb8()
+        };
+        let mixed = picture("mixed.png", &["--scale", "2,8"]);
+        for scale in ["2", "8"] {
+            assert!(
+                mixed != picture("one.png", &["--scale", scale]),
+                "{verb} {scale}"
+            );
+        }
+        assert!(
+            mixed == picture("turned.png", &["--scale", "8,2"]),
+            "{verb}"
+        );
+    }
+    for (flags, reason) in [
+        (["--scale", "2,-8"], "--scale is -8"),
+        (["--scale", "2,nan"], "NaN"),
+        (["--scale", "2,5000"], "--scale is 5000"),
+    ] {
+        let line = desk.run("enhance", &gears, "a.png", &flags).refused(2);
+        assert!(line.contains(reason), "{line}");
+    }
+    let stepped = ["--scale", "2,8", "--solver", "explicit"];
+    let line = desk.run("enhance", &gears, "a.png", &stepped).refused(2);
+    assert!(line.contains("explicit steps"), "{line}");
 }
 
 #[test]

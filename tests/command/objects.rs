@@ -42,10 +42,11 @@ fn an_object_is_changed_by_its_share_of_each_pixel_as_in_the_whole() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr").display().to_string();
     let before = channel(Path::new(&haze), "ViewLayer.Combined.R");
-    let whole = red(desk.path(), &haze, "");
-    let of_head = red(desk.path(), &haze, "--object Head");
-    let of_rest = red(desk.path(), &haze, "--object !Head");
-    let half = red(desk.path(), &haze, "--object H*d --mix 0.5");
+    let red = |flags| red(desk.path(), &haze, &format!("--gain 8 {flags}"));
+    let whole = red("");
+    let of_head = red("--object Head");
+    let of_rest = red("--object !Head");
+    let half = red("--object H*d --mix 0.5");
     let share = head(&haze);
     let mut changed = 0;
     for y in 0..share.height() {
@@ -69,22 +70,43 @@ fn an_object_is_changed_by_its_share_of_each_pixel_as_in_the_whole() {
 }
 
 #[test]
+fn the_gain_is_that_of_the_objects_chosen() {
+    let desk = tempfile::tempdir().unwrap();
+    let haze = fixture("haze.exr").display().to_string();
+    let gain = |flags: &str| -> f64 {
+        let words = format!("enhance {haze} -o out.exr --save-recipe look.toml {flags}");
+        relievo(desk.path(), &words).done();
+        let recipe = std::fs::read_to_string(desk.path().join("look.toml")).unwrap();
+        let value = recipe
+            .lines()
+            .find_map(|line| line.strip_prefix("curvature-gain = "));
+        value.unwrap().parse().unwrap()
+    };
+    // Shares add up to 1, and so do the sums of the head and of all else: the gain of the whole lies between theirs.
+    let [head, rest, whole] = ["--object Head", "--object !Head", ""].map(gain);
+    let [least, most] = [head.min(rest), head.max(rest)];
+    assert!(least < 0.95 * most, "{head} {rest}");
+    assert!(least < whole && whole < most, "{head} {whole} {rest}");
+}
+
+#[test]
 fn a_mask_is_a_strength_and_coverage_is_not() {
     let desk = tempfile::tempdir().unwrap();
     let gears = fixture("gears.exr").display().to_string();
-    let shape = red(desk.path(), &gears, "");
+    let red = |flags| red(desk.path(), &gears, &format!("--gain 8 {flags}"));
+    let shape = red("");
     let (width, height) = (shape.width(), shape.height());
-    let before = red(desk.path(), &gears, "--mix 0");
+    let before = red("--mix 0");
     let left = Plane::from_fn(width, height, |x, _| match x {
         0..100 => 1.0,
         100..200 => 0.25,
         _ => 0.0,
     });
     Part::of([("mask.Y", &left)]).write(&desk.path().join("mask.exr"));
-    let made = red(desk.path(), &gears, "--mask mask.exr");
+    let made = red("--mask mask.exr");
     for y in 0..height {
         let rows = [&made, &shape, &before].map(|plane| plane.row(y));
-        // With a mask the parameters are those chosen for the whole: where the mask is full no bit differs.
+        // Where the mask is full no bit differs.
         assert_eq!(rows[0][..100], rows[1][..100]);
         assert_eq!(rows[0][200..], rows[2][200..]);
         for x in 100..200 {
@@ -94,7 +116,7 @@ fn a_mask_is_a_strength_and_coverage_is_not() {
         }
     }
     // Uncovered pixels have no shape, so the picture beside them comes out differently.
-    let covered = red(desk.path(), &gears, "--coverage mask.exr");
+    let covered = red("--coverage mask.exr");
     assert!((0..height).any(|y| covered.row(y)[..100] != shape.row(y)[..100]));
     assert!((0..height).all(|y| covered.row(y)[101..] == before.row(y)[101..]));
 }
@@ -223,7 +245,7 @@ fn a_drawing_fades_with_the_share_of_an_object() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr").display().to_string();
     let drawn = |flags: &str| {
-        let words = format!("hatch {haze} --layers results -q -o out.exr {flags}");
+        let words = format!("hatch {haze} --gain 8 --layers results -q -o out.exr {flags}");
         relievo(desk.path(), &words).done();
         ["strokes.hatching", "strokes.contours"]
             .map(|name| channel(&desk.path().join("out.exr"), name))

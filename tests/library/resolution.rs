@@ -141,7 +141,7 @@ fn without_a_reference_kappa_follows_resolution() {
 
 #[test]
 fn the_gain_chosen_is_the_same_at_every_resolution() {
-    // A percentile of the trace, whose relative error `allowed` derives, 1.3 % at the most.
+    // A mean of the trace, whose relative error `allowed` derives, 1.3 % at the most.
     let gain = |lines, reference| {
         let shape = settings(reference, Scale::Sigma(SIGMA as f32));
         described(&waves(lines), shape, Adaptive::Auto)

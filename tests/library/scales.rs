@@ -159,6 +159,42 @@ fn several_scales_are_what_each_is_alone() {
     }
 }
 
+/// Slopes of two scales, with weights in proportion to them: .2 of 2 px and .8 of 8.
+#[test]
+fn mixed_scales_add_up() {
+    let (plain, number) = painted(3, |_| 1.0);
+    let at = |frame: &Frame, scale| gradient(frame, with(Solver::Chebyshev, scale));
+    let (fine, coarse) = (Scale::Sigma(2.0), Scale::Sigma(8.0));
+    let mixed = Scale::Mixed([2.0, 8.0]);
+    let full = at(&plain, mixed);
+    // By importance both times shrink: a quarter of the time is half of the sigma.
+    let mut shared = plain.clone();
+    shared.importance = Some(number.map(|n| [0.0, 0.25, 1.0][n]));
+    let shared = at(&shared, mixed);
+    let plain = Frame {
+        importance: None,
+        ..plain
+    };
+    let expected = [(0.0, 0.0), (1.0, 4.0), (2.0, 8.0)].map(|(fine, coarse)| {
+        let [fine, coarse] = [fine, coarse].map(|sigma| at(&plain, Scale::Sigma(sigma)).x);
+        Plane::from_fn(120, 100, |x, y| 0.2 * fine.at(x, y) + 0.8 * coarse.at(x, y))
+    });
+    let [fine, coarse] = [fine, coarse].map(|scale| at(&plain, scale).x);
+    let mut changed = 0.0_f32;
+    for (y, x) in (0..100).flat_map(|y| (0..120).map(move |x| (y, x))) {
+        if !plain.mask.at(x, y) {
+            continue;
+        }
+        // Each is within the tolerance of 1e-4; a map of importance is stored in 1023 steps.
+        let error = (full.x.at(x, y) - expected[2].at(x, y)).abs();
+        assert!(error < 2e-4, "({x}, {y}): {error}");
+        let error = (shared.x.at(x, y) - expected[number.at(x, y)].at(x, y)).abs();
+        assert!(error < 1e-3, "({x}, {y}): {error}");
+        changed = changed.max((fine.at(x, y) - coarse.at(x, y)).abs());
+    }
+    assert!(changed > 0.05, "{changed}");
+}
+
 #[test]
 fn several_scales_are_refused_where_they_cannot_share() {
     let mut frame = frame();
@@ -175,8 +211,16 @@ fn several_scales_are_refused_where_they_cannot_share() {
     };
     assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_ok());
     assert!(plan(&frame, Solver::Explicit, &[4.0]).is_err());
+    let mixed = |solver, sigma| {
+        let shape = with(solver, Scale::Mixed([2.0, sigma]));
+        let available = Available::in_frame(&frame);
+        Plan::new(Goal::Layers, available, shape, ScalingParams::default())
+    };
+    assert!(mixed(Solver::Chebyshev, 4.0).is_ok());
+    assert!(mixed(Solver::Explicit, 4.0).is_err());
     for bad in [-1.0, f32::NAN, f32::INFINITY] {
         assert!(plan(&frame, Solver::Chebyshev, &[bad]).is_err());
+        assert!(mixed(Solver::Chebyshev, bad).is_err());
     }
     frame.importance = Some(Plane::filled(120, 100, 0.5));
     assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_err());

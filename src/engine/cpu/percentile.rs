@@ -1,5 +1,5 @@
-//! Percentiles of what is seen in a picture, from a bounded sample of its pixels: exact for small pictures, and within
-//! 1 % for large ones.
+//! Percentiles and other statistics of what is seen in a picture, from a bounded sample of its pixels: exact for small
+//! pictures, and within 1 % for large ones.
 //!
 //! If too few of the sampled values count, such as curvature in a picture of walls, a second look at more pixels
 //! replaces the first. A picture that comes some rows at a time gives the same as the whole.
@@ -20,42 +20,58 @@ pub(crate) fn percentile(
     percent: u32,
     value: impl Fn(usize, usize) -> Option<f32> + Sync,
 ) -> Option<f32> {
-    let mut search = PercentileSearch::new(percent);
-    search.begin(&Extent::of(mask));
-    while search.is_open() {
-        search.add(mask, 0..mask.height(), 0, &value);
-        search.end_look();
-    }
-    search.found()
+    sample(mask, value).percentile(percent)
 }
 
-/// A search among the values of a picture that comes some rows at a time, once or twice.
-#[derive(Debug, Clone)]
-pub(crate) struct PercentileSearch {
-    percent: u32,
+/// The sampled values of a whole picture.
+pub(crate) fn sample<T: Value>(
+    mask: &Mask,
+    value: impl Fn(usize, usize) -> Option<T> + Sync,
+) -> Sample<T> {
+    let mut sample = Sample::default();
+    sample.begin(&Extent::of(mask));
+    while sample.is_open() {
+        sample.add(mask, 0..mask.height(), 0, &value);
+        sample.end_look();
+    }
+    sample
+}
+
+/// What is known of a pixel: a number, or a number and its weight.
+pub(crate) trait Value: Copy + Send + Default {
+    fn is_finite(self) -> bool;
+}
+
+impl Value for f32 {
+    fn is_finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Value for [f32; 2] {
+    fn is_finite(self) -> bool {
+        self.iter().all(|number| number.is_finite())
+    }
+}
+
+/// A sample of the values of a picture that comes some rows at a time, once or twice: its finite values, row by row.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Sample<T> {
     lattice: Lattice,
-    values: Vec<f32>,
+    values: Vec<T>,
     looks: Looks,
 }
 
-/// The look that a search takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The look that a sample takes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 enum Looks {
     First,
     Second,
+    #[default]
     Done,
 }
 
-impl PercentileSearch {
-    pub(crate) fn new(percent: u32) -> Self {
-        Self {
-            percent,
-            lattice: Lattice::default(),
-            values: Vec::new(),
-            looks: Looks::Done,
-        }
-    }
-
+impl<T: Value> Sample<T> {
     /// Begins the first look at a picture with these covered pixels.
     pub(crate) fn begin(&mut self, extent: &Extent) {
         self.lattice = extent.lattice();
@@ -73,7 +89,7 @@ impl PercentileSearch {
         mask: &Mask,
         rows: Range<usize>,
         top: usize,
-        value: impl Fn(usize, usize) -> Option<f32> + Sync,
+        value: impl Fn(usize, usize) -> Option<T> + Sync,
     ) {
         if !self.is_open() {
             return;
@@ -94,8 +110,8 @@ impl PercentileSearch {
         self.values.par_extend(values);
     }
 
-    /// Ends a look at all rows.
-    pub(crate) fn end_look(&mut self) {
+    /// Ends a look at all rows, and returns whether it takes another.
+    pub(crate) fn end_look(&mut self) -> bool {
         let finer = finer_side(self.lattice.side, self.values.len() as u32);
         self.looks = match self.looks {
             Looks::First if finer < self.lattice.side => Looks::Second,
@@ -105,15 +121,20 @@ impl PercentileSearch {
             self.lattice.side = finer;
             self.values.clear();
         }
+        self.is_open()
     }
 
-    /// The percentile, once no other look is taken.
-    pub(crate) fn found(mut self) -> Option<f32> {
-        quantile(
-            &mut self.values,
-            f64::from(self.percent) / 100.0,
-            f32::total_cmp,
-        )
+    /// The values, once no other look is taken.
+    pub(crate) fn values(self) -> Vec<T> {
+        self.values
+    }
+}
+
+impl Sample<f32> {
+    /// A percentile of the values, once no other look is taken.
+    pub(crate) fn percentile(mut self, percent: u32) -> Option<f32> {
+        let share = f64::from(percent) / 100.0;
+        quantile(&mut self.values, share, f32::total_cmp)
     }
 }
 
@@ -215,7 +236,7 @@ mod tests {
                     let (mask, rows, top) = strip(&rows);
                     extent.add(&mask, rows, top);
                 }
-                let (mut search, mut looks) = (PercentileSearch::new(98), 0);
+                let (mut search, mut looks) = (Sample::default(), 0);
                 search.begin(&extent);
                 while search.is_open() {
                     for rows in strips() {
@@ -226,7 +247,7 @@ mod tests {
                     looks += 1;
                 }
                 assert_eq!(looks, if share < 1.0 { 2 } else { 1 });
-                assert_eq!(search.found(), whole, "{share} {height}");
+                assert_eq!(search.percentile(98), whole, "{share} {height}");
             }
         }
     }

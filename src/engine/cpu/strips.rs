@@ -1,6 +1,6 @@
 //! Automatic choices from a whole picture that is processed in strips.
 
-use crate::engine::cpu::percentile::PercentileSearch;
+use crate::engine::cpu::percentile::Sample;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Shape;
@@ -31,8 +31,8 @@ pub(crate) struct StripSearch {
     /// Whether the extent is known.
     is_measured: bool,
     gain: Option<GainSearch>,
-    white: Option<PercentileSearch>,
-    terms: Vec<(&'static str, PercentileSearch)>,
+    white: Option<Sample<f32>>,
+    terms: Vec<(&'static str, Sample<f32>)>,
     albedo: Option<AlbedoSearch>,
 }
 
@@ -66,8 +66,7 @@ impl StripSearch {
             gain: plan
                 .chooses_gain()
                 .then(|| GainSearch::new(size, factor, plan.most_gain())),
-            white: (chosen_for(plan) == Some(Subject::Picture))
-                .then(|| PercentileSearch::new(WHITE_PERCENT)),
+            white: (chosen_for(plan) == Some(Subject::Picture)).then(Sample::default),
             terms: Vec::new(),
             albedo: estimates_albedo.then(AlbedoSearch::new),
         };
@@ -99,7 +98,7 @@ impl StripSearch {
             self.extent.add(mask, rows, top);
             return Ok(());
         }
-        if let Some(search) = self.gain.as_mut().filter(|gain| gain.search.is_open()) {
+        if let Some(search) = self.gain.as_mut().filter(|gain| gain.sample.is_open()) {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
@@ -120,7 +119,7 @@ impl StripSearch {
             let trace = trace.expect("the gain takes the trace");
             let conductance = conductance.as_ref();
             let conductance = conductance.expect("the trace takes the conductance");
-            search.add(mask, rows.clone(), top, [trace, conductance]);
+            search.add(strip, rows.clone(), top, [trace, conductance]);
             runner.recycle(outcome);
         }
         if let (Some(search), Some(color)) = (&mut self.white, &strip.color) {
@@ -139,26 +138,27 @@ impl StripSearch {
     pub(crate) fn next_look(&mut self) -> bool {
         if !self.is_measured {
             self.is_measured = true;
-            let gain = self.gain.iter_mut().map(|gain| &mut gain.search);
-            gain.chain(&mut self.white)
-                .for_each(|search| search.begin(&self.extent));
+            if let Some(gain) = &mut self.gain {
+                gain.sample.begin(&self.extent);
+            }
+            if let Some(white) = &mut self.white {
+                white.begin(&self.extent);
+            }
             if let Some(search) = &mut self.albedo {
                 search.begin_white(&self.extent);
             }
             return true;
         }
-        let gain = self.gain.iter_mut().map(|gain| &mut gain.search);
+        let gain = self.gain.iter_mut().map(|gain| gain.sample.end_look());
         let terms = self.terms.iter_mut().map(|(_, search)| search);
         let albedo = self
             .albedo
             .iter_mut()
             .filter_map(AlbedoSearch::white_search);
-        let searches = gain.chain(&mut self.white).chain(terms).chain(albedo);
+        let whites = self.white.iter_mut().chain(terms).chain(albedo);
         // All of them, though one is enough to look again.
-        searches.fold(false, |is_open, search| {
-            search.end_look();
-            is_open | search.is_open()
-        })
+        gain.chain(whites.map(Sample::end_look))
+            .fold(false, |is_open, open| is_open | open)
     }
 
     /// The results, after the last look.
@@ -166,9 +166,11 @@ impl StripSearch {
         let terms = self.terms.into_iter();
         StripChoice {
             gain: self.gain.map(GainSearch::gain),
-            white_level: self.white.map(|search| white_of(search.found())),
+            white_level: self
+                .white
+                .map(|sample| white_of(sample.percentile(WHITE_PERCENT))),
             term_white_levels: terms
-                .map(|(name, search)| (name, search.found().unwrap_or(1.0)))
+                .map(|(name, sample)| (name, sample.percentile(WHITE_PERCENT).unwrap_or(1.0)))
                 .collect(),
             albedo: self.albedo.and_then(AlbedoSearch::found),
         }

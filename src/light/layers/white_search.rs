@@ -2,16 +2,15 @@
 
 use super::cpu::Absent;
 use super::terms::light_terms;
-use crate::engine::cpu::percentile::PercentileSearch;
+use crate::engine::cpu::percentile::Sample;
 use crate::frame::{Extent, Frame};
 use crate::params::ScalingParams;
-use crate::shape::auto_levels::WHITE_PERCENT;
 use std::ops::Range;
 
 /// Adds the luminance of each term in the rows `rows` of a strip, whose first row is row `top` of a picture with this
-/// extent, to the search for its white level; given levels need none.
+/// extent, to the sample for its white level; given levels need none.
 pub(crate) fn add_to_searches(
-    searches: &mut Vec<(&'static str, PercentileSearch)>,
+    searches: &mut Vec<(&'static str, Sample<f32>)>,
     extent: &Extent,
     (strip, params): (&Frame, &ScalingParams),
     rows: &Range<usize>,
@@ -21,7 +20,7 @@ pub(crate) fn add_to_searches(
     for term in light_terms(&strip.light.lobes, params) {
         let known = searches.iter().position(|(name, _)| *name == term.name);
         let index = known.unwrap_or_else(|| {
-            let mut search = PercentileSearch::new(WHITE_PERCENT);
+            let mut search = Sample::default();
             search.begin(extent);
             searches.push((term.name, search));
             searches.len() - 1

@@ -1,19 +1,19 @@
 //! The estimate of the albedo, found a strip at a time.
 
 use super::albedo::{BRIGHT, fitted, luminance_over};
-use crate::engine::cpu::percentile::PercentileSearch;
+use crate::engine::cpu::percentile::Sample;
 use crate::frame::{Extent, Frame};
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use std::ops::Range;
 
 /// A search for the estimate in a picture that comes some rows at a time, from top to bottom: once for the shading, and
-/// as often as a [`PercentileSearch`] looks for the white level over it.
+/// as often as a [`Sample`] is looked at for the white level over it.
 #[derive(Debug, Clone)]
 pub(crate) struct AlbedoSearch {
     fit: ShadingFit,
-    /// The fitted shading, and the search for the white level over it.
-    white: Option<(Option<FittedShading>, PercentileSearch)>,
+    /// The fitted shading, and the light over it, for the white level.
+    white: Option<(Option<FittedShading>, Sample<f32>)>,
 }
 
 impl AlbedoSearch {
@@ -37,13 +37,13 @@ impl AlbedoSearch {
 
     /// Solves for the shading, and begins to search the white level, in a picture with this extent.
     pub(crate) fn begin_white(&mut self, extent: &Extent) {
-        let mut search = PercentileSearch::new(statistics::WHITE_PERCENT);
+        let mut search = Sample::default();
         search.begin(extent);
         self.white = Some((self.fit.solved(), search));
     }
 
-    /// The search for the white level.
-    pub(crate) fn white_search(&mut self) -> Option<&mut PercentileSearch> {
+    /// The sample for the white level.
+    pub(crate) fn white_search(&mut self) -> Option<&mut Sample<f32>> {
         self.white.as_mut().map(|(_, search)| search)
     }
 
@@ -52,7 +52,7 @@ impl AlbedoSearch {
         let (shading, search) = self.white?;
         Some(AlbedoEstimate {
             shading,
-            factor: BRIGHT / statistics::white_of(search.found()),
+            factor: BRIGHT / statistics::white_of(search.percentile(statistics::WHITE_PERCENT)),
         })
     }
 }

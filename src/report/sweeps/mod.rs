@@ -130,6 +130,7 @@ pub(crate) fn named(scale: Scale) -> String {
         Scale::Iterations(1) => "1 step".into(),
         Scale::Iterations(count) => format!("{count} steps"),
         Scale::Sigma(sigma) => format!("sigma {sigma} px"),
+        Scale::Mixed([a, b]) => format!("sigma {a} and {b} px"),
     }
 }
 

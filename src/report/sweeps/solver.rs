@@ -175,6 +175,7 @@ fn sweep_scale(
         flag: match scale {
             Scale::Iterations(count) => format!("--iterations {count}"),
             Scale::Sigma(sigma) => format!("--scale {sigma}"),
+            Scale::Mixed([a, b]) => format!("--scale {a},{b}"),
         },
         sigma_px: shape.scale_px(),
         rows,
@@ -193,7 +194,7 @@ fn settings(shape: &ShapeParams) -> Vec<ShapeParams> {
     let time_steps: &[f32] = match shape.scale {
         // A number of steps implies their length: another length would give another result.
         Scale::Iterations(_) => &asked_for,
-        Scale::Sigma(_) => &TIME_STEPS,
+        Scale::Sigma(_) | Scale::Mixed(_) => &TIME_STEPS,
     };
     let explicit = time_steps.iter().map(|&time_step| ShapeParams {
         solver: Solver::Explicit,

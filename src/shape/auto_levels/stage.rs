@@ -5,7 +5,8 @@ use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::auto_levels::{cpu, most_gain};
+use crate::shape::auto_levels::cpu::{self, Counted};
+use crate::shape::auto_levels::most_gain;
 use crate::shape::curvature::stage::trace_of_gradient;
 
 /// The gain of the curvature mapping.
@@ -48,10 +49,11 @@ impl Plan {
     /// Upper limit of an automatic gain.
     pub(crate) fn most_gain(&self) -> f32 {
         let factor = self.resolution_factor;
-        let sigma_px = self.shape.scale_px() * factor;
+        let sigmas = self.shape.scales_px();
+        let mean_px = sigmas.iter().sum::<f64>() / sigmas.len() as f64 * factor;
         most_gain(
             self.available.normal_rounding,
-            sigma_px as f32,
+            mean_px as f32,
             factor as f32,
         )
     }
@@ -91,20 +93,14 @@ fn gain_of_frame(run: &mut Run) -> f32 {
     let made_of = (own.is_some(), plan.relighting.is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
-    let whole = run.frame.data_window;
-    let mask = &run.frame.mask;
-    let choose = || match plan.tile {
-        Some(tile) => {
-            let (mask, part) = (
-                mask.crop(whole, tile.window),
-                tile.window.relative_to(whole),
-            );
-            cpu::curvature_gain(trace, conductance, (&mask, part), factor, most)
-        }
-        None => {
-            let part = whole.relative_to(whole);
-            cpu::curvature_gain(trace, conductance, (mask, part), factor, most)
-        }
+    let frame = run.frame;
+    let choose = || {
+        let counted = Counted::of(frame, [trace, conductance]);
+        let whole = frame.data_window;
+        let part = plan.tile.map_or(whole, |tile| tile.window);
+        let of_tile = plan.tile.map(|_| frame.mask.crop(whole, part));
+        let mask = of_tile.as_ref().unwrap_or(&frame.mask);
+        cpu::curvature_gain(&counted, (mask, part.relative_to(whole)), factor, most)
     };
     let gain = run.copied_or(&key, |kept| &mut kept.gain, AUTO_GAIN.name, choose);
     (run.outcome.shape, run.trace) = (shape, own);

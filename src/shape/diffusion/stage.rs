@@ -49,11 +49,15 @@ fn decide(plan: &Plan) -> Verdict {
 
 /// The scale in pixels of the picture, and in pixels of the reference.
 fn scale(shape: &ShapeParams, factor: f64) -> String {
-    let sigma = shape.scale_px();
-    let here = format!("scale {:.2} px", sigma * factor);
+    let at = |factor: f64| {
+        let sigmas = shape.scales_px().into_iter();
+        let said: Vec<_> = sigmas.map(|s| format!("{:.2}", s * factor)).collect();
+        said.join(" and ")
+    };
+    let here = format!("scale {} px", at(factor));
     match shape.reference_height {
         None => here,
-        Some(height) => format!("{here} ({sigma:.2} px at a height of {height})"),
+        Some(height) => format!("{here} ({} px at a height of {height})", at(1.0)),
     }
 }
 
