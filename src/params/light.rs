@@ -63,8 +63,10 @@ params! {
         /// Luminance that counts as intensity 1, or auto to fit the picture.
         ///
         /// In scene-linear units. Auto takes a high percentile over the surface. All intensities above it scale alike.
+        /// In new light it is for light that is looked up; auto compares that with its median (see middle_light), and
+        /// prefiltered diffuse light and lit spheres for a display with their largest ([RS] section 5.3).
         white_level: Adaptive = Adaptive::Auto,
-            flag: "--white-level", form: "L|auto", group: Group::WhiteLevels,
+            flag: "--white-level", form: "L|auto",
             valid: LEVELS, useful: by_factors(0.01, 10.0);
         /// White level of one kind of light where lobes are scaled separately: diffuse=0.4. Repeatable.
         term_white_levels: TermWhiteLevels = TermWhiteLevels::NONE,
