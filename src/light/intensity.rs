@@ -42,21 +42,19 @@ impl White {
         }
     }
 
-    /// The intensity of the light that spheres show: for a display, unless a sample is above its white of 1.
+    /// The intensity of the light that spheres show: compared with its largest where all are for a display.
     pub(crate) fn of_spheres(self, spheres: &[LitSphere], weights: [f32; 3]) -> Intensity {
-        let largest = |weights| {
+        let largest = || {
             let each = spheres.iter().map(|s| s.largest_luminance(weights));
             each.fold(0.0, f32::max)
         };
-        let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let is_for_display = channels.into_iter().all(|channel| largest(channel) <= 1.0);
-        if is_for_display && self == Self::Auto {
-            return Intensity::by_level(largest(weights));
+        if self == Self::Auto && spheres.iter().all(LitSphere::is_for_display) {
+            return Intensity::by_level(largest());
         }
         self.unlimited(|| {
             let seen = |[x, y, _]: [f32; 3]| spheres.iter().map(move |s| s.color([x, y]));
             let colors = ball().flat_map(seen);
-            median(colors, weights).unwrap_or_else(|| largest(weights))
+            median(colors, weights).unwrap_or_else(largest)
         })
     }
 }
@@ -137,6 +135,8 @@ mod tests {
     fn light_for_a_display_is_compared_with_its_largest_and_other_light_with_its_median() {
         let shown = sphere(|x, _| if x > 0.9 { 1.0 } else { 0.5 });
         assert_eq!(of(White::Auto, &[shown.clone()]), Intensity::by_level(1.0));
+        let dark = of(White::Auto, &[shown.clone().scene_linear()]);
+        assert_eq!(dark, Intensity::by_middle(0.5));
         // Half of the disc lies right of its middle, where 2 + x has its median.
         let bright = sphere(|x, _| 2.0 + x);
         let found = of(White::Auto, &[bright.clone()]);

@@ -208,7 +208,7 @@ fn intensity(relighting: &Relighting) -> String {
     match relighting.white {
         White::Level(level) => format!("intensity 1 at luminance {level}, by --white-level"),
         White::Auto if relighting.lit_spheres > 0 => {
-            format!("{limited}, above 1 {unlimited}")
+            format!("{limited}, of HDR {unlimited}")
         }
         _ if is_diffuse && material != Material::Phong => limited.into(),
         White::Auto if is_diffuse => format!("{limited}, of highlights {unlimited}"),
