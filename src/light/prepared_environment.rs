@@ -32,6 +32,8 @@ pub(crate) struct Illuminants<'a> {
 pub(crate) struct PreparedEnvironment {
     /// Gain of its radiance; `None` without an environment.
     gain: Option<f32>,
+    /// The luminance of the brightest white surface that faces the viewer; the largest number where it is not known.
+    brightest: f32,
     pub(crate) used: Used,
 }
 
@@ -119,7 +121,12 @@ impl<'a> Illuminants<'a> {
             true => Used::Nothing,
             false => Used::LitSpheres(white.of_spheres(spheres, weights)),
         };
-        let ready = Arc::new(PreparedEnvironment { gain: None, used });
+        let largest = spheres.iter().map(|s| s.largest_luminance(weights));
+        let ready = Arc::new(PreparedEnvironment {
+            gain: None,
+            brightest: largest.fold(0.0, f32::max),
+            used,
+        });
         Self { ready, spheres }
     }
 
@@ -170,6 +177,33 @@ impl<'a> Illuminants<'a> {
     /// Gain of the environment's radiance; `None` without an environment.
     pub(crate) fn gain(&self) -> Option<f32> {
         self.ready.gain
+    }
+
+    /// The last tone of a cartoon: that of a white surface which unchanged light meets in full, for light that is warped
+    /// and scaled adds none. Near a light at a point, and for other materials, there is no last one.
+    pub(crate) fn most_tone(
+        &self,
+        light: &Illumination,
+        relighting: &Relighting,
+        weights: [f32; 3],
+    ) -> f32 {
+        let material = &relighting.params.material;
+        let is_changed = relighting.warps || relighting.scales;
+        let has_last = material.material == Material::Toon && is_changed && light.points.is_empty();
+        let Some(tones) = relighting.params.tones().filter(|_| has_last) else {
+            return f32::MAX;
+        };
+        let far = light.directional.iter();
+        let far: f32 = far.map(|far| luminance(far.intensity, weights)).sum();
+        let around = match self.spheres {
+            [] => material.diffuse_gain * self.ready.brightest,
+            // They include gains of their own.
+            _ => self.ready.brightest,
+        };
+        let most = material.ambient + material.diffuse_gain * far + around;
+        (tones.levels as f32 * most.sqrt())
+            .round()
+            .clamp(1.0, f32::MAX)
     }
 
     /// Lights that represent the environment.
@@ -278,6 +312,7 @@ impl PreparedEnvironment {
         };
         Self {
             gain: Some(gain),
+            brightest: largest.map_or(f32::MAX, |largest| gain * largest),
             used,
         }
     }

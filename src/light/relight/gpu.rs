@@ -82,6 +82,7 @@ uniforms! {
         weight_b: f32,
         tone_levels: f32,
         tone_softness: f32,
+        tone_most: f32,
         environment_gain: f32,
         /// The factor of a map prefiltered by a highlight.
         map_lobe: f32,
@@ -352,6 +353,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         weight_b: weights[2],
         tone_levels: tones.levels as f32,
         tone_softness: tones.softness,
+        tone_most: light.most_tone,
         environment_gain: light.around.gain().unwrap_or(1.0),
         map_lobe: 2.0 / (material.shininess + 1.0),
         map_width: map.size[0],

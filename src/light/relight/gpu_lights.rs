@@ -27,6 +27,7 @@ pub(crate) struct Light<'a> {
     pub(crate) lights: wgpu::Buffer,
     pub(crate) texels: wgpu::Buffer,
     pub(crate) maps: [Placed; 2],
+    pub(crate) most_tone: f32,
     /// Timings of the preparation.
     pub(crate) timings: Vec<(&'static str, Duration)>,
 }
@@ -124,6 +125,7 @@ impl LightCache {
             lights: filled(device, &[&vectors])?,
             texels,
             maps,
+            most_tone: around.most_tone(illumination, relighting, weights),
             around,
             timings,
         })

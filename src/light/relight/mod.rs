@@ -85,6 +85,8 @@ pub(crate) fn relight(run: &mut Run) {
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
     let shading = shading(plan, relighting, gain, eye.is_none());
+    let tones = relighting.params.tones();
+    let most_tone = around.most_tone(illumination, relighting, weights);
     let scene = Scene {
         frame,
         relighting,
@@ -112,7 +114,7 @@ pub(crate) fn relight(run: &mut Run) {
         mirrors,
         lit: lit_mask,
         eye,
-        tones: relighting.params.tones(),
+        tones: tones.map(|tones| (tones, most_tone)),
     };
     let color = run.timed("relight", || lit(&scene, normals, memory));
     drop(scene);

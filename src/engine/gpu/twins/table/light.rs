@@ -59,18 +59,19 @@ fn scaling_of_light() -> Vec<Twin> {
         twin(
             "tone_factor",
             &RELIGHT,
-            |y: f32, levels: f32, softness: f32| {
+            |y: f32, levels: f32, softness: f32, most: f32| {
                 tone_factor(
                     y,
                     Quantisation {
                         levels: levels as u32,
                         softness,
                     },
+                    most,
                 )
             },
         )
-        .with(&["tone_levels", "tone_softness"])
-        .within(&[(1, 0.0, 2.0), (1, 1.0, 64.0), (1, 0.0, 1.0)])
+        .with(&["tone_levels", "tone_softness", "tone_most"])
+        .within(&[(1, 0.0, 2.0), (1, 1.0, 64.0), (1, 0.0, 1.0), (1, 1.0, 64.0)])
         .on(|words| each(&mut words[1..2], f32::floor)),
     ]
 }
