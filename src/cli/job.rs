@@ -264,14 +264,15 @@ impl<'a> Job<'a> {
             Kind::Exr => self.write_exr(done, self.color_channels(loaded, made.color)),
             Kind::Picture(_) => {
                 let mask = &loaded.frame.mask;
-                let exposure = made.exposure(&self.work.flags.params.display, mask);
+                let exposure = made.exposure(&self.work, mask);
                 let displayed = self.displayed(loaded, made, exposure);
                 let picture = displayed.picture();
                 let chosen = done.chosen().exposed(exposure);
                 let settings = self.recipe(&chosen);
                 self.write(done, chosen, |output| {
                     self.write_picture_to(output, done, &picture, settings)?;
-                    Ok(self.whites(&picture, mask, 0..mask.height()))
+                    let shown = (&picture, displayed.before());
+                    Ok(self.whites(shown, mask, 0..mask.height()))
                 })
             }
         }
@@ -447,14 +448,19 @@ impl<'a> Job<'a> {
         Ok(chosen)
     }
 
-    /// How much of a picture for a display is white; nothing of one that holds linear numbers.
-    pub(super) fn whites(&self, picture: &Picture, mask: &Mask, rows: Range<usize>) -> Whites {
+    /// How much of a picture for a display is white, and of the one before; nothing of one that holds linear numbers.
+    pub(super) fn whites(
+        &self,
+        (picture, before): (&Picture, Option<&ColorPlanes>),
+        mask: &Mask,
+        rows: Range<usize>,
+    ) -> Whites {
         let kind = self.work.output.kind();
         let is_linear = matches!(kind, Ok(Kind::Picture(PictureFormat::Hdr)));
         if is_linear || picture.transform != ViewTransform::Srgb {
             return Whites::default();
         }
-        Whites::of(picture, mask, rows)
+        Whites::of(picture, before, mask, rows)
     }
 
     /// Writes through `write` where there is anything to be written, and says what was done.

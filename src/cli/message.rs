@@ -15,7 +15,7 @@ use std::path::Path;
 /// Percentage of white from which it is reported.
 const LEAST_SAID_PERCENT: f64 = 0.05;
 
-/// Share of white from which a warning is given.
+/// Share of the surface whose turning white is warned about.
 const BURNT: f64 = 0.01;
 
 /// Prints an error as one line.
@@ -75,16 +75,17 @@ pub(super) fn whites(whites: Whites) -> String {
     }
 }
 
-/// Warning about a picture with too much of its surface plain white.
+/// Warning about a picture in which too much of the surface has become plain white.
 pub(super) fn burnt(whites: Whites, highlights: Highlights) -> Option<String> {
-    let is_burnt = whites.count as f64 > BURNT * whites.of as f64;
+    let made = whites.count.saturating_sub(whites.before);
+    let is_burnt = made as f64 > BURNT * whites.of as f64;
     let compress = match highlights {
         Highlights::Clip => ", or --highlights compress",
         Highlights::Compress => "",
     };
     is_burnt.then(|| {
         format!(
-            "more than 1 % of the surface is white, without any shape: try --exposure -1 or lower{compress}"
+            "more than 1 % of the surface turned white, without any shape: try --exposure -1 or lower{compress}"
         )
     })
 }

@@ -12,7 +12,7 @@ use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
 use crate::error::Result;
-use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
+use crate::frame::{CONFIDENCE_REACH, ColorPlanes, Frame, HOLE_REACH, Plane, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
@@ -64,17 +64,20 @@ pub(super) enum Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// The result of `take` for the displayed picture of a strip at this exposure.
+    /// The result of `take` for the displayed picture of a strip at this exposure, and the one before.
     fn with<T>(
         &self,
         job: &Job,
         strip: &Loaded,
         exposure: Option<f32>,
-        take: impl FnOnce(&Picture) -> T,
+        take: impl FnOnce(&Picture, Option<&ColorPlanes>) -> T,
     ) -> T {
         match *self {
-            Self::Made(made) => take(&job.displayed(strip, made, exposure).picture()),
-            Self::Display(ref picture) => take(picture),
+            Self::Made(made) => {
+                let displayed = job.displayed(strip, made, exposure);
+                take(&displayed.picture(), displayed.before())
+            }
+            Self::Display(ref picture) => take(picture, None),
         }
     }
 }
@@ -193,7 +196,7 @@ fn exposure<W: StripWork>(
     job: &Job,
     sample: MadePicture,
 ) -> Result<Option<f32>> {
-    if !sample.leaves_exposure(&job.work.flags.params.display) {
+    if !sample.leaves_exposure(&job.work) {
         return Ok(None);
     }
     let bar = strips_bar(&job.work.run, "looking", source.strips.count());
@@ -252,7 +255,9 @@ fn gathered<W: StripWork>(
     let outcome = run(work, plan, &sample.frame)?;
     let size = [whole.width(), whole.height()];
     let shown = work.shown(sample, &outcome);
-    let gathered = shown.with(job, sample, None, |like| Gathered::new(format, size, like));
+    let gathered = shown.with(job, sample, None, |like, _| {
+        Gathered::new(format, size, like)
+    });
     Ok(Some(gathered))
 }
 
@@ -315,11 +320,11 @@ fn write_gathered<W: StripWork>(
     let mut whites = Whites::default();
     each_made(source, job, |(strip, outcome), rows| {
         let shown = source.work.shown(strip, outcome);
-        let counted = shown.with(job, strip, exposure, |picture| {
+        let counted = shown.with(job, strip, exposure, |picture, before| {
             job.check_picture(&strip.frame, picture)?;
             gathered.push(picture, rows.clone());
             Ok(match shown {
-                Shown::Made(_) => job.whites(picture, &strip.frame.mask, rows),
+                Shown::Made(_) => job.whites((picture, before), &strip.frame.mask, rows),
                 Shown::Display(_) => Whites::default(),
             })
         })?;

@@ -166,9 +166,10 @@ pub(crate) struct OutputArgs {
     /// EXR: sample type; by default pictures keep that of the input (float for a photo), and layers are half.
     #[arg(hide_short_help = true, long, visible_alias = "sample-type", value_name = "TYPE", value_parser = one_of(OUTPUT_TYPES))]
     pub(crate) depth_of_output: Option<OutputType>,
-    /// Pictures: mapping from scene-linear to display.
-    #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "srgb", value_parser = one_of(VIEW_TRANSFORMS))]
-    pub(super) view_transform: ViewTransform,
+    /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx that of
+    /// Blender's AgX; none writes the linear numbers from 0 to 1.
+    #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "standard", value_parser = one_of(VIEW_TRANSFORMS))]
+    pub(super) view_transform: View,
     /// JPEG: quality, 1 to 100; 95 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: Option<u8>,
@@ -192,9 +193,34 @@ fn compressions() -> impl Iterator<Item = (OutputCompression, &'static str)> {
 const OUTPUT_TYPES: [(OutputType, &str); 2] =
     [(OutputType::Half, "half"), (OutputType::Float, "float")];
 
-/// Names of view transforms.
-const VIEW_TRANSFORMS: [(ViewTransform, &str); 2] =
-    [(ViewTransform::Srgb, "srgb"), (ViewTransform::None, "none")];
+/// Mapping of a picture's linear light to the numbers of a file for a display.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum View {
+    /// Exposure, compressed highlights, the sRGB curve.
+    Standard,
+    /// Exposure, AgX, the sRGB curve.
+    Agx,
+    /// Nothing.
+    None,
+}
+
+impl View {
+    /// The encoding of values.
+    pub(super) fn transform(self) -> ViewTransform {
+        match self {
+            Self::Standard | Self::Agx => ViewTransform::Srgb,
+            Self::None => ViewTransform::None,
+        }
+    }
+}
+
+/// Names of mappings.
+const VIEW_TRANSFORMS: [(View, &str); 4] = [
+    (View::Standard, "standard"),
+    (View::Standard, "srgb"),
+    (View::Agx, "agx"),
+    (View::None, "none"),
+];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LayersArg {

@@ -51,6 +51,7 @@ impl Chosen {
             ("curvature-gain", outcome.gain),
             ("white-level", outcome.white_level),
             ("environment-gain", outcome.environment_gain),
+            ("middle-light", outcome.middle_light),
             (
                 "white-point",
                 outcome.drawing.as_ref().map(|d| d.white_point),

@@ -262,7 +262,7 @@ impl HatchArgs {
             alpha: None,
             grey: true,
             bits: if is_bilevel { 1 } else { 8 },
-            transform: work.output.view_transform,
+            transform: work.output.view_transform.transform(),
             display: Display::default(),
             dpi: is_for_print.then_some([self.dpi() / pixel_aspect, self.dpi()]),
         }

@@ -1,12 +1,12 @@
 //! The kind of output that a path names, and the picture for a display.
 
-use super::args::{OutputArgs, WorkArgs};
+use super::args::{OutputArgs, View, WorkArgs};
 use super::rec709::{converted, rec709_from};
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::Chromaticities;
-use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat, ViewTransform};
+use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat};
 use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use crate::untrusted::shown;
@@ -51,14 +51,16 @@ pub(crate) struct MadePicture<'a> {
 }
 
 impl MadePicture<'_> {
-    /// Whether the exposure is still to be chosen.
-    pub(crate) fn leaves_exposure(&self, params: &DisplayParams) -> bool {
-        params.exposure == Exposure::Auto && self.before.is_none()
+    /// Whether the exposure is still to be chosen: AgX has room for bright light, and linear numbers stay.
+    pub(crate) fn leaves_exposure(&self, work: &WorkArgs) -> bool {
+        work.flags.params.display.exposure == Exposure::Auto
+            && work.output.view_transform == View::Standard
+            && self.before.is_none()
     }
 
     /// Automatic exposure in stops for this surface; `None` where it is given.
-    pub(crate) fn exposure(&self, params: &DisplayParams, mask: &Mask) -> Option<f32> {
-        self.leaves_exposure(params).then(|| {
+    pub(crate) fn exposure(&self, work: &WorkArgs, mask: &Mask) -> Option<f32> {
+        self.leaves_exposure(work).then(|| {
             let mut brightness = Brightness::default();
             brightness.add(self.color, mask, 0..mask.height());
             brightness.exposure()
@@ -73,17 +75,23 @@ pub(crate) struct Displayed<'a> {
     alpha: Option<&'a Plane>,
     pub(crate) bits: u8,
     dpi: Option<[f32; 2]>,
-    transform: ViewTransform,
+    view: View,
     exposure: f32,
     highlights: Highlights,
 }
 
 impl Displayed<'_> {
+    /// The picture that it was derived from.
+    pub(crate) fn before(&self) -> Option<&ColorPlanes> {
+        self.before.as_deref()
+    }
+
     pub(crate) fn picture(&self) -> Picture<'_> {
-        let bright = match (self.highlights, &self.before) {
-            (Highlights::Clip, _) => Bright::Clipped,
-            (Highlights::Compress, None) => Bright::Compressed,
-            (Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),
+        let bright = match (self.view, self.highlights, &self.before) {
+            (View::Agx, ..) => Bright::Agx,
+            (_, Highlights::Clip, _) => Bright::Clipped,
+            (_, Highlights::Compress, None) => Bright::Compressed,
+            (_, Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),
         };
         Picture {
             color: &self.color,
@@ -91,7 +99,7 @@ impl Displayed<'_> {
             grey: false,
             bits: self.bits,
             dpi: self.dpi,
-            transform: self.transform,
+            transform: self.view.transform(),
             display: Display {
                 exposure: self.exposure,
                 bright,
@@ -193,9 +201,9 @@ impl WorkArgs {
         made: MadePicture<'a>,
         chosen: Option<f32>,
     ) -> Displayed<'a> {
-        let transform = self.output.view_transform;
+        let view = self.output.view_transform;
         let turn = primaries.and_then(rec709_from);
-        let turn = turn.filter(|_| transform == ViewTransform::Srgb);
+        let turn = turn.filter(|_| view != View::None);
         let turned = |color| match turn {
             Some(matrix) => Cow::Owned(converted(color, matrix)),
             None => Cow::Borrowed(color),
@@ -214,7 +222,7 @@ impl WorkArgs {
             alpha: frame.alpha.as_ref(),
             bits: 8,
             dpi: self.dpi(frame),
-            transform,
+            view,
             exposure,
             highlights,
         }

@@ -108,7 +108,7 @@ impl Work {
             _ => return None,
         };
         let picture = MadePicture { color, before };
-        let exposure = picture.exposure(&work.flags.params.display, &frame.mask);
+        let exposure = picture.exposure(work, &frame.mask);
         let displayed = work.displayed(frame, scene.primaries, picture, exposure);
         let size = [color.r.width(), color.r.height()];
         let shown = pixels(&displayed.picture());

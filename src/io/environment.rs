@@ -76,7 +76,7 @@ pub fn read_environment_as(path: &Path, layout: Layout) -> Result<Environment> {
 }
 
 /// The lit sphere in the picture at `path`: EXR, HDR, PNG, JPEG or TIFF. Layers called `diffuse` and
-/// `specular` are added up.
+/// `specular` are added up. Those of EXR and HDR have no upper limit: [`LitSphere::scene_linear`].
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::Unsupported`] without colour.
@@ -100,7 +100,11 @@ pub(crate) fn read_lit_sphere_within(path: &Path, most_bytes: u64) -> Result<Lit
             remedy: "give it with --environment".into(),
         });
     }
-    Ok(LitSphere::new(lights.read(MAP_PER_PIXEL)?))
+    let sphere = LitSphere::new(lights.read(MAP_PER_PIXEL)?);
+    Ok(match lights.are_float() {
+        true => sphere.scene_linear(),
+        false => sphere,
+    })
 }
 
 /// The colour of a file over its display window, multiplied by its alpha and linear.
@@ -150,6 +154,14 @@ impl Lights {
             shown,
             most_bytes,
         })
+    }
+
+    /// Whether its numbers are floating-point.
+    fn are_float(&self) -> bool {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } => photo.header.is_float,
+            Opened::Exr { .. } => true,
+        }
     }
 
     /// The colours in the display window, reduced if they would exceed the limit at `per_pixel` bytes each.

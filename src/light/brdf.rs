@@ -294,6 +294,25 @@ pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
     })
 }
 
+/// The share of light that glass seen from `to_eye` mirrors, and the direction in which the rest is seen through it.
+#[inline(always)]
+pub(crate) fn seen_in_glass(
+    n: [f32; 3],
+    to_eye: [f32; 3],
+    material: &MaterialParams,
+) -> (f32, [f32; 3]) {
+    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
+    let one_surface = fresnel(cosine, material.ior);
+    let straight_on = to_eye.map(|component| -component);
+    match material.thin {
+        true => (thin_sheet(one_surface), straight_on),
+        false => match refracted(n, to_eye, material.ior) {
+            Some(through) => (one_surface, through),
+            None => (1.0, straight_on),
+        },
+    }
+}
+
 /// Reflectance of a glass sheet between two parallel surfaces that each reflect the share `r`, summed over all internal
 /// reflections.
 pub(crate) fn thin_sheet(r: f32) -> f32 {

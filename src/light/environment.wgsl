@@ -1,17 +1,25 @@
 // Environments and lit spheres: maps for colour look-ups, one after another in one buffer.
 
-// A map: its first texel, its size, the luminance that counts as intensity 1; for an environment its rotation, in
+// A map: its first texel, its size, the numbers of the intensity of its light; for an environment its rotation, in
 // turns.
 struct Map {
     first: u32,
     width: u32,
     height: u32,
     turn: f32,
-    largest: f32,
+    bend: f32,
+    level: f32,
 }
 
 fn first_map() -> Map {
-    return Map(0u, params.map_width, params.map_height, params.map_turn, params.map_largest);
+    return Map(
+        0u,
+        params.map_width,
+        params.map_height,
+        params.map_turn,
+        params.map_bend,
+        params.map_level,
+    );
 }
 
 fn second_map() -> Map {
@@ -20,7 +28,8 @@ fn second_map() -> Map {
         params.second_width,
         params.second_height,
         params.second_turn,
-        params.second_largest,
+        params.second_bend,
+        params.second_level,
     );
 }
 

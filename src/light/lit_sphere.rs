@@ -8,18 +8,40 @@ use crate::frame::ColorPlanes;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LitSphere {
     texels: Texels,
+    is_for_display: bool,
 }
 
 impl LitSphere {
     /// The lit sphere in a picture, which need not be square. NaN and negative samples become 0,
-    /// infinite ones 65504.
+    /// infinite ones 65504. Its white is 1, as a display's, unless a sample is above.
     ///
     /// # Panics
     /// If the planes differ in size or are empty.
     pub fn new(color: ColorPlanes) -> Self {
-        Self {
+        let sphere = Self {
             texels: Texels::new(&color),
+            is_for_display: false,
+        };
+        let channels = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let is_limited = |channel| sphere.largest_luminance(channel) <= 1.0;
+        Self {
+            is_for_display: channels.into_iter().all(is_limited),
+            ..sphere
         }
+    }
+
+    /// The same sphere in light without an upper limit, as files of floating-point numbers hold it: its white is not 1,
+    /// however dark it is.
+    pub fn scene_linear(self) -> Self {
+        Self {
+            is_for_display: false,
+            ..self
+        }
+    }
+
+    /// Whether its white is that of a display.
+    pub(crate) fn is_for_display(&self) -> bool {
+        self.is_for_display
     }
 
     /// The colour at a unit normal with the components `normal_xy`, x right and y up: bilinear between

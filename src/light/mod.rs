@@ -8,6 +8,7 @@ pub(crate) mod enhancement;
 pub mod environment;
 pub mod environment_layout;
 pub(crate) mod glossy;
+pub(crate) mod intensity;
 pub mod irradiance;
 pub(crate) mod layers;
 pub mod light_samples;

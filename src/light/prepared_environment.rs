@@ -3,14 +3,16 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
+use crate::light::brdf::{mirrored, seen_in_glass};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
+use crate::light::intensity::{Intensity, White, ball, median};
 use crate::light::irradiance::irradiance_filter;
 use crate::light::light_samples::uniform_directions;
 use crate::light::lights::{DirectionalLight, Illumination};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
-use crate::params::{Adaptive, Material};
+use crate::params::{Adaptive, Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -30,6 +32,8 @@ pub(crate) struct Illuminants<'a> {
 pub(crate) struct PreparedEnvironment {
     /// Gain of its radiance; `None` without an environment.
     gain: Option<f32>,
+    /// The luminance of the brightest white surface that faces the viewer; the largest number where it is not known.
+    brightest: f32,
     pub(crate) used: Used,
 }
 
@@ -45,17 +49,17 @@ pub(crate) enum Used {
         specular: Option<Map>,
     },
     Mirrored(Map),
-    /// Lit spheres, with the luminance that counts as intensity 1.
-    LitSpheres(f32),
+    /// Lit spheres, and the intensity of their light.
+    LitSpheres(Intensity),
 }
 
-/// The parameters that a prepared environment depends on.
+/// The parameters that a prepared environment depends on; those of the material that it does not are the default.
 #[derive(Debug, Clone, PartialEq)]
 struct Purpose {
     used: EnvironmentUse,
     gain: Adaptive,
-    material: Material,
-    shininess: f32,
+    material: MaterialParams,
+    white: White,
     weights: [f32; 3],
 }
 
@@ -102,24 +106,27 @@ impl EnvironmentCache {
     }
 }
 
-/// A look-up map, and the luminance that counts as intensity 1.
+/// A look-up map, and the intensity of its light.
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) environment: Environment,
-    pub(crate) largest: f32,
+    pub(crate) intensity: Intensity,
 }
 
 impl<'a> Illuminants<'a> {
     /// No environment, but possibly a lit sphere.
-    fn nothing(illumination: &'a Illumination, weights: [f32; 3]) -> Self {
+    fn nothing(illumination: &'a Illumination, white: White, weights: [f32; 3]) -> Self {
         let spheres = &illumination.lit_spheres;
-        let used = if spheres.is_empty() {
-            Used::Nothing
-        } else {
-            let largest = spheres.iter().map(|s| s.largest_luminance(weights));
-            Used::LitSpheres(largest.fold(f32::MIN_POSITIVE, f32::max))
+        let used = match spheres.is_empty() {
+            true => Used::Nothing,
+            false => Used::LitSpheres(white.of_spheres(spheres, weights)),
         };
-        let ready = Arc::new(PreparedEnvironment { gain: None, used });
+        let largest = spheres.iter().map(|s| s.largest_luminance(weights));
+        let ready = Arc::new(PreparedEnvironment {
+            gain: None,
+            brightest: largest.fold(0.0, f32::max),
+            used,
+        });
         Self { ready, spheres }
     }
 
@@ -134,7 +141,7 @@ impl<'a> Illuminants<'a> {
         making: impl FnOnce(&dyn Fn() -> Self) -> Self,
     ) -> Self {
         if relighting.environment == EnvironmentUse::None {
-            return Self::nothing(illumination, weights);
+            return Self::nothing(illumination, relighting.white, weights);
         }
         let environment = illumination
             .environment
@@ -144,8 +151,14 @@ impl<'a> Illuminants<'a> {
         let purpose = Purpose {
             used: relighting.environment,
             gain: params.environment_gain,
-            material: params.material.material,
-            shininess: params.material.shininess,
+            material: MaterialParams {
+                material: params.material.material,
+                shininess: params.material.shininess,
+                ior: params.material.ior,
+                thin: params.material.thin,
+                ..MaterialParams::default()
+            },
+            white: relighting.white,
             weights,
         };
         let spheres = &illumination.lit_spheres;
@@ -164,6 +177,33 @@ impl<'a> Illuminants<'a> {
     /// Gain of the environment's radiance; `None` without an environment.
     pub(crate) fn gain(&self) -> Option<f32> {
         self.ready.gain
+    }
+
+    /// The last tone of a cartoon: that of a white surface which unchanged light meets in full, for light that is warped
+    /// and scaled adds none. Near a light at a point, and for other materials, there is no last one.
+    pub(crate) fn most_tone(
+        &self,
+        light: &Illumination,
+        relighting: &Relighting,
+        weights: [f32; 3],
+    ) -> f32 {
+        let material = &relighting.params.material;
+        let is_changed = relighting.warps || relighting.scales;
+        let has_last = material.material == Material::Toon && is_changed && light.points.is_empty();
+        let Some(tones) = relighting.params.tones().filter(|_| has_last) else {
+            return f32::MAX;
+        };
+        let far = light.directional.iter();
+        let far: f32 = far.map(|far| luminance(far.intensity, weights)).sum();
+        let around = match self.spheres {
+            [] => material.diffuse_gain * self.ready.brightest,
+            // They include gains of their own.
+            _ => self.ready.brightest,
+        };
+        let most = material.ambient + material.diffuse_gain * far + around;
+        (tones.levels as f32 * most.sqrt())
+            .round()
+            .clamp(1.0, f32::MAX)
     }
 
     /// Lights that represent the environment.
@@ -202,6 +242,14 @@ impl<'a> Illuminants<'a> {
         )
     }
 
+    /// The map in which bent sight lines are looked up, and the gain of its radiance.
+    pub(crate) fn mirrored(&self) -> Option<(&Map, f32)> {
+        match &self.ready.used {
+            Used::Mirrored(map) => Some((map, self.ready.gain.unwrap_or(1.0))),
+            _ => None,
+        }
+    }
+
     /// The environment for look-ups in even directions, and the intensity of each direction for a radiance of 1.
     pub(crate) fn looked_up(&self) -> Option<(&Environment, f32)> {
         match &self.ready.used {
@@ -221,11 +269,12 @@ impl PreparedEnvironment {
         let goes_on = || !memory.is_cancelled();
         let prefiltered = purpose.used == EnvironmentUse::Prefiltered;
         let irradiance = (prefiltered || purpose.gain == Adaptive::Auto)
-            .then(|| Map::of_normals(irradiance_filter(environment).filtered(goes_on), weights));
+            .then(|| irradiance_filter(environment).filtered(goes_on));
+        let largest = irradiance.as_ref().map(|map| largest_facing(map, weights));
         let gain = match purpose.gain {
             Adaptive::Fixed(gain) => gain,
             Adaptive::Auto => {
-                let largest = irradiance.as_ref().map_or(1.0, |map| map.largest);
+                let largest = largest.unwrap_or(1.0);
                 if largest > f32::MIN_POSITIVE {
                     1.0 / largest
                 } else {
@@ -246,45 +295,60 @@ impl PreparedEnvironment {
                 Used::Lookups(uniform_directions(count as usize), coarse)
             }
             EnvironmentUse::Prefiltered => Used::Prefiltered {
-                diffuse: irradiance.expect("made above"),
-                specular: (purpose.material == Material::Phong).then(|| {
-                    let filter = GlossyFilter::new(environment, purpose.shininess, GLOSSY_WIDTH);
-                    Map::new(filter.filtered(goes_on), weights)
+                diffuse: Map {
+                    environment: irradiance.expect("made above"),
+                    intensity: match purpose.white {
+                        White::Level(level) => Intensity::by_level(level),
+                        _ => Intensity::by_level(largest.expect("found above")),
+                    },
+                },
+                specular: (purpose.material.material == Material::Phong).then(|| {
+                    let shininess = purpose.material.shininess;
+                    let filter = GlossyFilter::new(environment, shininess, GLOSSY_WIDTH);
+                    Map::of_views(filter.filtered(goes_on), purpose)
                 }),
             },
-            EnvironmentUse::Mirrored => Used::Mirrored(Map::new(environment.clone(), weights)),
+            EnvironmentUse::Mirrored => Used::Mirrored(Map::of_views(environment.clone(), purpose)),
         };
         Self {
             gain: Some(gain),
+            brightest: largest.map_or(f32::MAX, |largest| gain * largest),
             used,
         }
     }
 }
 
 impl Map {
-    /// A map by normal, only looked up at normals that face the viewer.
-    fn of_normals(environment: Environment, weights: [f32; 3]) -> Self {
-        let pixels =
-            (0..environment.height()).flat_map(|y| (0..environment.width()).map(move |x| (x, y)));
-        let seen = pixels.filter(|&(x, y)| environment.direction(x, y).z >= 0.0);
-        let largest = seen
-            .map(|(x, y)| luminance(environment.pixel(x, y), weights))
-            .fold(f32::MIN_POSITIVE, f32::max);
+    /// A map in which bent sight lines are looked up.
+    fn of_views(environment: Environment, purpose: &Purpose) -> Self {
+        let (weights, material) = (purpose.weights, &purpose.material);
+        let to_eye = [0.0, 0.0, 1.0];
+        let seen = |n| {
+            let mirrored = environment.radiance(mirrored(n, to_eye));
+            if material.material != Material::Glass {
+                return mirrored;
+            }
+            let (share, through) = seen_in_glass(n, to_eye, material);
+            let through = environment.radiance(through);
+            std::array::from_fn(|k| through[k] + share * (mirrored[k] - through[k]))
+        };
+        let intensity = purpose.white.unlimited(|| {
+            let found = median(ball().map(seen), weights);
+            found.unwrap_or_else(|| environment.largest_luminance(weights))
+        });
         Self {
             environment,
-            largest,
+            intensity,
         }
     }
+}
 
-    fn new(environment: Environment, weights: [f32; 3]) -> Self {
-        let largest = environment
-            .largest_luminance(weights)
-            .max(f32::MIN_POSITIVE);
-        Self {
-            environment,
-            largest,
-        }
-    }
+/// The largest luminance of a map by normals that face the viewer.
+fn largest_facing(map: &Environment, weights: [f32; 3]) -> f32 {
+    let pixels = (0..map.height()).flat_map(|y| (0..map.width()).map(move |x| (x, y)));
+    let seen = pixels.filter(|&(x, y)| map.direction(x, y).z >= 0.0);
+    seen.map(|(x, y)| luminance(map.pixel(x, y), weights))
+        .fold(f32::MIN_POSITIVE, f32::max)
 }
 
 fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {

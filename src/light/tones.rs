@@ -2,14 +2,14 @@
 
 use crate::params::Quantisation;
 
-/// The factor that quantises a colour of luminance `y` (1 is white) to the given tones.
+/// The factor that quantises a colour of luminance `y` (1 is white) to the given tones, of which `most` is the last.
 ///
 /// Tones are evenly spaced in the square root of luminance, which is roughly perceptual, from black to white and
 /// beyond; half-way between two tones lies a step with a width of `softness` times their distance. Source: [LW] section
 /// 6.2, after H. Winnemoeller, S. Olsen, B. Gooch: Real-Time Video Abstraction, 2006. Departs from it: a cubic step
 /// instead of a hyperbolic tangent, so that tones are exactly flat.
 #[inline(always)]
-pub(crate) fn tone_factor(y: f32, tones: Quantisation) -> f32 {
+pub(crate) fn tone_factor(y: f32, tones: Quantisation, most: f32) -> f32 {
     if !(y > 0.0 && y.is_finite()) {
         return 1.0;
     }
@@ -25,7 +25,7 @@ pub(crate) fn tone_factor(y: f32, tones: Quantisation) -> f32 {
     } else {
         1.0
     };
-    let tone = (below + t * t * (3.0 - 2.0 * t)) / levels;
+    let tone = (below + t * t * (3.0 - 2.0 * t)).min(most) / levels;
     tone * tone / y
 }
 
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     fn tone(y: f32, levels: u32, softness: f32) -> f32 {
-        y * tone_factor(y, Quantisation { levels, softness })
+        y * tone_factor(y, Quantisation { levels, softness }, f32::MAX)
     }
 
     #[test]
@@ -51,6 +51,11 @@ mod tests {
             assert!((found - expected).abs() < 1e-6, "{root}: {found}");
         }
         assert!((tone(1.3 * 1.3, 4, 0.0).sqrt() - 1.25).abs() < 1e-6);
+        let four = Quantisation {
+            levels: 4,
+            softness: 0.0,
+        };
+        assert_eq!(1.69 * tone_factor(1.69, four, 4.0), 1.0);
     }
 
     #[test]
@@ -70,9 +75,9 @@ mod tests {
             softness: 0.15,
         };
         for y in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert_eq!(tone_factor(y, few), 1.0);
+            assert_eq!(tone_factor(y, few, 4.0), 1.0);
         }
-        assert!(tone_factor(f32::MAX, few).is_finite());
-        assert!(tone_factor(1e-40, few).is_finite());
+        assert!(tone_factor(f32::MAX, few, f32::MAX).is_finite());
+        assert!(tone_factor(1e-40, few, f32::MAX).is_finite());
     }
 }

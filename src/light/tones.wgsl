@@ -11,6 +11,6 @@ fn tone_factor(y: f32) -> f32 {
     if params.tone_softness > 0.0 {
         t = clamp(aside / params.tone_softness + 0.5, 0.0, 1.0);
     }
-    let tone = (below + t * t * (3.0 - 2.0 * t)) / params.tone_levels;
+    let tone = min(below + t * t * (3.0 - 2.0 * t), params.tone_most) / params.tone_levels;
     return tone * tone / y;
 }

@@ -27,7 +27,7 @@ const GAINS_PX: RangeInclusive<f32> = 1e-30..=1e30;
 const MAGNITUDES: RangeInclusive<f32> = 0.0..=1e6;
 
 params! {
-    /// Radiance scaling of a shading ([RS] section 4.2).
+    /// Radiance scaling of a shading ([RS] section 4).
     pub struct ScalingParams in Scaling {
         /// Curvature gain in pixels, or auto to fit the frame.
         ///
@@ -56,15 +56,18 @@ params! {
         /// Toward 0 convexities only brighten.
         invariant_point: f32 = 0.25,
             flag: "--invariant-point", form: "A", valid: 0.0..=1.0, useful: even(0.01, 0.99);
-        /// For directional lights: 1 uses the curvature along the light, -1 the curvature across it.
+        /// Which curvature brightens and darkens the light of a lamp: 1 the bends met along its direction in the
+        /// picture, as over ridges that lie across it; -1 those met across its direction; 0 all alike.
         ///
-        /// The lambda of the paper; 0 uses their sum.
+        /// The lambda of the paper, for directional lights and light groups.
         anisotropy: f32 = 0.0, flag: "--anisotropy", form: "L", valid: -1.0..=1.0, useful: even(-1.0, 1.0);
         /// Luminance that counts as intensity 1, or auto to fit the picture.
         ///
         /// In scene-linear units. Auto takes a high percentile over the surface. All intensities above it scale alike.
+        /// In new light it is for light that is looked up; auto compares that with its median (see middle_light), and
+        /// prefiltered diffuse light and lit spheres for a display with their largest ([RS] section 5.3).
         white_level: Adaptive = Adaptive::Auto,
-            flag: "--white-level", form: "L|auto", group: Group::WhiteLevels,
+            flag: "--white-level", form: "L|auto",
             valid: LEVELS, useful: by_factors(0.01, 10.0);
         /// White level of one kind of light where lobes are scaled separately: diffuse=0.4. Repeatable.
         term_white_levels: TermWhiteLevels = TermWhiteLevels::NONE,

@@ -187,6 +187,13 @@ params! {
         environment_gain: Adaptive = Adaptive::Auto,
             flag: "--environment-gain", form: "G|auto", group: Group::Light,
             valid: LEVELS, useful: by_factors(0.01, 10.0);
+        /// Luminance of mirrored, refracted and HDR light that counts as intensity 1/2, or auto for its median.
+        ///
+        /// Used by radiance scaling, in the units of the environment: the intensity of a luminance l is l / (l + this).
+        /// Auto takes the median of the light that a ball shows, or that traced sight lines meet.
+        middle_light: Adaptive = Adaptive::Auto,
+            flag: "--middle-light", form: "L|auto", group: Group::Light,
+            valid: LEVELS, useful: by_factors(0.01, 10.0);
         /// Number of lights that sample the environment and each area light; 0 uses prefiltered maps; auto chooses.
         samples: Samples = Samples::Auto,
             flag: "--samples", form: "N|auto", group: Group::Light,

@@ -110,13 +110,13 @@ fn jacobian(l: DVec3, lambda: DMat2) -> f64 {
     ((1.0 + p.length_squared()) / (1.0 + q.length_squared())).powi(2) / lambda.determinant()
 }
 
-/// The scaling of intensity `d` ([RS] equation 3), as printed except for the sign of the exponent `x`.
+/// The scaling of intensity `d` ([RS] equation 2), as printed except for the sign of the exponent `x`.
 pub fn sigma(d: f64, x: f64, a: f64) -> f64 {
     let (d, e) = (d.clamp(0.0, 1.0), (-x).exp());
     (a * e + d * (1.0 - a - a * e)) / (a + d * (e - a - a * e))
 }
 
-/// The mapping of curvature toward the light ([RS] section 4.1), in the frame of principal directions.
+/// The mapping of curvature toward the light ([RS] section 4), in the frame of principal directions.
 fn kappa(h: [f64; 3], l: DVec3, gain: f64, anisotropy: f64) -> f64 {
     let (mean, spread, u) = principal(h);
     let (lu, lv) = (l.truncate().dot(u), l.truncate().dot(u.perp()));

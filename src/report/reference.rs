@@ -347,7 +347,7 @@ fn crease(
     Weight::ramp(angle, rounding, threshold_deg)
 }
 
-/// The depth gradient at every covered pixel, 0 elsewhere ([RS] section 4.1).
+/// The depth gradient at every covered pixel, 0 elsewhere ([RS] section 4).
 pub(super) fn depth_gradient(frame: &Frame, surface: &Surface, params: &ShapeParams) -> Field {
     let projection = frame.camera.map(|camera| camera.projection);
     let [left, top] = [frame.data_window.x0, frame.data_window.y0].map(f64::from);

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 /// Depth gradient (slope, dimensionless, y up) of a surface with view-space unit normal `n`, seen
 /// from an eye in the direction (`to_eye`, 1).
 ///
-/// `g = -n_xy / (n . v)^f`: the gradient of the height toward the viewer. Source: [RS] section 4.1. Departs from it:
+/// `g = -n_xy / (n . v)^f`: the gradient of the height toward the viewer. Source: [RS] section 4. Departs from it:
 /// n_z is replaced by `n . v` with v scaled to v_z = 1, so that slopes diverge at perspective silhouettes rather than
 /// at the plane n_z = 0; and it is floored at `min_nz` before the power, so a grazing surface gives a steep finite
 /// slope.

@@ -12,7 +12,7 @@ use glam::{Mat3, Vec3};
 /// length.
 ///
 /// A step along x of the picture is the tangent `(1, 0, g_x)`, `g = -n_xy / n_z`, and changes the normal by `dn = turn
-/// (1, 0, g_x)`. So the gradient `-n_xy / n_z^f` of [RS] section 4.1, with f = `params.foreshortening`, has the
+/// (1, 0, g_x)`. So the gradient `-n_xy / n_z^f` of [RS] section 4, with f = `params.foreshortening`, has the
 /// derivative `-(dn_xy - f n_xy dn_z / n_z) / n_z^f`; the same for y, and symmetrised. At f = 1 that is the second
 /// derivative of the height, at f = 0 its trace is the sum of both curvatures of the surface itself. `n_z` is floored
 /// at `params.min_nz`, as in [`super::gradient::depth_gradient`].

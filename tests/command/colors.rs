@@ -87,6 +87,22 @@ fn encoded_colours_are_made_linear_and_data_are_not() {
     )
     .ended(0);
     assert_eq!(pixel(&here.join("shape.exr"), "normal.z"), 1.0);
+    // AgX, as Blender has it, keeps middle grey: by the sRGB curve 0.4614. `srgb` is the standard.
+    write_wall(&here.join("grey.exr"), [0.18; 3], None);
+    for (view, expected) in [
+        ("agx", 0.4614),
+        ("standard", 0.4614),
+        ("srgb", 0.4614),
+        ("none", 0.18),
+    ] {
+        let shown = format!("enhance grey.exr -o {view}.png --scaling 0 --view-transform {view}");
+        relievo(here, &shown).ended(0);
+        let photo = Photo::read(&here.join(format!("{view}.png"))).unwrap();
+        assert!(
+            (photo.channels[0].at(0, 0) - expected).abs() < 0.003,
+            "{view}"
+        );
+    }
     // A photo of linear numbers: the stored values count.
     relievo(
         here,
@@ -126,7 +142,7 @@ fn new_light_does_not_burn() {
     assert!((0.85..254.5 / 255.0).contains(&dimmed), "{dimmed}");
     let clipped = format!("{light} -o clipped.png --exposure -1 --highlights clip");
     let said = relievo(here, &clipped).ended(0);
-    let advice = "more than 1 % of the surface is white, without any shape: try --exposure -1 or lower, or \
+    let advice = "more than 1 % of the surface turned white, without any shape: try --exposure -1 or lower, or \
                   --highlights compress";
     assert!(said.contains(advice), "{said}");
     assert!(said.contains(" % white, "), "{said}");
@@ -152,6 +168,17 @@ fn enhancement_burns_nothing_that_did_not() {
     };
     let plain = picture("plain.png", "--scaling 0");
     let clipped = picture("clipped.png", "--highlights clip");
+    let said = relievo(here, "enhance in.exr -o c.png --highlights clip").ended(0);
+    assert!(said.contains("more than 1 % of the surface"), "{said}");
+    // Of a picture that is too bright, all is white before: none is made white.
+    write_bumps(&here.join("bright.exr"), 1, [64, 64], 4.0, |_| false);
+    for more in ["--scaling 0", "", "--highlights clip"] {
+        let said = relievo(here, &format!("enhance bright.exr -o b.png {more}")).ended(0);
+        assert!(
+            !said.contains("warning") && said.contains("100.0 % before"),
+            "{said}"
+        );
+    }
     let shown = picture("shown.png", "");
     let white = |samples: &[f32]| samples.iter().filter(|&&v| v == 1.0).count();
     assert_eq!([white(&plain), white(&shown)], [0, 0]);

@@ -1,5 +1,6 @@
 //! Mapping of light to the range of a display.
 
+use super::agx::agx;
 use super::group::{Colors, color_at, each, largest};
 use crate::frame::ColorPlanes;
 use std::ops::Range;
@@ -32,6 +33,8 @@ pub enum Bright<'a> {
     /// clipped colours as factors, so that shape shows in overexposed parts too. Pixels brighter than before are
     /// compressed.
     ChangedFrom(&'a ColorPlanes),
+    /// All light is mapped by AgX, which leaves room for highlights 6.5 stops above middle grey and takes their colour.
+    Agx,
 }
 
 /// A display mapping, with its per-picture constants.
@@ -62,6 +65,7 @@ impl Shown<'_> {
         self.gain == 1.0
             && match self.bright {
                 Bright::Clipped => true,
+                Bright::Agx => false,
                 Bright::Compressed => color.into_iter().all(is_dark),
                 Bright::ChangedFrom(ColorPlanes { r, g, b }) => {
                     let before = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);
@@ -78,6 +82,7 @@ impl Shown<'_> {
         let colors = each(colors, |_, color| color.map(|v| gain * v));
         match self.bright {
             Bright::Clipped => colors,
+            Bright::Agx => each(&colors, |_, color| agx(color)),
             Bright::Compressed => each(&colors, |_, color| compressed(color, KNEE)),
             Bright::ChangedFrom(before) => {
                 let before = of(before);

@@ -1,5 +1,6 @@
 //! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 
+mod agx;
 mod codes;
 mod display;
 mod encoding;

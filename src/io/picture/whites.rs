@@ -1,6 +1,6 @@
 //! Counting pixels that a display shows as plain white.
 
-use super::display::{Bright, WHITE};
+use super::display::WHITE;
 use super::format::Picture;
 use super::group::{Colors, GROUP, color_at, largest, straight};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Mask};
@@ -16,40 +16,42 @@ const LEAST: f32 = (0.9999 * WHITE) as f32;
 pub(crate) struct Whites {
     /// White in the picture.
     pub(crate) count: usize,
-    /// White in the picture before the change, if there is one.
+    /// White in the picture before the change and its exposure, if there is one.
     pub(crate) before: usize,
     /// All surface pixels.
     pub(crate) of: usize,
 }
 
 impl Whites {
-    /// Counts these rows of a picture for a display, where `mask` has a surface.
-    pub(crate) fn of(picture: &Picture, mask: &Mask, rows: Range<usize>) -> Self {
+    /// Counts these rows of a picture for a display, where `mask` has a surface, and of the picture `before` as it would
+    /// be shown without any change.
+    pub(crate) fn of(
+        picture: &Picture,
+        before: Option<&ColorPlanes>,
+        mask: &Mask,
+        rows: Range<usize>,
+    ) -> Self {
         let Picture {
             color,
             alpha,
             display,
             ..
         } = picture;
-        let before = match display.bright {
-            Bright::ChangedFrom(before) => Some(before),
-            _ => None,
-        };
         let shown = display.shown();
-        let gain = display.exposure.exp2();
+        let gain = display.exposure.exp2().max(1.0);
         let count_in = |y: usize, columns: Range<usize>| {
             let of = |ColorPlanes { r, g, b }: &ColorPlanes| {
                 straight([r, g, b], *alpha, y, columns.clone(), max_code(8)).0
             };
-            let white_in = |colors: &Colors, gain: f64| {
+            let white_in = |colors: &Colors| {
                 let brightest = (0..columns.len()).map(|x| largest(color_at(colors, x)));
-                brightest.filter(|v| gain * v >= WHITE).count()
+                brightest.filter(|&v| v >= WHITE).count()
             };
             let after = of(color);
             let after = shown.map_or(after, |shown| shown.group(&after, of));
             Self {
-                count: white_in(&after, 1.0),
-                before: before.map_or(0, |before| white_in(&of(before), gain.into())),
+                count: white_in(&after),
+                before: before.map_or(0, |before| white_in(&of(before))),
                 of: 0,
             }
         };

@@ -1,6 +1,6 @@
 //! Radiance scaling: reflected light scaled by curvature.
 //!
-//! Theory: [RS] section 4.2 multiplies a reflected intensity d by a function of d and of the mapped curvature, which
+//! Theory: [RS] section 4 multiplies a reflected intensity d by a function of d and of the mapped curvature, which
 //! leaves one intensity alpha unchanged. Changes: the printed `e^(gamma kappa)` darkens bright convexities, contrary to
 //! the text beside it; the exponent is negative here. And the printed fraction loses 5 % in f32 at gamma 14 and
 //! everything at 20; the form below is accurate to 1e-7.
@@ -22,7 +22,7 @@ pub(crate) const MAX_EXPONENT: f32 = 60.0;
 /// the invariant point `alpha`.
 ///
 /// sigma(alpha) = 1, sigma(0) = e^-x, sigma(1) = e^x: a convexity (x > 0) brightens intensities above alpha and darkens
-/// those below. Source: [RS] equation 3, with the correction derived above.
+/// those below. Source: [RS] equation 2, with the correction derived above.
 #[inline(always)]
 pub fn scaling(d: f32, x: f32, alpha: f32) -> f32 {
     ScalingCurve::of(x).at(d, alpha)

@@ -7,7 +7,7 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
-/// The picture, scaled by curvature ([RS] section 4.2).
+/// The picture, scaled by curvature ([RS] section 4).
 pub(crate) static RADIANCE_SCALING: Stage = Stage {
     takes: |_| vec![Product::Trace, Product::Conductance],
     reads_normals: false,

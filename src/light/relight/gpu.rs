@@ -82,18 +82,21 @@ uniforms! {
         weight_b: f32,
         tone_levels: f32,
         tone_softness: f32,
+        tone_most: f32,
         environment_gain: f32,
         /// The factor of a map prefiltered by a highlight.
         map_lobe: f32,
-        /// Look-up map: size, rotation in turns, the luminance that counts as intensity 1.
+        /// Look-up map: size, rotation in turns, the intensity of its light.
         map_width: u32,
         map_height: u32,
         map_turn: f32,
-        map_largest: f32,
+        map_bend: f32,
+        map_level: f32,
         second_width: u32,
         second_height: u32,
         second_turn: f32,
-        second_largest: f32,
+        second_bend: f32,
+        second_level: f32,
         /// Bits of a NaN, which WGSL cannot express as a literal.
         nan_bits: u32,
     }
@@ -350,16 +353,19 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         weight_b: weights[2],
         tone_levels: tones.levels as f32,
         tone_softness: tones.softness,
+        tone_most: light.most_tone,
         environment_gain: light.around.gain().unwrap_or(1.0),
         map_lobe: 2.0 / (material.shininess + 1.0),
         map_width: map.size[0],
         map_height: map.size[1],
         map_turn: map.turn,
-        map_largest: map.largest,
+        map_bend: map.intensity.bend,
+        map_level: map.intensity.level,
         second_width: second.size[0],
         second_height: second.size[1],
         second_turn: second.turn,
-        second_largest: second.largest,
+        second_bend: second.intensity.bend,
+        second_level: second.intensity.level,
         nan_bits: f32::NAN.to_bits(),
     }
 }

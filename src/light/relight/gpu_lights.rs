@@ -6,6 +6,7 @@ use crate::engine::gpu::fault::Fault;
 use crate::engine::watch::Watch;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
+use crate::light::intensity::Intensity;
 use crate::light::light_warping::half_vector;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::prepared_environment::{
@@ -26,6 +27,7 @@ pub(crate) struct Light<'a> {
     pub(crate) lights: wgpu::Buffer,
     pub(crate) texels: wgpu::Buffer,
     pub(crate) maps: [Placed; 2],
+    pub(crate) most_tone: f32,
     /// Timings of the preparation.
     pub(crate) timings: Vec<(&'static str, Duration)>,
 }
@@ -45,8 +47,8 @@ pub(crate) struct Placed {
     pub(crate) size: [u32; 2],
     /// Rotation, in turns.
     pub(crate) turn: f32,
-    /// The luminance that counts as intensity 1.
-    pub(crate) largest: f32,
+    /// The intensity of its light.
+    pub(crate) intensity: Intensity,
 }
 
 /// The environment maps of the last run, on the device.
@@ -123,6 +125,7 @@ impl LightCache {
             lights: filled(device, &[&vectors])?,
             texels,
             maps,
+            most_tone: around.most_tone(illumination, relighting, weights),
             around,
             timings,
         })
@@ -134,18 +137,18 @@ impl LightCache {
         device: &Device,
         around: &Illuminants,
     ) -> Result<(wgpu::Buffer, [Placed; 2]), Fault> {
-        let map = |map: &Map| Placed::of(&map.environment, map.largest);
+        let map = |map: &Map| Placed::of(&map.environment, map.intensity);
         let nothing = Placed::default();
         let ready = &around.ready;
         let (maps, texels): (_, [&[[f32; 4]]; 2]) = match &ready.used {
             Used::Nothing | Used::Lights(_) => return Ok((filled(device, &[])?, [nothing; 2])),
-            Used::LitSpheres(largest) => {
+            Used::LitSpheres(intensity) => {
                 let spheres = around.spheres;
                 let placed = |at: usize| match spheres.get(at) {
                     Some(sphere) => Placed {
                         size: sphere.size().map(|n| n as u32),
                         turn: 0.0,
-                        largest: *largest,
+                        intensity: *intensity,
                     },
                     None => nothing,
                 };
@@ -154,7 +157,7 @@ impl LightCache {
                 return Ok((texels, [placed(0), placed(1)]));
             }
             Used::Lookups(_, environment) => (
-                [Placed::of(environment, 1.0), nothing],
+                [Placed::of(environment, Intensity::default()), nothing],
                 [environment.texels(), &[]],
             ),
             Used::Prefiltered { diffuse, specular } => (
@@ -179,11 +182,11 @@ impl LightCache {
 }
 
 impl Placed {
-    fn of(environment: &Environment, largest: f32) -> Self {
+    fn of(environment: &Environment, intensity: Intensity) -> Self {
         Self {
             size: [environment.width(), environment.height()].map(|n| n as u32),
             turn: environment.turn(),
-            largest,
+            intensity,
         }
     }
 }

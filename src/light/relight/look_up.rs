@@ -2,8 +2,9 @@
 
 use crate::frame::luminance;
 use crate::light::batch::{BATCH, Vectors};
-use crate::light::brdf::{fresnel, refracted, thin_sheet};
+use crate::light::brdf::seen_in_glass;
 use crate::light::environment::Environment;
+use crate::light::intensity::Intensity;
 use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::prepared_environment::{Map, Used};
@@ -32,11 +33,7 @@ pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, 
 pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     let gain = scene.around.gain().unwrap_or(1.0);
     if let Some(mirrors) = &scene.mirrors {
-        let far_away = match &scene.around.ready.used {
-            Used::Mirrored(map) => Some((map, gain)),
-            _ => None,
-        };
-        add_traced(batch, scene, mirrors, far_away);
+        add_traced(batch, scene, mirrors);
         return;
     }
     match &scene.around.ready.used {
@@ -64,8 +61,8 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
             batch.toward = batch.pixels.mirrored.vector;
             add_seen(batch, scene, Term::Specular, map);
         }
-        Used::LitSpheres(largest) => {
-            add_spheres(batch, scene, scene.around.spheres, *largest);
+        Used::LitSpheres(intensity) => {
+            add_spheres(batch, scene, scene.around.spheres, *intensity);
         }
     }
 }
@@ -87,9 +84,8 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
         let curves = batch.pixels.curve(term as usize);
         for i in 0..BATCH {
             let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
-            let sigma = curves
-                .at(i)
-                .at(luminance / map.largest, scene.invariant_point);
+            let intensity = map.intensity.of(luminance);
+            let sigma = curves.at(i).at(intensity, scene.invariant_point);
             batch.share[i] *= sigma;
         }
     }
@@ -111,16 +107,9 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
     let all = batch.share;
     for i in 0..batch.pixels.count {
         let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
-        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
-        let one_surface = fresnel(cosine, material.ior);
-        let straight_on = [-eye[0], -eye[1], -eye[2]];
-        let (share, through) = match material.thin {
-            true => (thin_sheet(one_surface), Some(straight_on)),
-            false => (one_surface, refracted(n, eye, material.ior)),
-        };
-        let [x, y, z] = through.unwrap_or(straight_on);
+        let (share, [x, y, z]) = seen_in_glass(n, eye, material);
         (batch.toward[0][i], batch.toward[1][i], batch.toward[2][i]) = (x, y, z);
-        mirrored[i] = if through.is_some() { share } else { 1.0 };
+        mirrored[i] = share;
         batch.share[i] = all[i] * (1.0 - mirrored[i]);
     }
     add_seen(batch, scene, Term::Specular, map);
@@ -131,7 +120,7 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
 
 /// Adds the colours of the lit sphere, or of both blended by curvature. They include gains of their own.
 #[inline(always)]
-fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest: f32) {
+fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], intensity: Intensity) {
     let own = 1.0 / scene.params().material.diffuse_gain.max(f32::MIN_POSITIVE);
     batch.toward = batch.pixels.normal.vector;
     warp_lookups(batch, scene);
@@ -151,7 +140,9 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], largest:
             true => {
                 let luminance = luminance(color, scene.luminance);
                 let curves = batch.pixels.curve(Term::Diffuse as usize);
-                curves.at(i).at(luminance / largest, scene.invariant_point)
+                curves
+                    .at(i)
+                    .at(intensity.of(luminance), scene.invariant_point)
             }
             false => 1.0,
         };

@@ -71,16 +71,22 @@ pub(crate) fn relight(run: &mut Run) {
         )
     });
     let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
+    let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
+    let lit_mask = specular_mask.as_ref().unwrap_or(&frame.mask);
     let mirrors = traced.and_then(|(scene, params)| {
         run.timed("specular-maps", || {
-            Mirrors::new(frame, scene, &params, weights)
+            Mirrors::new((frame, lit_mask), scene, &params, (relighting, &around))
         })
     });
-    let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));
+    run.outcome.middle_light = mirrors
+        .as_ref()
+        .and_then(|mirrors| mirrors.intensity.middle());
     let shape = std::mem::take(&mut run.outcome.shape);
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
     let shading = shading(plan, relighting, gain, eye.is_none());
+    let tones = relighting.params.tones();
+    let most_tone = around.most_tone(illumination, relighting, weights);
     let scene = Scene {
         frame,
         relighting,
@@ -106,9 +112,9 @@ pub(crate) fn relight(run: &mut Run) {
         sight: SightLines::of(frame),
         around,
         mirrors,
-        lit: specular_mask.as_ref().unwrap_or(&frame.mask),
+        lit: lit_mask,
         eye,
-        tones: relighting.params.tones(),
+        tones: tones.map(|tones| (tones, most_tone)),
     };
     let color = run.timed("relight", || lit(&scene, normals, memory));
     drop(scene);

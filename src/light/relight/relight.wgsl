@@ -192,12 +192,18 @@ fn add_lights() {
     }
 }
 
+// The intensity of looked-up light: its luminance l over a level, or against a median.
+fn intensity_of(l: f32, bend: f32, level: f32) -> f32 {
+    return l / (bend * l + level);
+}
+
 // The radiance of a map from a warped direction, times a share, scaled by its own brightness.
 fn seen(map: Map, direction: vec3<f32>, share: f32, curve: vec2<f32>) -> vec3<f32> {
     let found = radiance(map, warped_lookup(direction));
     var counts = share;
     if SCALES {
-        counts *= scaling_curve_at(curve, luminance(found) / map.largest, params.invariant_point);
+        let intensity = intensity_of(luminance(found), map.bend, map.level);
+        counts *= scaling_curve_at(curve, intensity, params.invariant_point);
     }
     return found * counts;
 }
@@ -238,7 +244,8 @@ fn add_spheres() {
     }
     var sigma = 1.0;
     if SCALES {
-        sigma = scaling_curve_at(pixel.diffuse_curve, luminance(color) / map.largest, params.invariant_point);
+        let intensity = intensity_of(luminance(color), map.bend, map.level);
+        sigma = scaling_curve_at(pixel.diffuse_curve, intensity, params.invariant_point);
     }
     diffuse += color * sigma * own;
 }

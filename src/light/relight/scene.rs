@@ -50,7 +50,8 @@ pub(crate) struct Scene<'a> {
     pub(super) lit: &'a Mask,
     /// Direction to the eye per column and row, scaled to z = 1; `None` for parallel sight lines.
     pub(super) eye: Option<[Vec<f32>; 2]>,
-    pub(super) tones: Option<Quantisation>,
+    /// The tones, and the last of them.
+    pub(super) tones: Option<(Quantisation, f32)>,
 }
 
 impl Scene<'_> {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
+use crate::light::intensity::White;
 use crate::light::lights::Illumination;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
@@ -86,6 +87,8 @@ pub(crate) struct Relighting {
     pub lit_spheres: u8,
     /// Whether mirrors and lenses show their traced surroundings.
     pub traced: bool,
+    /// The luminance that the intensity of looked-up light is told from.
+    pub(crate) white: White,
     /// Source of the albedo.
     pub albedo: Albedo,
     /// The albedo fit of the whole picture, if the frame is a strip of it.
@@ -143,6 +146,7 @@ impl Relighting {
             environment,
             lit_spheres: kinds.lit_spheres,
             traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
+            white: White::given(scaling.white_level, params.middle_light),
             albedo: albedo(&params, kinds, available)?,
             estimate: None,
         })

@@ -376,13 +376,13 @@ fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
 /// Quantises the colours so far, if a number of tones is given.
 #[inline(always)]
 fn quantize_tones(batch: &mut Batch, scene: &Scene) {
-    let Some(tones) = scene.tones else {
+    let Some((tones, most)) = scene.tones else {
         return;
     };
     let w = scene.luminance;
     let [r, g, b] = &mut batch.shown;
     for i in 0..BATCH {
-        let factor = tone_factor(w[0] * r[i] + w[1] * g[i] + w[2] * b[i], tones);
+        let factor = tone_factor(w[0] * r[i] + w[1] * g[i] + w[2] * b[i], tones, most);
         r[i] *= factor;
         g[i] *= factor;
         b[i] *= factor;

@@ -1,7 +1,9 @@
 //! Relighting: a single stage, since it is done in one sweep over the pixels.
 
+use crate::light::intensity::White;
 use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
+use crate::params::Material;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -190,7 +192,29 @@ fn light_lookups(relighting: &Relighting) -> Verdict {
         _ => "two lit spheres, by the normal, mixed by curvature",
     };
     let runs = looked_up || relighting.lit_spheres > 0 || relighting.traced;
-    runs_if(runs, what, "nothing to look up")
+    let scaled = match relighting.scales {
+        true => format!("; {}", intensity(relighting)),
+        false => String::new(),
+    };
+    runs_if(runs, format!("{what}{scaled}"), "nothing to look up")
+}
+
+/// How radiance scaling takes the intensity of looked-up light.
+fn intensity(relighting: &Relighting) -> String {
+    let material = relighting.params.material.material;
+    let is_diffuse = relighting.environment == EnvironmentUse::Prefiltered && !relighting.traced;
+    let unlimited = "intensity 1/2 at the median";
+    let limited = "intensity 1 at the largest luminance";
+    match relighting.white {
+        White::Level(level) => format!("intensity 1 at luminance {level}, by --white-level"),
+        White::Auto if relighting.lit_spheres > 0 => {
+            format!("{limited}, of HDR {unlimited}")
+        }
+        _ if is_diffuse && material != Material::Phong => limited.into(),
+        White::Auto if is_diffuse => format!("{limited}, of highlights {unlimited}"),
+        White::Auto => unlimited.into(),
+        White::Middle(middle) => format!("intensity 1/2 at luminance {middle}, by --middle-light"),
+    }
 }
 
 fn contrast(relighting: &Relighting) -> Verdict {

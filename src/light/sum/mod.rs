@@ -1,7 +1,7 @@
 //! The sum over lights: the contribution of many lights to a batch of pixels.
 //!
-//! Theory: [RS] equation 3, `sum of rho_j(l) sigma_j(l) L_j(l)` over terms j and lights; with light warping [LW]
-//! equation 2, which evaluates rho at the unwarped direction `l = W^-1(l')` of a light l', weighted by the Jacobian of
+//! Theory: [RS] section 5.1 and equation 3, `sum of rho_j(l) sigma_j(l) L_j(l)` over terms j and lights; with
+//! light warping [LW] equation 2, which evaluates rho at the unwarped direction `l = W^-1(l')` of a light l', weighted by the Jacobian of
 //! the inverse. Changes: a warp is linear in the half vector h of light and viewer (see [`super::light_warping`]), so
 //! unwarped directions are never computed: with `g = (Lambda^-1 h_xy, h_z)` the dot product of one with a vector a is
 //! `2 h_z (a . g) / |g|^2 - a_z`. The parts that depend on the pixel only are prepared once (`Pixels`); each light then

@@ -22,7 +22,7 @@ pub(crate) struct Scaled {
     pub toward_light: Option<TowardLight>,
 }
 
-/// A mapping of curvature that depends on the direction of light ([RS] section 4.1).
+/// A mapping of curvature that depends on the direction of light ([RS] section 4).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TowardLight {
     /// Curvature gain, in pixels.

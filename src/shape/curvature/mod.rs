@@ -50,14 +50,14 @@ pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
 /// of f32.
 pub(crate) const UMBILIC: f32 = 1e-6;
 
-/// Mapped curvature in -1..1, **+1 convex and -1 concave** ([RS] section 4.1), from the trace of the Hessian. This is
+/// Mapped curvature in -1..1, **+1 convex and -1 concave** ([RS] section 4), from the trace of the Hessian. This is
 /// the only place where the sign flips.
 #[inline(always)]
 pub fn mapped_curvature(trace: f32, gain: f32) -> f32 {
     tanh(-gain * trace)
 }
 
-/// [`mapped_curvature`] for light from one side ([RS] section 4.1): from the symmetric `hessian` [xx, xy, yy], with x
+/// [`mapped_curvature`] for light from one side ([RS] section 4): from the symmetric `hessian` [xx, xy, yy], with x
 /// and y of the unit direction to the light in `l_xy`.
 ///
 /// At `anisotropy` (lambda) 1 and grazing light it maps twice the curvature along the light, at -1 twice the curvature

@@ -1,6 +1,6 @@
 //! Scenes whose light is known: furnaces, planes, mirrors, spheres, environments of one direction.
 
-use super::{Asked, covered, lights, sky, torus, torus_in_perspective};
+use super::{Asked, covered, lights, sky, surroundings, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::light::environment::Environment;
@@ -163,6 +163,62 @@ fn a_mirror_shows_the_environment_where_the_view_is_thrown() {
         environment.radiance(r.as_vec3().to_array())[0].into()
     });
     assert!(error < 1e-4, "{error:.1e}");
+}
+
+/// Mirrors compare what they show with its median. Of parallel sight lines a mirror ball throws an equal share in every
+/// direction, and heights on a sphere are even: half of the pixels show less than 2 of light of 2 + 1.8 y, whatever its
+/// sun. A ball of radius r is convex by a trace of -2 / r, which a gain of r / 2 maps to tanh 1 = 0.7616. So the median
+/// itself has intensity 1/2, of which the scaling at 1/4 makes `(e^-k + 3) / (1 + 3 e^-k)` = 3.4669 / 2.4007 = 1.4441,
+/// and light of a third of it has intensity 1/4 and stays. Compared with the sun, all of it would darken by e^-k.
+#[test]
+fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
+    let sky = |sun: f32| {
+        let sky = surroundings(512, |[_, y, _]| [2.0 + 1.8 * y; 3]);
+        let sunny = |x, y| match (x, y) {
+            (100, 100) => [sun; 3],
+            _ => sky.pixel(x, y),
+        };
+        Environment::from_fn(512, 256, sunny)
+    };
+    let frame = relievo::report::scenes::ExactScene::orthographic(
+        relievo::report::scenes::Surface::ball(40.0),
+        48.0,
+        48.0,
+    )
+    .frame(96, 96);
+    let shown = |environment: Environment| {
+        let mut asked =
+            Asked::of(Material::Mirror, Method::Scale).in_environment(environment, Samples::Auto);
+        asked.scaling.curvature_gain = relievo::params::Adaptive::Fixed(20.0);
+        asked.color(&frame)
+    };
+    let (calm, sunny) = (shown(sky(2.0)), shown(sky(1e6)));
+    let (mut checked, kappa) = (0, 1.0_f64.tanh());
+    for (x, y) in covered(&frame) {
+        let (nx, ny) = ((x as f64 - 47.5) / 40.0, (47.5 - y as f64) / 40.0);
+        // Away from the rim, which diffusion leaves as it is.
+        if nx.hypot(ny) > 0.8 {
+            continue;
+        }
+        let nz = (1.0 - nx * nx - ny * ny).sqrt();
+        let light = 2.0 + 1.8 * 2.0 * nz * ny;
+        let intensity = light / (light + 2.0);
+        let (low, high, e) = (0.25 * (1.0 - intensity), 0.75 * intensity, (-kappa).exp());
+        let expected = light * (e * low + high) / (low + e * high);
+        let found = f64::from(calm.r.at(x, y));
+        assert!(
+            (found / expected - 1.0).abs() < 0.01,
+            "{x}, {y}: {found}, not {expected}"
+        );
+        // The sun shows in the few pixels that look at its texel, and changes no other by a grey level.
+        let moved = f64::from(sunny.r.at(x, y)) / found - 1.0;
+        checked += usize::from(moved.abs() < 1.0 / 255.0);
+        assert!(
+            moved.abs() < 1.0 / 255.0 || moved > 10.0,
+            "{x}, {y}: {moved}"
+        );
+    }
+    assert!(checked > 3_000, "{checked}");
 }
 
 #[test]

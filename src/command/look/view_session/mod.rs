@@ -373,7 +373,7 @@ impl ViewSession {
     fn shown(&self, made: MadePicture, work: &WorkArgs) -> Pixels {
         let primaries = self.sitter.as_ref().expect(IN_HAND).loaded().chromaticities;
         let frame = self.frame().expect(IN_HAND);
-        let exposure = made.exposure(&work.flags.params.display, &frame.mask);
+        let exposure = made.exposure(work, &frame.mask);
         Pixels::of(&work.displayed(frame, primaries, made, exposure).picture())
     }
 

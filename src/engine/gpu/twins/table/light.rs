@@ -9,6 +9,7 @@ use crate::light::brdf::{
 };
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::environment::equirectangular_position;
+use crate::light::intensity::Intensity;
 use crate::light::light_warping::{
     MOST_BRIGHTENED, Warp, bounded_entry, contrast, half_vector, scale_factor,
 };
@@ -45,6 +46,12 @@ fn scaling_of_light() -> Vec<Twin> {
         )
         // Weights of a curve.
         .within(&[(2, 1e-26, 1.0)]),
+        // Luminances that samples can have, over a level or against a median.
+        twin("intensity_of", &RELIGHT, |l: f32, bend: f32, level: f32| {
+            Intensity { bend, level }.of(l)
+        })
+        .ulps(3)
+        .within(&[(1, 0.0, 1e30), (1, 0.0, 1.0), (1, f32::MIN_POSITIVE, 1e30)]),
         twin("scaling", &RELIGHT, scaling).ulps(3),
         twin("scaled", &RELIGHT, scaled),
         twin("luminance", &RELIGHT, luminance).with(&["weight_r", "weight_g", "weight_b"]),
@@ -52,18 +59,19 @@ fn scaling_of_light() -> Vec<Twin> {
         twin(
             "tone_factor",
             &RELIGHT,
-            |y: f32, levels: f32, softness: f32| {
+            |y: f32, levels: f32, softness: f32, most: f32| {
                 tone_factor(
                     y,
                     Quantisation {
                         levels: levels as u32,
                         softness,
                     },
+                    most,
                 )
             },
         )
-        .with(&["tone_levels", "tone_softness"])
-        .within(&[(1, 0.0, 2.0), (1, 1.0, 64.0), (1, 0.0, 1.0)])
+        .with(&["tone_levels", "tone_softness", "tone_most"])
+        .within(&[(1, 0.0, 2.0), (1, 1.0, 64.0), (1, 0.0, 1.0), (1, 1.0, 64.0)])
         .on(|words| each(&mut words[1..2], f32::floor)),
     ]
 }
