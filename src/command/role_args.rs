@@ -19,6 +19,10 @@ pub(crate) struct RoleArgs {
     /// View to take all layers from (as in left), for files with several; the default view if not given.
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     view: Option<String>,
+    /// Group to take all layers from, such as a view layer (FG for FG.Normal.X), for files with several; that with
+    /// normals, the default picture, or the first if not given. inspect lists them.
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
     /// Normals: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     normal: Option<String>,
@@ -156,6 +160,7 @@ impl RoleArgs {
         Inputs {
             picture: picture.to_path_buf(),
             view: self.view.clone(),
+            layer: self.layer.clone(),
             color: self.color.clone(),
             normal: self.normal.clone(),
             depth: self.depth.clone(),

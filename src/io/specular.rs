@@ -201,7 +201,7 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     fn read(&self) -> Result<Frame> {
-        let file = Opened::open(self.path)?;
+        let file = self.loaded.main.open_companion(self.path)?;
         let find = |role| RoleSource::resolve(role, None, &file);
         let place = match find(Role::Depth)? {
             Some(depth) => depth,
