@@ -87,10 +87,11 @@ pub(crate) struct RoleArgs {
 }
 
 /// Spaces of normals. For an object that is not rotated, object space equals world space.
-const NORMAL_SPACES: [(NormalSpace, &str); 3] = [
-    (NormalSpace::View, "view"),
-    (NormalSpace::World, "world"),
+const NORMAL_SPACES: [(NormalSpace, &str); 4] = [
+    (NormalSpace::View, NormalSpace::View.name()),
+    (NormalSpace::World, NormalSpace::World.name()),
     (NormalSpace::World, "object"),
+    (NormalSpace::Sight, NormalSpace::Sight.name()),
 ];
 
 const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
@@ -140,7 +141,7 @@ pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
     } = conventions;
     let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
     [
-        Flag::new("normal-space", name(&NORMAL_SPACES, normal_space)),
+        Flag::new("normal-space", normal_space.name()),
         Flag::new("normal-encoding", name(&NORMAL_ENCODINGS, normal_encoding)),
         Flag::new("normal-flip", normal_flip),
     ]

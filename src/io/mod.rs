@@ -43,6 +43,7 @@ mod role_planes;
 pub mod roles;
 mod samples_of_layers;
 pub mod sequence;
+mod sight_turned;
 mod silhouettes;
 mod sources;
 mod specular;

@@ -268,6 +268,7 @@ impl Case {
         let mut normals = match self.space {
             NormalSpace::View => Normals::view(normals),
             NormalSpace::World => Normals::world(normals, &camera()),
+            NormalSpace::Sight => Normals::sight(normals, &camera()),
         };
         if self.encoding == NormalEncoding::Unsigned {
             normals = normals.unsigned();
