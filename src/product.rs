@@ -3,6 +3,9 @@
 
 use serde::Serialize;
 
+/// Name of the part that holds our results, of the layer that holds a picture beside others, and prefix of full names.
+pub(crate) const PART: &str = "relievo";
+
 /// A named result of a run: one or more planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]

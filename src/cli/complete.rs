@@ -4,8 +4,8 @@ use super::{PROGRAM, command, exit, message};
 use crate::command::commands::{CompletionsArgs, command_named};
 use crate::command::frames_there::frames_on_disk;
 use crate::error::{Error, Result};
-use crate::io::layers;
 use crate::io::sequence::path_of_frame;
+use crate::io::{groups, layers};
 use crate::untrusted::Untrusted;
 use clap::ValueHint;
 use clap_complete::Shell;
@@ -21,6 +21,9 @@ const VARIABLE: &str = "RELIEVO_COMPLETE";
 
 /// The first words of a value that names a layer of the input.
 const LAYER: &str = "NAME|FILE";
+
+/// The option that names a group of layers of the input.
+const GROUP: &str = "layer";
 
 /// A file `_relievo` on zsh's path is the body of a function: its first call has to complete too.
 const ZSH_AUTOLOAD: &str = "\
@@ -60,6 +63,10 @@ fn with_layers(words: &[OsString]) -> clap::Command {
     let input = input_of(words);
     command().mut_subcommands(|command| {
         command.mut_args(|arg| {
+            if arg.get_id() == GROUP {
+                let input = input.clone();
+                return arg.add(offering(move |typed| of_group(typed, input.as_deref())));
+            }
             let form = arg.get_value_names().and_then(<[_]>::first);
             let layer = form.and_then(|form| form.strip_prefix(LAYER));
             let Some(rest) = layer else {
@@ -114,6 +121,14 @@ fn input_of(words: &[OsString]) -> Option<PathBuf> {
         Some(frames) => path_of_frame(input, *frames.first()?),
         None => Some(input.into()),
     }
+}
+
+/// Groups of layers whose names begin with `typed`.
+fn of_group(typed: &OsStr, input: Option<&Path>) -> Vec<CompletionCandidate> {
+    let found = input.and_then(|input| groups(input).ok());
+    let mut found = found.unwrap_or_default();
+    found.retain(|name| name.starts_with(&*typed.to_string_lossy()));
+    found.into_iter().map(CompletionCandidate::new).collect()
 }
 
 /// Layers whose names begin with `typed`, with their components; the word `none` where it is taken; files.

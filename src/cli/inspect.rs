@@ -78,7 +78,7 @@ fn inspect_all(args: &InspectArgs) -> Result<()> {
 
 fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
     let mut inputs = args.roles.inputs(file);
-    let survey = io::survey(file, inputs.view.as_deref())?;
+    let survey = io::survey(&inputs)?;
     inputs.light = Some(LightInputs::default());
     let (findings, mut warnings, problem) = match look(inputs.clone()) {
         Ok((loaded, note)) => {
@@ -156,6 +156,16 @@ fn lines(inspection: &Inspection) -> Vec<String> {
         lines.push(format!(
             "  view {view} of {views}; force with --view {flag}"
         ));
+    }
+    if !survey.groups.is_empty() {
+        let groups = listed(&survey.groups);
+        lines.push(match &survey.group {
+            Some(group) => {
+                let (group, flag) = (Untrusted(group), Untrusted(group).word());
+                format!("  group {group} of {groups}; force with --layer {flag}")
+            }
+            None => format!("  groups {groups}"),
+        });
     }
     lines.extend(survey.parts.iter().flat_map(part_lines));
     lines.push("  roles".into());

@@ -1,7 +1,7 @@
 //! From planes to the output file.
 
 use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
-use crate::command::layer_names::{PART, names_of};
+use crate::command::layer_names::names_of;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
@@ -10,6 +10,7 @@ use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::Encoding;
 use crate::params::{Params, PixelSize};
+use crate::product::PART;
 use crate::untrusted::Untrusted;
 use std::io::{Seek, Write};
 use std::ops::Range;

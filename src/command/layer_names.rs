@@ -5,9 +5,7 @@
 //! three components are layers, and each other number is a layer of its own with the channel `V`.
 
 use crate::command::args::LayerNames;
-
-/// Name of the part that holds our results, of the layer that holds a picture beside others, and prefix of full names.
-pub(crate) const PART: &str = "relievo";
+use crate::product::PART;
 
 impl LayerNames {
     /// The channel name for the `short` name in our tables: `normal.x`, `curvature.kappa`, `relievo.R`.

@@ -71,6 +71,7 @@ impl Source {
         let light = inputs.light.clone().unwrap_or_default();
         let named = [
             ("view", inputs.view.is_some()),
+            ("layer", inputs.layer.is_some()),
             ("normal", inputs.normal.is_some()),
             ("color", inputs.color.is_some()),
             ("depth", inputs.depth.is_some()),

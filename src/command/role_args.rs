@@ -19,6 +19,10 @@ pub(crate) struct RoleArgs {
     /// View to take all layers from (as in left), for files with several; the default view if not given.
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     view: Option<String>,
+    /// Group to take all layers from, such as a view layer (FG for FG.Normal.X), for files with several; that with
+    /// normals, the default picture, or the first if not given. inspect lists them.
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
     /// Normals: a layer of IN or a file.
     #[arg(long, value_name = "NAME|FILE")]
     normal: Option<String>,
@@ -84,10 +88,11 @@ pub(crate) struct RoleArgs {
 }
 
 /// Spaces of normals. For an object that is not rotated, object space equals world space.
-const NORMAL_SPACES: [(NormalSpace, &str); 3] = [
-    (NormalSpace::View, "view"),
-    (NormalSpace::World, "world"),
+const NORMAL_SPACES: [(NormalSpace, &str); 4] = [
+    (NormalSpace::View, NormalSpace::View.name()),
+    (NormalSpace::World, NormalSpace::World.name()),
     (NormalSpace::World, "object"),
+    (NormalSpace::Sight, NormalSpace::Sight.name()),
 ];
 
 const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
@@ -137,7 +142,7 @@ pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
     } = conventions;
     let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
     [
-        Flag::new("normal-space", name(&NORMAL_SPACES, normal_space)),
+        Flag::new("normal-space", normal_space.name()),
         Flag::new("normal-encoding", name(&NORMAL_ENCODINGS, normal_encoding)),
         Flag::new("normal-flip", normal_flip),
     ]
@@ -157,6 +162,7 @@ impl RoleArgs {
         Inputs {
             picture: picture.to_path_buf(),
             view: self.view.clone(),
+            layer: self.layer.clone(),
             color: self.color.clone(),
             normal: self.normal.clone(),
             depth: self.depth.clone(),

@@ -1,6 +1,7 @@
 //! How normals and depth are stored in files and in memory, before decoding.
 
 use super::DepthKind;
+use glam::DVec3;
 
 /// Encoding of a normal's components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +30,12 @@ impl Flip {
         y: false,
         z: false,
     };
+
+    /// A vector with its axes negated.
+    pub(crate) fn of(self, vector: DVec3) -> DVec3 {
+        let signs = [self.x, self.y, self.z].map(|flipped| if flipped { -1.0 } else { 1.0 });
+        vector * DVec3::from_array(signs)
+    }
 
     /// The composition of both flips.
     pub fn and(self, other: Self) -> Self {

@@ -1,8 +1,8 @@
 //! From stored components to unit normals in view space: encoding, flipped axes, length, rotation.
 
 use super::plane::each_row_of;
-use super::{Camera, Flip, NormalEncoding, NormalSpace, Plane, Vector3Planes};
-use glam::{Mat3, Vec3};
+use super::{Camera, Flip, NormalEncoding, NormalSpace, Plane, Vector3Planes, Window};
+use glam::{DQuat, DVec2, DVec3, Mat3, Vec3};
 
 /// Shorter normals, before normalisation, have no direction.
 pub(crate) const MIN_LENGTH: f32 = 0.05;
@@ -68,9 +68,24 @@ pub(crate) fn normalise_row([x, y, z]: [&mut [f32]; 3], covered: &[bool], length
     }
 }
 
-/// Rotates normals from their space to view space, in place.
-pub(crate) fn turn_to_view(normal: &mut Vector3Planes, space: NormalSpace, camera: &Camera) {
+/// Rotates normals over `window` from their space to view space, in place.
+pub(crate) fn turn_to_view(
+    normal: &mut Vector3Planes,
+    space: NormalSpace,
+    camera: &Camera,
+    window: Window,
+) {
     if space == NormalSpace::View {
+        return;
+    }
+    if space == NormalSpace::Sight {
+        let width = normal.x.width();
+        for (i, components) in normal.components_mut().enumerate() {
+            let stored = Vec3::from(components.each_ref().map(|v| **v)).as_dvec3();
+            let place = window.middle(i % width, i / width);
+            let lean = camera.projection.to_eye(place.x, place.y);
+            write(components, from_sight_line(stored, lean).as_vec3());
+        }
         return;
     }
     let turn = camera.view_from_world.matrix3.to_cols_array();
@@ -79,6 +94,14 @@ pub(crate) fn turn_to_view(normal: &mut Vector3Planes, space: NormalSpace, camer
         let stored = Vec3::from(components.each_ref().map(|v| **v));
         write(components, turn * stored);
     }
+}
+
+/// A normal in view space, of one that was turned with the direction to the eye to z; `lean` is that direction, scaled to
+/// z = 1. One that points away is turned round.
+pub(crate) fn from_sight_line(stored: DVec3, lean: DVec2) -> DVec3 {
+    let eye = lean.extend(1.0).normalize();
+    let facing = if stored.z < 0.0 { -stored } else { stored };
+    DQuat::from_rotation_arc(DVec3::Z, eye) * facing
 }
 
 fn write(components: [&mut f32; 3], vector: Vec3) {

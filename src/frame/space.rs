@@ -17,6 +17,20 @@ pub enum NormalSpace {
     View,
     /// The scene's own axes; transforming to view space needs a camera.
     World,
+    /// View space turned to each pixel's own sight line, as V-Ray writes it: z toward the eye, or away from it where a
+    /// surface is seen from behind. Transforming to view space needs a camera.
+    Sight,
+}
+
+impl NormalSpace {
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::View => "view",
+            Self::World => "world",
+            Self::Sight => "sight",
+        }
+    }
 }
 
 /// The kind of a frame's depth.

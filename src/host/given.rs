@@ -80,14 +80,15 @@ impl<'a> Given<'a> {
             None => None,
         };
         let normals = match (inputs.normal_space, &camera) {
-            (Some(NormalSpace::World), None) => {
+            (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
                 return Err(Error::BadParameter {
                     name: "camera",
-                    found: "is missing, and normals are of world space".into(),
+                    found: format!("is missing, and normals are of {} space", space.name()),
                     remedy: "give one".into(),
                 });
             }
             (Some(NormalSpace::World), Some(camera)) => Normals::world(self.normal, camera),
+            (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(self.normal, camera),
             _ => Normals::view(self.normal),
         };
         let is_unsigned = inputs

@@ -78,7 +78,7 @@ pub(super) fn off_tangents(
     camera: &Camera,
 ) -> Option<f64> {
     let mut normal = normal.clone();
-    turn_to_view(&mut normal, NormalSpace::World, camera);
+    turn_to_view(&mut normal, NormalSpace::World, camera, surface.data_window);
     normalise(&mut normal, surface.mask.plane());
     let mut frame = Frame::of_normals(normal, surface.mask.clone());
     frame.data_window = surface.data_window;

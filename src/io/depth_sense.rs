@@ -25,6 +25,9 @@ const AGREES_DEG: f64 = 35.0;
 const FACES: f64 = 0.9;
 /// Median angle, in degrees, between normals and the slopes of depth up to which it is a distance.
 const DISTANCE_DEG: f64 = 4.0;
+/// One of two such angles is clearly less if it is less than this share of the other, and by more than these degrees.
+const CLEARLY: f64 = 0.5;
+const ALIKE_DEG: f64 = 0.5;
 /// Samples of depth that are looked at, about.
 const WANTED: usize = 10_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.
@@ -246,9 +249,12 @@ impl Judged<'_> {
         let residual = |stored| self.recovered_deg(stored).unwrap_or(90.0);
         // Both are tried: the inverse of a plane's distance in perspective is that of another plane in parallel.
         let [away, toward] = [StoredDepth::Planar, StoredDepth::Inverse].map(residual);
+        let clearly = |less: f64, more: f64| less < CLEARLY * more && more - less > ALIKE_DEG;
         let way = match away.min(toward) <= DISTANCE_DEG {
-            true if away <= toward => Some(Way::Away),
-            true => Some(Way::Toward),
+            true if clearly(away, toward) => Some(Way::Away),
+            true if clearly(toward, away) => Some(Way::Toward),
+            // Both fit, as they do a surface that is nearly flat: the simpler one is believed.
+            true => implied.or(Some(Way::Away)),
             false => None,
         };
         Ok((

@@ -1,7 +1,7 @@
 //! Reading environments and lit spheres.
 
 use super::exr::Limits;
-use super::opened::{Holding, Opened};
+use super::opened::{Holding, Opened, Selection};
 use super::photo::Meaning;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
@@ -132,7 +132,7 @@ impl Lights {
             most_bytes,
             ..Holding::default()
         };
-        let file = Opened::open_held(path, None, holding)?;
+        let file = Opened::open_held(path, Selection::default(), holding)?;
         let sources = color_sources(&file).ok_or_else(|| {
             let layers = file.found("nothing");
             Error::Unsupported {

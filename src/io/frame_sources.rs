@@ -265,7 +265,7 @@ impl Planes {
 /// Any [`crate::Error`] of reading a header.
 #[cfg(feature = "cli")]
 pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<(Vec<String>, bool)> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    let main = Opened::open_picture(inputs)?;
     let needs = Needs {
         motion: true,
         ..Needs::default()

@@ -4,7 +4,7 @@ use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
-use super::opened::{Holding, Opened};
+use super::opened::{Holding, Opened, Selection};
 use super::sources::{RoleSource, has_coarse_vectors};
 use crate::error::Result;
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
@@ -62,7 +62,7 @@ impl InputFiles {
     }
 
     fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
-        let main = Opened::open_held(&inputs.picture, inputs.view.as_deref(), holding)?;
+        let main = Opened::open_held(&inputs.picture, Selection::of(inputs), holding)?;
         Ok(Self { main })
     }
 

@@ -21,6 +21,8 @@ pub struct Inputs {
     pub picture: PathBuf,
     /// View of a multi-view file that all layers are taken from; `None` takes the default.
     pub view: Option<String>,
+    /// Group of layers that all layers are taken from, such as a view layer; `None` takes the default.
+    pub layer: Option<String>,
     /// The colour to be enhanced.
     pub color: Option<String>,
     /// Normals.

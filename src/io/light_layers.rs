@@ -16,6 +16,9 @@ use std::rc::Rc;
 /// compression stays well below.
 const RECOMBINES: f32 = 0.05;
 
+/// Passes that differ by more than this are those of another picture.
+const IS_OF_ANOTHER: f32 = 0.2;
+
 /// The layers of each lobe: direct light, indirect light, all of its light in one layer, and colour, which coat and sheen
 /// do without.
 const LOBES: [(Lobe, [Role; 3], Option<Role>); 6] = {
@@ -74,6 +77,8 @@ pub(super) struct LightSources {
     findings: Vec<Finding>,
     /// Whether all light was requested, so that its sum can be compared with the picture.
     whole: bool,
+    /// Whether they are wanted even of another picture, or were found to be of this one.
+    stays: bool,
     picture_is_occlusion: bool,
 }
 
@@ -105,6 +110,7 @@ impl LightSources {
         if !light.groups.is_empty() {
             return found.with_groups(light, main);
         }
+        found.stays = named || light.lobes == LobeChoice::On;
         if wanted {
             found.find_lobes(light, main)?;
             if light.lobes == LobeChoice::On && !found.has_lobes() {
@@ -313,7 +319,11 @@ impl LightSources {
         let compared = picture.filter(|_| self.whole);
         let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
         if let Some(difference) = difference {
-            report_difference(difference, &mut findings, &mut warnings);
+            let leaves = difference > IS_OF_ANOTHER && !self.stays;
+            if leaves {
+                layers.lobes.clear();
+            }
+            report_difference(difference, leaves, &mut findings, &mut warnings);
         }
         LightRead {
             layers,
@@ -323,7 +333,12 @@ impl LightSources {
     }
 }
 
-fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mut Vec<String>) {
+fn report_difference(
+    difference: f32,
+    leaves: bool,
+    findings: &mut Vec<Finding>,
+    warnings: &mut Vec<String>,
+) {
     let percent = format!("{:.2} %", 100.0 * difference);
     let recombine = difference <= RECOMBINES;
     findings.push(Finding {
@@ -336,9 +351,14 @@ fn report_difference(difference: f32, findings: &mut Vec<Finding>, warnings: &mu
         flag: "--lobes on|off".into(),
     });
     if !recombine {
+        let what = match leaves {
+            true => "they are left out; --lobes on scales them",
+            false => {
+                "what they do not tell stays as it is; --lobes off scales the picture as a whole"
+            }
+        };
         warnings.push(format!(
-            "the light passes differ from the picture by {percent} in the median: what they do not tell \
-             stays as it is; --lobes off scales the picture as a whole"
+            "the light passes differ from the picture by {percent} in the median: {what}"
         ));
     }
 }

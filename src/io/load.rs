@@ -110,7 +110,7 @@ impl Loaded {
 /// wanted; [`crate::Error::SizeMismatch`] for inputs of unlike windows; [`crate::Error::Undetermined`] where
 /// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    let main = Opened::open_view(&inputs.picture, inputs.view.as_deref())?;
+    let main = Opened::open_picture(inputs)?;
     load_from(main, inputs, needs)
 }
 
@@ -123,7 +123,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let data_window = part.unwrap_or(whole);
     let colorspace = inputs.colorspace.or_else(|| sources.interop_space());
     let (mut planes, light_planes) = sources.read(&light, data_window, part, colorspace)?;
-    let mut notes = Notes::about(&sources);
+    let mut notes = Notes::about(&sources, &main);
     // A photo shows all of itself, whichever rows are read.
     let (display_window, pixel_aspect) = main.shown(whole);
     let source = FrameSource {

@@ -15,6 +15,7 @@ mod finding;
 #[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
+mod groups;
 #[cfg(feature = "cli")]
 mod in_strips;
 pub mod inputs;
@@ -42,6 +43,7 @@ mod role_planes;
 pub mod roles;
 mod samples_of_layers;
 pub mod sequence;
+mod sight_turned;
 mod silhouettes;
 mod sources;
 mod specular;
@@ -80,6 +82,6 @@ pub use load::{Loaded, load};
 pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;
 pub use specular::{SpecularInputs, load_specular};
-#[cfg(feature = "cli")]
-pub(crate) use survey::layers;
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
+#[cfg(feature = "cli")]
+pub(crate) use survey::{groups, layers};

@@ -132,11 +132,16 @@ impl Role {
 
 /// The last word of a layer's name, the eye of a stereo pair left out.
 pub(super) fn last_word(name: &str) -> &str {
-    let mut words: Vec<&str> = name.split('.').collect();
-    if words.len() > 1 && matches!(words.last(), Some(&"left" | &"right")) {
-        words.pop();
+    split_last_word(name).1
+}
+
+/// What comes before the last word of a layer's name, without a dot, and that word.
+pub(super) fn split_last_word(name: &str) -> (&str, &str) {
+    let split = |name| str::rsplit_once(name, '.').unwrap_or(("", name));
+    match split(name) {
+        (rest, "left" | "right") if !rest.is_empty() => split(rest),
+        parts => parts,
     }
-    words.last().copied().unwrap_or_default()
 }
 
 /// Prefixes that some renderers put before the significant word.

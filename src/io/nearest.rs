@@ -32,14 +32,14 @@ pub(super) fn nearest(layers: &[Layer], role: Role) -> Option<&str> {
 }
 
 /// The layer whose name is most like `name`.
-pub(super) fn alike<'a>(layers: &'a [Layer], name: &str) -> Option<&'a str> {
+pub(super) fn alike<'a>(layers: impl Iterator<Item = &'a Layer>, name: &str) -> Option<&'a str> {
     let name = name.to_lowercase();
     let likeness = |layer: &Layer| {
         let own = layer.name.to_lowercase();
         let last = own.rsplit('.').next().unwrap_or(&own);
         strsim::jaro_winkler(&own, &name).max(strsim::jaro_winkler(last, &name))
     };
-    best(layers.iter().map(|layer| (layer, likeness(layer))))
+    best(layers.map(|layer| (layer, likeness(layer))))
 }
 
 /// The name that is most like `name`, if one is like enough.

@@ -104,6 +104,13 @@ pub struct NormalSpaceEvidence {
     pub readings_differ_deg: Option<f64>,
 }
 
+impl NormalSpaceEvidence {
+    /// Whether depth or positions show the axes.
+    pub(super) fn is_judged_by_depth(&self) -> bool {
+        self.slope_reversed_deg.is_some() || self.shape_world_deg.is_some()
+    }
+}
+
 /// A judgement on the space of a normal map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalSpaceVerdict {

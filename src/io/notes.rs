@@ -9,6 +9,8 @@ use super::roles::Role;
 use super::sources::Chosen;
 use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::untrusted::shown;
+use std::rc::Rc;
 
 /// Conclusions and warnings gathered while loading.
 pub(super) struct Notes {
@@ -70,7 +72,7 @@ fn share_at_steps(depth: &Plane, mask: &Mask) -> f64 {
 }
 
 impl Notes {
-    pub(super) fn about(sources: &FrameSources) -> Self {
+    pub(super) fn about(sources: &FrameSources, main: &Rc<Opened>) -> Self {
         let findings = sources
             .roles
             .iter()
@@ -87,7 +89,7 @@ impl Notes {
             })
             .collect();
         let data = [Role::Normal, Role::Depth, Role::Position];
-        let warnings = data
+        let lossy = data
             .into_iter()
             .filter_map(|role| sources.get(role))
             .filter(|source| !source.lossy_channels().is_empty())
@@ -96,8 +98,16 @@ impl Notes {
                     "{} was stored with a lossy compression: expect noise in curvature",
                     source.lossy_channels().join(", ")
                 )
-            })
-            .collect();
+            });
+        let mut warnings: Vec<_> = main.note().map(String::from).into_iter().collect();
+        for source in &sources.roles {
+            let file = &source.file;
+            if let Some(note) = file.note().filter(|_| !Rc::ptr_eq(file, main)) {
+                warnings.push(format!("{}: {note}", shown(file.path())));
+            }
+        }
+        warnings.dedup();
+        warnings.extend(lossy);
         Self { findings, warnings }
     }
 

@@ -123,7 +123,8 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
     let Opened::Exr { file, layers, .. } = main else {
         return Err(untold(main.path()));
     };
-    let hashed = cryptomatte::layers(file)?;
+    let mut hashed = cryptomatte::layers(file)?;
+    hashed.retain(|layer| !layer.channels().into_iter().any(|id| main.is_apart(id)));
     let find = |names: &[&str]| -> Result<Vec<Vec<ObjectSource>>> {
         let found = names
             .iter()

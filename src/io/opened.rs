@@ -1,12 +1,14 @@
 //! Input files whose header has been read, and their companion files.
 
-use super::exr::{self, ExrFile, Limits};
+use super::exr::{self, ChannelId, ExrFile, Limits};
+use super::groups::{self, Groups};
+use super::inputs::Inputs;
 use super::nearest;
 use super::normal_encoding::holds_normals;
 use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
 use super::open::open_input;
 use super::photo::StoredPhoto;
-use super::roles::{self, Layer, Role};
+use super::roles::{self, Layer, Match, Role};
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::Window;
@@ -20,8 +22,9 @@ use std::rc::Rc;
 pub(super) enum Opened {
     Exr {
         file: Box<ExrFile>,
-        /// Its layers, of one view if there are several.
+        /// Its layers, of one view and one group if there are several.
         layers: Vec<Layer>,
+        groups: Groups,
         /// All views, and the one in use.
         views: Vec<String>,
         view: Option<String>,
@@ -35,6 +38,22 @@ pub(super) enum Opened {
         is_normal_map: OnceCell<bool>,
         companions: Companions,
     },
+}
+
+/// Which of a file's layers are wanted: those of a view, and of a group; the default ones where none is named.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Selection<'a> {
+    view: Option<&'a str>,
+    layer: Option<&'a str>,
+}
+
+impl<'a> Selection<'a> {
+    pub(super) fn of(inputs: &'a Inputs) -> Self {
+        Self {
+            view: inputs.view.as_deref(),
+            layer: inputs.layer.as_deref(),
+        }
+    }
 }
 
 /// Files opened as companions of another.
@@ -82,22 +101,19 @@ impl Companions {
 
 impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
-        Self::open_view(path, None)
+        Self::open_held(path, Selection::default(), Holding::default())
     }
 
-    /// The file with the layers of one view: the requested one, else the default.
-    pub(super) fn open_view(path: &Path, wanted: Option<&str>) -> Result<Rc<Self>> {
-        Self::open_held(path, wanted, Holding::default())
+    /// The picture of `inputs`.
+    pub(super) fn open_picture(inputs: &Inputs) -> Result<Rc<Self>> {
+        Self::open_held(&inputs.picture, Selection::of(inputs), Holding::default())
     }
 
-    /// The same, with the policy for samples of photos.
-    pub(super) fn open_held(
-        path: &Path,
-        wanted: Option<&str>,
-        holding: Holding,
-    ) -> Result<Rc<Self>> {
+    /// The file with the layers that are wanted, and the policy for samples of photos.
+    pub(super) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
         let companions = Companions::held(holding);
         if !has_exr_magic(path)? {
+            groups::refuse(wanted.layer, path)?;
             let photo = StoredPhoto::open(path, holding.most_bytes)?;
             return Ok(Rc::new(Self::Photo {
                 photo,
@@ -108,10 +124,12 @@ impl Opened {
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
         let all = views::mark(&file, &mut layers);
-        let view = views::keep(&file, &mut layers, &all, wanted)?;
+        let view = views::keep(&file, &mut layers, &all, wanted.view)?;
+        let groups = groups::keep(&file, &mut layers, wanted.layer)?;
         Ok(Rc::new(Self::Exr {
             file,
             layers,
+            groups,
             views: all,
             view,
             by_numbers: OnceCell::new(),
@@ -119,25 +137,80 @@ impl Opened {
         }))
     }
 
-    /// A companion file: of the same view, if it has several. It is opened once.
+    /// A companion file: of the same view and group, if it has several. It is opened once.
     pub(super) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
         let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
         if let Some(file) = companions.find(path) {
             return Ok(file);
         }
-        let open = |view| Self::open_held(path, view, companions.holding);
-        let file = open(None)?;
-        let file = match (self, file.as_ref()) {
-            (
-                Self::Exr {
-                    view: Some(view), ..
-                },
-                Self::Exr { views, .. },
-            ) if !views.is_empty() => open(Some(view))?,
-            _ => file,
-        };
+        let open = |wanted| Self::open_held(path, wanted, companions.holding);
+        let mut file = open(Selection::default())?;
+        let wanted = self.selection_in(&file);
+        if wanted != Selection::default() {
+            file = open(wanted)?;
+        }
         companions.keep(path, &file);
         Ok(file)
+    }
+
+    /// Its own view and group, as far as `other` has several.
+    fn selection_in(&self, other: &Self) -> Selection<'_> {
+        let (
+            Self::Exr { view, groups, .. },
+            Self::Exr {
+                views,
+                groups: there,
+                ..
+            },
+        ) = (self, other)
+        else {
+            return Selection::default();
+        };
+        let is_there = |own: &&str| {
+            there
+                .names
+                .iter()
+                .any(|name| name.eq_ignore_ascii_case(own))
+        };
+        Selection {
+            view: view.as_deref().filter(|_| !views.is_empty()),
+            layer: groups.taken.as_deref().filter(is_there),
+        }
+    }
+
+    /// The channels of the layer called `name`, for `role`; those of the group in use come first.
+    pub(super) fn named(&self, name: &str, role: Role) -> Option<Match> {
+        let Self::Exr { layers, groups, .. } = self else {
+            return None;
+        };
+        let sets = [layers, &groups.apart];
+        sets.into_iter()
+            .find_map(|layers| roles::named(layers, name, role))
+    }
+
+    /// Whether a channel belongs to another group than the one in use.
+    pub(super) fn is_apart(&self, ChannelId { part, channel }: ChannelId) -> bool {
+        let holds = |layer: &Layer| {
+            layer.part == part && layer.components.iter().any(|(_, own)| *own == channel)
+        };
+        matches!(self, Self::Exr { groups, .. } if groups.apart.iter().any(holds))
+    }
+
+    /// What was taken of several groups, where none was named.
+    pub(super) fn note(&self) -> Option<&str> {
+        match self {
+            Self::Exr { groups, .. } => groups.note.as_deref(),
+            Self::Photo { .. } => None,
+        }
+    }
+
+    /// All layers that flags can name.
+    pub(super) fn all_layers(&self) -> impl Iterator<Item = &Layer> {
+        let sets = match self {
+            Self::Exr { layers, groups, .. } => [&layers[..], &groups.apart],
+            Self::Photo { .. } => [&[][..]; 2],
+        };
+        sets.into_iter().flatten()
     }
 
     /// The layer that plays `role` by its numbers, where none does by its name.
@@ -178,10 +251,7 @@ impl Opened {
 
     /// The layer whose name is most like `name`, for messages.
     pub(super) fn alike(&self, name: &str) -> Option<&str> {
-        match self {
-            Self::Exr { layers, .. } => nearest::alike(layers, name),
-            Self::Photo { .. } => None,
-        }
+        nearest::alike(self.all_layers(), name)
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -228,10 +298,7 @@ impl Opened {
 
     /// Names of the layers, for messages: a photo has none.
     pub(super) fn layer_names(&self) -> Vec<String> {
-        match self {
-            Self::Exr { layers, .. } => layers.iter().map(layer_label).collect(),
-            Self::Photo { .. } => Vec::new(),
-        }
+        self.all_layers().map(layer_label).collect()
     }
 }
 

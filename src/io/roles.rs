@@ -4,7 +4,7 @@
 //! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
 //! depth, while `ViewLayer.Normal.Z` is a component of the normal.
 
-use super::names::{self, Arity, RULES, last_word};
+use super::names::{self, Arity, RULES, last_word, split_last_word};
 use super::words::{Said, said};
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -101,6 +101,17 @@ fn split_component(channel: &str) -> (&str, String) {
 }
 
 impl Layer {
+    /// It without the channels that `found` takes of it, and with these alone.
+    pub(super) fn split(mut self, found: &Match) -> [Self; 2] {
+        let taken = |&(_, channel): &(String, usize)| {
+            found.channels.contains(&channel) || found.alpha == Some(channel)
+        };
+        let mut rest = self.clone();
+        rest.components.retain(|component| !taken(component));
+        self.components.retain(taken);
+        [rest, self]
+    }
+
     /// Meaning of the words of its name.
     pub(super) fn said(&self) -> &Said {
         &self.meaning().said
@@ -123,17 +134,39 @@ impl Layer {
 
     fn meaning(&self) -> &Meaning {
         self.meaning.get_or_init(|| {
-            let view = self.view.as_deref();
-            let is_view = |word: &&str| view.is_some_and(|view| word.eq_ignore_ascii_case(view));
-            let words: Vec<&str> = self.name.split('.').filter(|w| !is_view(w)).collect();
-            let key = names::key(last_word(&words.join(".")));
+            let key = names::key(last_word(&self.viewless_name()));
             let mut rules = RULES.iter();
             Meaning {
                 is_listed: rules.any(|(_, _, names)| names.contains(&key.as_str())),
                 key,
-                said: said(&self.name, view),
+                said: said(&self.name, self.view.as_deref()),
             }
         })
+    }
+
+    /// Its name without that of its view.
+    fn viewless_name(&self) -> String {
+        let view = self.view.as_deref();
+        let is_view = |word: &&str| view.is_some_and(|view| word.eq_ignore_ascii_case(view));
+        let words: Vec<&str> = self.name.split('.').filter(|w| !is_view(w)).collect();
+        words.join(".")
+    }
+
+    /// What comes before the last word of its name, but for its view.
+    pub(super) fn prefix(&self) -> String {
+        split_last_word(&self.viewless_name()).0.into()
+    }
+
+    /// The last word of its name as the table has it, if it is there.
+    pub(super) fn listed_key(&self) -> Option<&str> {
+        let key = self.meaning().key.as_str();
+        (self.is_listed() && !key.is_empty()).then_some(key)
+    }
+
+    /// Whether it has components of all these names.
+    pub(super) fn has(&self, names: &[&str]) -> bool {
+        let has = |name: &&str| self.components.iter().any(|(c, _)| c == name);
+        names.iter().all(has)
     }
 
     /// The layer's channels in the order that `role` wants, if it has them.
@@ -184,8 +217,8 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
                 .find_map(|layer| {
                     // A nameless layer is depth only by its component Z, never for being alone.
                     let bare_depth = role == Role::Depth && name.is_empty();
-                    let has_z = layer.components.iter().any(|(c, _)| c == "z");
-                    layer.matched(role).filter(|_| !bare_depth || has_z)
+                    let is_depth = !bare_depth || layer.has(&["z"]);
+                    layer.matched(role).filter(|_| is_depth)
                 })
         })
         .or_else(|| in_first_part(layers, role))
@@ -203,17 +236,20 @@ pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
 }
 
 /// Colour or depth of a first part with any name ("main", "subimage00") whose channels have no layer names of their
-/// own: read like nameless channels, unless the part's name means something else.
+/// own: read like nameless channels, unless the part's name means something else. The first part of a group counts too.
 fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
-    let layer = layers.iter().find(|layer| layer.part == 0 && layer.bare)?;
-    let has = |name: &str| layer.components.iter().any(|(c, _)| c == name);
-    let plays = match role {
-        Role::Color => ["r", "g", "b"].into_iter().all(has),
-        Role::Depth => has("z") && !has("x"),
-        _ => false,
-    };
-    let is_other = layer.means_something();
-    layer.matched(role).filter(|_| plays && !is_other)
+    let first = layers.first()?.part;
+    let bare = layers.iter().filter(|layer| layer.bare);
+    let mut of_first = bare.filter(|layer| [first, 0].contains(&layer.part));
+    of_first.find_map(|layer| {
+        let plays = match role {
+            Role::Color => layer.has(&["r", "g", "b"]),
+            Role::Depth => layer.has(&["z"]) && !layer.has(&["x"]),
+            _ => false,
+        };
+        let is_other = layer.means_something();
+        layer.matched(role).filter(|_| plays && !is_other)
+    })
 }
 
 /// The layer that a user called `name`: its full name, else its last word, in any case.

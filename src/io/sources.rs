@@ -128,16 +128,8 @@ impl RoleSource {
 
     /// The layer of `main` with this name, for `role`.
     pub(super) fn layer(role: Role, name: &str, main: &Rc<Opened>) -> Option<Self> {
-        let Opened::Exr { layers, .. } = main.as_ref() else {
-            return None;
-        };
-        roles::named(layers, name, role).map(|layer| Self {
-            role,
-            file: main.clone(),
-            layer: Some(layer),
-            wrap: Wrap::None,
-            chosen: None,
-        })
+        let found = main.named(name, role)?;
+        Some(Self::of_match(role, main, found))
     }
 
     /// These channels of `file`, for `role`.

@@ -201,7 +201,7 @@ struct Layer<'a> {
 
 impl Layer<'_> {
     fn read(&self) -> Result<Frame> {
-        let file = Opened::open(self.path)?;
+        let file = self.loaded.main.open_companion(self.path)?;
         let find = |role| RoleSource::resolve(role, None, &file);
         let place = match find(Role::Depth)? {
             Some(depth) => depth,
@@ -231,7 +231,7 @@ impl Layer<'_> {
         let mut depth = depth.expect("read above");
         let kind = self.loaded.frame.source.depth_kind;
         let (mask, normal) = match normal {
-            Some(normal) => self.with_normals(normal, &mut depth),
+            Some(normal) => self.with_normals(normal, &mut depth, data_window),
             None => self.without_normals(&mut depth, data_window),
         };
         let (display_window, pixel_aspect) = file.shown(data_window);
@@ -285,12 +285,18 @@ impl Layer<'_> {
     }
 
     /// Mask and unit normals in view space, read like those of the frame; depth becomes 0 outside the mask.
-    fn with_normals(&self, mut normal: Vector3Planes, depth: &mut Plane) -> (Mask, Vector3Planes) {
+    fn with_normals(
+        &self,
+        mut normal: Vector3Planes,
+        depth: &mut Plane,
+        window: Window,
+    ) -> (Mask, Vector3Planes) {
         let conventions = self.loaded.conventions;
         let encoding = judge_encoding(&normal);
         decode(&mut normal, encoding, conventions.normal_flip);
         let Covered { mask, .. } = coverage::cover(&mut normal, Some((depth, None)), None, None);
-        turn_to_view(&mut normal, conventions.normal_space, &self.camera);
+        let space = conventions.normal_space;
+        turn_to_view(&mut normal, space, &self.camera, window);
         (mask, normal)
     }
 

@@ -1,6 +1,7 @@
 //! Contents of a file, for `inspect`: headers and names, and pixels only where names give no roles or objects have no names.
 
 use super::exr::{ExrFile, SampleType};
+use super::inputs::Inputs;
 use super::numbers::NUMBERED;
 use super::objects::{self, ObjectSurvey};
 use super::opened::{Opened, layers_of};
@@ -21,6 +22,10 @@ pub struct Survey {
     pub views: Vec<String>,
     /// The view whose layers play the roles.
     pub view: Option<String>,
+    /// The groups of layers that show different things, such as view layers, in the order of the file.
+    pub groups: Vec<String>,
+    /// The group whose layers play the roles; none where they are the layers of all groups, or of no group.
+    pub group: Option<String>,
     /// The parts of an EXR; a photo has one.
     pub parts: Vec<PartSurvey>,
     /// Which layer plays which role, by name, or by numbers where no name says so.
@@ -64,17 +69,18 @@ pub struct RoleSurvey {
     pub channels: Vec<String>,
 }
 
-/// Surveys the file at `path`; pixels are read only if layers have meaningless names, or for Cryptomatte without a
-/// manifest. Roles are those of the layers of `view`, or of the default one.
+/// Surveys the picture of `inputs`; pixels are read only if layers have meaningless names, or for Cryptomatte without a
+/// manifest. Roles are those of the layers of the view and the group that `inputs` name, or of the default ones.
 ///
 /// # Errors
 /// Any [`crate::Error`] of opening it.
-pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
-    let opened = Opened::open_view(path, view)?;
+pub fn survey(inputs: &Inputs) -> Result<Survey> {
+    let opened = Opened::open_picture(inputs)?;
     Ok(match opened.as_ref() {
         Opened::Exr {
             file,
             layers,
+            groups,
             views,
             view,
             ..
@@ -83,6 +89,8 @@ pub fn survey(path: &Path, view: Option<&str>) -> Result<Survey> {
             pixel_aspect: file.pixel_aspect,
             views: views.clone(),
             view: view.clone(),
+            groups: groups.names.clone(),
+            group: groups.taken.clone(),
             objects: objects::surveyed(file)?,
             parts: part_surveys(file),
             roles: {
@@ -114,6 +122,18 @@ pub(crate) fn layers(path: &Path) -> Result<Vec<LayerSurvey>> {
             let parts = part_surveys(file).into_iter();
             parts.flat_map(|part| part.layers).collect()
         }
+        Opened::Photo { .. } => Vec::new(),
+    })
+}
+
+/// The groups of layers of an EXR, from its header alone; none of a photo.
+///
+/// # Errors
+/// Any [`crate::Error`] of opening it.
+#[cfg(feature = "cli")]
+pub(crate) fn groups(path: &Path) -> Result<Vec<String>> {
+    Ok(match Opened::open(path)?.as_ref() {
+        Opened::Exr { groups, .. } => groups.names.clone(),
         Opened::Photo { .. } => Vec::new(),
     })
 }
@@ -181,6 +201,8 @@ fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
         pixel_aspect: 1.0,
         views: Vec::new(),
         view: None,
+        groups: Vec::new(),
+        group: None,
         parts: vec![PartSurvey {
             name: None,
             data_window: window,

@@ -6,13 +6,16 @@ use super::inputs::{Flip, Inputs};
 use super::integrability::Curl;
 use super::names::Hint;
 use super::normal_space::{NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence};
+use super::sight_turned::{self, BY_SIGHT};
 use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
 use crate::frame::normals;
-use crate::frame::{Camera, NormalSpace, Vector3Planes};
+use crate::frame::{Camera, NormalSpace, Vector3Planes, Window};
 use glam::DMat3;
 
+/// Share of normals that face the viewer in any space but one that is turned to the sight lines.
+const FACE: f64 = 0.98;
 /// Normals read as view space whose lean is off the slope of depth by more than this, in degrees, could be
 /// turned a little: a world with y up, seen from slightly above, leans nearly as a view does.
 const STRAIGHT_DEG: f64 = 4.0;
@@ -66,13 +69,18 @@ pub(super) fn turn_to_view(
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
     reading.take(hint);
+    reading.try_sight(inputs, surface, camera.as_ref(), normal);
     let is_recovered = search.has_recovered;
+    let doubt = search.doubt.filter(|_| camera.is_some());
     let mut findings = search.findings;
     let mut normals = reading.settled(inputs, surface, &findings)?;
-    if normals.space == NormalSpace::World && camera.is_none() {
-        return Err(no_camera(inputs, &reading.reason, &findings));
+    if normals.space != NormalSpace::View && camera.is_none() {
+        return Err(no_camera(inputs, normals.space, &reading.reason, &findings));
     }
     let mut warnings = Vec::new();
+    warnings.extend(
+        doubt.map(|doubt| format!("the camera is a guess: {doubt}; compare with --camera FILE")),
+    );
     if reading.leaves_y_open(normals, inputs) && surface.mask.count() > 0 {
         let outlines = Silhouettes::of(normal, surface.mask, None);
         warnings.extend(reading.settle_axes(
@@ -82,7 +90,7 @@ pub(super) fn turn_to_view(
         ));
     }
     findings.push(reading.finding(normals, inputs));
-    normals.turn(normal, camera.as_ref());
+    normals.turn(normal, camera.as_ref(), surface.data_window);
     Ok(View {
         is_placed,
         is_recovered,
@@ -167,10 +175,10 @@ impl NormalReading {
     };
 
     /// Turns stored normals to view space, in place. Those in world space take a camera.
-    fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>) {
+    fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>, window: Window) {
         normals::flip_axes(normal, self.flip);
         if let Some(camera) = camera {
-            normals::turn_to_view(normal, self.space, camera);
+            normals::turn_to_view(normal, self.space, camera, window);
         }
     }
 }
@@ -268,6 +276,36 @@ impl Reading {
         }
     }
 
+    /// Reads normals as V-Ray writes them where too many are averted otherwise, and surfaces then hang together.
+    fn try_sight(
+        &mut self,
+        inputs: &Inputs,
+        surface: &SurfaceSamples,
+        camera: Option<&Camera>,
+        normal: &Vector3Planes,
+    ) {
+        let e = &self.evidence;
+        let facing = e.facing_view.max(e.facing_view_flipped);
+        let facing = facing.max(e.facing_world.unwrap_or_default());
+        let is_judged = self.is_given || inputs.normal_flip.is_some() || e.is_judged_by_depth();
+        let Some(camera) = camera.filter(|_| !is_judged && facing < FACE) else {
+            return;
+        };
+        let now = self.certain.unwrap_or(NormalReading::WORLD);
+        let stored = |x: usize, y: usize| normal.at(x, y);
+        let reading = (now.space, now.flip);
+        let Some([by_sight, other]) = sight_turned::shows(surface, camera, stored, reading) else {
+            return;
+        };
+        let (space, flip) = BY_SIGHT;
+        self.certain = Some(NormalReading { space, flip });
+        self.reason = format!(
+            "turned to the sight lines with x to the left, as V-Ray writes them: the slopes then have a curl of \
+             {by_sight:.2}, otherwise {other:.2}; {}",
+            self.reason
+        );
+    }
+
     /// The reading, or why there is none.
     fn settled(
         &self,
@@ -279,7 +317,12 @@ impl Reading {
             return Ok(certain);
         }
         if self.by_elimination {
-            return Err(no_camera(inputs, &self.reason, findings));
+            return Err(no_camera(
+                inputs,
+                NormalSpace::World,
+                &self.reason,
+                findings,
+            ));
         }
         // An empty mask has no normals to be read either way.
         if surface.mask.count() == 0 {
@@ -295,11 +338,9 @@ impl Reading {
     /// Whether neither flags nor depth nor positions show which way y points.
     fn leaves_y_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
         let evidence = &self.evidence;
-        let judged_by_depth =
-            evidence.slope_reversed_deg.is_some() || evidence.shape_world_deg.is_some();
         normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
-            && !judged_by_depth
+            && !evidence.is_judged_by_depth()
             && !self.is_given
     }
 
@@ -345,10 +386,7 @@ impl Reading {
 
     /// The finding on it.
     fn finding(&self, normals: NormalReading, inputs: &Inputs) -> Finding {
-        let name = match normals.space {
-            NormalSpace::World => "world",
-            NormalSpace::View => "view",
-        };
+        let name = normals.space.name();
         let flip = inputs.normal_flip.unwrap_or_default().and(normals.flip);
         let (conclusion, flag) = match flip {
             Flip::NONE => (name.into(), format!("--normal-space {name}")),
@@ -376,8 +414,8 @@ fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Optio
     agrees.then_some([x, y])
 }
 
-/// World-space normals that nothing can turn; says what was tried to find a camera.
-fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
+/// Normals that no camera can turn; says what was tried to find a camera.
+fn no_camera(inputs: &Inputs, space: NormalSpace, reason: &str, findings: &[Finding]) -> Error {
     let tried: Vec<_> = findings
         .iter()
         .filter(|f| f.subject == CAMERA)
@@ -386,7 +424,8 @@ fn no_camera(inputs: &Inputs, reason: &str, findings: &[Finding]) -> Error {
     Error::Undetermined {
         path: inputs.picture.clone(),
         found: format!(
-            "normals in world space, and no camera ({reason}{})",
+            "normals in {} space, and no camera ({reason}{})",
+            space.name(),
             tried.concat()
         ),
         remedy: "give --camera FILE, or --normal-space view if they are not".into(),

@@ -1,11 +1,12 @@
 //! The surface that the reference starts from, in double precision.
 
 use crate::frame::depth::to_distances;
+use crate::frame::normals::from_sight_line;
 use crate::frame::{Camera, Frame, NormalEncoding, NormalSpace, Plane, StoredDepth};
 use crate::io::Loaded;
 use crate::io::inputs::Conventions;
 use crate::io::stored_surface::StoredSurface;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Normals and depth where the frame's mask is.
 #[derive(Debug, Clone)]
@@ -35,7 +36,10 @@ impl Surface {
         } = loaded;
         let camera = frame.camera.as_ref();
         let normal = |x: usize, y: usize| match frame.mask.at(x, y) {
-            true => in_view(stored.normal.at(x, y), conventions, camera),
+            true => {
+                let place = frame.data_window.middle(x, y);
+                in_view(stored.normal.at(x, y), conventions, camera, place)
+            }
             false => DVec3::ZERO,
         };
         let (width, height) = (frame.mask.width(), frame.mask.height());
@@ -45,17 +49,23 @@ impl Surface {
     }
 }
 
-/// A stored normal as a unit normal in view space.
-fn in_view(stored: DVec3, conventions: &Conventions, camera: Option<&Camera>) -> DVec3 {
+/// The normal stored for a `place` of the picture as a unit normal in view space.
+fn in_view(
+    stored: DVec3,
+    conventions: &Conventions,
+    camera: Option<&Camera>,
+    place: DVec2,
+) -> DVec3 {
     let decoded = match conventions.normal_encoding {
         NormalEncoding::Signed => stored,
         NormalEncoding::Unsigned => 2.0 * stored - 1.0,
     };
-    let flip = conventions.normal_flip;
-    let sign = [flip.x, flip.y, flip.z].map(|flipped| if flipped { -1.0 } else { 1.0 });
-    let unit = (decoded * DVec3::from_array(sign)).normalize_or_zero();
+    let unit = conventions.normal_flip.of(decoded).normalize_or_zero();
     match (conventions.normal_space, camera) {
         (NormalSpace::World, Some(camera)) => camera.view_from_world.matrix3 * unit,
+        (NormalSpace::Sight, Some(camera)) => {
+            from_sight_line(unit, camera.projection.to_eye(place.x, place.y))
+        }
         _ => unit,
     }
 }
@@ -154,7 +164,8 @@ mod tests {
             },
             depth_kind: None,
         };
-        let normal = in_view(DVec3::new(0.5, 0.8, 0.9), &conventions, None);
+        let stored = DVec3::new(0.5, 0.8, 0.9);
+        let normal = in_view(stored, &conventions, None, DVec2::ZERO);
         // (0, 0.6, 0.8) with y reversed, of length 1.
         assert!(normal.abs_diff_eq(DVec3::new(0.0, -0.6, 0.8), 1e-15));
         for (kind, expected) in [

@@ -67,18 +67,26 @@ fn registered(shell: &str) -> String {
     system + &printed(&format!("completions {shell}")) + "\n"
 }
 
+fn survey(path: &Path) -> relievo::io::Survey {
+    let inputs = relievo::io::inputs::Inputs {
+        picture: path.into(),
+        ..Default::default()
+    };
+    relievo::io::survey(&inputs).unwrap()
+}
+
 /// Commands and options are completed, and after an option that names a layer, the layers of the file on the line.
 #[test]
 fn shells_complete_commands_options_and_layers() {
     let place = tempfile::tempdir().unwrap();
     fs::copy(fixture("bust.exr"), place.path().join("shot.0001.exr")).unwrap();
-    let file = relievo::io::survey(&fixture("bust.exr"), None).unwrap();
+    let file = survey(&fixture("bust.exr"));
     let layers = file.parts.iter().flat_map(|part| &part.layers);
     let layers = layers.map(|layer| layer.name.as_str());
     let layers: BTreeSet<_> = layers.filter(|name| !name.is_empty()).collect();
     assert!(layers.contains("ViewLayer.Normal"), "{layers:?}");
     let with = |more: &[&'static str]| layers.iter().copied().chain(more.iter().copied()).collect();
-    let cases: [(&str, BTreeSet<&str>); 5] = [
+    let cases: [(&str, BTreeSet<&str>); 6] = [
         ("relievo enh", BTreeSet::from(["enhance"])),
         (
             "relievo enhance in.exr --invar",
@@ -95,6 +103,10 @@ fn shells_complete_commands_options_and_layers() {
         (
             "relievo inspect shot.0001.exr --normal ViewLayer.N",
             BTreeSet::from(["ViewLayer.Normal"]),
+        ),
+        (
+            "relievo inspect shot.0001.exr --layer ''",
+            BTreeSet::from(["ViewLayer"]),
         ),
     ];
     for (shell, arguments, script) in SHELLS {
@@ -165,12 +177,18 @@ fn no_name_is_run_by_a_shell() {
     let names = hostile.iter().chain(&["Fine_Normal-1"]);
     let channels = names.flat_map(|name| ["X", "Y", "Z"].map(|axis| format!("{name}.{axis}")));
     // A component is shown beside a name.
-    let channels = channels.chain(["Fine_Normal-1.\u{1b}]0;\u{7}".to_string()]);
+    let groups = hostile
+        .iter()
+        .chain(&["Fine"])
+        .map(|name| format!("{name}.N.X"));
+    let channels = channels
+        .chain(["Fine_Normal-1.\u{1b}]0;\u{7}".to_string()])
+        .chain(groups);
     Part::of(channels.map(|name| (name, &plane))).write(&here.join("in.exr"));
     for name in hostile {
         fs::write(here.join(format!("{name}.png")), "").unwrap();
     }
-    let file = relievo::io::survey(&here.join("in.exr"), None).unwrap();
+    let file = survey(&here.join("in.exr"));
     let layers = file.parts[0].layers.iter();
     let layers: Vec<_> = layers.map(|layer| layer.name.as_str()).collect();
     assert!(
@@ -183,6 +201,7 @@ fn no_name_is_run_by_a_shell() {
             &["Fine_Normal-1", "in.exr"][..],
         ),
         ("inspect ''", &["in.exr"]),
+        ("inspect in.exr --layer ''", &["Fine"]),
         (
             "enhance in.exr --normal=",
             &["--normal=Fine_Normal-1", "--normal=in.exr"],

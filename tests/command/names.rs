@@ -150,6 +150,7 @@ fn long_names_lose_their_middle_in_messages() {
             vec![&*name],
             vec!["inspect", &name],
             vec!["inspect", "--view", &name, "part.exr"],
+            vec!["inspect", "--layer", &name, "part.exr"],
             vec!["report", &name],
             vec!["run", &name],
             vec!["man", &name],

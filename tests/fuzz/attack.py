@@ -483,7 +483,7 @@ def names(attack, runs):
     views = [["inspect", "F"], ["inspect", "--json", "F"], ["shape", "F", "-o", "out.png", "-v", "--explain"], ["enhance", "F", "-o", "out.png", "-v"],
              ["enhance", "F", "--color", "N", "-o", "out.png"], ["enhance", "F", "--normal", "absent", "-o", "out.png"],
              ["shape", "F", "-o", "N/out.png"], ["shape", "N", "-o", "out.png"], ["run", "N.toml", "F", "-o", "out.png"],
-             ["shape", "F", "--view", "N", "-o", "out.png"], ["enhance", "F", "--light-group", "N=1,2", "-o", "out.png"],
+             ["shape", "F", "--view", "N", "-o", "out.png"], ["shape", "F", "--layer", "N", "-o", "out.png"], ["enhance", "F", "--light-group", "N=1,2", "-o", "out.png"],
              ["shape", "F", "--N", "-o", "out.png"], ["relight", "F", "--light", "N", "-o", "out.png"],
              ["shape", "F", "-o", "out.png", "--save-recipe", "N.out"], ["relight", "F", "--light", "1,1", "--camera", "N.json", "-o", "out.png"]]
     cases = [(name, view) for name in odd + raw for view in views]

@@ -8,7 +8,7 @@ use relievo::frame::{
     NormalSpace, Normals, Plane, Projection, Samples, StoredDepth, Window,
 };
 use relievo::io::exr::{OutputChannel, OutputPart, OutputType, write_results};
-use relievo::io::inputs::{Inputs, KnownCamera, LightInputs, NormalEncoding};
+use relievo::io::inputs::{Inputs, KnownCamera, LightInputs, LobeChoice, NormalEncoding};
 use relievo::io::{self, Needs};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -241,7 +241,9 @@ impl Case {
             normal_flip: Some(self.flip),
             depth_kind: self.depth,
             importance: Some("importance".into()),
+            // Its sum is not the picture.
             light: Some(LightInputs {
+                lobes: LobeChoice::On,
                 occlusion: true,
                 ..LightInputs::default()
             }),
@@ -268,6 +270,7 @@ impl Case {
         let mut normals = match self.space {
             NormalSpace::View => Normals::view(normals),
             NormalSpace::World => Normals::world(normals, &camera()),
+            NormalSpace::Sight => Normals::sight(normals, &camera()),
         };
         if self.encoding == NormalEncoding::Unsigned {
             normals = normals.unsigned();

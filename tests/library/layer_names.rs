@@ -99,16 +99,19 @@ fn write_parts(path: &Path, parts: &[Part]) {
 }
 
 fn read(path: &Path) -> relievo::Result<Loaded> {
-    let inputs = Inputs {
+    load(&inputs(path), Needs::default())
+}
+
+fn inputs(path: &Path) -> Inputs {
+    Inputs {
         picture: path.into(),
         ..Inputs::default()
-    };
-    load(&inputs, Needs::default())
+    }
 }
 
 /// The layers that play these roles.
 fn layers(path: &Path, roles: [Role; 3]) -> [Option<String>; 3] {
-    let survey = survey(path, None).unwrap();
+    let survey = survey(&inputs(path)).unwrap();
     roles.map(|role| {
         let found = survey.roles.iter().find(|found| found.role == role)?;
         Some(found.layer.clone())

@@ -10,6 +10,7 @@ mod conventions;
 mod engine;
 mod environments;
 mod exr;
+mod groups;
 mod hatch;
 mod invariance;
 mod io;

@@ -54,7 +54,7 @@ impl FrameBuilder<'_> {
             own_mask.as_ref(),
         );
         if let Some(camera) = &camera {
-            normals::turn_to_view(&mut normal, stored.space, camera);
+            normals::turn_to_view(&mut normal, stored.space, camera, data_window);
         }
         if let (None, Some(position)) = (&depth, &self.position) {
             let (made, kind) = self.depth_of(position, camera.as_ref(), &mut mask)?;

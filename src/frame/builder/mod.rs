@@ -47,6 +47,15 @@ impl<'a> Normals<'a> {
         }
     }
 
+    /// Normals turned to their own sight lines, as V-Ray writes them, with x to the left there. `camera` becomes the
+    /// frame's camera.
+    pub fn sight(samples: impl Into<Samples<'a>>, camera: &Camera) -> Self {
+        Self {
+            space: NormalSpace::Sight,
+            ..Self::world(samples, camera)
+        }
+    }
+
     /// Stored as `(n + 1) / 2`, 0..1, as in integer normal maps; black is no normal.
     pub fn unsigned(self) -> Self {
         Self {

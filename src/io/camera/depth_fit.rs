@@ -215,15 +215,21 @@ impl Fit {
         fitted.collect()
     }
 
-    /// The first of these fits, unless another is clearly better, then polished.
-    pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<Self> {
+    /// The first of these fits, unless another is clearly better, then polished; and whether one with lines of sight of
+    /// the other kind, parallel or not, fits nearly as well.
+    pub(super) fn chosen(fits: &[Fit], patches: &[Patch]) -> Option<(Self, bool)> {
         let some = spread_out(patches, RANKED);
         let polished: Vec<Fit> = fits
             .iter()
             .filter_map(|fit| fit.polished(&some).or_else(|| fit.judged_on(&some)))
             .collect();
         let best = Self::best(&polished)?;
-        Some(best.polished(patches).unwrap_or(best))
+        let is_parallel = |fit: &Fit| fit.lens.kind == Kind::Parallel;
+        let mut others = polished
+            .iter()
+            .filter(|fit| is_parallel(fit) != is_parallel(&best));
+        let has_equal = others.any(|fit| CLEARLY_BETTER * fit.loss <= best.loss);
+        Some((best.polished(patches).unwrap_or(best), has_equal))
     }
 
     /// The first of these fits, unless another is clearly better.

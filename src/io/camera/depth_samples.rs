@@ -140,7 +140,7 @@ impl NormalsAndDepth<'_> {
     }
 
     /// Typical offset of depth samples from the pixel centre, in pixels.
-    fn off_centre(&self) -> Option<f64> {
+    pub(super) fn off_centre(&self) -> Option<f64> {
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), PROBES);
         let rows = (1..height.saturating_sub(1)).step_by(stride);

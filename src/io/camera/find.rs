@@ -31,6 +31,8 @@ pub(in crate::io) struct CameraSearch<'a> {
     /// Whether a camera was recovered from layers, rather than given.
     pub(in crate::io) has_recovered: bool,
     pub(in crate::io) findings: Vec<Finding>,
+    /// Why the camera is a guess, if it is one.
+    pub(in crate::io) doubt: Option<&'static str>,
 }
 
 /// A camera with its evidence.
@@ -41,6 +43,8 @@ pub(in crate::io) struct FoundCamera {
     /// One standard error of its turn, and the angle that is left between normals and depth, in degrees.
     pub(in crate::io) turn_error_deg: Option<f64>,
     pub(in crate::io) residual_deg: Option<f64>,
+    /// Why it is a guess, if it is one.
+    doubt: Option<&'static str>,
 }
 
 impl FoundCamera {
@@ -50,6 +54,7 @@ impl FoundCamera {
             evidence,
             turn_error_deg: None,
             residual_deg: None,
+            doubt: None,
         }
     }
 }
@@ -62,6 +67,7 @@ impl<'a> CameraSearch<'a> {
             failure: None,
             has_recovered: false,
             findings: Vec::new(),
+            doubt: None,
         }
     }
 
@@ -201,7 +207,15 @@ impl<'a> CameraSearch<'a> {
             found.rotation_uncertainty_deg,
             100.0 * found.focal_uncertainty
         );
+        let doubt = match found {
+            found if found.is_scattered => Some("blur scatters the depth"),
+            found if found.has_equal => {
+                Some("perspective and parallel lines of sight explain the depth nearly as well")
+            }
+            _ => None,
+        };
         Some(FoundCamera {
+            doubt,
             turn_error_deg: Some(found.rotation_uncertainty_deg),
             residual_deg: Some(found.residual_deg_median),
             ..FoundCamera::new(found.camera, evidence)
@@ -215,6 +229,7 @@ impl<'a> CameraSearch<'a> {
             (None, Some(failure)) => failure.to_string(),
             (None, None) => return,
         };
+        self.doubt = found.and_then(|found| found.doubt);
         self.findings.push(Finding {
             subject: CAMERA.into(),
             conclusion: found.map_or("unknown".into(), |found| described(&found.camera)),

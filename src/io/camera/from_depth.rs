@@ -17,7 +17,6 @@ use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{NormalsAndDepth, Patch};
 use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
-use super::samples::quantile;
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -25,12 +24,15 @@ use glam::{DAffine3, DVec2, DVec3};
 const FEWEST: usize = 24;
 /// Focal lengths that are tried, in widths of the display window: 137 degrees of view to 2.
 const FOCAL_SHARES: (f64, f64) = (0.2, 30.0);
-/// Range of pixels per unit tried, as multiples of the value at which the median slope is 45 degrees.
+/// Range of pixels per unit tried, as multiples of the value at which the typical slope is 45 degrees.
 const UNIT_FACTORS: (f64, f64) = (0.03, 30.0);
 /// Steps of the scan over either.
 const STEPS: usize = 16;
 /// A focal length less certain than this share is called uncertain.
 const UNCERTAIN_FOCAL: f64 = 0.1;
+/// Typical offset of depth samples from the centres of their pixels, in pixels, from which on they come from farther than
+/// their own pixel: random places within it give 0.3 to 0.4.
+const SCATTERED: f64 = 0.6;
 /// Typical angle between normals and slopes, in degrees, from which a fit is rejected.
 const WORST_RESIDUAL_DEG: f64 = 15.0;
 /// From this angle on, in degrees, a mirrored fit is tried; it is accepted if its angle is below this and below this
@@ -58,6 +60,10 @@ pub struct DepthCamera {
     pub focal_uncertainty: f64,
     /// Whether the standard error of the focal length is more than a tenth of it.
     pub focal_uncertain: bool,
+    /// Whether parallel lines of sight explain the depth nearly as well as a perspective, or the other way round.
+    pub has_equal: bool,
+    /// Whether depth is scattered as out of focus or in motion: then errors may be larger than these.
+    pub is_scattered: bool,
     /// Number of surface patches used.
     pub samples: usize,
 }
@@ -132,12 +138,13 @@ pub fn recover_camera_from_depth(
 struct Answer {
     fit: Fit,
     certainty: Certainty,
+    has_equal: bool,
     samples: usize,
 }
 
 impl Answer {
     fn of(patches: &[Patch], width: f64) -> Result<Self, RecoveryFailure> {
-        let (fit, patches) = chosen(patches, width)
+        let (fit, has_equal, patches) = chosen(patches, width)
             .ok_or(RecoveryFailure::NormalsDisagree { residual_deg: 90.0 })?;
         check_residual(&fit, &patches)?;
         let cost = fit.cost(&patches);
@@ -150,6 +157,7 @@ impl Answer {
         let answer = Self {
             fit,
             certainty,
+            has_equal,
             samples: patches.len(),
         };
         let rotation_deg = answer.certainty.turn.to_degrees();
@@ -193,6 +201,8 @@ impl Answer {
             rotation_uncertainty_deg: self.certainty.turn.to_degrees(),
             focal_uncertainty: self.certainty.lens,
             focal_uncertain: self.certainty.lens > UNCERTAIN_FOCAL,
+            has_equal: self.has_equal,
+            is_scattered: surface.off_centre().is_some_and(|px| px > SCATTERED),
             samples: self.samples,
         }
     }
@@ -203,8 +213,9 @@ fn angle_deg(distance: f64) -> f64 {
     (2.0 * (0.5 * distance).min(1.0).asin()).to_degrees()
 }
 
-/// The best fit over kinds of lens and depth, with the patches it was determined from.
-fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
+/// The best fit over kinds of lens and depth, whether lines of sight of the other kind fit nearly as well, and the
+/// patches it was determined from.
+fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, bool, Vec<Patch>)> {
     let scanned: Vec<Fit> = [Kind::Planar, Kind::Ray, Kind::Parallel]
         .into_iter()
         .filter_map(|kind| Fit::scanned(kind, range(kind, patches, width)?, STEPS, patches))
@@ -216,19 +227,30 @@ fn chosen(patches: &[Patch], width: f64) -> Option<(Fit, Vec<Patch>)> {
     } else {
         patches.to_vec()
     };
-    Some((Fit::chosen(&scanned, &patches)?, patches))
+    let (fit, has_equal) = Fit::chosen(&scanned, &patches)?;
+    Some((fit, has_equal, patches))
 }
 
 /// The range of parameters to try for a kind of lens; `None` if depth is constant.
 fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
     let ((low, high), unit) = match kind {
         Kind::Planar | Kind::Ray => (FOCAL_SHARES, width),
-        Kind::Parallel => {
-            let mut steps: Vec<f64> = patches.iter().map(|p| p.depth * p.slope.norm()).collect();
-            (UNIT_FACTORS, 1.0 / quantile(&mut steps, 0.5))
-        }
+        Kind::Parallel => (UNIT_FACTORS, 1.0 / telling_step(patches)),
     };
     (unit.is_finite() && unit > 0.0).then_some((low * unit, high * unit))
+}
+
+/// A typical change of depth per pixel: steps as large as this or smaller make up half of the sum of all. Most of a
+/// picture may be a wall that faces the viewer, whose steps of 0 tell nothing.
+fn telling_step(patches: &[Patch]) -> f64 {
+    let mut steps: Vec<f64> = patches.iter().map(|p| p.depth * p.slope.norm()).collect();
+    steps.sort_by(f64::total_cmp);
+    let mut left = 0.5 * steps.iter().sum::<f64>();
+    let middle = steps.into_iter().find(|step| {
+        left -= step;
+        left <= 0.0
+    });
+    middle.unwrap_or(0.0)
 }
 
 fn check_residual(fit: &Fit, patches: &[Patch]) -> Result<(), RecoveryFailure> {

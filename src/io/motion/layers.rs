@@ -101,11 +101,9 @@ fn pairs_beside(source: RoleSource) -> Vec<RoleSource> {
 
 /// The whole layer that `source` has channels of.
 fn layer_of(source: &RoleSource) -> Option<&Layer> {
-    let (Opened::Exr { layers, .. }, Some(found)) = (source.file.as_ref(), source.found()) else {
-        return None;
-    };
+    let found = source.found()?;
     let is_it = |layer: &&Layer| layer.part == found.part && layer.name == found.layer;
-    layers.iter().find(is_it)
+    source.file.all_layers().find(is_it)
 }
 
 /// Whether the name of a layer means motion, whatever its sign and unit.

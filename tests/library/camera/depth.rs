@@ -3,9 +3,12 @@
 use super::measure::{expect_rotation, focal, turn_deg};
 use super::planes::{strew, vectors};
 use super::shots::{Numbers, Scene, Seen, Shot, looking, panorama, perspective};
+use crate::common::exr::Part;
 use glam::{DAffine3, DMat3, DVec3, EulerRot};
 use relievo::frame::{DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use relievo::io::camera::{DepthCamera, RecoveryFailure, recover_camera_from_depth};
+use relievo::io::inputs::{Inputs, StoredDepth};
+use relievo::io::{Needs, load};
 
 struct Layers {
     normal: Vector3Planes,
@@ -276,4 +279,74 @@ fn panoramas_are_refused() {
     };
     let failure = recovered_from(&shot, &layers).expect_err("fitted a panorama");
     println!("{failure}");
+}
+
+/// Most of the picture is a wall that faces the viewer: any lens explains it.
+#[test]
+fn a_ball_before_a_wall_tells_parallel_lines_of_sight_from_perspective() {
+    let display = Window::from_size(96, 96);
+    // A unit ball of 30 pixels, its middle 3 units from the picture plane, and the wall 4.
+    let ball = |x: usize, y: usize| {
+        let (x, y) = ((x as f64 - 47.5) / 30.0, (47.5 - y as f64) / 30.0);
+        let square = 1.0 - x * x - y * y;
+        (square > 0.0).then(|| DVec3::new(x, y, square.sqrt()))
+    };
+    let normal = vectors(96, 96, |x, y| ball(x, y).unwrap_or(DVec3::Z));
+    let depth = Plane::from_fn(96, 96, |x, y| ball(x, y).map_or(4.0, |n| 3.0 - n.z as f32));
+    let mask = Mask::full(96, 96);
+    let found = recover_camera_from_depth(&normal, &depth, &mask, display, display, 1.0).unwrap();
+    let Projection::Orthographic { sx, .. } = found.camera.projection else {
+        panic!("{found:?}");
+    };
+    assert!((sx / 30.0 - 1.0).abs() < 0.01, "{found:?}");
+    assert!(!found.has_equal && !found.is_scattered);
+}
+
+/// Normals that are nearly parallel follow the slopes of depth and, turned by half a circle, those of its inverse.
+#[test]
+fn depth_of_a_nearly_flat_surface_is_taken_for_what_it_is() {
+    let waves = |x: usize, y: usize| {
+        let (x, y) = (x as f64 / 6.0, -(y as f64) / 6.0);
+        // 50 pixels are a unit: a wave of 0.02 over 6 pixels rises by 0.17 at most.
+        let [along_x, along_y] = [x.cos() * y.sin(), x.sin() * y.cos()].map(|v| v / 6.0);
+        let normal = DVec3::new(-along_x, -along_y, 1.0).normalize();
+        (0.02 * x.sin() * y.sin(), normal)
+    };
+    let depth = Plane::from_fn(96, 96, |x, y| (10.0 - waves(x, y).0) as f32);
+    let normal = vectors(96, 96, |x, y| waves(x, y).1);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flat.exr");
+    let channels = [
+        ("N.X", &normal.x),
+        ("N.Y", &normal.y),
+        ("N.Z", &normal.z),
+        ("Z", &depth),
+    ];
+    Part::of(channels).write(&path);
+    let inputs = Inputs {
+        picture: path,
+        ..Inputs::default()
+    };
+    let needs = Needs {
+        projection: true,
+        ..Needs::default()
+    };
+    let loaded = load(&inputs, needs).unwrap();
+    assert_eq!(loaded.conventions.depth_kind, Some(StoredDepth::Planar));
+    let camera = loaded.frame.camera.unwrap();
+    let is_parallel = matches!(camera.projection, Projection::Orthographic { .. });
+    assert!(is_parallel, "{camera:?}");
+}
+
+#[test]
+fn scattered_depth_is_told_from_samples_within_their_pixels() {
+    let scattered = |jitter| {
+        let shot = Shot {
+            jitter,
+            ..Shot::default()
+        };
+        recovered(&shot).unwrap().is_scattered
+    };
+    // Uniform over a pixel, and over three: standard deviations of 0.29 and 0.87.
+    assert_eq!([0.5, 1.5].map(scattered), [false, true]);
 }

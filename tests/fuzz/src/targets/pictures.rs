@@ -9,7 +9,6 @@ pub(super) fn run(data: &[u8]) {
     let file = tempfile::NamedTempFile::new().expect("room for a file");
     let path = file.path();
     std::fs::write(path, data).expect("room for a file");
-    let _ = survey(path, None);
     let _ = read_environment(path);
     let _ = read_environment_as(path, Layout::MirrorBall);
     let _ = read_lit_sphere(path);
@@ -18,6 +17,7 @@ pub(super) fn run(data: &[u8]) {
         normal: Some(path.display().to_string()),
         ..Inputs::default()
     };
+    let _ = survey(&inputs);
     let needs = Needs {
         color: true,
         ..Needs::default()
