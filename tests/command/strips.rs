@@ -18,8 +18,7 @@ fn strips_are_the_whole_bit_for_bit() {
     for (name, work) in [
         ("explicit", "enhance --solver explicit --layers results"),
         ("chebyshev", "enhance --scale 3 --foreshortening 0.5"),
-        // The gain is that of what is masked in.
-        ("mixed", "enhance --scale 2,4 --mask Y"),
+        ("mixed", "enhance --scale 2,4"),
         ("into", "enhance --layers channels --compression zips"),
         (
             "given",
