@@ -20,7 +20,6 @@ use crate::frame::{Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::exr::OutputChannel;
 use crate::light::lights::Illumination;
-use crate::params::Params;
 use crate::plan::{LightKinds, Plan};
 use std::path::PathBuf;
 
@@ -66,7 +65,6 @@ impl FrameCommand for RelightArgs {
     }
 
     fn make(&self, kit: &RelightInputs, job: &Job) -> Result<Chosen> {
-        let Params { shape, scaling, .. } = self.work.flags.params;
         let needs = needs(&self.params(), &kit.illumination);
         let specular = self.specular.of_frame(job.frame).inputs();
         let mut work = Relight {
@@ -75,7 +73,7 @@ impl FrameCommand for RelightArgs {
             scene: None,
         };
         if self.params().method.scales() {
-            let warnings = dark_rims(&scaling);
+            let warnings = dark_rims(&self.work.flags.params.scaling);
             warnings.iter().for_each(|warning| job.warn(warning));
         }
         if !specular.is_empty() {

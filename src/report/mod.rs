@@ -39,7 +39,6 @@ pub(crate) mod work;
 
 pub(crate) use self::asked::{Asked, Extent};
 use crate::Result;
-use crate::frame::Frame;
 use crate::params::{Scale, ShapeParams};
 use crate::plan::{Decision, Goal};
 use machine::Machine;

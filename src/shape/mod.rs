@@ -17,7 +17,7 @@ pub mod crease;
 pub mod curvature;
 pub(crate) mod diffusion;
 pub(crate) mod gap;
-mod gap_noise;
+pub(crate) mod gap_noise;
 pub mod gradient;
 pub(crate) mod hessian;
 pub(crate) mod silhouette;

@@ -17,6 +17,7 @@ use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{NormalsAndDepth, Patch};
 use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
+use super::samples::quantile;
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
 use glam::{DAffine3, DVec2, DVec3};
 
@@ -26,6 +27,8 @@ const FEWEST: usize = 24;
 const FOCAL_SHARES: (f64, f64) = (0.2, 30.0);
 /// Range of pixels per unit tried, as multiples of the value at which the typical slope is 45 degrees.
 const UNIT_FACTORS: (f64, f64) = (0.03, 30.0);
+/// Share of the telling step below which the median is that of a wall that faces the viewer.
+const FACING: f64 = 0.01;
 /// Steps of the scan over either.
 const STEPS: usize = 16;
 /// A focal length less certain than this share is called uncertain.
@@ -240,17 +243,20 @@ fn range(kind: Kind, patches: &[Patch], width: f64) -> Option<(f64, f64)> {
     (unit.is_finite() && unit > 0.0).then_some((low * unit, high * unit))
 }
 
-/// A typical change of depth per pixel: steps as large as this or smaller make up half of the sum of all. Most of a
-/// picture may be a wall that faces the viewer, whose steps of 0 tell nothing.
+/// A typical change of depth per pixel: the median. Most of a picture may be a wall that faces the viewer, whose steps tell
+/// nothing; then it is that of the steps which make up half of the sum of all.
 fn telling_step(patches: &[Patch]) -> f64 {
     let mut steps: Vec<f64> = patches.iter().map(|p| p.depth * p.slope.norm()).collect();
+    let median = quantile(&mut steps, 0.5);
     steps.sort_by(f64::total_cmp);
     let mut left = 0.5 * steps.iter().sum::<f64>();
     let middle = steps.into_iter().find(|step| {
         left -= step;
         left <= 0.0
     });
-    middle.unwrap_or(0.0)
+    middle
+        .filter(|middle| median < FACING * middle)
+        .unwrap_or(median)
 }
 
 fn check_residual(fit: &Fit, patches: &[Patch]) -> Result<(), RecoveryFailure> {

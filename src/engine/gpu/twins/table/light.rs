@@ -228,7 +228,7 @@ fn lights() -> Vec<Twin> {
         twin(
             "equirectangular_position",
             &RELIGHT,
-            |_: u32, size: [usize; 2], turn: f32, _: f32, direction: [f32; 3]| {
+            |_: u32, size: [usize; 2], turn: f32, _: [f32; 2], direction: [f32; 3]| {
                 equirectangular_position(size, turn, direction)
             },
         )
