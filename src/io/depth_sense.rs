@@ -27,7 +27,7 @@ const FACES: f64 = 0.9;
 const DISTANCE_DEG: f64 = 4.0;
 /// One of two such angles is clearly less if it is less than this share of the other, and by more than these degrees.
 const CLEARLY: f64 = 0.5;
-const ALIKE_DEG: f64 = 0.1;
+const ALIKE_DEG: f64 = 0.001;
 /// Samples of depth that are looked at, about.
 const WANTED: usize = 10_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.

@@ -343,7 +343,7 @@ fn objects_take_fallbacks_of_their_own() {
     // the surface, x crossed with n, which is along y.
     let mut frame = ExactScene::orthographic(Surface::plane(DVec3::Z), 60.0, 30.0).frame(120, 60);
     let part = |x: usize| x / 40;
-    frame.depth = Some(Plane::from_fn(120, 60, |x, _| [1.0, 2.0, 4.0][part(x)]));
+    frame.depth = Some(Plane::from_fn(120, 60, |x, _| [10.0, 20.0, 40.0][part(x)]));
     let twice = DVec2::from_angle(40_f64.to_radians());
     let own = [DVec3::ZERO, twice.extend(0.0), DVec3::Z];
     frame.stroke_fallback = Some(Vector3Planes::from_fn(120, 60, |x, _| own[part(x)]));
