@@ -9,6 +9,7 @@ use super::roles::{self, Match, Role};
 use crate::error::Result;
 use crate::frame::Window;
 use serde::Serialize;
+#[cfg(feature = "cli")]
 use std::path::Path;
 
 /// The contents of a file.

@@ -134,12 +134,15 @@ mod tests {
     #[test]
     fn light_for_a_display_is_compared_with_its_largest_and_other_light_with_its_median() {
         let shown = sphere(|x, _| if x > 0.9 { 1.0 } else { 0.5 });
-        assert_eq!(of(White::Auto, &[shown.clone()]), Intensity::by_level(1.0));
+        assert_eq!(
+            of(White::Auto, std::slice::from_ref(&shown)),
+            Intensity::by_level(1.0)
+        );
         let dark = of(White::Auto, &[shown.clone().scene_linear()]);
         assert_eq!(dark, Intensity::by_middle(0.5));
         // Half of the disc lies right of its middle, where 2 + x has its median.
         let bright = sphere(|x, _| 2.0 + x);
-        let found = of(White::Auto, &[bright.clone()]);
+        let found = of(White::Auto, std::slice::from_ref(&bright));
         assert!(
             found.bend == 1.0 && (found.level - 2.0).abs() < 0.01,
             "{found:?}"
@@ -149,7 +152,10 @@ mod tests {
         let both = of(White::Auto, &[shown.clone(), bright.clone()]);
         assert!((both.level - 1.0).abs() < 0.02, "{both:?}");
         // A level of 4 halves 2; a median of 4 makes it a third.
-        assert_eq!(of(White::Level(4.0), &[bright.clone()]).of(2.0), 0.5);
+        assert_eq!(
+            of(White::Level(4.0), std::slice::from_ref(&bright)).of(2.0),
+            0.5
+        );
         assert_eq!(of(White::Middle(4.0), &[shown]).of(2.0), 1.0 / 3.0);
     }
 

@@ -209,6 +209,7 @@ pub(crate) const MAX_DIRECTION_STEP_PX: u32 = 64;
 
 impl ShapeParams {
     /// What is likely meant otherwise than it is read now.
+    #[cfg(feature = "cli")]
     pub(crate) fn outdated(&self) -> Option<&'static str> {
         let former = SoftThreshold { lo: 0.03, hi: 0.04 };
         (self.silhouette == former).then_some(

@@ -9,7 +9,7 @@ use super::surface::Surface;
 use crate::frame::{Frame, Mask, Plane, SightLines};
 use crate::params::{Scale, ShapeParams, SoftThreshold};
 use crate::shape::chebyshev::{Spread, coefficients};
-use crate::shape::gap::{DEPARTS, GapScale, Gaps, NOISES, TURNS};
+use crate::shape::gap::{CLOSED, DEPARTS, GapScale, Gaps, NOISES, TURNS};
 use crate::shape::gap_noise::GapNoise;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,6 +56,16 @@ impl Weight {
 
     fn times(self, other: Self) -> Self {
         self.with(other, |a, b| a * b)
+    }
+
+    /// 1 from [`CLOSED`] on.
+    fn closed(self) -> Self {
+        let of = |weight: f64| if weight > CLOSED.into() { 1.0 } else { weight };
+        Self {
+            exact: of(self.exact),
+            least: of(self.least),
+            most: of(self.most),
+        }
     }
 
     fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
@@ -276,7 +286,8 @@ impl<'a> ExactGaps<'a> {
         let more = per_unit * (share * size + unit) + f64::from(NOISES * noise[0]);
         let threshold = self.scale.threshold;
         let raised = Weight::ramp(px - more, rounding, threshold);
-        Some((departs.max(turns).times(raised), depth_b - depth_a))
+        let weight = departs.max(turns).times(raised).closed();
+        Some((weight, depth_b - depth_a))
     }
 }
 

@@ -25,6 +25,17 @@ pub(crate) const DEPARTS: SoftThreshold = SoftThreshold { lo: 0.1, hi: 0.3 };
 /// departs, as blurred ones do. Bumps of a floor's normals stay below.
 pub(crate) const TURNS: SoftThreshold = SoftThreshold { lo: 0.3, hi: 0.5 };
 
+/// Depths between which products fit single precision, with all focal lengths that are accepted.
+pub(crate) const NEAREST: f32 = 1e-12;
+pub(crate) const FARTHEST: f32 = 1e12;
+
+/// Jumps beyond this, in pixels, count as such.
+pub(crate) const STEEPEST: f32 = 1e15;
+
+/// From this weight on a silhouette closes in full: a fit between pixels that are nearly closed would magnify the rounding
+/// of what is left of them.
+pub(crate) const CLOSED: f32 = 0.95;
+
 /// What the gaps of a frame are measured by. Depth is along the view axis here.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GapScale {
@@ -83,17 +94,23 @@ impl GapScale {
 
     /// The direction to the eye, scaled to z = 1, of the pixel at this place of the picture.
     #[cfg(feature = "gpu")]
-    pub(crate) fn to_eye(&self, x: f64, y: f64) -> glam::DVec2 {
+    pub(crate) fn to_eye(self, x: f64, y: f64) -> glam::DVec2 {
         self.projection.to_eye(x, y)
     }
 
     /// Depth of a pixel along the view axis.
     #[inline(always)]
     fn planar(&self, depth: f32, [x, y]: [f32; 2]) -> f32 {
-        match self.along_lines {
+        let depth = match self.along_lines {
             true => depth / (1.0 + (x * x + y * y)).sqrt(),
             false => depth,
-        }
+        };
+        let nearest = if self.is_perspective {
+            NEAREST
+        } else {
+            -FARTHEST
+        };
+        depth.clamp(nearest, FARTHEST)
     }
 
     /// Its unit along an axis, 0 to the right and 1 downward.
@@ -194,7 +211,9 @@ impl Gap {
         };
         let px = off_a.max(off_b);
         let departs = DEPARTS.weight(bend / jump.abs().max(f32::MIN_POSITIVE));
-        let turns = TURNS.weight(px / (1.0 + jump * jump).sqrt());
+        // Where its square would not fit, all is a jump.
+        let steep = jump.abs().min(STEEPEST);
+        let turns = TURNS.weight(px / (1.0 + steep * steep).sqrt());
         let size = a.depth.abs().max(b.depth.abs());
         Self {
             px,
@@ -212,7 +231,8 @@ impl Gap {
             lo: threshold.lo + more,
             hi: threshold.hi + more,
         };
-        self.gate * raised.weight(self.px)
+        let weight = self.gate * raised.weight(self.px);
+        if weight > CLOSED { 1.0 } else { weight }
     }
 }
 

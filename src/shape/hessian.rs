@@ -204,8 +204,9 @@ fn all_open(conductance: &[f32]) -> bool {
 const WEIGHTS: [[f32; 3]; 3] = [[1.0, 2.0, 1.0], [2.0, 0.0, 2.0], [1.0, 2.0, 1.0]];
 
 /// Regularises the fit where the open neighbours lie on one line: the slope across that line is then 0. Small compared
-/// with 1, the smallest weight of a fit with an open neighbour.
-pub(crate) const RIDGE: f32 = 1e-4;
+/// with 1, the smallest weight of a fit with an open neighbour; and so large that rounding counts no more than 2^-24 / RIDGE,
+/// 3e-5, where they lie on a diagonal.
+pub(crate) const RIDGE: f32 = 2e-3;
 
 /// A weighted least-squares fit of a plane through the centre of 3x3 samples, y up.
 struct Stencil {

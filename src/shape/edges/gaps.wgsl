@@ -39,11 +39,13 @@ fn gap_weight(a: Side, b: Side, pitch: f32, noise: f32, is_perspective: bool) ->
     let bend = select(abs(jump), outside, a.has_beyond || b.has_beyond);
     let px = max(off_a, off_b);
     let departs = soft_threshold_weight(bend / max(abs(jump), 1.17549435e-38), DEPARTS_LO, DEPARTS_HI);
-    let turns = soft_threshold_weight(px / sqrt(1.0 + jump * jump), TURNS_LO, TURNS_HI);
+    let steep = min(abs(jump), STEEPEST);
+    let turns = soft_threshold_weight(px / sqrt(1.0 + steep * steep), TURNS_LO, TURNS_HI);
     let size = max(abs(a.depth), abs(b.depth));
     let more = per_unit * (params.rounding_share * size + params.rounding_unit) + NOISES * noise;
-    return max(departs, turns)
-        * soft_threshold_weight(px, params.silhouette_lo + more, params.silhouette_hi + more);
+    let size_weight = soft_threshold_weight(px, params.silhouette_lo + more, params.silhouette_hi + more);
+    let weight = max(departs, turns) * size_weight;
+    return select(weight, 1.0, weight > CLOSED);
 }
 
 // Whether a pixel is covered, possibly one beyond the picture.
@@ -56,11 +58,11 @@ fn is_there(at: vec2<i32>) -> bool {
 fn eye_and_depth(at: vec2<i32>) -> vec3<f32> {
     let first = vec2<f32>(params.to_eye_x, params.to_eye_y);
     let eye = first + vec2<f32>(params.to_eye_x_step, params.to_eye_y_step) * vec2<f32>(at);
-    let stored = depth[index_of(u32(at.x), u32(at.y))];
+    var planar = depth[index_of(u32(at.x), u32(at.y))];
     if DEPTH_ALONG_RAY {
-        return vec3<f32>(eye, stored / sqrt(1.0 + (eye.x * eye.x + eye.y * eye.y)));
+        planar /= sqrt(1.0 + (eye.x * eye.x + eye.y * eye.y));
     }
-    return vec3<f32>(eye, stored);
+    return vec3<f32>(eye, clamp(planar, select(-FARTHEST, NEAREST, IS_PERSPECTIVE), FARTHEST));
 }
 
 // A pixel that is there, with the next one at `beyond`; `step` is that between the pixels compared, at depth 1.

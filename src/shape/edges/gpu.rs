@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::gap::{DEPARTS, Gaps, NOISES, TURNS};
+use crate::shape::gap::{CLOSED, DEPARTS, FARTHEST, Gaps, NEAREST, NOISES, STEEPEST, TURNS};
 use crate::shape::gap_noise::TILE;
 
 /// How far a normal faces the eye.
@@ -96,6 +96,10 @@ pub(crate) static GAPS: Kernel = Kernel::new::<GapParams, GapBuffers>(
                 ("TURNS_LO", F32(TURNS.lo)),
                 ("TURNS_HI", F32(TURNS.hi)),
                 ("NOISES", F32(NOISES)),
+                ("CLOSED", F32(CLOSED)),
+                ("STEEPEST", F32(STEEPEST)),
+                ("NEAREST", F32(NEAREST)),
+                ("FARTHEST", F32(FARTHEST)),
                 ("TILE", I32(TILE)),
             ]
         ),
