@@ -140,8 +140,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let is_inside = all(covered_above) && all(covered_here) && all(covered_below);
         var weights = vec2<f32>(0.0);
         if HAS_GAPS {
-            let gaps_above = gaps[index_of(id.x, row_above(y))];
-            weights = silhouettes_of_gaps(gaps[i], gaps[row + columns.x].x, gaps_above.y);
+            // There is none before the first pixel of a row or a column.
+            let before = select(gaps[row + columns.x].x, 0.0, id.x == 0u);
+            let above = select(gaps[index_of(id.x, row_above(y))].y, 0.0, y == 0u);
+            weights = silhouettes_of_gaps(gaps[i], before, above);
         } else if HAS_MAP {
             weights = vec2<f32>(jump_weight(map_above, map_here, map_below));
         }
