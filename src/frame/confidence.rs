@@ -35,11 +35,8 @@ const SPREADS: [f32; 2] = [0.001, 0.005];
 const DEPTHS_REACH: usize = 5;
 
 /// A depth is isolated if both its neighbours along a row or a column differ from it by more than this share of the
-/// picture's longer side: a tenth of the distance for a lens of 44 degrees.
+/// picture's longer side: a tenth of the distance for a lens of 44 degrees across.
 const ALONE: f32 = 0.125;
-
-/// That share of the distance, where the lens is not known.
-const UNKNOWN_LENS: f32 = 0.1;
 
 /// Shares of isolated depths for confidence 1 and 0. No 11x11 square of the sharp renders tried has a share above 0.08.
 const SHARES_ALONE: [f32; 2] = [0.1, 0.3];
@@ -100,10 +97,9 @@ type Isolation = [f32; 2];
 fn isolation(frame: &Frame) -> Isolation {
     let window = frame.display_window;
     let limit = ALONE * window.width().max(window.height()) as f32;
-    match frame.camera.map(|camera| camera.projection) {
-        Some(Projection::Perspective { fx, .. }) => [limit / fx.abs() as f32, 0.0],
-        Some(Projection::Orthographic { sx, .. }) => [0.0, limit / sx.abs() as f32],
-        None => [UNKNOWN_LENS, 0.0],
+    match frame.likely_projection() {
+        Projection::Perspective { fx, .. } => [limit / fx.abs() as f32, 0.0],
+        Projection::Orthographic { sx, .. } => [0.0, limit / sx.abs() as f32],
     }
 }
 
@@ -459,7 +455,7 @@ mod tests {
             }
             let depth = Plane::from_fn(width, height, |_, _| if chance(0.12) { 9.0 } else { 5.0 });
             let alone = of_rows(&depth, |y, row| {
-                alone_in_row((&depth, &mask), [UNKNOWN_LENS, 0.0], y, row)
+                alone_in_row((&depth, &mask), [0.1, 0.0], y, row)
             });
             let shares = mean_over_squares(&alone, DEPTHS_REACH);
             let is_mixed = shares
@@ -467,7 +463,7 @@ mod tests {
                 .iter()
                 .any(|&share| share > SHARES_ALONE[0]);
             assert!(
-                may_be_alone_together(&depth, &mask, [UNKNOWN_LENS, 0.0]) || !is_mixed,
+                may_be_alone_together(&depth, &mask, [0.1, 0.0]) || !is_mixed,
                 "{width}x{height}"
             );
             found[0] += usize::from(has_square);
@@ -535,7 +531,7 @@ mod tests {
             of_depths(
                 depth,
                 &Mask::full(depth.width(), depth.height()),
-                [UNKNOWN_LENS, 0.0],
+                [0.1, 0.0],
             )
         };
         let scenes: [fn(usize, usize) -> f32; 3] = [

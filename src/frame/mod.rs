@@ -62,6 +62,9 @@ pub use window::Window;
 
 use std::collections::BTreeMap;
 
+/// The focal length where none is known, in longer sides of the picture.
+const FOCAL_SIDES: f64 = 1.25;
+
 /// A surface seen from one viewpoint, with the picture made of it.
 ///
 /// All planes have the size of the data window. Outside the mask their samples are undefined, except for colour and
@@ -136,6 +139,20 @@ impl Frame {
     /// Weights of linear red, green and blue in the picture's luminance: those of its primaries, or of Rec. 709.
     pub fn luminance_weights(&self) -> [f32; 3] {
         self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
+    }
+
+    /// The camera's projection; where it is not known a perspective 44 degrees across, about the middle of the picture.
+    pub(crate) fn likely_projection(&self) -> Projection {
+        let window = self.display_window;
+        let focal = FOCAL_SIDES * window.width().max(window.height()) as f64;
+        let center = window.center();
+        let assumed = Projection::Perspective {
+            fx: focal,
+            fy: focal * f64::from(self.pixel_aspect),
+            cx: center.x,
+            cy: center.y,
+        };
+        self.camera.map_or(assumed, |camera| camera.projection)
     }
 
     /// A frame with view-space unit normals only, within `mask`: square pixels, all of them shown.

@@ -32,19 +32,25 @@ const WORK_PER_PIXEL: u64 = 60;
 /// curvature of all scales at once, 28.
 const SCALE_PER_PIXEL: u64 = 20;
 
-/// Bytes per pixel of a tile, which is run with its repetition beside the frame. Measured with all maps of a normal map
-/// of 8 megapixels: 11 beyond [`LEAST_PER_PIXEL`].
+/// Bytes per pixel of a tile itself, beside the frame that repeats it. Measured with all maps of a normal map of 8
+/// megapixels: 11 beyond [`LEAST_PER_PIXEL`].
 const TILE_PER_PIXEL: u64 = 25;
+
+/// Pixels around a tile that are run with it, repeated: as far as gaps, the steps of the finest scale and normal rays read.
+const TILE_BORDER_PX: u64 = 48;
 
 /// Approximate memory for processing the picture `path` beside [`program_bytes`], with `more_scales` scales beyond the
 /// first, and borders that may be joined; 0 if the header does not tell.
 pub(crate) fn frame_bytes(path: &Path, more_scales: usize, may_wrap: bool) -> u64 {
-    let tile = if may_wrap { TILE_PER_PIXEL } else { 0 };
-    let scales = SCALE_PER_PIXEL * more_scales as u64 + tile;
+    let scales = SCALE_PER_PIXEL * more_scales as u64;
     // All channels may be light passes that are scaled separately.
     let of = |size: PictureSize| {
         let per_pixel = LEAST_PER_PIXEL.max(WORK_PER_PIXEL + 4 * size.channels);
-        size.pixels.saturating_mul(per_pixel + scales)
+        let run = |pixels: u64| pixels.saturating_mul(per_pixel + scales);
+        match may_wrap {
+            true => run(size.repeated).saturating_add(size.pixels.saturating_mul(TILE_PER_PIXEL)),
+            false => run(size.pixels),
+        }
     };
     picture_size(path).map_or(0, of)
 }
@@ -53,6 +59,8 @@ pub(crate) fn frame_bytes(path: &Path, more_scales: usize, may_wrap: bool) -> u6
 pub(crate) struct PictureSize {
     /// Those of the largest part.
     pub(crate) pixels: u64,
+    /// The same where it is a tile, with its repetition.
+    repeated: u64,
     /// The pixels meant to be shown.
     pub(crate) display_window: Window,
     /// Width of a pixel over its height.
@@ -62,11 +70,21 @@ pub(crate) struct PictureSize {
 
 /// The size of the picture `path`; `None` if its header does not tell.
 pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
-    let area = |window: &Window| window.width() as u64 * window.height() as u64;
+    let with_border = |window: &Window, border: u64| {
+        let [width, height] =
+            [window.width(), window.height()].map(|side| side as u64 + 2 * border);
+        width * height
+    };
+    let largest = |windows: &[Window], border: u64| {
+        let areas = windows.iter().map(|window| with_border(window, border));
+        areas.max()
+    };
     let of_exr = || {
         let file = ExrFile::open(path, &Limits::default()).ok()?;
+        let windows: Vec<Window> = file.parts.iter().map(|part| part.window).collect();
         Some(PictureSize {
-            pixels: file.parts.iter().map(|part| area(&part.window)).max()?,
+            pixels: largest(&windows, 0)?,
+            repeated: largest(&windows, TILE_BORDER_PX)?,
             display_window: file.display_window,
             pixel_aspect: file.pixel_aspect,
             channels: file.channel_ids().count() as u64,
@@ -76,7 +94,8 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
         let photo = StoredPhoto::open(path, u64::MAX).ok()?;
         let window = Window::from_size(photo.header.width, photo.header.height);
         Some(PictureSize {
-            pixels: area(&window),
+            pixels: largest(&[window], 0)?,
+            repeated: largest(&[window], TILE_BORDER_PX)?,
             display_window: window,
             pixel_aspect: 1.0,
             channels: 0,

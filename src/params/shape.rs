@@ -19,6 +19,7 @@ pub struct SoftThreshold {
 
 impl SoftThreshold {
     /// The weight of `value`, 0..1. With `lo == hi` the step is hard.
+    #[inline(always)]
     pub fn weight(&self, value: f32) -> f32 {
         if value >= self.hi {
             1.0

@@ -389,7 +389,7 @@ mod tests {
     use super::*;
     use crate::light::enhancement::LightAvailable;
     use crate::line::direction::FILL_REACH_PX;
-    use crate::shape::EDGE_REACH;
+    use crate::shape::gap::GAP_REACH;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -483,10 +483,10 @@ mod tests {
     #[test]
     fn reaches_add_up() {
         let enhanced = plan(Goal::Enhance, DEPTH, 50);
-        assert_eq!(enhanced.reach(), EDGE_REACH + enhanced.sweeps.count() + 1);
-        assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), EDGE_REACH + 1);
+        assert_eq!(enhanced.reach(), GAP_REACH + enhanced.sweeps.count() + 1);
+        assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), GAP_REACH + 1);
         let layers = plan(Goal::Layers, DEPTH, 50);
-        let directions = EDGE_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;
+        let directions = GAP_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;
         assert_eq!(layers.reach(), enhanced.reach().max(directions));
         assert_eq!(layers.without(Product::Direction).reach(), enhanced.reach());
     }

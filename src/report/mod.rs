@@ -19,6 +19,7 @@ pub mod coherence;
 pub(crate) mod compare;
 mod drawing;
 mod engine;
+mod exact_gaps;
 pub(crate) mod html;
 pub(crate) mod light;
 pub mod light_reference;
@@ -35,6 +36,7 @@ pub(crate) mod stability;
 pub(crate) mod surface;
 pub(crate) mod sweeps;
 pub mod timing;
+mod weight;
 pub(crate) mod work;
 
 pub(crate) use self::asked::{Asked, Extent};

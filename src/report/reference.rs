@@ -5,12 +5,12 @@
 //! where the surface is that of the files. For the same reason the formulas are written
 //! anew, not shared with the kernels.
 
+use super::exact_gaps::ExactGaps;
 use super::surface::Surface;
-use crate::frame::{Frame, Mask, Plane, SightLines};
+use super::weight::{EPSILON, Weight, covered};
+use crate::frame::{Frame, Mask, Plane};
 use crate::params::{Scale, ShapeParams, SoftThreshold};
 use crate::shape::chebyshev::{Spread, coefficients};
-use crate::shape::gap::{CLOSED, DEPARTS, GapScale, Gaps, NOISES, TURNS};
-use crate::shape::gap_noise::GapNoise;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -22,69 +22,6 @@ const TOLERANCE: f64 = 1e-13;
 
 /// Steps above which the reference of steps is expanded too, which bounds its run time.
 const MOST_STEPS: u32 = 500;
-
-/// A weight, 0..1, and the range it can take when single-precision rounding moves the value before its threshold.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Weight {
-    pub exact: f64,
-    pub least: f64,
-    pub most: f64,
-}
-
-impl Weight {
-    const FULL: Self = Self {
-        exact: 1.0,
-        least: 1.0,
-        most: 1.0,
-    };
-
-    /// A linear ramp from 0 at `lo` to 1 at `hi`, or a step if they are equal, of a value known to within `rounding`.
-    fn ramp(value: f64, rounding: f64, SoftThreshold { lo, hi }: SoftThreshold) -> Self {
-        let (lo, hi) = (f64::from(lo), f64::from(hi));
-        let at = |value: f64| match lo < hi {
-            true => ((value - lo) / (hi - lo)).clamp(0.0, 1.0),
-            false => f64::from(u8::from(value >= hi)),
-        };
-        let [exact, least, most] = [value, value - rounding, value + rounding].map(at);
-        Self { exact, least, most }
-    }
-
-    /// The larger of two, and their product.
-    fn max(self, other: Self) -> Self {
-        self.with(other, f64::max)
-    }
-
-    fn times(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-
-    /// 1 from [`CLOSED`] on.
-    fn closed(self) -> Self {
-        let of = |weight: f64| if weight > CLOSED.into() { 1.0 } else { weight };
-        Self {
-            exact: of(self.exact),
-            least: of(self.least),
-            most: of(self.most),
-        }
-    }
-
-    fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        Self {
-            exact: of(self.exact, other.exact),
-            least: of(self.least, other.least),
-            most: of(self.most, other.most),
-        }
-    }
-
-    /// The conductance: 1 minus the larger of two edge weights.
-    fn conductance(a: Self, b: Self) -> Self {
-        Self {
-            exact: 1.0 - a.exact.max(b.exact),
-            least: 1.0 - a.most.max(b.most),
-            most: 1.0 - a.least.max(b.least),
-        }
-    }
-}
 
 /// Edge weights ([LW] section 4.4). All are 0 outside the mask.
 pub(super) struct Edges {
@@ -102,7 +39,10 @@ impl Edges {
         let silhouettes = match (&surface.depth, &frame.occlusion) {
             (Some(depth), _) => {
                 let gaps = ExactGaps::new(frame, surface, depth, params.silhouette);
-                covered(mask, |x, y| gaps.silhouettes([x, y]))
+                covered(mask, |x, y| match is_border(mask, x, y) {
+                    true => [Weight::FULL; 2],
+                    false => gaps.silhouettes([x, y]),
+                })
             }
             (None, Some(map)) => {
                 let map = map.map(f64::from);
@@ -139,156 +79,10 @@ impl Edges {
     }
 }
 
-/// `value` at every covered pixel, the default elsewhere.
-fn covered<T: Copy + Default + Send>(
-    mask: &Mask,
-    value: impl Fn(usize, usize) -> T + Sync,
-) -> Plane<T> {
-    let (w, h) = (mask.width(), mask.height());
-    let pixels = (0..w * h).into_par_iter().with_min_len(w.max(1));
-    let samples = pixels.map(|i| match (i % w, i / w) {
-        (x, y) if mask.at(x, y) => value(x, y),
-        _ => T::default(),
-    });
-    Plane::from_samples(w, h, samples.collect())
-}
-
 /// Whether a neighbour inside the picture is uncovered.
 fn is_border(mask: &Mask, x: usize, y: usize) -> bool {
     let (w, h) = (mask.width() as i64, mask.height() as i64);
     around(x, y, w, h).any(|(_, _, i, j, _)| !mask.at(i, j))
-}
-
-/// Spacing of single-precision numbers at 1.
-const EPSILON: f64 = f32::EPSILON as f64;
-
-/// Gaps between the surfaces of pixels, from their points and normals.
-struct ExactGaps<'a> {
-    frame: &'a Frame,
-    surface: &'a Surface,
-    depth: &'a Plane<f64>,
-    scale: GapScale,
-    sight: SightLines,
-    /// In single precision: how noisy depth is is no matter of rounding.
-    noise: Option<GapNoise>,
-}
-
-impl<'a> ExactGaps<'a> {
-    fn new(
-        frame: &'a Frame,
-        surface: &'a Surface,
-        depth: &'a Plane<f64>,
-        threshold: SoftThreshold,
-    ) -> Self {
-        let single = depth.map(|depth| depth as f32);
-        let gaps = Gaps::new(frame, &single, threshold);
-        Self {
-            frame,
-            surface,
-            depth,
-            scale: gaps.scale,
-            sight: SightLines::new(gaps.scale.projection),
-            noise: gaps.noise().cloned(),
-        }
-    }
-
-    /// The silhouettes that a pixel is in front of, and that it is beside.
-    fn silhouettes(&self, [x, y]: [usize; 2]) -> [Weight; 2] {
-        if is_border(&self.frame.mask, x, y) {
-            return [Weight::FULL; 2];
-        }
-        let [mut line, mut barrier] = [Weight::default(); 2];
-        let before = [[x.wrapping_sub(1), y], [x, y.wrapping_sub(1)]];
-        let pairs = [0, 1].map(|axis| [([x, y], axis, true), (before[axis], axis, false)]);
-        for (at, axis, is_first) in pairs.into_iter().flatten() {
-            let Some((weight, step)) = self.after(at, axis) else {
-                continue;
-            };
-            barrier = barrier.max(weight);
-            // Of equal depths the first is the nearer.
-            let is_front = if is_first { step >= 0.0 } else { step < 0.0 };
-            if is_front {
-                line = line.max(weight);
-            }
-        }
-        [line, barrier]
-    }
-
-    /// The place of the surface at a pixel inside, if it is covered.
-    fn place(&self, [x, y]: [usize; 2]) -> Option<DVec3> {
-        let mask = &self.frame.mask;
-        let is_inside = x < mask.width() && y < mask.height();
-        (is_inside && mask.at(x, y)).then(|| {
-            let at = self.frame.data_window.middle(x, y);
-            self.sight.point(
-                at.x,
-                at.y,
-                self.depth.at(x, y),
-                self.frame.source.depth_kind,
-            )
-        })
-    }
-
-    /// The weight of the gap from a pixel to the next along an axis, and the difference of their depths.
-    ///
-    /// Rounding: depths, their differences and products with normals are off by a few ulps of the larger depth.
-    fn after(&self, at: [usize; 2], axis: usize) -> Option<(Weight, f64)> {
-        let place = |by: usize| {
-            let mut at = at;
-            at[axis] = at[axis].wrapping_add(by);
-            self.place(at)
-        };
-        let (a, b) = (place(0)?, place(1)?);
-        let normal = |by: usize| {
-            let mut at = at;
-            at[axis] += by;
-            DVec3::from_array(
-                self.surface
-                    .normal
-                    .each_ref()
-                    .map(|plane| plane.at(at[0], at[1])),
-            )
-        };
-        let [depth_a, depth_b] = [-a.z, -b.z];
-        let pitch = f64::from(self.scale.pitch[axis]);
-        let is_perspective = self.scale.is_perspective;
-        let linear = |depth: f64| if is_perspective { 1.0 / depth } else { depth };
-        let (per_unit, per_linear) = match is_perspective {
-            true => (pitch / depth_a.min(depth_b), pitch * depth_a.max(depth_b)),
-            false => (pitch, pitch),
-        };
-        let px = [0, 1].map(|by| (normal(by).dot(b - a) * per_unit).abs());
-        let px = px[0].max(px[1]);
-        let rise = |from: DVec3, to: DVec3| (linear(-to.z) - linear(-from.z)) * per_linear;
-        let jump = rise(a, b);
-        let chords = [
-            place(usize::MAX).map(|c| rise(c, a)),
-            place(2).map(|c| rise(b, c)),
-        ];
-        let known = chords.into_iter().flatten();
-        let least = known.clone().reduce(f64::min);
-        let bend = least
-            .zip(known.reduce(f64::max))
-            .map_or(jump.abs(), |(least, most)| {
-                (least - jump).max(jump - most).max(0.0)
-            });
-        let size = depth_a.abs().max(depth_b.abs());
-        let rounding = 16.0 * EPSILON * (1.0 + per_unit * size);
-        let steep = jump.abs().max(f64::MIN_POSITIVE);
-        let departs = Weight::ramp(bend / steep, rounding / steep, DEPARTS);
-        let length = jump.hypot(1.0);
-        let turns = Weight::ramp(px / length, rounding / length, TURNS);
-        let [share, unit] = self.scale.rounding.map(f64::from);
-        let mut noise = [0.0];
-        if let Some(of) = &self.noise {
-            of.fill_row(at, axis, &mut noise);
-        }
-        let more = per_unit * (share * size + unit) + f64::from(NOISES * noise[0]);
-        let threshold = self.scale.threshold;
-        let raised = Weight::ramp(px - more, rounding, threshold);
-        let weight = departs.max(turns).times(raised).closed();
-        Some((weight, depth_b - depth_a))
-    }
 }
 
 /// 1 at the border of the coverage, else by the jump of `map` across the pixel: its Sobel slope times the two pixels

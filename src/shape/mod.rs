@@ -17,14 +17,10 @@ pub mod crease;
 pub mod curvature;
 pub(crate) mod diffusion;
 pub(crate) mod gap;
-pub(crate) mod gap_noise;
 pub mod gradient;
 pub(crate) mod hessian;
 pub(crate) mod silhouette;
 pub mod view_hessian;
-
-/// Pixels that edge weights read to each side: the slopes beside a gap, and the noise of depth around it.
-pub(crate) const EDGE_REACH: usize = 2 + gap_noise::NOISE_REACH;
 
 /// Three neighbouring rows of one plane: above, at and below the row being computed. At the border of a picture the
 /// border row is repeated.

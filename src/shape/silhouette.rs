@@ -6,6 +6,7 @@
 
 use crate::engine::cpu::simd::widened;
 use crate::params::SoftThreshold;
+use crate::shape::gap::pair::larger;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
@@ -69,12 +70,11 @@ fn all_seen(rows: &[Shifted<bool>; 3], i: usize) -> bool {
 /// from the pixel before it and to the next one, and to the row below and from the row above.
 #[inline(always)]
 pub(crate) fn silhouettes_of_gaps([before, after]: [f32; 2], [below, above]: [f32; 2]) -> [f32; 2] {
-    let front = after.max(-before).max(below.max(-above));
-    let beside = after.abs().max(before.abs());
-    // Not numbers where the other side is uncovered, which `max` passes over.
+    let front = larger(larger(after, -before), larger(below, -above));
+    let across = larger(after.abs(), before.abs());
     [
-        front.max(0.0),
-        beside.max(below.abs().max(above.abs())).max(0.0),
+        larger(front, 0.0),
+        larger(across, larger(below.abs(), above.abs())),
     ]
 }
 

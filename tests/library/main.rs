@@ -27,6 +27,7 @@ mod scales;
 mod scenes;
 mod sequences;
 mod shape;
+mod silhouettes;
 mod specular;
 mod stroke_field;
 mod tiles;

@@ -135,7 +135,8 @@ mod tests {
     use crate::shape::crease::NormalRows;
     use crate::shape::diffusion::kernel::{Chunk, Sum, Sweep};
     use crate::shape::diffusion::{LEVELS, Update};
-    use crate::shape::gap::{self, GapRow, GapScale};
+    use crate::shape::gap::rows::{self, GapRow};
+    use crate::shape::gap::scale::GapScale;
     use crate::shape::occlusion::Step;
 
     const WIDTH: usize = 83;
@@ -287,7 +288,8 @@ mod tests {
         frame.source.depth_kind = DepthKind::Ray;
         let scale = GapScale::of(&frame, SoftThreshold { lo: 0.01, hi: 1.0 });
         let depth: Vec<f32> = b[2][..WIDTH].iter().map(|v| 1.0 + v).collect();
-        let samples = gap::Samples {
+        let samples = rows::Samples {
+            first: 0,
             depth: &depth,
             covered: &covered[..WIDTH],
             normal,
@@ -296,9 +298,14 @@ mod tests {
         let mut row = GapRow::new(WIDTH);
         simd.fill_gap_row(&mut row, &samples, &scale);
         let [across, front, beside] = out;
-        let along = [normal[0], &normal[0][1..]];
+        let along = rows::Along {
+            axis: 0,
+            first: 0,
+            normals: [normal[0], &normal[0][1..]],
+            noise: &b[0],
+        };
         let after = &mut across[1..];
-        simd.gap_weight_row(after, [&row; 4], along, &b[0], (0, &scale));
+        simd.gap_weight_row(after, [&row; 4], &along, &scale);
         assert!(after.iter().any(|&weight| weight < 0.0));
         // Not numbers beside uncovered pixels, of any bits.
         after

@@ -7,7 +7,7 @@ use crate::line::contours::lattice::Lattice;
 use crate::line::contours::network::Spot;
 use crate::line::contours::strength_of_gap;
 use crate::params::{ShapeParams, SoftThreshold};
-use crate::shape::gap::Gaps;
+use crate::shape::gap::of_frame::Gaps;
 use glam::Vec2;
 use rayon::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use crate::frame::{DepthKind, Frame, Plane};
 use crate::params::SoftThreshold;
-use crate::shape::gap::GapScale;
+use crate::shape::gap::scale::GapScale;
 use rayon::prelude::*;
 
 /// The width of a halo of factor 1, as a share of the picture's size, the root of its area.

@@ -12,6 +12,7 @@ use super::compare::{Errors, compare, overshoot};
 use super::engine::{self, Layers};
 use super::reference::{self, Edges, Field, Operator};
 use super::surface::Surface;
+use super::weight::Weight;
 use crate::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::params::{Scale, ShapeParams};
@@ -73,7 +74,7 @@ impl<'a> Measuring<'a> {
         let conductance = edges.conductance_near(&found.conductance);
         let gradient = reference::depth_gradient(frame, surface, &shape);
         let steepest = reference::largest(&gradient);
-        let errors = |found: &Plane, exact: &Plane<reference::Weight>| {
+        let errors = |found: &Plane, exact: &Plane<Weight>| {
             let exact = exact.map(|weight| weight.exact);
             compare([found], [&exact], &frame.mask, 1.0).in_window(frame.data_window)
         };

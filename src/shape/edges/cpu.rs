@@ -9,7 +9,8 @@ use crate::product::Product;
 use crate::shape::Rows;
 use crate::shape::crease::{CreaseDetector, NormalRows};
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::gap::{GapRow, Gaps};
+use crate::shape::gap::of_frame::Gaps;
+use crate::shape::gap::rows::{Along, GapRow};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -264,16 +265,19 @@ impl<'a> Sources<'a> {
             ..
         } = scratch;
         let (row, normals) = (&rows[y % GAP_ROWS], self.frame.normal.x.row(y));
-        let last = normals.len() - 1;
-        fill_noise(gaps, [0, y], 0, noise);
-        let normals = [&normals[..last], &normals[1..]];
-        self.simd.gap_weight_row(
-            &mut across[1..=last],
-            [row; 4],
-            normals,
-            noise,
-            (0, &gaps.scale),
-        );
+        let span = self.frame.mask.span(y);
+        let columns = span.start.saturating_sub(1)..span.end.min(normals.len() - 1);
+        if columns.is_empty() {
+            return;
+        }
+        let along = Along {
+            axis: 0,
+            first: columns.start,
+            normals: [0, 1].map(|next| &normals[columns.start + next..]),
+            noise: noise_of(gaps, [columns.start, y], 0, &mut noise[columns.clone()]),
+        };
+        let out = &mut across[columns.start + 1..=columns.end];
+        self.simd.gap_weight_row(out, [row; 4], &along, &gaps.scale);
     }
 
     /// Finds the gaps between row `y` and the one below.
@@ -289,12 +293,21 @@ impl<'a> Sources<'a> {
             below.fill(0.0);
             return;
         }
-        fill_noise(gaps, [0, y], 1, noise);
+        let spans = [y, y + 1].map(|y| self.frame.mask.span(y));
+        let filled = spans.into_iter().filter(|span| !span.is_empty());
+        let Some(columns) = filled.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else {
+            return;
+        };
         // Above the first row slots are as unknown as below the last.
         let rows = [3, 0, 1, 2].map(|i| &rows[(y + i) % GAP_ROWS]);
-        let normals = [y, y + 1].map(|y| self.frame.normal.y.row(y));
+        let along = Along {
+            axis: 1,
+            first: columns.start,
+            normals: [y, y + 1].map(|y| &self.frame.normal.y.row(y)[columns.start..]),
+            noise: noise_of(gaps, [columns.start, y], 1, &mut noise[columns.clone()]),
+        };
         self.simd
-            .gap_weight_row(below, rows, normals, noise, (1, &gaps.scale));
+            .gap_weight_row(&mut below[columns], rows, &along, &gaps.scale);
     }
 
     /// Prepares row `y` for gaps; all of a row below the picture is unknown.
@@ -387,11 +400,12 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// Fills the noise of the gaps from the pixels of a row to the next ones along an axis; without any it stays as it is.
-fn fill_noise(gaps: &Gaps, first: [usize; 2], axis: usize, row: &mut [f32]) {
+/// The noise of the gaps from the pixels of a row to the next ones along an axis, in `row`, which is of zeros.
+fn noise_of<'r>(gaps: &Gaps, first: [usize; 2], axis: usize, row: &'r mut [f32]) -> &'r [f32] {
     if let Some(noise) = gaps.noise() {
         noise.fill_row(first, axis, row);
     }
+    row
 }
 
 #[cfg(test)]

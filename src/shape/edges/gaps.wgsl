@@ -78,8 +78,7 @@ fn side(at: vec2<i32>, beyond: vec2<i32>, step: vec2<f32>) -> Side {
         next = select(depth_beyond, 1.0 / depth_beyond, IS_PERSPECTIVE);
     }
     let linear = select(depth, 1.0 / depth, IS_PERSPECTIVE);
-    let facing = -(n.z + (n.x * eye.x + n.y * eye.y));
-    return Side(depth, linear, next, facing, n.x * step.x + n.y * step.y, has_beyond);
+    return Side(depth, linear, next, -facing(n, eye.xy), n.x * step.x + n.y * step.y, has_beyond);
 }
 
 // The noise of depth between a pixel and the next along an axis.

@@ -14,8 +14,10 @@ use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::gap::{CLOSED, DEPARTS, FARTHEST, Gaps, NEAREST, NOISES, STEEPEST, TURNS};
-use crate::shape::gap_noise::TILE;
+use crate::shape::gap::noise::TILE;
+use crate::shape::gap::of_frame::Gaps;
+use crate::shape::gap::pair::{CLOSED, DEPARTS, NOISES, STEEPEST, TURNS};
+use crate::shape::gap::scale::{FARTHEST, NEAREST};
 
 /// How far a normal faces the eye.
 pub(crate) const FACING: Wgsl = wgsl!("../facing.wgsl");
@@ -88,6 +90,7 @@ pub(crate) static GAPS: Kernel = Kernel::new::<GapParams, GapBuffers>(
     "Gaps",
     &[
         wgsl!("soft_threshold.wgsl"),
+        FACING,
         wgsl!(
             "gaps.wgsl",
             [
@@ -188,7 +191,7 @@ impl Run<'_> {
         let (size, offset) = noise.map_or(([0; 2], [0; 2]), |(tiles, offset)| {
             ([tiles.width() as u32, tiles.height() as u32], offset)
         });
-        let to_eye = Linear::of(frame, |x, y| scale.to_eye(x, y));
+        let to_eye = Linear::of(frame, |x, y| scale.projection.to_eye(x, y));
         let [x, y, z] = &self.surface.normal;
         let depth = self.surface.map.as_ref().expect(there);
         let switches = [

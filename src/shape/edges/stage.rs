@@ -4,13 +4,16 @@ use crate::engine::cpu::run::Run;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::EDGE_REACH;
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::cpu::edges_of_lengths;
+use crate::shape::gap::GAP_REACH;
 
 /// Silhouettes, creases, conductance and the gradient before diffusion.
 pub(crate) static EDGES: Stage = Stage {
-    reach_px: |_| EDGE_REACH,
+    reach_px: |plan| match SilhouetteSource::of(plan) {
+        SilhouetteSource::Depth => GAP_REACH,
+        SilhouetteSource::Occlusion | SilhouetteSource::Border => 1,
+    },
     depends_on: |plan| {
         let shape = &plan.shape;
         let thresholds = (shape.silhouette, shape.occlusion_silhouette, shape.crease);

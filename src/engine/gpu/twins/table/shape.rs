@@ -16,7 +16,7 @@ use crate::shape::curvature::{
 use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::diffusion::{Update, flux, through};
 use crate::shape::edges::gpu::{EDGES, GAPS};
-use crate::shape::gap::{Gap, GapUnit, Side};
+use crate::shape::gap::pair::{Gap, GapUnit, Side};
 use crate::shape::gradient::{depth_gradient, facing};
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
 use crate::shape::silhouette::{jump_weight, silhouettes_of_gaps};

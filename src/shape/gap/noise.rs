@@ -2,7 +2,6 @@
 
 use crate::frame::{Frame, Plane};
 use crate::quantile::quantile;
-use crate::shape::gap::Gap;
 use rayon::prelude::*;
 
 /// Columns and rows of a tile whose noise is one number, in half pixels: the unit of all positions here, from the middle of
@@ -13,10 +12,14 @@ pub(crate) const TILE: i32 = 32;
 const FEWEST: usize = 8;
 
 /// Less noise than this, in pixels, is none: curvature alone.
-const LEAST: f32 = 0.1;
+pub(crate) const CALM: f32 = 0.1;
 
-/// Number of rows within which a depth can affect a threshold: those of the tile, and of half the next.
-pub(crate) const NOISE_REACH: usize = TILE as usize;
+/// Gaps of a tile that are looked at.
+const PROBES: usize = 32;
+
+/// No gap farther than this many pixels affects a threshold: the middle of a tile that counts is less than a tile away, and
+/// half a tile lies beyond it.
+pub(crate) const NOISE_REACH: usize = 3 * TILE as usize / 4;
 
 /// Noise of depth in pixels: one number for each tile, interpolated between their middles.
 #[derive(Debug, Clone)]
@@ -27,10 +30,11 @@ pub(crate) struct GapNoise {
 }
 
 impl GapNoise {
-    /// The noise of a frame whose gaps from a pixel to the next along an axis these are; `None` if there is none.
+    /// The noise of a frame; `stray` is what a gap from a pixel to the next along an axis counts, in pixels. `None` if there
+    /// is none.
     pub(crate) fn of(
         frame: &Frame,
-        gap: impl Fn([usize; 2], usize) -> Option<Gap> + Sync,
+        stray: impl Fn([usize; 2], usize) -> Option<f32> + Sync,
     ) -> Option<Self> {
         let (data, display) = (frame.data_window, frame.display_window);
         let size = [data.width(), data.height()];
@@ -46,38 +50,31 @@ impl GapNoise {
             [0, 1].map(|axis| (first[axis] as usize + 2 * size[axis]).div_ceil(TILE as usize));
         let mut tiles = Plane::filled(columns, rows, 0.0);
         let found = tiles.samples_mut().par_iter_mut().enumerate();
-        found.for_each_init(Vec::new, |gaps, (i, noise)| {
-            gaps.clear();
+        found.for_each_init(Vec::new, |strays, (i, noise)| {
+            strays.clear();
             let corner = [i % columns, i / columns].map(|tile| tile as i32 * TILE);
             // The pixel whose middle is there.
             let pixel = |place: [i32; 2]| {
                 let at = [0, 1].map(|axis| {
-                    usize::try_from((corner[axis] + place[axis] - first[axis]) / 2).ok()
+                    let from_first = corner[axis] + place[axis] - first[axis];
+                    let at = usize::try_from(from_first).ok().map(|halves| halves / 2);
+                    at.filter(|&at| at < size[axis])
                 });
-                let inside = |axis: usize| {
-                    at[axis]
-                        .filter(|&at| at < size[axis] && corner[axis] + place[axis] >= first[axis])
-                };
-                Some([inside(0)?, inside(1)?])
+                Some([at[0]?, at[1]?])
             };
-            for axis in 0..2 {
-                for (line, start) in probes(first[1 - axis] % 2, first[axis] % 2) {
-                    let place = if axis == 0 {
-                        [start, line]
-                    } else {
-                        [line, start]
-                    };
-                    let found = pixel(place).and_then(|at| gap(at, axis));
-                    gaps.extend(
-                        found
-                            .map(|gap| gap.px.min(gap.bend))
-                            .filter(|px| px.is_finite()),
-                    );
+            let parities = first.map(|first| first % 2);
+            for (axis, place) in [0, 1].into_iter().flat_map(|axis| probes(axis, parities)) {
+                let found = pixel(place).and_then(|at| stray(at, axis));
+                strays.extend(found.filter(|px| px.is_finite()));
+                // The median of all will not reach it.
+                let calm = strays.iter().filter(|&&px| px < CALM).count();
+                if calm > PROBES / 2 {
+                    return;
                 }
             }
-            if gaps.len() >= FEWEST {
-                let middle = quantile(gaps, 0.5, f32::total_cmp);
-                *noise = middle.filter(|&px| px >= LEAST).unwrap_or(0.0);
+            if strays.len() >= FEWEST {
+                let middle = quantile(strays, 0.5, f32::total_cmp);
+                *noise = middle.filter(|&px| px >= CALM).unwrap_or(0.0);
             }
         });
         let is_any = tiles.samples().iter().any(|&noise| noise > 0.0);
@@ -89,11 +86,23 @@ impl GapNoise {
         let after = [0, 1].map(|of| i32::from(of == axis));
         let ([above, below], down) = self.between(1, y, after[1]);
         let tiles = [above, below].map(|y| self.tiles.row(y));
-        for (i, noise) in row.iter_mut().enumerate() {
-            let (columns, across) = self.between(0, first + i, after[0]);
-            let at = |r: usize, c: usize| tiles[r][columns[c]] * (down[r] * across[c]);
-            // In this order a transposed or mirrored frame has the same noise to the bit.
-            *noise = (at(0, 0) + at(1, 1)) + (at(0, 1) + at(1, 0));
+        let mut done = 0;
+        while done < row.len() {
+            // Up to the next middle of a tile, the same four are around.
+            let (columns, across) = self.between(0, first + done, after[0]);
+            let left = (across[0] * (TILE / 2) as f32).ceil() as usize;
+            let end = row.len().min(done + left.max(1));
+            let of = |r: usize, c: usize| tiles[r][columns[c]];
+            let corners = [of(0, 0), of(1, 1), of(0, 1), of(1, 0)];
+            for (i, noise) in row[done..end].iter_mut().enumerate() {
+                let right = across[1] + i as f32 * (2.0 / TILE as f32);
+                let across = [1.0 - right, right];
+                let [a, b, c, d] = corners;
+                // In this order a transposed or mirrored frame has the same noise to the bit.
+                let ends = a * (down[0] * across[0]) + b * (down[1] * across[1]);
+                *noise = ends + (c * (down[0] * across[1]) + d * (down[1] * across[0]));
+            }
+            done = end;
         }
     }
 
@@ -115,17 +124,20 @@ impl GapNoise {
     }
 }
 
-/// The gaps of a tile that are looked at: the line they are on, and where they start along it. Mirrored they are the same,
-/// for pixels whose middles are at odd places, or at even ones.
-fn probes(parity_of_line: i32, parity: i32) -> impl Iterator<Item = (i32, i32)> {
-    let line = 6 + parity_of_line;
-    let starts = (0..4).flat_map(move |i| {
+/// The gaps along an axis that are looked at in a tile: the axis, and the middles of their first pixels. Mirrored or
+/// transposed they are the same, for pixels whose middles are at odd places, or at even ones.
+fn probes(axis: usize, parities: [i32; 2]) -> impl Iterator<Item = (usize, [i32; 2])> {
+    let line = 6 + parities[1 - axis];
+    let starts = (0..PROBES as i32 / 8).flat_map(move |i| {
         // From the middle of the gap to either end of the tile.
-        let middle = 3 - parity + 4 * i;
+        let middle = 3 - parities[axis] + 4 * i;
         [middle - 1, TILE - middle - 1]
     });
-    let lines = [line, TILE - line];
-    lines
-        .into_iter()
-        .flat_map(move |line| starts.clone().map(move |start| (line, start)))
+    let places = [line, TILE - line].into_iter().flat_map(move |line| {
+        starts.clone().map(move |start| match axis {
+            0 => [start, line],
+            _ => [line, start],
+        })
+    });
+    places.map(move |place| (axis, place))
 }

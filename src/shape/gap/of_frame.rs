@@ -1,0 +1,135 @@
+//! The gaps of a frame, one by one, with the noise of its depth.
+
+use crate::frame::{Frame, Plane, ToEye};
+use crate::params::SoftThreshold;
+use crate::shape::gap::noise::{CALM, GapNoise};
+use crate::shape::gap::pair::{Gap, Side};
+use crate::shape::gap::rows::Samples;
+use crate::shape::gap::scale::GapScale;
+use crate::shape::gradient::facing;
+use glam::Vec2;
+
+/// The gaps of a frame.
+pub(crate) struct Gaps<'a> {
+    frame: &'a Frame,
+    depth: &'a Plane,
+    pub(crate) scale: GapScale,
+    to_eye: ToEye,
+    noise: Option<GapNoise>,
+}
+
+impl<'a> Gaps<'a> {
+    /// The gaps of `depth`, a plane of `frame`. `threshold` is in longer sides of its display window.
+    pub(crate) fn new(frame: &'a Frame, depth: &'a Plane, threshold: SoftThreshold) -> Self {
+        let scale = GapScale::of(frame, threshold);
+        let to_eye = ToEye::of(frame.data_window, Some(scale.projection));
+        let mut gaps = Self {
+            frame,
+            depth,
+            scale,
+            to_eye,
+            noise: None,
+        };
+        gaps.noise = GapNoise::of(frame, |at, axis| gaps.stray_after(at, axis));
+        gaps
+    }
+
+    /// The noise of depth, if there is any.
+    pub(crate) fn noise(&self) -> Option<&GapNoise> {
+        self.noise.as_ref()
+    }
+
+    /// The samples of row `y` where it has a surface.
+    pub(crate) fn samples(&self, y: usize) -> Samples<'_> {
+        let (mask, normal) = (&self.frame.mask, &self.frame.normal);
+        let span = mask.span(y);
+        Samples {
+            first: span.start,
+            depth: &self.depth.row(y)[span.clone()],
+            covered: &mask.row(y)[span.clone()],
+            normal: [&normal.x, &normal.y, &normal.z].map(|plane| &plane.row(y)[span.clone()]),
+            to_eye: (&self.to_eye.x[span], self.to_eye.y[y]),
+        }
+    }
+
+    /// The gap between a pixel and the next along an axis, 0 to the right and 1 downward, if both are covered.
+    #[inline]
+    pub(crate) fn after(&self, at: [usize; 2], axis: usize) -> Option<Gap> {
+        let [mut a, mut b] = self.sides(at, axis)?;
+        let linear = |at: Option<[usize; 2]>| {
+            let at = at.filter(|&at| self.is_covered(at));
+            at.map_or(f32::NAN, |at| self.scale.linear(self.planar(at)))
+        };
+        (a.beyond, b.beyond) = (linear(moved(at, axis, -1)), linear(moved(at, axis, 2)));
+        Some(Gap::between(a, b, self.scale.unit(axis)))
+    }
+
+    /// What [`GapNoise`] takes of a gap, in pixels: the lesser of its size and of what the slopes beside it do not explain,
+    /// beyond rounding.
+    #[inline]
+    fn stray_after(&self, at: [usize; 2], axis: usize) -> Option<f32> {
+        let [a, b] = self.sides(at, axis)?;
+        let px = Gap::px_between(&a, &b, self.scale.unit(axis));
+        if px < CALM {
+            return Some(px);
+        }
+        self.after(at, axis)
+            .map(|gap| (gap.px.min(gap.bend) - gap.rounding).max(0.0))
+    }
+
+    /// A pixel and the next along an axis, if both are covered, without what is beyond them.
+    #[inline]
+    fn sides(&self, at: [usize; 2], axis: usize) -> Option<[Side; 2]> {
+        let side = |at: [usize; 2]| {
+            let [x, y] = at;
+            let normal = &self.frame.normal;
+            let normal = [normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y)];
+            let depth = self.planar(at);
+            Side {
+                depth,
+                linear: self.scale.linear(depth),
+                beyond: f32::NAN,
+                facing: -facing(normal.into(), Vec2::new(self.to_eye.x[x], self.to_eye.y[y])),
+                along: normal[axis] * self.scale.step[axis],
+            }
+        };
+        let next = moved(at, axis, 1)?;
+        (self.is_covered(at) && self.is_covered(next)).then(|| [side(at), side(next)])
+    }
+
+    #[inline]
+    fn is_covered(&self, [x, y]: [usize; 2]) -> bool {
+        let mask = &self.frame.mask;
+        x < mask.width() && y < mask.height() && mask.at(x, y)
+    }
+
+    /// The gap after a pixel, in pixels, where it makes a silhouette.
+    pub(crate) fn seen_after(&self, at: [usize; 2], axis: usize) -> Option<f32> {
+        let gap = self.after(at, axis)?;
+        let weight = gap.weight(self.noise_after(at, axis), self.scale.threshold);
+        (weight > 0.0).then_some(gap.px)
+    }
+
+    /// The noise of depth between a pixel and the next along an axis, in pixels.
+    pub(crate) fn noise_after(&self, at: [usize; 2], axis: usize) -> f32 {
+        let mut noise = [0.0];
+        if let Some(of) = &self.noise {
+            of.fill_row(at, axis, &mut noise);
+        }
+        noise[0]
+    }
+
+    /// Depth of a pixel along the view axis.
+    #[inline]
+    fn planar(&self, [x, y]: [usize; 2]) -> f32 {
+        let eye = [self.to_eye.x[x], self.to_eye.y[y]];
+        self.scale.planar(self.depth.at(x, y), eye)
+    }
+}
+
+/// The pixel so many further along an axis.
+#[inline]
+fn moved(mut at: [usize; 2], axis: usize, by: isize) -> Option<[usize; 2]> {
+    at[axis] = at[axis].checked_add_signed(by)?;
+    Some(at)
+}

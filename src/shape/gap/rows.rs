@@ -1,0 +1,142 @@
+//! Gaps by rows: plain loops over pixels, compiled for the vectors of the machine.
+
+use crate::engine::cpu::simd::widened;
+use crate::shape::gap::pair::{Gap, Side};
+use crate::shape::gap::scale::GapScale;
+use crate::shape::gradient::facing;
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// A row of pixels as gaps are measured between them, with [`PAD`] unknown ones at either end.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct GapRow {
+    depth: Vec<f32>,
+    linear: Vec<f32>,
+    facing: Vec<f32>,
+    /// The columns that may be known.
+    known: Range<usize>,
+}
+
+/// Unknown pixels at either end of a row.
+const PAD: usize = 2;
+
+impl GapRow {
+    /// A row of `width` unknown pixels.
+    pub(crate) fn new(width: usize) -> Self {
+        let row = || vec![f32::NAN; width + 2 * PAD];
+        Self {
+            depth: row(),
+            linear: row(),
+            facing: row(),
+            known: 0..0,
+        }
+    }
+
+    /// Makes all pixels unknown.
+    pub(crate) fn clear(&mut self) {
+        let known = PAD + self.known.start..PAD + self.known.end;
+        for row in [&mut self.depth, &mut self.linear, &mut self.facing] {
+            row[known.clone()].fill(f32::NAN);
+        }
+        self.known = 0..0;
+    }
+}
+
+/// The samples of a row of a frame from column `first` on, and the direction to the eye by column and of the row.
+#[derive(Clone, Copy)]
+pub(crate) struct Samples<'a> {
+    pub(crate) first: usize,
+    pub(crate) depth: &'a [f32],
+    pub(crate) covered: &'a [bool],
+    pub(crate) normal: [&'a [f32]; 3],
+    pub(crate) to_eye: (&'a [f32], f32),
+}
+
+/// Prepares a row; all but the samples is unknown.
+#[inline(always)]
+pub(crate) fn fill_gap_row(row: &mut GapRow, samples: &Samples, scale: &GapScale) {
+    let n = samples.depth.len();
+    let [nx, ny, nz] = samples.normal.map(|row| &row[..n]);
+    let (covered, to_eye) = (&samples.covered[..n], &samples.to_eye.0[..n]);
+    row.clear();
+    row.known = samples.first..samples.first + n;
+    let inside = PAD + samples.first..PAD + samples.first + n;
+    let depths = &mut row.depth[inside.clone()];
+    let (linear, facing) = (&mut row.linear[inside.clone()], &mut row.facing[inside]);
+    for x in 0..n {
+        let eye = [to_eye[x], samples.to_eye.1];
+        let depth = scale.planar(samples.depth[x], eye);
+        let depth = if covered[x] { depth } else { f32::NAN };
+        depths[x] = depth;
+        linear[x] = scale.linear(depth);
+        facing[x] = -self::facing(Vec3::new(nx[x], ny[x], nz[x]), Vec2::from(eye));
+    }
+}
+
+/// Pixels and the next ones along an axis: 0 to the right, 1 downward.
+#[derive(Clone, Copy)]
+pub(crate) struct Along<'a> {
+    pub(crate) axis: usize,
+    /// Their first column.
+    pub(crate) first: usize,
+    /// Normals along the axis, of both.
+    pub(crate) normals: [&'a [f32]; 2],
+    pub(crate) noise: &'a [f32],
+}
+
+/// Pixels that are passed over together where none has a gap.
+const BLOCK: usize = 64;
+
+/// A pixel of rows of depth, of what is linear here and beyond, of sight lines times normals, and of normals along the step.
+#[inline(always)]
+fn side([depth, linear, beyond, facing, along]: [&[f32]; 5], x: usize, step: f32) -> Side {
+    Side {
+        depth: depth[x],
+        linear: linear[x],
+        beyond: beyond[x],
+        facing: facing[x],
+        along: along[x] * step,
+    }
+}
+
+/// Weights of the silhouettes between pixels: to the right those of one row, given four times, and downward those of the
+/// second row and the third. Positive where the first is the nearer, else negative.
+#[inline(always)]
+pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale) {
+    let (n, axis) = (out.len(), along.axis);
+    let shifts = match axis {
+        0 => [PAD - 1, PAD, PAD + 1, PAD + 2],
+        _ => [PAD; 4],
+    };
+    let from = shifts.map(|shift| shift + along.first);
+    let [before, a, b, behind] = [0, 1, 2, 3].map(|i| &rows[i].linear[from[i]..][..n]);
+    let [depth_a, depth_b] = [1, 2].map(|i| &rows[i].depth[from[i]..][..n]);
+    let [facing_a, facing_b] = [1, 2].map(|i| &rows[i].facing[from[i]..][..n]);
+    let [along_a, along_b] = along.normals.map(|row| &row[..n]);
+    let first = [depth_a, a, before, facing_a, along_a];
+    let second = [depth_b, b, behind, facing_b, along_b];
+    let (noise, step, unit) = (&along.noise[..n], scale.step[axis], scale.unit(axis));
+    for start in (0..n).step_by(BLOCK) {
+        let block = start..(start + BLOCK).min(n);
+        let has_any = block.clone().fold(false, |any, x| {
+            let (a, b) = (side(first, x, step), side(second, x, step));
+            any | (Gap::px_between(&a, &b, unit) > scale.threshold.lo)
+        });
+        if !has_any {
+            out[block].fill(0.0);
+            continue;
+        }
+        for x in block {
+            let (a, b) = (side(first, x, step), side(second, x, step));
+            let weight = Gap::between(a, b, unit).weight(noise[x], scale.threshold);
+            // Not a number where one is not covered.
+            let weight = if weight > 0.0 { weight } else { 0.0 };
+            out[x] = if a.depth <= b.depth { weight } else { -weight };
+        }
+    }
+}
+
+widened! {
+    fn fill_gap_row(row: &mut GapRow, samples: &Samples, scale: &GapScale);
+    fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale);
+}
