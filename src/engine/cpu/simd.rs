@@ -302,9 +302,11 @@ mod tests {
             axis: 0,
             first: 0,
             normals: [normal[0], &normal[0][1..]],
-            noise: &b[0],
         };
         let after = &mut across[1..];
+        let mut is_any = false;
+        simd.look_for_gap(&mut is_any, after.len(), [&row; 4], &along, &scale);
+        assert!(is_any);
         simd.gap_weight_row(after, [&row; 4], &along, &scale);
         assert!(after.iter().any(|&weight| weight < 0.0));
         // Not numbers beside uncovered pixels, of any bits.

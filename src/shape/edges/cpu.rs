@@ -20,7 +20,7 @@ const ROWS: usize = 32;
 /// Rows that the gap between two rows is found in.
 const GAP_ROWS: usize = 4;
 
-/// Columns checked together for creases: most contain none.
+/// Columns checked together for gaps and creases: most contain none.
 const BLOCK: usize = 64;
 
 /// Edge weights and conductance.
@@ -112,7 +112,6 @@ struct Scratch {
     /// Weights of the gaps to each pixel from the one before it; and to the row below, and from the row above.
     across: Vec<f32>,
     down: [Vec<f32>; 2],
-    noise: Vec<f32>,
     /// The weight drawn: of pixels in front of a gap.
     silhouette: Vec<f32>,
     /// The weight that closes: of pixels on both sides of one.
@@ -128,7 +127,6 @@ impl Scratch {
             gaps: std::array::from_fn(|_| GapRow::new(width)),
             across: vec![0.0; width + 1],
             down: [row(), row()],
-            noise: row(),
             silhouette: row(),
             barrier: row(),
             crease: row(),
@@ -258,37 +256,16 @@ impl<'a> Sources<'a> {
         self.prepare(gaps, y + 2, scratch);
         scratch.down.swap(0, 1);
         self.find_gaps_below(gaps, y, scratch);
-        let Scratch {
-            gaps: rows,
-            across,
-            noise,
-            ..
-        } = scratch;
-        let (row, normals) = (&rows[y % GAP_ROWS], self.frame.normal.x.row(y));
+        let (row, normals) = (&scratch.gaps[y % GAP_ROWS], self.frame.normal.x.row(y));
         let span = self.frame.mask.span(y);
         let columns = span.start.saturating_sub(1)..span.end.min(normals.len() - 1);
-        if columns.is_empty() {
-            return;
-        }
-        let along = Along {
-            axis: 0,
-            first: columns.start,
-            normals: [0, 1].map(|next| &normals[columns.start + next..]),
-            noise: noise_of(gaps, [columns.start, y], 0, &mut noise[columns.clone()]),
-        };
-        let out = &mut across[columns.start + 1..=columns.end];
-        self.simd.gap_weight_row(out, [row; 4], &along, &gaps.scale);
+        let out = &mut scratch.across[columns.start + 1..=columns.end.max(columns.start)];
+        self.weigh_gaps(gaps, [row; 4], out, [columns.start, y], 0);
     }
 
     /// Finds the gaps between row `y` and the one below.
     fn find_gaps_below(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
-        let Scratch {
-            gaps: rows,
-            down,
-            noise,
-            ..
-        } = scratch;
-        let below = &mut down[0];
+        let below = &mut scratch.down[0];
         if y + 1 == self.frame.mask.height() {
             below.fill(0.0);
             return;
@@ -299,15 +276,47 @@ impl<'a> Sources<'a> {
             return;
         };
         // Above the first row slots are as unknown as below the last.
-        let rows = [3, 0, 1, 2].map(|i| &rows[(y + i) % GAP_ROWS]);
-        let along = Along {
-            axis: 1,
-            first: columns.start,
-            normals: [y, y + 1].map(|y| &self.frame.normal.y.row(y)[columns.start..]),
-            noise: noise_of(gaps, [columns.start, y], 1, &mut noise[columns.clone()]),
-        };
-        self.simd
-            .gap_weight_row(&mut below[columns], rows, &along, &gaps.scale);
+        let rows = [3, 0, 1, 2].map(|i| &scratch.gaps[(y + i) % GAP_ROWS]);
+        let first = [columns.start, y];
+        self.weigh_gaps(gaps, rows, &mut below[columns], first, 1);
+    }
+
+    /// The weights of the gaps between `first`, the pixels to its right, and the next ones along an axis, from [`GapRow`]s
+    /// around them.
+    fn weigh_gaps(
+        &self,
+        gaps: &Gaps,
+        rows: [&GapRow; 4],
+        out: &mut [f32],
+        first: [usize; 2],
+        axis: usize,
+    ) {
+        let normals = [&self.frame.normal.x, &self.frame.normal.y][axis];
+        let [x, y] = first;
+        let next = [x + 1 - axis, y + axis];
+        for (i, out) in out.chunks_mut(BLOCK).enumerate() {
+            let along = Along {
+                axis,
+                first: x + BLOCK * i,
+                normals: [[x, y], next].map(|[x, y]| &normals.row(y)[x + BLOCK * i..]),
+            };
+            let mut is_any = false;
+            self.simd
+                .look_for_gap(&mut is_any, out.len(), rows, &along, &gaps.scale);
+            if !is_any {
+                out.fill(0.0);
+                continue;
+            }
+            self.simd.gap_weight_row(out, rows, &along, &gaps.scale);
+            for (x, weight) in (along.first..)
+                .zip(out)
+                .filter(|(_, weight)| **weight != 0.0)
+            {
+                *weight = gaps
+                    .weight_after([x, y], axis, weight.abs())
+                    .copysign(*weight);
+            }
+        }
     }
 
     /// Prepares row `y` for gaps; all of a row below the picture is unknown.
@@ -398,14 +407,6 @@ impl<'a> Sources<'a> {
             out[x] = if covered[x] { weights[x] } else { 0.0 };
         }
     }
-}
-
-/// The noise of the gaps from the pixels of a row to the next ones along an axis, in `row`, which is of zeros.
-fn noise_of<'r>(gaps: &Gaps, first: [usize; 2], axis: usize, row: &'r mut [f32]) -> &'r [f32] {
-    if let Some(noise) = gaps.noise() {
-        noise.fill_row(first, axis, row);
-    }
-    row
 }
 
 #[cfg(test)]

@@ -186,11 +186,12 @@ impl Run<'_> {
             plan.shape.silhouette,
         );
         let scale = &found.scale;
-        let noise = found.noise().map(|noise| noise.tiles());
-        let tiles = noise.map(|(tiles, _)| self.uploaded(tiles.samples()));
-        let (size, offset) = noise.map_or(([0; 2], [0; 2]), |(tiles, offset)| {
-            ([tiles.width() as u32, tiles.height() as u32], offset)
+        let noise = found.noise_tiles();
+        let tiles = noise.as_ref();
+        let (size, offset) = tiles.map_or(([0; 2], [0; 2]), |(tiles, offset)| {
+            ([tiles.width() as u32, tiles.height() as u32], *offset)
         });
+        let tiles = tiles.map(|(tiles, _)| self.uploaded(tiles.samples()));
         let to_eye = Linear::of(frame, |x, y| scale.projection.to_eye(x, y));
         let [x, y, z] = &self.surface.normal;
         let depth = self.surface.map.as_ref().expect(there);

@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Plane, ToEye};
 use crate::params::SoftThreshold;
-use crate::shape::gap::noise::{CALM, GapNoise};
+use crate::shape::gap::noise::GapNoise;
 use crate::shape::gap::pair::{Gap, Side};
 use crate::shape::gap::rows::Samples;
 use crate::shape::gap::scale::GapScale;
@@ -15,7 +15,7 @@ pub(crate) struct Gaps<'a> {
     depth: &'a Plane,
     pub(crate) scale: GapScale,
     to_eye: ToEye,
-    noise: Option<GapNoise>,
+    noise: GapNoise,
 }
 
 impl<'a> Gaps<'a> {
@@ -23,20 +23,13 @@ impl<'a> Gaps<'a> {
     pub(crate) fn new(frame: &'a Frame, depth: &'a Plane, threshold: SoftThreshold) -> Self {
         let scale = GapScale::of(frame, threshold);
         let to_eye = ToEye::of(frame.data_window, Some(scale.projection));
-        let mut gaps = Self {
+        Self {
             frame,
             depth,
             scale,
             to_eye,
-            noise: None,
-        };
-        gaps.noise = GapNoise::of(frame, |at, axis| gaps.stray_after(at, axis));
-        gaps
-    }
-
-    /// The noise of depth, if there is any.
-    pub(crate) fn noise(&self) -> Option<&GapNoise> {
-        self.noise.as_ref()
+            noise: GapNoise::of(frame),
+        }
     }
 
     /// The samples of row `y` where it has a surface.
@@ -53,48 +46,36 @@ impl<'a> Gaps<'a> {
     }
 
     /// The gap between a pixel and the next along an axis, 0 to the right and 1 downward, if both are covered.
-    #[inline]
     pub(crate) fn after(&self, at: [usize; 2], axis: usize) -> Option<Gap> {
-        let [mut a, mut b] = self.sides(at, axis)?;
-        let linear = |at: Option<[usize; 2]>| {
-            let at = at.filter(|&at| self.is_covered(at));
-            at.map_or(f32::NAN, |at| self.scale.linear(self.planar(at)))
+        let next = moved(at, axis, 1)?;
+        if !(self.is_covered(at) && self.is_covered(next)) {
+            return None;
+        }
+        let side = |at: [usize; 2], beyond: Option<[usize; 2]>| {
+            let [x, y] = at;
+            let normal = &self.frame.normal;
+            let normal = [normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y)];
+            let linear = |at| self.scale.linear(self.planar(at));
+            let depth = self.planar(at);
+            let beyond = beyond.filter(|&at| self.is_covered(at));
+            Side {
+                depth,
+                linear: self.scale.linear(depth),
+                beyond: beyond.map_or(f32::NAN, linear),
+                facing: -facing(normal.into(), Vec2::new(self.to_eye.x[x], self.to_eye.y[y])),
+                along: normal[axis] * self.scale.step[axis],
+            }
         };
-        (a.beyond, b.beyond) = (linear(moved(at, axis, -1)), linear(moved(at, axis, 2)));
+        let a = side(at, moved(at, axis, -1));
+        let b = side(next, moved(at, axis, 2));
         Some(Gap::between(a, b, self.scale.unit(axis)))
     }
 
     /// What [`GapNoise`] takes of a gap, in pixels: the lesser of its size and of what the slopes beside it do not explain,
     /// beyond rounding.
-    #[inline]
     fn stray_after(&self, at: [usize; 2], axis: usize) -> Option<f32> {
-        let [a, b] = self.sides(at, axis)?;
-        let px = Gap::px_between(&a, &b, self.scale.unit(axis));
-        if px < CALM {
-            return Some(px);
-        }
-        self.after(at, axis)
-            .map(|gap| (gap.px.min(gap.bend) - gap.rounding).max(0.0))
-    }
-
-    /// A pixel and the next along an axis, if both are covered, without what is beyond them.
-    #[inline]
-    fn sides(&self, at: [usize; 2], axis: usize) -> Option<[Side; 2]> {
-        let side = |at: [usize; 2]| {
-            let [x, y] = at;
-            let normal = &self.frame.normal;
-            let normal = [normal.x.at(x, y), normal.y.at(x, y), normal.z.at(x, y)];
-            let depth = self.planar(at);
-            Side {
-                depth,
-                linear: self.scale.linear(depth),
-                beyond: f32::NAN,
-                facing: -facing(normal.into(), Vec2::new(self.to_eye.x[x], self.to_eye.y[y])),
-                along: normal[axis] * self.scale.step[axis],
-            }
-        };
-        let next = moved(at, axis, 1)?;
-        (self.is_covered(at) && self.is_covered(next)).then(|| [side(at), side(next)])
+        let gap = self.after(at, axis)?;
+        Some((gap.px.min(gap.bend) - gap.rounding).max(0.0))
     }
 
     #[inline]
@@ -110,13 +91,27 @@ impl<'a> Gaps<'a> {
         (weight > 0.0).then_some(gap.px)
     }
 
+    /// The weight after a pixel, 0..1, where it has `calm` without the noise of depth.
+    pub(crate) fn weight_after(&self, at: [usize; 2], axis: usize, calm: f32) -> f32 {
+        let noise = self.noise_after(at, axis);
+        match self.after(at, axis).filter(|_| noise > 0.0) {
+            Some(gap) => gap.weight(noise, self.scale.threshold),
+            None => calm,
+        }
+    }
+
     /// The noise of depth between a pixel and the next along an axis, in pixels.
     pub(crate) fn noise_after(&self, at: [usize; 2], axis: usize) -> f32 {
-        let mut noise = [0.0];
-        if let Some(of) = &self.noise {
-            of.fill_row(at, axis, &mut noise);
-        }
-        noise[0]
+        self.noise
+            .after(at, axis, &|at, axis| self.stray_after(at, axis))
+    }
+
+    /// The noise of all tiles, for the device: see [`GapNoise::tiles`]; `None` if there is none.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn noise_tiles(&self) -> Option<(Plane, [i32; 2])> {
+        let tiles = self.noise.tiles(&|at, axis| self.stray_after(at, axis));
+        let is_any = tiles.0.samples().iter().any(|&noise| noise > 0.0);
+        is_any.then_some(tiles)
     }
 
     /// Depth of a pixel along the view axis.

@@ -81,11 +81,7 @@ pub(crate) struct Along<'a> {
     pub(crate) first: usize,
     /// Normals along the axis, of both.
     pub(crate) normals: [&'a [f32]; 2],
-    pub(crate) noise: &'a [f32],
 }
-
-/// Pixels that are passed over together where none has a gap.
-const BLOCK: usize = 64;
 
 /// A pixel of rows of depth, of what is linear here and beyond, of sight lines times normals, and of normals along the step.
 #[inline(always)]
@@ -99,12 +95,11 @@ fn side([depth, linear, beyond, facing, along]: [&[f32]; 5], x: usize, step: f32
     }
 }
 
-/// Weights of the silhouettes between pixels: to the right those of one row, given four times, and downward those of the
-/// second row and the third. Positive where the first is the nearer, else negative.
+/// What pixels of some rows and the next ones along an axis have to be compared: those of one row, given four times, or of
+/// the second row and the third.
 #[inline(always)]
-pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale) {
-    let (n, axis) = (out.len(), along.axis);
-    let shifts = match axis {
+fn sides<'a>(rows: [&'a GapRow; 4], along: &Along<'a>, n: usize) -> [[&'a [f32]; 5]; 2] {
+    let shifts = match along.axis {
         0 => [PAD - 1, PAD, PAD + 1, PAD + 2],
         _ => [PAD; 4],
     };
@@ -113,30 +108,47 @@ pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along,
     let [depth_a, depth_b] = [1, 2].map(|i| &rows[i].depth[from[i]..][..n]);
     let [facing_a, facing_b] = [1, 2].map(|i| &rows[i].facing[from[i]..][..n]);
     let [along_a, along_b] = along.normals.map(|row| &row[..n]);
-    let first = [depth_a, a, before, facing_a, along_a];
-    let second = [depth_b, b, behind, facing_b, along_b];
-    let (noise, step, unit) = (&along.noise[..n], scale.step[axis], scale.unit(axis));
-    for start in (0..n).step_by(BLOCK) {
-        let block = start..(start + BLOCK).min(n);
-        let has_any = block.clone().fold(false, |any, x| {
-            let (a, b) = (side(first, x, step), side(second, x, step));
-            any | (Gap::px_between(&a, &b, unit) > scale.threshold.lo)
-        });
-        if !has_any {
-            out[block].fill(0.0);
-            continue;
-        }
-        for x in block {
-            let (a, b) = (side(first, x, step), side(second, x, step));
-            let weight = Gap::between(a, b, unit).weight(noise[x], scale.threshold);
-            // Not a number where one is not covered.
-            let weight = if weight > 0.0 { weight } else { 0.0 };
-            out[x] = if a.depth <= b.depth { weight } else { -weight };
-        }
+    [
+        [depth_a, a, before, facing_a, along_a],
+        [depth_b, b, behind, facing_b, along_b],
+    ]
+}
+
+/// Tells whether any of `n` gaps is large enough for a silhouette.
+#[inline(always)]
+pub(crate) fn look_for_gap(
+    is_any: &mut bool,
+    n: usize,
+    rows: [&GapRow; 4],
+    along: &Along,
+    scale: &GapScale,
+) {
+    let [first, second] = sides(rows, along, n);
+    let (step, unit) = (scale.step[along.axis], scale.unit(along.axis));
+    *is_any = (0..n).fold(false, |any, x| {
+        let (a, b) = (side(first, x, step), side(second, x, step));
+        any | (Gap::px_between(&a, &b, unit) > scale.threshold.lo)
+    });
+}
+
+/// Weights of the silhouettes between pixels, where depth has no noise. Positive where the first is the nearer, else
+/// negative.
+#[inline(always)]
+pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale) {
+    let n = out.len();
+    let [first, second] = sides(rows, along, n);
+    let (step, unit) = (scale.step[along.axis], scale.unit(along.axis));
+    for x in 0..n {
+        let (a, b) = (side(first, x, step), side(second, x, step));
+        let weight = Gap::between(a, b, unit).weight(0.0, scale.threshold);
+        // Not a number where one is not covered.
+        let weight = if weight > 0.0 { weight } else { 0.0 };
+        out[x] = if a.depth <= b.depth { weight } else { -weight };
     }
 }
 
 widened! {
     fn fill_gap_row(row: &mut GapRow, samples: &Samples, scale: &GapScale);
+    fn look_for_gap(is_any: &mut bool, n: usize, rows: [&GapRow; 4], along: &Along, scale: &GapScale);
     fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale);
 }
