@@ -215,7 +215,7 @@ fn exposure<W: StripWork>(
         let (loaded, plan) = source.load(takes)?;
         let outcome = source.timed("look", || run(source.work, &plan, &loaded.frame))?;
         if let Shown::Made(made) = source.work.shown(&loaded, &outcome) {
-            brightness.add(made.color, &loaded.frame.mask, rows);
+            brightness.add(made.color, made.like, &loaded.frame.mask, rows);
         }
         source.work.runner().recycle(outcome);
         bar.inc(1);

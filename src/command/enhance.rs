@@ -19,6 +19,7 @@ pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a
     MadePicture {
         color: color.expect("a picture was asked for"),
         before,
+        like: None,
     }
 }
 

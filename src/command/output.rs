@@ -43,11 +43,14 @@ impl Kind {
     }
 }
 
-/// A result picture, and the picture it was derived from; `None` where it was lit anew.
+/// A result picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MadePicture<'a> {
     pub(crate) color: &'a ColorPlanes,
+    /// The picture it was derived from; `None` where it was lit anew.
     pub(crate) before: Option<&'a ColorPlanes>,
+    /// The picture that it is to be as bright as, where its surface was lit anew.
+    pub(crate) like: Option<&'a ColorPlanes>,
 }
 
 impl MadePicture<'_> {
@@ -62,7 +65,7 @@ impl MadePicture<'_> {
     pub(crate) fn exposure(&self, work: &WorkArgs, mask: &Mask) -> Option<f32> {
         self.leaves_exposure(work).then(|| {
             let mut brightness = Brightness::default();
-            brightness.add(self.color, mask, 0..mask.height());
+            brightness.add(self.color, self.like, mask, 0..mask.height());
             brightness.exposure()
         })
     }

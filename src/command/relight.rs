@@ -27,6 +27,7 @@ pub(crate) fn lit<'a>(frame: &'a Frame, outcome: &'a Outcome, share: f32) -> Mad
     MadePicture {
         color: outcome.color.as_ref().expect("light makes a picture"),
         before: frame.color.as_ref().filter(|_| is_mixed),
+        like: frame.color.as_ref().filter(|_| outcome.takes_picture),
     }
 }
 

@@ -242,6 +242,8 @@ pub struct Outcome {
     pub line_levels: Option<[f32; LineLevels::COUNT]>,
     /// The gain used for the environment's radiance.
     pub environment_gain: Option<f32>,
+    /// Whether the surface has the colours of the frame's picture, in new light: a display keeps its brightness.
+    pub(crate) takes_picture: bool,
     /// The luminance that light met by traced sight lines was compared with, if it was.
     pub middle_light: Option<f32>,
     /// The white levels used where each term of the light has its own, by term.

@@ -5,11 +5,10 @@ use super::scene::{File, Scene};
 use super::work::{LINES, Work};
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
-use crate::command::enhance::idle_magnitudes;
+use crate::command::enhance::{self, idle_magnitudes};
 use crate::command::hatch::{Drawn, is_svg, page};
 use crate::command::line_args::HatchArgs;
 use crate::command::map::{MapArgs, Samples};
-use crate::command::output::MadePicture;
 use crate::command::reading::{Source, plan_of, work_of};
 use crate::command::relight::lit;
 use crate::engine::outcome::Outcome;
@@ -98,16 +97,15 @@ impl Work {
         let (work, frame) = (work_of(&self.command), &scene.frame);
         let chosen = made.chosen.clone();
         let color = made.picture()?;
-        let before = match &self.command {
-            Command::Enhance(_) => frame.color.as_ref(),
-            Command::Relight(_) => lit(frame, &made.outcome, work.flags.params.mix).before,
+        let picture = match &self.command {
+            Command::Enhance(_) => enhance::made(frame, &made.outcome),
+            Command::Relight(_) => lit(frame, &made.outcome, work.flags.params.mix),
             Command::Hatch(args) => {
                 let page = args.on_a_page(color, frame.pixel_aspect);
                 return Some(([color.r.width(), color.r.height()], pixels(&page)));
             }
             _ => return None,
         };
-        let picture = MadePicture { color, before };
         let exposure = picture.exposure(work, &frame.mask);
         let displayed = work.displayed(frame, scene.primaries, picture, exposure);
         let size = [color.r.width(), color.r.height()];

@@ -6,7 +6,8 @@ use std::ops::RangeInclusive;
 number_or_word! {
     /// Exposure compensation in stops.
     pub enum Exposure {
-        /// New light is darkened where it would clip; an enhanced picture keeps its exposure.
+        /// New light is darkened where it would clip, and as bright as the picture whose colours the surface takes; an
+        /// enhanced picture keeps its exposure.
         Auto = "auto",
         /// A given number of stops.
         Stops(f32),
@@ -34,8 +35,8 @@ const STOPS: RangeInclusive<f32> = -30.0..=30.0;
 params! {
     /// Mapping of linear light to the range of a display. Files that hold linear values, EXR and HDR, are not mapped.
     pub struct DisplayParams in Display {
-        /// Exposure compensation in stops; auto darkens new light where it would clip, and leaves the exposure of an
-        /// enhanced picture unchanged.
+        /// Exposure compensation in stops; auto darkens new light where it would clip, keeps the brightness of a picture
+        /// whose colours the surface takes, and leaves the exposure of an enhanced picture unchanged.
         exposure: Exposure = Exposure::Auto,
             flag: "--exposure", common: true, form: "EV|auto", valid: STOPS, useful: even(-8.0, 8.0);
         /// Treatment of highlights near white that are new or brighter than before: compress keeps their order and hue,

@@ -2,7 +2,7 @@
 
 use super::inputs::write_bumps;
 use crate::common::exr::{Part, channel};
-use crate::common::program::relievo;
+use crate::common::program::{fixture, relievo};
 use relievo::frame::Plane;
 use relievo::io::exr::ExrFile;
 use relievo::io::photo::Photo;
@@ -153,6 +153,41 @@ fn new_light_does_not_burn() {
     }
     let [a, b] = ["a.exr", "b.exr"].map(|name| pixel(&here.join(name), "R"));
     assert_eq!(a, b);
+}
+
+/// The mean level of a photo, 0..1.
+fn mean_level(path: &Path) -> f64 {
+    let photo = Photo::read(path).unwrap();
+    let samples = photo.channels[..3].iter().flat_map(|c| c.samples());
+    let levels: Vec<f64> = samples.map(|&v| v.into()).collect();
+    levels.iter().sum::<f64>() / levels.len() as f64
+}
+
+#[test]
+fn photos_stay_as_bright_in_new_light() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let [photo, normal] = ["tablet.color.jpg", "tablet.normal.png"].map(fixture);
+    let before = mean_level(&photo);
+    let relit = |light: &str, name: &str| {
+        let [photo, normal] = [&photo, &normal].map(|path| path.display().to_string());
+        let words = format!("relight {photo} --normal {normal} {light} -o {name}");
+        relievo(here, &words).ended(0)
+    };
+    // A sixteenth of a stop is 1.5 % of a level, and the curve of a display is no square root: 4 levels of 255.
+    for light in ["--light 135,40", "--light 135,15", "--light 135,40,5,5,5"] {
+        relit(light, "out.png");
+        let after = mean_level(&here.join("out.png"));
+        assert!(
+            (after - before).abs() < 4.0 / 255.0,
+            "{light}: {before}, {after}"
+        );
+    }
+    let said = relit("--light 135,40,5,5,5", "out.png");
+    assert!(said.contains("exposure -"), "{said}");
+    // Linear numbers stay, and so does what is asked for.
+    relit("--light 135,40 --exposure 0", "out.png");
+    assert!((mean_level(&here.join("out.png")) - before).abs() > 8.0 / 255.0);
 }
 
 #[test]

@@ -127,6 +127,7 @@ impl Runner {
             let mut outcome = self.run(plan, frame, beside)?;
             if let Some(light) = light {
                 outcome.environment_gain = light.around.gain();
+                outcome.takes_picture = plan.relighting.is_some_and(|lit| lit.takes_picture());
                 outcome.timings.splice(0..0, light.timings);
             }
             Ok(outcome)

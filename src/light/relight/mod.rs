@@ -56,6 +56,7 @@ pub(crate) fn relight(run: &mut Run) {
         return;
     }
     run.outcome.environment_gain = around.gain();
+    run.outcome.takes_picture = relighting.takes_picture();
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {

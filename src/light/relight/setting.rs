@@ -96,6 +96,11 @@ pub(crate) struct Relighting {
 }
 
 impl Relighting {
+    /// Whether the surface has the colours of the picture.
+    pub(crate) fn takes_picture(&self) -> bool {
+        matches!(self.albedo, Albedo::Estimate | Albedo::Picture)
+    }
+
     /// Resolves how to light a frame with `available` inputs by lights of these `kinds`.
     ///
     /// # Errors

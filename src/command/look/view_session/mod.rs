@@ -332,6 +332,7 @@ impl ViewSession {
             (command, _) => {
                 let mut outcome = Outcome {
                     color: outcome.color.clone(),
+                    takes_picture: outcome.takes_picture,
                     ..Outcome::default()
                 };
                 work.mix(frame, &mut outcome);
@@ -350,8 +351,12 @@ impl ViewSession {
         let frame = self.frame()?;
         if let Some(color) = &frame.color {
             let work = work_of(&self.made.as_ref()?.command);
-            let before = Some(color);
-            return Some(self.shown(MadePicture { color, before }, work));
+            let as_it_is = MadePicture {
+                color,
+                before: Some(color),
+                like: None,
+            };
+            return Some(self.shown(as_it_is, work));
         }
         let half = |plane: &crate::frame::Plane| plane.map(|n| 0.5 * n + 0.5);
         let normals = ColorPlanes {
