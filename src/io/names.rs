@@ -92,10 +92,17 @@ roles! {
     SheenDirect: Color = "sheendirect";
     SheenIndirect: Color = "sheenindirect";
     Sheen: Color = "sheen";
+    // Colours and light of gloss that only relighting takes: the light of lobes is not multiplied by these.
+    SpecularAlbedo: Color = "specularalbedo" "reflectionfilter" "reflectionsfilter" "reflectfilter";
+    TransmissionAlbedo: Color = "transmissionalbedo" "refractionfilter" "refractionsfilter"
+        "refractfilter";
+    Highlight: Color = "specularlighting" "directspecular";
+    Reflection: Color = "reflection" "reflections" "indirectspecular";
+    Refraction: Color = "refraction" "refractions" "transmissive";
     VolumeDirect: Color = "volumedirect" "volumedir";
     VolumeIndirect: Color = "volumeindirect" "volumeind";
     Volume: Color = "volume";
-    Emission: Color = "emission" "emit";
+    Emission: Color = "emission" "emit" "emissive" "selfillumination" "selfillum";
     Environment: Color = "environment" "env" "background";
     Shadow: Color = "shadow";
     Motion: Pair = "vector" "motion" "backward";

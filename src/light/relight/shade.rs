@@ -9,10 +9,11 @@ use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
-use crate::light::relight::batch::Batch;
+use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
-use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
+use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::{Scene, Term};
+use crate::light::sum::{Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
@@ -20,6 +21,9 @@ use crate::shape::curvature::mapped_curvature;
 
 /// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
+
+/// One over the reflectance below which a surface mirrors less at grazing angles too: no clear matter reflects less.
+const ANY_GLOSS: f32 = 50.0;
 
 /// Number of lights from which computing the box of the batch's normals pays off.
 const WORTH_A_BOX: usize = 4;
@@ -67,7 +71,8 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if relighting.warps {
         let pixels = &mut batch.pixels;
         pixels.warp_by(relighting.params.warping.warp * scene.gain);
-        if let Some(lobes) = lobes {
+        let mirror = scene.mirror_shading.map(|shading| shading.lobes);
+        for lobes in lobes.into_iter().chain(mirror) {
             lobes.unwarp_axes(pixels);
         }
     }
@@ -143,7 +148,8 @@ fn demodulate(batch: &mut Batch) {
         let covered = batch.alpha[i] > 0.0;
         batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
     }
-    for lanes in &mut batch.albedo {
+    let own = &mut batch.gloss.reflectance;
+    for lanes in batch.albedo.iter_mut().chain(own) {
         for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
             *albedo *= per_cover;
         }
@@ -208,9 +214,16 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// The sum over single lights.
+/// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
 fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
+    if scene.relighting.mirrors() {
+        batch.gloss.sums = Sums::NONE;
+    }
+    if let Some(shading) = &scene.mirror_shading {
+        add_lamps::<HAS_FMA>(batch, scene, shading);
+        std::mem::swap(&mut batch.gloss.sums, &mut batch.sum.sums);
+    }
     let Some(shading) = &scene.shading else {
         return;
     };
@@ -236,6 +249,12 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     if scene.frame.light.occlusion.is_some() {
         batch.sum.dim(&batch.occlusion);
     }
+    add_lamps::<HAS_FMA>(batch, scene, shading);
+}
+
+/// Adds lights far away and near, and completes the sum.
+#[inline(always)]
+fn add_lamps<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene, shading: &Shading) {
     batch
         .sum
         .add_directed::<HAS_FMA>(&batch.pixels, shading, &scene.lights);
@@ -344,11 +363,40 @@ fn compose(batch: &mut Batch, scene: &Scene) {
             batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
+    if scene.relighting.mirrors() {
+        add_gloss(batch, scene, ks);
+    }
     if !is_toon {
         quantize_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
         cover(lanes, &batch.alpha);
+    }
+    if scene.gloss.is_some() {
+        for (lanes, kept) in batch.shown.iter_mut().zip(&batch.gloss.kept) {
+            for i in 0..BATCH {
+                lanes[i] = (lanes[i] + kept[i]).clamp(-f32::MAX, f32::MAX);
+            }
+        }
+    }
+}
+
+/// Adds new light that surfaces mirror by their own gloss. At grazing angles all of it is mirrored, unless there is no gloss.
+#[inline(always)]
+fn add_gloss(batch: &mut Batch, scene: &Scene, ks: f32) {
+    add_mirrored(batch, scene);
+    let GlossLanes {
+        sums, reflectance, ..
+    } = &batch.gloss;
+    let [r, g, b] = reflectance;
+    for i in 0..BATCH {
+        batch.share[i] = (ANY_GLOSS * r[i].max(g[i]).max(b[i])).clamp(0.0, 1.0);
+    }
+    for k in 0..3 {
+        for i in 0..BATCH {
+            let facing = reflectance[k][i] * sums.diffuse[k][i];
+            batch.shown[k][i] += ks * (facing + batch.share[i] * sums.specular[k][i]);
+        }
     }
 }
 
