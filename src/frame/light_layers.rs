@@ -92,6 +92,17 @@ pub struct Gloss {
     pub is_tint: bool,
 }
 
+/// From this diffuse colour on, a surface counts as no metal at all.
+const DIFFUSE: f32 = 0.05;
+
+impl Gloss {
+    /// How much a surface of this diffuse colour counts as diffuse, rather than as metal, glass or lamp: 0..1.
+    #[inline(always)]
+    pub(crate) fn share_diffuse([r, g, b]: [f32; 3]) -> f32 {
+        (r.max(g).max(b) * (1.0 / DIFFUSE)).clamp(0.0, 1.0)
+    }
+}
+
 /// The light of a picture by lobes or light groups. Empty if the file has no such layers, or none were requested.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightLayers {

@@ -58,9 +58,6 @@ pub(super) const LAYERS: [(Part, &[Role]); 9] = {
 /// A layer read: what it holds, and whether its colour is still to be multiplied in.
 type Read = (Part, bool, ColorPlanes);
 
-/// From this diffuse colour on, a surface counts as no metal at all.
-const DIFFUSE: f32 = 0.05;
-
 /// Reflectance of plastic, of index 1.5.
 const PLASTIC: f32 = 0.04;
 
@@ -97,11 +94,11 @@ pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<G
     // Light of lamps and surfaces in one layer is kept as the mirrored scene; all of it where no colour tells what to put in
     // its place.
     let (is_known, is_split) = (has(Part::Color), has(Part::Indirect));
-    let [r, g, b] = [&mut gloss.reflectance, &mut gloss.mirrored, &mut gloss.kept]
-        .map(|ColorPlanes { r, g, b }| [r, g, b]);
-    let planes = [r, g, b];
-    let planes: [&mut Plane; 9] = {
-        let mut planes = planes.into_iter().flatten();
+    let planes: [_; 9] = {
+        let made = [&mut gloss.reflectance, &mut gloss.mirrored, &mut gloss.kept];
+        let mut planes = made
+            .into_iter()
+            .flat_map(|ColorPlanes { r, g, b }| [r, g, b]);
         std::array::from_fn(|_| planes.next().expect("three of three"))
     };
     each_row_of(planes, |y, mut rows| {
@@ -167,9 +164,8 @@ impl Pixel {
     /// Where there is no diffuse colour, whatever is neither a mirrored lamp nor the mirrored scene is kept, whether layers
     /// tell of it or not; elsewhere, what layers tell of.
     fn gloss(self, is_tint: bool) -> [[f32; 3]; 3] {
-        let share =
-            |color: [f32; 3], whole: f32| (largest(color) * self.per_cover / whole).clamp(0.0, 1.0);
-        let (black, clear) = (1.0 - share(self.albedo, DIFFUSE), share(self.passes, 1.0));
+        let black = 1.0 - Gloss::share_diffuse(self.albedo.map(|c| c * self.per_cover));
+        let clear = (largest(self.passes) * self.per_cover).clamp(0.0, 1.0);
         let metal = black * (1.0 - clear);
         let shown: [f32; 3] = std::array::from_fn(|k| {
             (self.lamps[k] + self.scene[k]).max(0.0) + IN_THE_DARK * self.mirrors[k]
@@ -229,7 +225,7 @@ pub(super) fn judge(main: &Rc<Opened>, layers: &[Read]) -> Result<(bool, Option<
         None => find(Role::SpecularAlbedo)?,
     };
     let label = mirrors.as_ref().map(|found| found.layer.clone());
-    let (numbers, names) = objects(file, all)?;
+    let (numbers, names) = objects(file, all);
     let window = |found: &Match| file.parts[found.part].window;
     let own = window(&albedo);
     let beside = [find(Role::Normal)?, color, mirrors, numbers];
@@ -263,7 +259,7 @@ pub(super) fn judge(main: &Rc<Opened>, layers: &[Read]) -> Result<(bool, Option<
                 .map(|color| color.max())
                 .filter(|_| shows)
             {
-                if diffuse > f64::from(DIFFUSE) {
+                if Gloss::share_diffuse([diffuse as f32; 3]) == 1.0 {
                     glossy.push(color);
                 } else if color > 0.0 {
                     any_glossy.push(color);
@@ -294,8 +290,8 @@ pub(super) fn judge(main: &Rc<Opened>, layers: &[Read]) -> Result<(bool, Option<
 }
 
 /// The layer that numbers objects, and their names.
-fn objects(file: &ExrFile, layers: &[Layer]) -> Result<(Option<Match>, impl Fn(u32) -> String)> {
-    let mut hashed = cryptomatte::layers(file)?;
+fn objects(file: &ExrFile, layers: &[Layer]) -> (Option<Match>, impl Fn(u32) -> String) {
+    let mut hashed = cryptomatte::layers(file).unwrap_or_default();
     hashed.retain(|layer| layer.spoilt(file).is_none());
     let of_objects =
         |layer: &cryptomatte::Cryptomatte| layer.layer.to_lowercase().contains("object");
@@ -317,10 +313,8 @@ fn objects(file: &ExrFile, layers: &[Layer]) -> Result<(Option<Match>, impl Fn(u
         }
         None => format!("object {}", f32::from_bits(number)),
     };
-    Ok((
-        numbers.or_else(|| by_name(layers, Role::ObjectIndex)),
-        names,
-    ))
+    let numbers = numbers.or_else(|| by_name(layers, Role::ObjectIndex));
+    (numbers, names)
 }
 
 fn warning(share: f64, names: &[String], mirrors: Option<String>, layers: &[Read]) -> String {

@@ -166,7 +166,7 @@ impl<'a> Illuminants<'a> {
                 thin: params.material.thin,
                 ..MaterialParams::default()
             },
-            mirrors: relighting.mirrors(),
+            mirrors: relighting.gloss,
             white: relighting.white,
             weights,
         };

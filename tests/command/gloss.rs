@@ -194,6 +194,20 @@ fn metals_mirror_new_light_and_lamps_stay_under_every_renderers_names() {
 }
 
 #[test]
+fn materials_with_a_highlight_put_it_on_diffuse_surfaces_alone() {
+    let desk = tempfile::tempdir().unwrap();
+    BLENDER.write(&desk.path().join("in.exr"), SIZE, 7);
+    relit(desk.path(), "in", "");
+    let matt = colors(desk.path(), "in");
+    for material in ["phong", "blinn-phong", "ashikhmin-shirley"] {
+        relit(desk.path(), "in", &format!("--material {material}"));
+        let lit = colors(desk.path(), "in");
+        assert_eq!(lit[BAND..], matt[BAND..], "{material}");
+        assert_ne!(lit[0], matt[0], "{material}");
+    }
+}
+
+#[test]
 fn an_environment_takes_the_place_of_the_mirrored_scene() {
     let desk = tempfile::tempdir().unwrap();
     BLENDER.write(&desk.path().join("in.exr"), SIZE, 7);

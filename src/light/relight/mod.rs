@@ -85,7 +85,7 @@ pub(crate) fn relight(run: &mut Run) {
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
     let shading = shading(plan, relighting, gain, eye.is_none());
-    let mirror_shading = shading.filter(|_| relighting.mirrors());
+    let mirror_shading = shading.filter(|_| relighting.gloss);
     let mirror_shading = mirror_shading.map(|shading| Shading {
         lobes: Lobes::Mirror,
         ..shading
@@ -111,7 +111,7 @@ pub(crate) fn relight(run: &mut Run) {
         mirror_shading,
         keeps_mirrored: around.ready.gloss.is_none(),
         is_glossy: mirrors.is_some()
-            || relighting.mirrors()
+            || relighting.gloss
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,

@@ -158,16 +158,6 @@ impl Relighting {
         })
     }
 
-    /// Whether new light is mirrored by the frame's own gloss; materials with highlights have their own instead.
-    pub(crate) fn mirrors(&self) -> bool {
-        let material = self.params.material.material;
-        let is_matt = matches!(
-            material,
-            Material::Lambert | Material::Toon | Material::Sublambert
-        );
-        self.gloss && is_matt
-    }
-
     /// Whether any shape is needed.
     pub(crate) fn needs_shape(&self) -> bool {
         self.warps || self.scales || self.grain || self.lit_spheres == 2

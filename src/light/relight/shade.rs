@@ -2,6 +2,7 @@
 //! machine.
 
 use crate::engine::cpu::simd::widened;
+use crate::frame::Gloss;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::Lobes;
@@ -49,7 +50,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         normalise_eyes(batch);
     }
     if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
-        demodulate(batch);
+        demodulate(batch, scene.gloss.is_some());
     }
     if let Some(estimate) = &scene.estimate {
         estimate_albedo(batch, estimate);
@@ -143,13 +144,13 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
 
 /// Divides layers by coverage, which the result is multiplied by once more.
 #[inline(always)]
-fn demodulate(batch: &mut Batch) {
+fn demodulate(batch: &mut Batch, has_gloss: bool) {
     for i in 0..BATCH {
         let covered = batch.alpha[i] > 0.0;
         batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
     }
-    let own = &mut batch.gloss.reflectance;
-    for lanes in batch.albedo.iter_mut().chain(own) {
+    let own = has_gloss.then_some(&mut batch.gloss.reflectance);
+    for lanes in batch.albedo.iter_mut().chain(own.into_iter().flatten()) {
         for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
             *albedo *= per_cover;
         }
@@ -217,7 +218,7 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
 /// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
 fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
-    if scene.relighting.mirrors() {
+    if scene.relighting.gloss {
         batch.gloss.sums = Sums::NONE;
     }
     if let Some(shading) = &scene.mirror_shading {
@@ -357,14 +358,18 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     if is_toon {
         quantize_tones(batch, scene);
     }
+    let has_highlight = Lobes::of(material, true).is_some_and(|lobes| lobes.are_glossy());
+    if scene.relighting.gloss && has_highlight {
+        part_highlights(batch);
+    }
     for k in 0..3 {
         for i in 0..BATCH {
             let specular = ks * batch.sum.sums.specular[k][i];
             batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
-    if scene.relighting.mirrors() {
-        add_gloss(batch, scene, ks);
+    if scene.relighting.gloss {
+        add_gloss(batch, scene, material.specular_gain.unwrap_or(1.0));
     }
     if !is_toon {
         quantize_tones(batch, scene);
@@ -381,9 +386,32 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     }
 }
 
+/// Leaves the highlights of the material to surfaces with a diffuse colour, and those of gloss to the others.
+#[inline(always)]
+fn part_highlights(batch: &mut Batch) {
+    let Batch {
+        albedo: [r, g, b],
+        share,
+        ..
+    } = batch;
+    for i in 0..BATCH {
+        share[i] = Gloss::share_diffuse([r[i], g[i], b[i]]);
+    }
+    for lanes in &mut batch.sum.sums.specular {
+        for i in 0..BATCH {
+            lanes[i] *= batch.share[i];
+        }
+    }
+    for lanes in &mut batch.gloss.reflectance {
+        for i in 0..BATCH {
+            lanes[i] *= 1.0 - batch.share[i];
+        }
+    }
+}
+
 /// Adds new light that surfaces mirror by their own gloss. At grazing angles all of it is mirrored, unless there is no gloss.
 #[inline(always)]
-fn add_gloss(batch: &mut Batch, scene: &Scene, ks: f32) {
+fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
     add_mirrored(batch, scene);
     let GlossLanes {
         sums, reflectance, ..
@@ -395,7 +423,7 @@ fn add_gloss(batch: &mut Batch, scene: &Scene, ks: f32) {
     for k in 0..3 {
         for i in 0..BATCH {
             let facing = reflectance[k][i] * sums.diffuse[k][i];
-            batch.shown[k][i] += ks * (facing + batch.share[i] * sums.specular[k][i]);
+            batch.shown[k][i] += gain * (facing + batch.share[i] * sums.specular[k][i]);
         }
     }
 }

@@ -137,10 +137,7 @@ fn albedo_estimate(relighting: &Relighting) -> Verdict {
 }
 
 fn gloss(relighting: &Relighting) -> Verdict {
-    let why = match relighting.mirrors() {
-        true => "new light is mirrored, the rest of the light beyond the albedo stays",
-        false => "light beyond the albedo stays; the material has its own highlight",
-    };
+    let why = "new light is mirrored, and the rest of the light beyond the albedo stays";
     runs_if(relighting.gloss, why, "no layers of it, or --albedo-from")
 }
 
