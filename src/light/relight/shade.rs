@@ -398,13 +398,13 @@ fn part_highlights(batch: &mut Batch) {
         share[i] = Gloss::share_diffuse([r[i], g[i], b[i]]);
     }
     for lanes in &mut batch.sum.sums.specular {
-        for i in 0..BATCH {
-            lanes[i] *= batch.share[i];
+        for (light, share) in lanes.iter_mut().zip(&batch.share) {
+            *light *= share;
         }
     }
     for lanes in &mut batch.gloss.reflectance {
-        for i in 0..BATCH {
-            lanes[i] *= 1.0 - batch.share[i];
+        for (own, share) in lanes.iter_mut().zip(&batch.share) {
+            *own *= 1.0 - share;
         }
     }
 }
@@ -420,10 +420,11 @@ fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
     for i in 0..BATCH {
         batch.share[i] = (ANY_GLOSS * r[i].max(g[i]).max(b[i])).clamp(0.0, 1.0);
     }
-    for k in 0..3 {
+    let light = sums.diffuse.iter().zip(&sums.specular);
+    let of_channel = batch.shown.iter_mut().zip(reflectance).zip(light);
+    for ((shown, own), (facing, grazing)) in of_channel {
         for i in 0..BATCH {
-            let facing = reflectance[k][i] * sums.diffuse[k][i];
-            batch.shown[k][i] += gain * (facing + batch.share[i] * sums.specular[k][i]);
+            shown[i] += gain * (own[i] * facing[i] + batch.share[i] * grazing[i]);
         }
     }
 }
