@@ -136,6 +136,10 @@ pub(super) fn make<W: StripWork>(
             false => LobeChoice::On,
         };
     }
+    if let Some(light) = &mut inputs.light {
+        light.gloss_is_tint = sample.frame.light.gloss.as_ref().map(|gloss| gloss.is_tint);
+        light.gloss &= light.gloss_is_tint.is_some();
+    }
     inputs.known_camera = sample.known_camera();
     // Strips do not look again for a camera that the middle of the picture does not show.
     let needs = Needs {

@@ -79,6 +79,8 @@ impl LightLayerFlags {
             }
         }
         LightInputs {
+            gloss: false,
+            gloss_is_tint: None,
             lobes: params.lobes,
             without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
             without_specular: magnitudes.specular == 0.0,

@@ -60,6 +60,7 @@ impl RelightArgs {
         inputs.light = Some(LightInputs {
             lobes: LobeChoice::Off,
             occlusion: self.dims_by_occlusion(),
+            gloss: self.params().albedo == AlbedoSource::Auto && self.light.lit_sphere.is_empty(),
             ..LightInputs::default()
         });
         inputs

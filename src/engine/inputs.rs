@@ -122,6 +122,7 @@ fn check_frame(planned: &Available, frame: &Frame) -> Result<()> {
         ("depth", planned.depth, there.depth),
         ("a picture", planned.color, there.color),
         ("an albedo", planned.albedo, there.albedo),
+        ("layers of gloss", planned.gloss, there.gloss),
         (
             "an occlusion map or alpha",
             planned.occlusion,

@@ -78,6 +78,31 @@ pub struct LightGroup {
     pub to_light: Vec<Vec3>,
 }
 
+/// Light that relighting cannot make of a diffuse colour: that of metals, glass, hair, lamps and fog. Premultiplied by
+/// coverage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gloss {
+    /// Reflectance where the surface faces the viewer.
+    pub reflectance: ColorPlanes,
+    /// The scene that the surface mirrors; an environment takes its place.
+    pub mirrored: ColorPlanes,
+    /// All other light that stays as it was rendered.
+    pub kept: ColorPlanes,
+    /// Whether the file's colours of gloss are tints, white on plastic, and no reflectance.
+    pub is_tint: bool,
+}
+
+/// From this diffuse colour on, a surface counts as no metal at all.
+const DIFFUSE: f32 = 0.05;
+
+impl Gloss {
+    /// How much a surface of this diffuse colour counts as diffuse, rather than as metal, glass or lamp: 0..1.
+    #[inline(always)]
+    pub(crate) fn share_diffuse([r, g, b]: [f32; 3]) -> f32 {
+        (r.max(g).max(b) * (1.0 / DIFFUSE)).clamp(0.0, 1.0)
+    }
+}
+
 /// The light of a picture by lobes or light groups. Empty if the file has no such layers, or none were requested.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LightLayers {
@@ -87,6 +112,8 @@ pub struct LightLayers {
     pub groups: Vec<LightGroup>,
     /// Ambient occlusion, 1 where the surface is open.
     pub occlusion: Option<Plane>,
+    /// Light beside that of the diffuse colour, for relighting.
+    pub gloss: Option<Gloss>,
     /// Whether the picture is itself ambient occlusion.
     pub picture_is_occlusion: bool,
 }
@@ -138,7 +165,14 @@ impl LightLayers {
             light: color(&group.light),
             to_light: group.to_light.clone(),
         };
+        let gloss = |gloss: &Gloss| Gloss {
+            reflectance: color(&gloss.reflectance),
+            mirrored: color(&gloss.mirrored),
+            kept: color(&gloss.kept),
+            is_tint: gloss.is_tint,
+        };
         Self {
+            gloss: self.gloss.as_ref().map(gloss),
             lobes: self.lobes.iter().map(lobe).collect(),
             groups: self.groups.iter().map(group).collect(),
             occlusion: self.occlusion.as_ref().map(&plane),

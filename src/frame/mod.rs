@@ -35,16 +35,16 @@ pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
 #[cfg(feature = "cli")]
 pub(crate) use holes::HOLE_REACH;
-pub use light_layers::{LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
+pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
-pub(crate) use plane::parallel_rows;
 pub use plane::{
     ColorPlanes, Plane, REC709_LUMINANCE, SymmetricPlanes, Vector2Planes, Vector3Planes,
 };
+pub(crate) use plane::{each_row_of, parallel_rows};
 pub use ray::Ray;
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;

@@ -130,6 +130,10 @@ pub struct LightInputs {
     pub groups: Vec<GroupInput>,
     /// Whether ambient occlusion is read.
     pub occlusion: bool,
+    /// Whether the light is read that a diffuse colour does not tell of.
+    pub gloss: bool,
+    /// Whether colours of gloss are tints, where that is known.
+    pub gloss_is_tint: Option<bool>,
 }
 
 pub use crate::params::{LobeChoice, Wrap};

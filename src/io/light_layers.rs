@@ -1,6 +1,7 @@
 //! The layers that split the light of a picture, by lobes or light groups.
 
 use super::finding::Finding;
+use super::gloss;
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
 use super::names::{Role, last_word};
 use super::opened::Opened;
@@ -8,7 +9,7 @@ use super::recombination::difference;
 use super::role_planes::RolePlanes;
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask};
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask, Plane};
 use crate::untrusted::Untrusted;
 use std::rc::Rc;
 
@@ -64,6 +65,8 @@ enum Use {
     Rest,
     Group,
     Occlusion,
+    /// Whether the surface's colour is to be multiplied in.
+    Gloss(gloss::Part, bool),
 }
 
 /// The layers of light that a run reads.
@@ -80,6 +83,14 @@ pub(super) struct LightSources {
     /// Whether they are wanted even of another picture, or were found to be of this one.
     stays: bool,
     picture_is_occlusion: bool,
+}
+
+/// The picture that layers of light belong to.
+#[derive(Clone, Copy)]
+pub(super) struct Picture<'a> {
+    pub(super) color: Option<&'a ColorPlanes>,
+    pub(super) albedo: Option<&'a ColorPlanes>,
+    pub(super) alpha: Option<&'a Plane>,
 }
 
 /// The light layers read, with findings and warnings.
@@ -100,6 +111,15 @@ impl LightSources {
             let occlusion =
                 RoleSource::resolve(Role::Occlusion, inputs.occlusion.as_deref(), main)?;
             found.add(Use::Occlusion, occlusion);
+        }
+        if light.gloss && gloss::albedo(main)?.is_some() {
+            for (part, roles) in gloss::LAYERS {
+                let find = |role: &Role| RoleSource::resolve(*role, None, main).transpose();
+                if let Some(source) = roles.iter().find_map(find).transpose()? {
+                    let bare = is_without_color(source.label());
+                    found.add(Use::Gloss(part, bare), Some(source));
+                }
+            }
         }
         let named = light.diffuse.is_some() || light.specular.is_some();
         let wanted = match light.lobes {
@@ -275,15 +295,17 @@ impl LightSources {
     pub(super) fn assemble(
         self,
         read: Vec<RolePlanes>,
-        picture: Option<&ColorPlanes>,
+        picture: Picture,
         mask: &Mask,
-    ) -> LightRead {
+        (inputs, main): (&Inputs, &Rc<Opened>),
+    ) -> Result<LightRead> {
         let mut layers = LightLayers {
             picture_is_occlusion: self.picture_is_occlusion,
             ..LightLayers::default()
         };
         let (mut findings, mut warnings) = (self.findings, Vec::new());
         let (mut rest, mut replaced) = (Vec::new(), 0);
+        let mut glossy = Vec::new();
         for lobe in self.unread {
             layers.lobe_mut(lobe);
         }
@@ -299,6 +321,7 @@ impl LightSources {
             match as_what {
                 Use::Lobe(lobe, layer) => *layers.layer_mut(lobe, layer) = Some(light),
                 Use::Rest => rest.push(light),
+                Use::Gloss(part, bare) => glossy.push((part, bare, light)),
                 Use::Group => {
                     let GroupInput { name, to_light } =
                         groups.next().expect("each group has its layer");
@@ -316,7 +339,18 @@ impl LightSources {
                 "{replaced} samples of light were not finite: NaN became 0, infinity 65504"
             ));
         }
-        let compared = picture.filter(|_| self.whole);
+        if let Some(wanted) = inputs.light.as_ref().filter(|light| light.gloss)
+            && picture.albedo.is_some()
+        {
+            let known = wanted.gloss_is_tint;
+            let judged = match known {
+                Some(is_tint) => (is_tint, None),
+                None => gloss::judge(main, &glossy)?,
+            };
+            layers.gloss = gloss::of(glossy, judged.0, picture);
+            warnings.extend(judged.1);
+        }
+        let compared = picture.color.filter(|_| self.whole);
         let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
         if let Some(difference) = difference {
             let leaves = difference > IS_OF_ANOTHER && !self.stays;
@@ -325,11 +359,11 @@ impl LightSources {
             }
             report_difference(difference, leaves, &mut findings, &mut warnings);
         }
-        LightRead {
+        Ok(LightRead {
             layers,
             findings,
             warnings,
-        }
+        })
     }
 }
 

@@ -8,7 +8,7 @@ use super::exr::ExrFile;
 use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
-use super::light_layers::LightSources;
+use super::light_layers::{LightSources, Picture};
 use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
@@ -170,7 +170,12 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let mut picture = |read: RolePlanes| read.into_color_in(&mut spare);
     let (color, albedo) = (layers.color.map(&mut picture), layers.albedo.map(picture));
     drop(spare);
-    let read = light.assemble(light_planes, color.as_ref(), &mask);
+    let picture = Picture {
+        color: color.as_ref(),
+        albedo: albedo.as_ref(),
+        alpha: layers.alpha.as_ref(),
+    };
+    let read = light.assemble(light_planes, picture, &mask, (inputs, &main))?;
     notes.findings.extend(read.findings);
     notes.warnings.extend(read.warnings);
     let chromaticities = source.chromaticities(colorspace);

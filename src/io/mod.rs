@@ -15,6 +15,7 @@ mod finding;
 #[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
+mod gloss;
 mod groups;
 #[cfg(feature = "cli")]
 mod in_strips;

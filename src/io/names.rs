@@ -92,10 +92,19 @@ roles! {
     SheenDirect: Color = "sheendirect";
     SheenIndirect: Color = "sheenindirect";
     Sheen: Color = "sheen";
+    // Colours and light of gloss that only relighting takes: the light of lobes is not multiplied by these.
+    SpecularAlbedo: Color = "specularalbedo" "reflectionfilter" "reflectionsfilter" "reflectfilter"
+        "vrayreflectionfilter";
+    TransmissionAlbedo: Color = "transmissionalbedo" "refractionfilter" "refractionsfilter"
+        "refractfilter" "vrayrefractionfilter";
+    Highlight: Color = "specularlighting" "directspecular" "vrayspecular";
+    Reflection: Color = "reflection" "reflections" "indirectspecular" "vrayreflection";
+    Refraction: Color = "refraction" "refractions" "transmissive" "vrayrefraction";
     VolumeDirect: Color = "volumedirect" "volumedir";
     VolumeIndirect: Color = "volumeindirect" "volumeind";
     Volume: Color = "volume";
-    Emission: Color = "emission" "emit";
+    Emission: Color = "emission" "emit" "emissive" "selfillumination" "selfillum"
+        "vrayselfillumination";
     Environment: Color = "environment" "env" "background";
     Shadow: Color = "shadow";
     Motion: Pair = "vector" "motion" "backward";
@@ -160,7 +169,8 @@ pub(super) fn key(word: &str) -> String {
         .collect::<String>()
         .to_ascii_lowercase();
     let rest = PREFIXES.iter().find_map(|prefix| word.strip_prefix(prefix));
-    match rest.filter(|rest| !rest.is_empty()) {
+    // `VRayReflection` is no element called `flection`.
+    match rest.filter(|rest| !rest.is_empty() && !word.starts_with("vrayref")) {
         Some(rest) => rest.into(),
         None => word,
     }

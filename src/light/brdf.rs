@@ -31,6 +31,9 @@ pub(crate) enum Lobes {
     },
     /// See [`AshikhminShirley`].
     AshikhminShirley(AshikhminShirley),
+    /// Mirrored light alone, as [`mirror_lobe`] has it: in place of diffuse light what follows the reflectance, in place of
+    /// specular light what is mirrored at grazing angles.
+    Mirror,
 }
 
 impl Lobes {
@@ -64,7 +67,7 @@ impl Lobes {
         match self {
             Self::Diffuse { .. } | Self::BlinnPhong { far: true, .. } => {}
             Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
-            Self::BlinnPhong { far: false, .. } => pixels.to_eye.unwarp(unwarp),
+            Self::BlinnPhong { far: false, .. } | Self::Mirror => pixels.to_eye.unwarp(unwarp),
             Self::AshikhminShirley(_) => {
                 pixels.to_eye.unwarp(unwarp);
                 pixels.along.unwarp(unwarp);
@@ -116,14 +119,16 @@ impl Lobes {
             Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power, .. } => {
                 *power
             }
-            Self::AshikhminShirley(_) => Exponent::Integer(1),
+            Self::AshikhminShirley(_) | Self::Mirror => Exponent::Integer(1),
         }
     }
 
     /// Its other numbers, `params.lobe_0` to `lobe_3`.
     pub(crate) fn numbers(&self) -> [f32; 4] {
         match self {
-            Self::Diffuse { .. } | Self::Phong { .. } | Self::BlinnPhong { .. } => [0.0; 4],
+            Self::Diffuse { .. } | Self::Phong { .. } | Self::BlinnPhong { .. } | Self::Mirror => {
+                [0.0; 4]
+            }
             Self::AshikhminShirley(coat) => {
                 let [along, across] = coat.coat;
                 [along, across, coat.normalisation, coat.reflectance]
@@ -260,6 +265,37 @@ pub(crate) fn passed(cosine: f32) -> f32 {
 pub(crate) fn fifth_power(x: f32) -> f32 {
     let square = x * x;
     square * square * x
+}
+
+/// Roughness of metals and of gloss, squared: no layer tells it.
+pub(crate) const MIRROR_ALPHA: f32 = 0.12;
+
+/// The largest value of [`mirror_lobe`]'s distribution is 1 over this.
+pub(crate) const MIRROR_PEAK: f32 = MIRROR_ALPHA * MIRROR_ALPHA;
+
+/// The distribution of microfacets about the normal, times pi, of B. Walter et al.: Microfacet Models for Refraction through
+/// Rough Surfaces, 2007 (GGX), from the square of n.h.
+#[inline(always)]
+pub(crate) fn facets(nh_squared: f32) -> f32 {
+    let width = 1.0 - nh_squared * (1.0 - MIRROR_PEAK);
+    MIRROR_PEAK / (width * width)
+}
+
+/// The lobe of a reflectance of 1 with this distribution of [`facets`], which hide each other as E. Heitz has it
+/// (Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, 2014, equation 99).
+#[inline(always)]
+pub(crate) fn mirror_lobe(facets: f32, nl: f32, ne: f32) -> f32 {
+    let hidden = |cosine: f32| (MIRROR_PEAK + (1.0 - MIRROR_PEAK) * cosine * cosine).sqrt();
+    let ne = ne.max(GRAZING);
+    // D G / (4 n.l n.e) times pi n.l, with G / (n.l n.e) = 2 / (n.l hidden(n.e) + n.e hidden(n.l)).
+    facets * 0.5 * nl / (nl * hidden(ne) + ne * hidden(nl))
+}
+
+/// Share of a mirror's light that comes of grazing, for the cosine of incidence (C. Schlick: An Inexpensive BRDF Model for
+/// Physically-Based Rendering, 1994).
+#[inline(always)]
+pub(crate) fn grazing(cosine: f32) -> f32 {
+    fifth_power(1.0 - at_most_1(positive(cosine)))
 }
 
 /// Share of unpolarised light reflected by a clear surface, for the cosine of incidence, 0..1, and the ratio of the
@@ -431,6 +467,31 @@ mod tests {
         let fresnel = 0.3 + 0.7 * (1.0 - nh).powi(5);
         let expected = 51.0 / 8.0 * nh.powi(50) / nh * fresnel * off[2];
         assert!((brdf.specular(c) - expected).abs() < 2e-5 * expected);
+    }
+
+    #[test]
+    fn mirrors_follow_the_closed_form_and_return_no_more_than_came() {
+        // At l = e = n: D pi = 1/a, G / (4 n.l n.e) = 1/4, so 1/(4 a); at 60 degrees each, h = n, the hiding is
+        // sqrt(a + (1 - a)/4) = 0.510686: 69.4444 0.5 0.5 / 0.510686 = 33.996.
+        let lobe = |nl, ne| mirror_lobe(facets(1.0), nl, ne);
+        assert!((lobe(1.0, 1.0) - 0.25 / 0.0144).abs() < 1e-4);
+        assert!((lobe(0.5, 0.5) - 33.996).abs() < 1e-2);
+        assert!((grazing(0.5) - 1.0 / 32.0).abs() < 1e-7);
+        for e in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.9, 0.435_889_9]] {
+            let (rings, spokes) = (1000, 1000);
+            let mut sum = 0.0;
+            for i in 0..rings * spokes {
+                let z = ((i / spokes) as f32 + 0.5) / rings as f32;
+                let azimuth = 2.0 * PI * ((i % spokes) as f32 + 0.5) / spokes as f32;
+                let side = (1.0 - z * z).sqrt();
+                let c = cosines([side * azimuth.cos(), side * azimuth.sin(), z], e);
+                let squared = 1.0 - c.hu * c.hu - c.hv * c.hv;
+                sum += f64::from(mirror_lobe(facets(squared), c.nl, c.ne));
+            }
+            // Equal solid angles; a lobe includes a factor pi.
+            let albedo = 2.0 * sum / f64::from(rings * spokes);
+            assert!(albedo < 1.001 && albedo > 0.9, "{albedo}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
-use crate::light::brdf::{mirrored, seen_in_glass};
+use crate::light::brdf::{MIRROR_PEAK, mirrored, seen_in_glass};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
 use crate::light::intensity::{Intensity, White, ball, median};
@@ -17,6 +17,10 @@ use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Exponent of Phong's lobe about the mirrored view that is as wide as [`MIRROR_PEAK`]'s: a quarter of that about the normal,
+/// 2 over it.
+const MIRROR_SHININESS: f32 = 0.5 / MIRROR_PEAK;
 
 /// Columns of a map prefiltered by a highlight, which bounds the sharpness of highlights.
 const GLOSSY_WIDTH: usize = 512;
@@ -35,6 +39,8 @@ pub(crate) struct PreparedEnvironment {
     /// The luminance of the brightest white surface that faces the viewer; the largest number where it is not known.
     brightest: f32,
     pub(crate) used: Used,
+    /// Filtered as surfaces with gloss of their own mirror it.
+    pub(crate) gloss: Option<Map>,
 }
 
 /// The prepared form of an environment.
@@ -59,6 +65,7 @@ struct Purpose {
     used: EnvironmentUse,
     gain: Adaptive,
     material: MaterialParams,
+    mirrors: bool,
     white: White,
     weights: [f32; 3],
 }
@@ -126,6 +133,7 @@ impl<'a> Illuminants<'a> {
             gain: None,
             brightest: largest.fold(0.0, f32::max),
             used,
+            gloss: None,
         });
         Self { ready, spheres }
     }
@@ -158,6 +166,7 @@ impl<'a> Illuminants<'a> {
                 thin: params.material.thin,
                 ..MaterialParams::default()
             },
+            mirrors: relighting.gloss,
             white: relighting.white,
             weights,
         };
@@ -232,14 +241,15 @@ impl<'a> Illuminants<'a> {
 
     /// Whether the environment is looked up in the mirrored view direction.
     pub(crate) fn is_mirrored(&self) -> bool {
-        matches!(
-            self.ready.used,
-            Used::Mirrored(_)
-                | Used::Prefiltered {
-                    specular: Some(_),
-                    ..
-                }
-        )
+        self.ready.gloss.is_some()
+            || matches!(
+                self.ready.used,
+                Used::Mirrored(_)
+                    | Used::Prefiltered {
+                        specular: Some(_),
+                        ..
+                    }
+            )
     }
 
     /// The map in which bent sight lines are looked up, and the gain of its radiance.
@@ -282,6 +292,10 @@ impl PreparedEnvironment {
                 }
             }
         };
+        let glossy = |shininess| {
+            let filter = GlossyFilter::new(environment, shininess, GLOSSY_WIDTH);
+            Map::of_views(filter.filtered(goes_on), purpose)
+        };
         let used = match purpose.used {
             EnvironmentUse::None => Used::Nothing,
             EnvironmentUse::Lights(count) => {
@@ -302,11 +316,8 @@ impl PreparedEnvironment {
                         _ => Intensity::by_level(largest.expect("found above")),
                     },
                 },
-                specular: (purpose.material.material == Material::Phong).then(|| {
-                    let shininess = purpose.material.shininess;
-                    let filter = GlossyFilter::new(environment, shininess, GLOSSY_WIDTH);
-                    Map::of_views(filter.filtered(goes_on), purpose)
-                }),
+                specular: (purpose.material.material == Material::Phong)
+                    .then(|| glossy(purpose.material.shininess)),
             },
             EnvironmentUse::Mirrored => Used::Mirrored(Map::of_views(environment.clone(), purpose)),
         };
@@ -314,6 +325,7 @@ impl PreparedEnvironment {
             gain: Some(gain),
             brightest: largest.map_or(f32::MAX, |largest| gain * largest),
             used,
+            gloss: purpose.mirrors.then(|| glossy(MIRROR_SHININESS)),
         }
     }
 }

@@ -61,9 +61,9 @@ choices! {
 choices! {
     /// Source of the surface's own colour.
     pub enum AlbedoSource {
-        /// A layer if there is one, else an estimate from the picture, else white.
+        /// A layer if there is one, with metals, glass and lamps by their own; else an estimate from the picture, else white.
         Auto = "auto",
-        /// A layer or file.
+        /// A layer or file, and nothing else: what has no colour there is black.
         Layer = "layer",
         /// The picture divided by the best-fitting shading.
         Estimate = "estimate",

@@ -13,6 +13,8 @@ pub struct Available {
     pub color: bool,
     /// The albedo of the surface.
     pub albedo: bool,
+    /// Light that the albedo does not tell of.
+    pub gloss: bool,
     /// An occlusion map or alpha.
     pub occlusion: bool,
     /// A map of importance, which varies the scale from pixel to pixel.
@@ -44,6 +46,7 @@ impl Available {
             depth: frame.depth.is_some(),
             color: frame.color.is_some(),
             albedo: frame.albedo.is_some(),
+            gloss: frame.light.gloss.is_some(),
             occlusion: frame.occlusion.is_some(),
             importance: frame.importance.is_some(),
             object_angles: frame.stroke_fallback.is_some(),

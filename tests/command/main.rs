@@ -11,6 +11,7 @@ mod conformance;
 #[cfg(unix)]
 mod corpus;
 mod dependencies;
+mod gloss;
 mod hatch;
 mod inputs;
 mod kept;

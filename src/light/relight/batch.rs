@@ -1,10 +1,10 @@
 //! Gathering covered pixels from the planes, and scattering their results.
 
-use crate::frame::{DepthKind, Plane};
+use crate::frame::{ColorPlanes, DepthKind, Plane};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
 use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
-use crate::light::sum::LightSum;
+use crate::light::sum::{LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -23,6 +23,17 @@ pub(crate) struct RowShape<'a> {
     pub(crate) curvature: &'a CurvatureRow,
 }
 
+/// Light that the albedo does not tell of.
+#[repr(C, align(64))]
+pub(crate) struct GlossLanes {
+    /// Mirrored light: as diffuse what follows the reflectance, as specular that of grazing angles.
+    pub(crate) sums: Sums,
+    /// Reflectance where the surface faces the viewer.
+    pub(crate) reflectance: [Lanes; 3],
+    /// Light that stays as it was rendered.
+    pub(crate) kept: [Lanes; 3],
+}
+
 /// A batch in progress.
 #[repr(C, align(64))]
 pub(crate) struct Batch {
@@ -33,6 +44,8 @@ pub(crate) struct Batch {
     /// Mapped curvature.
     pub(crate) kappa: Lanes,
     pub(crate) albedo: [Lanes; 3],
+    /// Surfaces with gloss of their own.
+    pub(crate) gloss: GlossLanes,
     /// Ambient occlusion, 1 for no occlusion: it dims ambient light and the diffuse light of an environment.
     pub(crate) occlusion: Lanes,
     /// Coverage, applied to the result.
@@ -66,6 +79,11 @@ impl Batch {
             trace: ZERO,
             kappa: ZERO,
             albedo: [ONE; 3],
+            gloss: GlossLanes {
+                sums: Sums::NONE,
+                reflectance: [ZERO; 3],
+                kept: [ZERO; 3],
+            },
             occlusion: ONE,
             alpha: ONE,
             grain: [ZERO; 2],
@@ -146,6 +164,19 @@ impl Batch {
             copy(r, &color.r);
             copy(g, &color.g);
             copy(b, &color.b);
+        }
+        if let Some(gloss) = scene.gloss {
+            let [own, mirrored, kept] = [&gloss.reflectance, &gloss.mirrored, &gloss.kept]
+                .map(|ColorPlanes { r, g, b }| [r, g, b].map(|plane| plane.row(y)));
+            for k in 0..3 {
+                copy_row(&mut self.gloss.reflectance[k], own[k]);
+                copy_row(&mut self.gloss.kept[k], kept[k]);
+                if scene.keeps_mirrored {
+                    let light = mirrored[k][columns.clone()].iter();
+                    let kept = self.gloss.kept[k][lanes.clone()].iter_mut();
+                    kept.zip(light).for_each(|(kept, light)| *kept += light);
+                }
+            }
         }
         if let Some(occlusion) = &frame.light.occlusion {
             copy(&mut self.occlusion, occlusion);

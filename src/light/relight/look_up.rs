@@ -2,7 +2,8 @@
 
 use crate::frame::luminance;
 use crate::light::batch::{BATCH, Vectors};
-use crate::light::brdf::seen_in_glass;
+use crate::light::brdf::{grazing, seen_in_glass};
+use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
 use crate::light::light_warping::{Warp, half_vector};
@@ -67,10 +68,45 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// Adds the radiance of `map` from the warped `batch.toward`, times `batch.share`, scaled by its own brightness ([RS]
-/// section 5.3).
+/// Adds what surfaces with gloss of their own mirror of the environment.
+#[inline(always)]
+pub(crate) fn add_mirrored(batch: &mut Batch, scene: &Scene) {
+    let Some(map) = &scene.around.ready.gloss else {
+        return;
+    };
+    batch.share = [scene.around.gain().unwrap_or(1.0); BATCH];
+    batch.toward = batch.pixels.mirrored.vector;
+    see(batch, scene, Term::Specular, map);
+    for i in 0..BATCH {
+        let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+        let grazing = grazing(scalar_product(n, eye));
+        for k in 0..3 {
+            let light = batch.looked_up[k][i] * batch.share[i];
+            batch.gloss.sums.diffuse[k][i] += (1.0 - grazing) * light;
+            batch.gloss.sums.specular[k][i] += grazing * light;
+        }
+    }
+}
+
+/// Adds the radiance of `map` from the warped `batch.toward`, times `batch.share`, scaled by its own brightness.
 #[inline(always)]
 fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
+    see(batch, scene, term, map);
+    let sums = match term {
+        Term::Specular => &mut batch.sum.sums.specular,
+        _ => &mut batch.sum.sums.diffuse,
+    };
+    for (sum, found) in sums.iter_mut().zip(&batch.looked_up) {
+        for i in 0..BATCH {
+            sum[i] += found[i] * batch.share[i];
+        }
+    }
+}
+
+/// Looks up the radiance of `map` from the warped `batch.toward`, and multiplies `batch.share` by the scale of its own
+/// brightness ([RS] section 5.3).
+#[inline(always)]
+fn see(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
     warp_lookups(batch, scene);
     look_up(
         &mut batch.looked_up,
@@ -87,15 +123,6 @@ fn add_seen(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
             let intensity = map.intensity.of(luminance);
             let sigma = curves.at(i).at(intensity, scene.invariant_point);
             batch.share[i] *= sigma;
-        }
-    }
-    let sums = match term {
-        Term::Specular => &mut batch.sum.sums.specular,
-        _ => &mut batch.sum.sums.diffuse,
-    };
-    for (sum, found) in sums.iter_mut().zip([r, g, b]) {
-        for i in 0..BATCH {
-            sum[i] += found[i] * batch.share[i];
         }
     }
 }

@@ -86,6 +86,11 @@ pub(crate) fn relight(run: &mut Run) {
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
     let shading = shading(plan, relighting, gain, eye.is_none());
+    let mirror_shading = shading.filter(|_| relighting.gloss);
+    let mirror_shading = mirror_shading.map(|shading| Shading {
+        lobes: Lobes::Mirror,
+        ..shading
+    });
     let tones = relighting.params.tones();
     let most_tone = around.most_tone(illumination, relighting, weights);
     let scene = Scene {
@@ -103,7 +108,11 @@ pub(crate) fn relight(run: &mut Run) {
         magnitudes: plan.scaling.magnitudes(),
         invariant_point: plan.scaling.invariant_point,
         luminance: weights,
+        gloss: frame.light.gloss.as_ref().filter(|_| relighting.gloss),
+        mirror_shading,
+        keeps_mirrored: around.ready.gloss.is_none(),
         is_glossy: mirrors.is_some()
+            || relighting.gloss
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,

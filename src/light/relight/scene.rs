@@ -1,6 +1,6 @@
 //! State shared by all batches of a relit frame.
 
-use crate::frame::{ColorPlanes, Frame, Mask, SightLines, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Gloss, Mask, SightLines, Vector2Planes};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
@@ -36,6 +36,12 @@ pub(crate) struct Scene<'a> {
     pub(super) luminance: [f32; 3],
     /// Shading by single lights; `None` if none are summed.
     pub(super) shading: Option<Shading>,
+    /// Light that the albedo does not tell of.
+    pub(super) gloss: Option<&'a Gloss>,
+    /// Shading of what mirrors single lights by its own gloss.
+    pub(super) mirror_shading: Option<Shading>,
+    /// Whether the scene mirrored in the render stays.
+    pub(super) keeps_mirrored: bool,
     /// Whether anything adds to specular light.
     pub(super) is_glossy: bool,
     pub(super) lights: Vec<Directed>,

@@ -91,6 +91,8 @@ pub(crate) struct Relighting {
     pub(crate) white: White,
     /// Source of the albedo.
     pub albedo: Albedo,
+    /// Whether light is kept and mirrored that the albedo does not tell of.
+    pub gloss: bool,
     /// The albedo fit of the whole picture, if the frame is a strip of it.
     pub(crate) estimate: Option<AlbedoEstimate>,
 }
@@ -136,6 +138,7 @@ impl Relighting {
         let reflects = !mirrors(params.material.material);
         let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
         let coat = params.material.coat;
+        let albedo = albedo(&params, kinds, available)?;
         Ok(Self {
             params,
             warps,
@@ -152,7 +155,10 @@ impl Relighting {
             lit_spheres: kinds.lit_spheres,
             traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
             white: White::given(scaling.white_level, params.middle_light),
-            albedo: albedo(&params, kinds, available)?,
+            albedo,
+            gloss: available.gloss
+                && albedo == Albedo::Layer
+                && params.albedo == AlbedoSource::Auto,
             estimate: None,
         })
     }

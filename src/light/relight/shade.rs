@@ -2,6 +2,7 @@
 //! machine.
 
 use crate::engine::cpu::simd::widened;
+use crate::frame::Gloss;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes};
 use crate::light::brdf::Lobes;
@@ -9,10 +10,11 @@ use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
-use crate::light::relight::batch::Batch;
+use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
-use crate::light::relight::look_up::{add_lookups, look_up, warp_lookups};
+use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::{Scene, Term};
+use crate::light::sum::{Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
@@ -20,6 +22,9 @@ use crate::shape::curvature::mapped_curvature;
 
 /// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
+
+/// One over the reflectance below which a surface mirrors less at grazing angles too: no clear matter reflects less.
+const ANY_GLOSS: f32 = 50.0;
 
 /// Number of lights from which computing the box of the batch's normals pays off.
 const WORTH_A_BOX: usize = 4;
@@ -45,7 +50,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         normalise_eyes(batch);
     }
     if scene.frame.alpha.is_some() && matches!(relighting.albedo, Albedo::Layer | Albedo::Picture) {
-        demodulate(batch);
+        demodulate(batch, scene.gloss.is_some());
     }
     if let Some(estimate) = &scene.estimate {
         estimate_albedo(batch, estimate);
@@ -67,7 +72,8 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if relighting.warps {
         let pixels = &mut batch.pixels;
         pixels.warp_by(relighting.params.warping.warp * scene.gain);
-        if let Some(lobes) = lobes {
+        let mirror = scene.mirror_shading.map(|shading| shading.lobes);
+        for lobes in lobes.into_iter().chain(mirror) {
             lobes.unwarp_axes(pixels);
         }
     }
@@ -138,12 +144,13 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
 
 /// Divides layers by coverage, which the result is multiplied by once more.
 #[inline(always)]
-fn demodulate(batch: &mut Batch) {
+fn demodulate(batch: &mut Batch, has_gloss: bool) {
     for i in 0..BATCH {
         let covered = batch.alpha[i] > 0.0;
         batch.share[i] = if covered { 1.0 / batch.alpha[i] } else { 1.0 };
     }
-    for lanes in &mut batch.albedo {
+    let own = has_gloss.then_some(&mut batch.gloss.reflectance);
+    for lanes in batch.albedo.iter_mut().chain(own.into_iter().flatten()) {
         for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
             *albedo *= per_cover;
         }
@@ -208,9 +215,16 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
     }
 }
 
-/// The sum over single lights.
+/// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
 fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
+    if scene.relighting.gloss {
+        batch.gloss.sums = Sums::NONE;
+    }
+    if let Some(shading) = &scene.mirror_shading {
+        add_lamps::<HAS_FMA>(batch, scene, shading);
+        std::mem::swap(&mut batch.gloss.sums, &mut batch.sum.sums);
+    }
     let Some(shading) = &scene.shading else {
         return;
     };
@@ -236,6 +250,12 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     if scene.frame.light.occlusion.is_some() {
         batch.sum.dim(&batch.occlusion);
     }
+    add_lamps::<HAS_FMA>(batch, scene, shading);
+}
+
+/// Adds lights far away and near, and completes the sum.
+#[inline(always)]
+fn add_lamps<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene, shading: &Shading) {
     batch
         .sum
         .add_directed::<HAS_FMA>(&batch.pixels, shading, &scene.lights);
@@ -338,17 +358,74 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     if is_toon {
         quantize_tones(batch, scene);
     }
+    let has_highlight = Lobes::of(material, true).is_some_and(|lobes| lobes.are_glossy());
+    if scene.relighting.gloss && has_highlight {
+        part_highlights(batch);
+    }
     for k in 0..3 {
         for i in 0..BATCH {
             let specular = ks * batch.sum.sums.specular[k][i];
             batch.shown[k][i] = batch.albedo[k][i] * batch.shown[k][i] + specular;
         }
     }
+    if scene.relighting.gloss {
+        add_gloss(batch, scene, material.specular_gain.unwrap_or(1.0));
+    }
     if !is_toon {
         quantize_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
         cover(lanes, &batch.alpha);
+    }
+    if scene.gloss.is_some() {
+        for (lanes, kept) in batch.shown.iter_mut().zip(&batch.gloss.kept) {
+            for i in 0..BATCH {
+                lanes[i] = (lanes[i] + kept[i]).clamp(-f32::MAX, f32::MAX);
+            }
+        }
+    }
+}
+
+/// Leaves the highlights of the material to surfaces with a diffuse colour, and those of gloss to the others.
+#[inline(always)]
+fn part_highlights(batch: &mut Batch) {
+    let Batch {
+        albedo: [r, g, b],
+        share,
+        ..
+    } = batch;
+    for i in 0..BATCH {
+        share[i] = Gloss::share_diffuse([r[i], g[i], b[i]]);
+    }
+    for lanes in &mut batch.sum.sums.specular {
+        for (light, share) in lanes.iter_mut().zip(&batch.share) {
+            *light *= share;
+        }
+    }
+    for lanes in &mut batch.gloss.reflectance {
+        for (own, share) in lanes.iter_mut().zip(&batch.share) {
+            *own *= 1.0 - share;
+        }
+    }
+}
+
+/// Adds new light that surfaces mirror by their own gloss. At grazing angles all of it is mirrored, unless there is no gloss.
+#[inline(always)]
+fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
+    add_mirrored(batch, scene);
+    let GlossLanes {
+        sums, reflectance, ..
+    } = &batch.gloss;
+    let [r, g, b] = reflectance;
+    for i in 0..BATCH {
+        batch.share[i] = (ANY_GLOSS * r[i].max(g[i]).max(b[i])).clamp(0.0, 1.0);
+    }
+    let light = sums.diffuse.iter().zip(&sums.specular);
+    let of_channel = batch.shown.iter_mut().zip(reflectance).zip(light);
+    for ((shown, own), (facing, grazing)) in of_channel {
+        for i in 0..BATCH {
+            shown[i] += gain * (own[i] * facing[i] + batch.share[i] * grazing[i]);
+        }
     }
 }
 

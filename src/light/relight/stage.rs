@@ -34,6 +34,11 @@ pub(crate) static RELIGHT: Stage = Stage {
             decide: |plan| in_new_light(plan, albedo_estimate),
         },
         Step {
+            name: "gloss",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, gloss),
+        },
+        Step {
             name: "environment-lights",
             gives: &[],
             decide: |plan| in_new_light(plan, environment_lights),
@@ -100,10 +105,11 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
 
 #[cfg(feature = "gpu")]
 fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
-    match (relighting.traced, relighting.grain) {
-        (true, _) => Some("mirrors and lenses that show what is traced"),
-        (false, true) => Some("a grain along the curvature"),
-        (false, false) => None,
+    match relighting {
+        Relighting { traced: true, .. } => Some("mirrors and lenses that show what is traced"),
+        Relighting { grain: true, .. } => Some("a grain along the curvature"),
+        Relighting { gloss: true, .. } => Some("metals, glass and lamps by their layers"),
+        _ => None,
     }
 }
 
@@ -128,6 +134,11 @@ fn albedo_estimate(relighting: &Relighting) -> Verdict {
         Albedo::Picture => "the picture as it is",
         Albedo::White => "white",
     })
+}
+
+fn gloss(relighting: &Relighting) -> Verdict {
+    let why = "new light is mirrored, and the rest of the light beyond the albedo stays";
+    runs_if(relighting.gloss, why, "no layers of it, or --albedo-from")
 }
 
 fn environment_lights(relighting: &Relighting) -> Verdict {

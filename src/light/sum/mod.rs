@@ -51,7 +51,8 @@ pub(crate) struct LightSum {
 const ZERO: Lanes = [0.0; BATCH];
 
 impl Sums {
-    const NONE: Self = Self {
+    /// No light.
+    pub(crate) const NONE: Self = Self {
         diffuse: [ZERO; 3],
         specular: [ZERO; 3],
     };

@@ -5,7 +5,9 @@ use super::shading::{Scaled, Shading, TowardLight};
 use crate::engine::cpu::lanes::multiply_add;
 use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
-use crate::light::brdf::{AshikhminShirley, Lobes, entering, share_seen};
+use crate::light::brdf::{
+    AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, share_seen,
+};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::radiance_scaling::ScalingCurve;
@@ -275,6 +277,10 @@ impl Scratch {
                 }
                 self.coat(terms, pixels, shading, &brdf);
             }
+            Lobes::Mirror => {
+                self.half_way(pixels, unwarped, direction);
+                self.mirror(terms, pixels, shading);
+            }
         }
     }
 
@@ -445,6 +451,32 @@ impl Scratch {
                     let sigma = curves.at(i).at(lobe[i], scaled.invariant_point);
                     specular[i] = weigh(cosine[i], weight[i]) * lobe[i] * sigma;
                 }
+            }
+        }
+    }
+
+    /// Mirrored light from l . e and the square of n . h: that of the reflectance and that of grazing, scaled alike.
+    #[inline(always)]
+    fn mirror(&mut self, terms: &mut Terms, pixels: &Pixels, shading: &Shading) {
+        for i in 0..BATCH {
+            let (nl, ne) = (
+                positive(self.cosine[i]),
+                positive(scalar_product(pixels.normal.at(i), pixels.to_eye.at(i))),
+            );
+            // h.e is half of |l + e|.
+            let he = 0.5 * positive(2.0 + 2.0 * self.products[0][i]).sqrt();
+            let (facets, grazing) = (facets(self.lobe[i]), grazing(he));
+            let light = self.weight[i] * mirror_lobe(facets, nl, ne);
+            terms.diffuse[i] = light * (1.0 - grazing);
+            terms.specular[i] = light * grazing;
+            self.lobe[i] = at_most_1(MIRROR_PEAK * facets);
+        }
+        if let Some(scaled) = shading.scaled {
+            let curves = scaled.curves(pixels, &self.curves, 1);
+            for i in 0..BATCH {
+                let sigma = curves.at(i).at(self.lobe[i], scaled.invariant_point);
+                terms.diffuse[i] *= sigma;
+                terms.specular[i] *= sigma;
             }
         }
     }
