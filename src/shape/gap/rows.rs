@@ -135,15 +135,14 @@ pub(crate) fn look_for_gap(
 /// negative.
 #[inline(always)]
 pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale) {
-    let n = out.len();
-    let [first, second] = sides(rows, along, n);
+    let [first, second] = sides(rows, along, out.len());
     let (step, unit) = (scale.step[along.axis], scale.unit(along.axis));
-    for x in 0..n {
+    for (x, out) in out.iter_mut().enumerate() {
         let (a, b) = (side(first, x, step), side(second, x, step));
         let weight = Gap::between(a, b, unit).weight(0.0, scale.threshold);
         // Not a number where one is not covered.
         let weight = if weight > 0.0 { weight } else { 0.0 };
-        out[x] = if a.depth <= b.depth { weight } else { -weight };
+        *out = if a.depth <= b.depth { weight } else { -weight };
     }
 }
 
