@@ -7,7 +7,7 @@
 
 use super::cryptomatte;
 use super::exr::{ChannelId, ExrFile};
-use super::light_layers::Picture;
+use super::light_layers::LitPicture;
 use super::opened::Opened;
 use super::roles::{Layer, Match, Role, by_name};
 use super::samples_of_layers::{Band, samples};
@@ -21,11 +21,11 @@ use std::rc::Rc;
 
 /// What a layer holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum Holds {
     /// Colour of mirrored light.
     Color,
     /// Colour of light seen through the surface.
-    ThroughColor,
+    Passes,
     /// Mirrored lamps.
     Direct,
     /// Mirrored surfaces.
@@ -37,26 +37,26 @@ pub(super) enum Part {
 }
 
 /// The layers, each with the roles that it may play, the best first.
-pub(super) const LAYERS: [(Part, &[Role]); 9] = {
+pub(super) const LAYERS: [(Holds, &[Role]); 9] = {
     use Role::*;
     [
-        (Part::Color, &[GlossyColor, SpecularAlbedo]),
-        (Part::ThroughColor, &[TransmissionColor, TransmissionAlbedo]),
-        (Part::Direct, &[GlossyDirect, Highlight, Specular]),
-        (Part::Indirect, &[GlossyIndirect, Reflection]),
+        (Holds::Color, &[GlossyColor, SpecularAlbedo]),
+        (Holds::Passes, &[TransmissionColor, TransmissionAlbedo]),
+        (Holds::Direct, &[GlossyDirect, Highlight, Specular]),
+        (Holds::Indirect, &[GlossyIndirect, Reflection]),
         (
-            Part::Through,
+            Holds::Through,
             &[TransmissionDirect, Transmission, Refraction],
         ),
-        (Part::Through, &[TransmissionIndirect]),
-        (Part::Emitted, &[Emission]),
-        (Part::Emitted, &[VolumeDirect, Volume]),
-        (Part::Emitted, &[VolumeIndirect]),
+        (Holds::Through, &[TransmissionIndirect]),
+        (Holds::Emitted, &[Emission]),
+        (Holds::Emitted, &[VolumeDirect, Volume]),
+        (Holds::Emitted, &[VolumeIndirect]),
     ]
 };
 
 /// A layer read: what it holds, and whether its colour is still to be multiplied in.
-type Read = (Part, bool, ColorPlanes);
+type LayerRead = (Holds, bool, ColorPlanes);
 
 /// Reflectance of plastic, of index 1.5.
 const PLASTIC: f32 = 0.04;
@@ -80,7 +80,7 @@ pub(super) fn albedo(main: &Rc<Opened>) -> Result<Option<RoleSource>> {
 }
 
 /// The light of a picture that its diffuse colour does not tell of, from the layers read; `None` without any.
-pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<Gloss> {
+pub(super) fn of(layers: Vec<LayerRead>, is_tint: bool, picture: LitPicture) -> Option<Gloss> {
     let albedo = picture.albedo.filter(|_| !layers.is_empty())?;
     let (width, height) = (albedo.r.width(), albedo.r.height());
     let zero = || ColorPlanes::grey(Plane::filled(width, height, 0.0));
@@ -93,7 +93,7 @@ pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<G
     let has = |part| layers.iter().any(|(own, ..)| *own == part);
     // Light of lamps and surfaces in one layer is kept as the mirrored scene; all of it where no colour tells what to put in
     // its place.
-    let (is_known, is_split) = (has(Part::Color), has(Part::Indirect));
+    let (is_known, is_split) = (has(Holds::Color), has(Holds::Indirect));
     let planes: [_; 9] = {
         let made = [&mut gloss.reflectance, &mut gloss.mirrored, &mut gloss.kept];
         let mut planes = made
@@ -107,7 +107,7 @@ pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<G
                 let own = layers.iter().find(|(part, ..)| *part == wanted);
                 own.map_or([0.0; 3], |(.., planes)| planes.at(x, y))
             };
-            let (mirrors, passes) = (color(Part::Color), color(Part::ThroughColor));
+            let (mirrors, passes) = (color(Holds::Color), color(Holds::Passes));
             let sum = |wanted, color: [f32; 3]| {
                 let own = layers.iter().filter(|(part, ..)| *part == wanted);
                 own.fold([0.0; 3], |mut sum, (_, bare, planes)| {
@@ -118,21 +118,21 @@ pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<G
                     sum
                 })
             };
-            let lamps = sum(Part::Direct, mirrors);
+            let lamps = sum(Holds::Direct, mirrors);
             let (lamps, scene) = match (is_known, is_split) {
-                (true, true) => (lamps, sum(Part::Indirect, mirrors)),
+                (true, true) => (lamps, sum(Holds::Indirect, mirrors)),
                 (true, false) => ([0.0; 3], lamps),
                 (false, _) => ([0.0; 3], [0.0; 3]),
             };
             let cover = picture.alpha.map_or(1.0, |alpha| alpha.at(x, y));
-            let pixel = Pixel {
+            let pixel = GlossPixel {
                 albedo: albedo.at(x, y),
                 mirrors,
                 passes,
                 lamps,
                 scene,
-                through: sum(Part::Through, passes),
-                emitted: sum(Part::Emitted, [1.0; 3]),
+                through: sum(Holds::Through, passes),
+                emitted: sum(Holds::Emitted, [1.0; 3]),
                 picture: picture.color.map(|color| color.at(x, y)),
                 per_cover: if cover > 0.0 { 1.0 / cover } else { 1.0 },
             };
@@ -146,7 +146,7 @@ pub(super) fn of(layers: Vec<Read>, is_tint: bool, picture: Picture) -> Option<G
 
 /// The layers at a pixel; absent ones are 0.
 #[derive(Debug, Clone, Copy, Default)]
-struct Pixel {
+struct GlossPixel {
     albedo: [f32; 3],
     mirrors: [f32; 3],
     passes: [f32; 3],
@@ -158,7 +158,7 @@ struct Pixel {
     per_cover: f32,
 }
 
-impl Pixel {
+impl GlossPixel {
     /// Reflectance, the mirrored scene, and the light that is kept.
     ///
     /// Where there is no diffuse colour, whatever is neither a mirrored lamp nor the mirrored scene is kept, whether layers
@@ -199,7 +199,7 @@ fn largest(color: [f32; 3]) -> f32 {
 
 /// What a sample of the file tells: whether colours of gloss are tints, and a warning where a share of the surface has no
 /// diffuse colour.
-pub(super) fn judge(main: &Rc<Opened>, layers: &[Read]) -> Result<(bool, Option<String>)> {
+pub(super) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Option<String>)> {
     let nothing = (false, None);
     let Opened::Exr {
         file, layers: all, ..
@@ -317,7 +317,7 @@ fn objects(file: &ExrFile, layers: &[Layer]) -> (Option<Match>, impl Fn(u32) -> 
     (numbers, names)
 }
 
-fn warning(share: f64, names: &[String], mirrors: Option<String>, layers: &[Read]) -> String {
+fn warning(share: f64, names: &[String], mirrors: Option<String>, layers: &[LayerRead]) -> String {
     let share = format!(
         "{:.1} % of the surface has no diffuse colour",
         100.0 * share
@@ -348,14 +348,14 @@ mod tests {
     const GOLD: [f32; 3] = [1.0, 0.6, 0.2];
 
     /// A metal that shows one part of mirrored lamps and one of the scene.
-    fn metal(mirrors: [f32; 3], light: [f32; 3]) -> Pixel {
-        Pixel {
+    fn metal(mirrors: [f32; 3], light: [f32; 3]) -> GlossPixel {
+        GlossPixel {
             mirrors,
             lamps: light,
             scene: light,
             picture: Some(light.map(|light| 2.0 * light)),
             per_cover: 1.0,
-            ..Pixel::default()
+            ..GlossPixel::default()
         }
     }
 
@@ -378,7 +378,7 @@ mod tests {
 
     #[test]
     fn plastic_reflects_as_plastic_does_and_keeps_what_layers_tell() {
-        let plastic = |mirrors| Pixel {
+        let plastic = |mirrors| GlossPixel {
             albedo: [0.3; 3],
             through: [0.1; 3],
             emitted: [0.2; 3],
@@ -394,14 +394,14 @@ mod tests {
     #[test]
     fn a_lamp_keeps_its_bits_and_clear_glass_its_reflectance() {
         let picture = [1.5, 0.7, -0.01];
-        let lamp = Pixel {
+        let lamp = GlossPixel {
             emitted: [9.0; 3],
             picture: Some(picture),
             per_cover: 4.0,
-            ..Pixel::default()
+            ..GlossPixel::default()
         };
         assert_eq!(lamp.gloss(true), [[0.0; 3], [0.0; 3], picture]);
-        let glass = Pixel {
+        let glass = GlossPixel {
             passes: [1.0; 3],
             ..metal([0.04; 3], [0.02; 3])
         };

@@ -66,7 +66,7 @@ enum Use {
     Group,
     Occlusion,
     /// Whether the surface's colour is to be multiplied in.
-    Gloss(gloss::Part, bool),
+    Gloss(gloss::Holds, bool),
 }
 
 /// The layers of light that a run reads.
@@ -87,7 +87,7 @@ pub(super) struct LightSources {
 
 /// The picture that layers of light belong to.
 #[derive(Clone, Copy)]
-pub(super) struct Picture<'a> {
+pub(super) struct LitPicture<'a> {
     pub(super) color: Option<&'a ColorPlanes>,
     pub(super) albedo: Option<&'a ColorPlanes>,
     pub(super) alpha: Option<&'a Plane>,
@@ -295,7 +295,7 @@ impl LightSources {
     pub(super) fn assemble(
         self,
         read: Vec<RolePlanes>,
-        picture: Picture,
+        picture: LitPicture,
         mask: &Mask,
         (inputs, main): (&Inputs, &Rc<Opened>),
     ) -> Result<LightRead> {

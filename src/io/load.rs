@@ -8,7 +8,7 @@ use super::exr::ExrFile;
 use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
-use super::light_layers::{LightSources, Picture};
+use super::light_layers::{LightSources, LitPicture};
 use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
@@ -170,7 +170,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let mut picture = |read: RolePlanes| read.into_color_in(&mut spare);
     let (color, albedo) = (layers.color.map(&mut picture), layers.albedo.map(picture));
     drop(spare);
-    let picture = Picture {
+    let picture = LitPicture {
         color: color.as_ref(),
         albedo: albedo.as_ref(),
         alpha: layers.alpha.as_ref(),

@@ -288,7 +288,7 @@ mod tests {
         frame.source.depth_kind = DepthKind::Ray;
         let scale = GapScale::of(&frame, SoftThreshold { lo: 0.01, hi: 1.0 });
         let depth: Vec<f32> = b[2][..WIDTH].iter().map(|v| 1.0 + v).collect();
-        let samples = rows::Samples {
+        let samples = rows::GapSamples {
             first: 0,
             depth: &depth,
             covered: &covered[..WIDTH],

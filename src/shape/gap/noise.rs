@@ -16,9 +16,9 @@ pub(crate) const TILE: i32 = 32;
 const FEWEST: usize = 8;
 
 /// Less noise than this, in pixels, is none: curvature alone.
-pub(crate) const CALM: f32 = 0.1;
+const CALM: f32 = 0.1;
 
-/// Gaps of a tile that are looked at.
+/// Gaps of a tile that are looked at, at most.
 const PROBES: usize = 32;
 
 /// No gap farther than this many pixels affects a threshold: the middle of a tile that counts is less than a tile away, and

@@ -4,7 +4,7 @@ use crate::frame::{Frame, Plane, ToEye};
 use crate::params::SoftThreshold;
 use crate::shape::gap::noise::GapNoise;
 use crate::shape::gap::pair::{Gap, Side};
-use crate::shape::gap::rows::Samples;
+use crate::shape::gap::rows::GapSamples;
 use crate::shape::gap::scale::GapScale;
 use crate::shape::gradient::facing;
 use glam::Vec2;
@@ -33,10 +33,10 @@ impl<'a> Gaps<'a> {
     }
 
     /// The samples of row `y` where it has a surface.
-    pub(crate) fn samples(&self, y: usize) -> Samples<'_> {
+    pub(crate) fn samples(&self, y: usize) -> GapSamples<'_> {
         let (mask, normal) = (&self.frame.mask, &self.frame.normal);
         let span = mask.span(y);
-        Samples {
+        GapSamples {
             first: span.start,
             depth: &self.depth.row(y)[span.clone()],
             covered: &mask.row(y)[span.clone()],
@@ -94,10 +94,9 @@ impl<'a> Gaps<'a> {
     /// The weight after a pixel, 0..1, where it has `calm` without the noise of depth.
     pub(crate) fn weight_after(&self, at: [usize; 2], axis: usize, calm: f32) -> f32 {
         let noise = self.noise_after(at, axis);
-        match self.after(at, axis).filter(|_| noise > 0.0) {
-            Some(gap) => gap.weight(noise, self.scale.threshold),
-            None => calm,
-        }
+        let gap = (noise > 0.0).then(|| self.after(at, axis));
+        gap.flatten()
+            .map_or(calm, |gap| gap.weight(noise, self.scale.threshold))
     }
 
     /// The noise of depth between a pixel and the next along an axis, in pixels.

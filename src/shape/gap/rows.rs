@@ -44,7 +44,7 @@ impl GapRow {
 
 /// The samples of a row of a frame from column `first` on, and the direction to the eye by column and of the row.
 #[derive(Clone, Copy)]
-pub(crate) struct Samples<'a> {
+pub(crate) struct GapSamples<'a> {
     pub(crate) first: usize,
     pub(crate) depth: &'a [f32],
     pub(crate) covered: &'a [bool],
@@ -54,7 +54,7 @@ pub(crate) struct Samples<'a> {
 
 /// Prepares a row; all but the samples is unknown.
 #[inline(always)]
-pub(crate) fn fill_gap_row(row: &mut GapRow, samples: &Samples, scale: &GapScale) {
+pub(crate) fn fill_gap_row(row: &mut GapRow, samples: &GapSamples, scale: &GapScale) {
     let n = samples.depth.len();
     let [nx, ny, nz] = samples.normal.map(|row| &row[..n]);
     let (covered, to_eye) = (&samples.covered[..n], &samples.to_eye.0[..n]);
@@ -147,7 +147,7 @@ pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along,
 }
 
 widened! {
-    fn fill_gap_row(row: &mut GapRow, samples: &Samples, scale: &GapScale);
+    fn fill_gap_row(row: &mut GapRow, samples: &GapSamples, scale: &GapScale);
     fn look_for_gap(is_any: &mut bool, n: usize, rows: [&GapRow; 4], along: &Along, scale: &GapScale);
     fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale);
 }
