@@ -75,8 +75,7 @@ fn what_needs_the_picture_whole_is_refused() {
 }
 
 /// A photo and its normal map, in 8 and 16 bits, with alpha in the latter.
-fn write_photos(here: &Path) {
-    let [width, height] = SIZE;
+fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     let wave = |x: usize| (x as f32 * std::f32::consts::TAU / 24.0).sin();
     let normal = |x: usize, y: usize| {
         let n = glam::Vec3::new(0.5 * wave(x), 0.5 * wave(y + 3), 1.0).normalize();
@@ -102,7 +101,7 @@ fn write_photos(here: &Path) {
 fn photos_in_strips_are_the_whole_bit_for_bit() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    write_photos(here);
+    write_photos(here, SIZE);
     for (name, work) in [
         ("a.png", "enhance in8.jpg --normal n8.png"),
         ("b.png", "enhance in16.png --normal n16.tif --scale 3"),
@@ -150,8 +149,10 @@ fn named(said: &str) -> u64 {
 fn the_least_memory_that_is_named_is_enough() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    write_photos(here);
-    write_bumps(&here.join("in.exr"), 1, SIZE, 0.7, |_| false);
+    // Half the height: whole, that is still more than the least memory of each.
+    let size = [SIZE[0], SIZE[1] / 2];
+    write_photos(here, size);
+    write_bumps(&here.join("in.exr"), 1, size, 0.7, |_| false);
     let sky = image::Rgb32FImage::from_fn(1024, 512, |x, y| image::Rgb([x as f32, y as f32, 9.0]));
     sky.save(here.join("sky.hdr")).unwrap();
     for work in [
@@ -172,12 +173,18 @@ fn the_least_memory_that_is_named_is_enough() {
             let words = format!("{work} --backend cpu --max-memory {mib}M");
             Ran::measured(program(here).args(words.split(' ')))
         };
-        let said = within(32).0.ended(1);
+        let (refused, program) = within(32);
+        let said = refused.ended(1);
         assert_eq!(said.lines().count(), 1, "{said}");
+        // A release refuses in 20 MiB. What this build takes beyond that is its code.
+        let larger = program.saturating_sub(20 << 20);
         let least = named(&said);
         let (ran, peak) = within(least);
         ran.ended(0);
-        assert!(peak <= least << 20, "{work}: {peak} of {least} MiB");
+        assert!(
+            peak <= (least << 20) + larger,
+            "{work}: {peak} of {least} MiB + {larger}"
+        );
         assert_eq!(named(&within(least - 1).0.ended(1)), least, "{work}");
     }
 }
