@@ -484,8 +484,11 @@ fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<
     let mut read = RolePlanes::of_photo(photo, planes, taken);
     let mut vectors = Vector3Planes::of(read.planes);
     let borders = Borders::of(&vectors);
-    let half_step = 0.5 / max_code(photo.header.bits) as f32;
-    unround_wrapped(&mut vectors, half_step, borders.wrapped(wrap));
+    unround_wrapped(
+        &mut vectors,
+        photo.header.coding_error(),
+        borders.wrapped(wrap),
+    );
     read.borders = Some(borders);
     read.planes = vec![vectors.x, vectors.y, vectors.z];
     read.fit_to(Role::Normal, window);

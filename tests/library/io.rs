@@ -2,10 +2,13 @@
 
 use crate::common::bits;
 use crate::common::real_files::real;
+use glam::DVec3;
 use relievo::frame::{Plane, Window};
+use relievo::io::Needs;
 use relievo::io::exr::{
     ChannelId, ExrFile, Limits, OutputChannel, OutputPart, OutputType, PartWriter, write_results,
 };
+use relievo::io::inputs::Inputs as Files;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -476,5 +479,58 @@ fn tiles_larger_than_the_picture_are_harmless() {
         let size = size.map(u32::to_le_bytes).concat();
         std::fs::write(&path, patched(&bytes, "tiles", "tiledesc", &size)).unwrap();
         println!("{}", survive(&path).unwrap_err());
+    }
+}
+
+/// JPEG moves the samples of gentle forms by a code or two, in blocks: the smoothest normals that near bend as the form does.
+#[test]
+fn gentle_forms_are_read_from_jpeg_without_its_blocks() {
+    const SIDE: u32 = 320;
+    let folder = tempfile::tempdir().unwrap();
+    // The slopes of 3 sin(x / 40) sin(y / 55).
+    let exact = |x: u32, y: u32| {
+        let ((sx, cx), (sy, cy)) = (
+            (f64::from(x) / 40.0).sin_cos(),
+            (f64::from(y) / 55.0).sin_cos(),
+        );
+        DVec3::new(-cx * sy * 3.0 / 40.0, sx * cy * 3.0 / 55.0, 1.0).normalize()
+    };
+    let in_codes = |x, y| {
+        image::Rgb(
+            exact(x, y)
+                .to_array()
+                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
+        )
+    };
+    let map = image::RgbImage::from_fn(SIDE, SIDE, in_codes);
+    // Root mean square error of the change of x over 8 pixels, where blocks show.
+    let error = |x_of: &dyn Fn(u32, u32) -> f64| {
+        let bend = |of: &dyn Fn(u32, u32) -> f64, x, y| of(x + 8, y) - of(x, y);
+        let places = (16..SIDE - 24).flat_map(|y| (16..SIDE - 24).map(move |x| (x, y)));
+        let squares: Vec<f64> = places
+            .map(|(x, y)| (bend(x_of, x, y) - bend(&|x, y| exact(x, y).x, x, y)).powi(2))
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    for quality in [95, 75] {
+        let path = folder.path().join(format!("{quality}.jpg"));
+        let file = std::fs::File::create(&path).unwrap();
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(file, quality);
+        map.write_with_encoder(encoder).unwrap();
+        let stored = image::open(&path).unwrap().to_rgb8();
+        let before = error(&|x, y| f64::from(stored.get_pixel(x, y).0[0]) / 127.5 - 1.0);
+        let files = Files {
+            picture: path,
+            ..Files::default()
+        };
+        let normal = relievo::io::load(&files, Needs::default())
+            .unwrap()
+            .frame
+            .normal;
+        let after = error(&|x, y| normal.at(x as usize, y as usize).x);
+        assert!(
+            after < before / 3.0,
+            "{quality}: {before:.1e} to {after:.1e}"
+        );
     }
 }

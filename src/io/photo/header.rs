@@ -1,6 +1,6 @@
 //! The header of a picture, and the samples of its rows.
 
-use super::decoder::{unsupported, with_decoder};
+use super::decoder::{max_code, unsupported, with_decoder};
 use crate::error::{Error, Result};
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
@@ -31,7 +31,21 @@ pub(super) enum Samples<'a> {
     Float(&'a [f32]),
 }
 
+/// Codes of 8 bits that JPEG moves a smooth picture by, about: it rounds luminance and colour apart, then waves of both,
+/// and the result. Measured on gentle forms: 1 for 99 of 100 samples at qualities 95 and 90, 2 at 75, 3 at 50.
+const JPEG_CODES: f32 = 2.0;
+
 impl PhotoHeader {
+    /// How far coding may have moved a sample, from 0 to 1; 0 for floats.
+    pub(in crate::io) fn coding_error(&self) -> f32 {
+        let codes = match self.format {
+            _ if self.is_float => 0.0,
+            ImageFormat::Jpeg => JPEG_CODES,
+            _ => 0.5,
+        };
+        codes / max_code(self.bits) as f32
+    }
+
     /// Reads the header of the picture at `path`; its kind is recognised by content, not by name.
     pub(super) fn read(path: &Path) -> Result<Self> {
         with_decoder(path, |mut decoder, format| {
