@@ -171,7 +171,7 @@ pub(super) fn make<W: StripWork>(
     job.note_gain(&plan, source.found.gain);
     let plan = work.plan(&sample, &source.found)?;
     let outcome = run(work, &plan, &sample.frame)?;
-    let chosen = read.with(&source.found, outcome.environment_gain);
+    let chosen = read.with(&source.found, &outcome);
     let shown = gathered.as_ref().map(|_| work.shown(&sample, &outcome));
     let exposure = match shown {
         Some(Shown::Made(made)) => exposure(&source, job, made)?,

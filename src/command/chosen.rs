@@ -8,6 +8,7 @@ use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
+use crate::light::lights::LightChoice;
 use crate::params::{LineLevels, ToneLevels};
 use crate::quantile::quantile;
 
@@ -28,6 +29,8 @@ pub(crate) struct Chosen {
     /// The recovered camera of one frame and the distance of the surface; a sequence has `still_camera` instead.
     recovered: Option<(KnownCamera, f64)>,
     still_camera: Option<StillCamera>,
+    /// What stands for an environment. No flag chooses it.
+    light: Option<LightChoice>,
 }
 
 impl Chosen {
@@ -61,6 +64,7 @@ impl Chosen {
             numbers: numbers(&single, &outcome.term_white_levels),
             tone_levels: outcome.tone_levels,
             line_levels: outcome.line_levels,
+            light: outcome.light_choice,
             ..self
         }
     }
@@ -74,14 +78,15 @@ impl Chosen {
     }
 
     /// Adds the choices made on the whole of a picture processed in strips.
-    pub(crate) fn with(mut self, choice: &StripChoice, environment_gain: Option<f32>) -> Self {
+    pub(crate) fn with(mut self, choice: &StripChoice, outcome: &Outcome) -> Self {
         let single = [
             ("curvature-gain", choice.gain),
             ("white-level", choice.white_level),
-            ("environment-gain", environment_gain),
+            ("environment-gain", outcome.environment_gain),
         ];
         self.numbers
             .extend(numbers(&single, &choice.term_white_levels));
+        self.light = outcome.light_choice;
         self
     }
 
@@ -103,6 +108,7 @@ impl Chosen {
             tone_levels: median(each.iter().filter_map(|chosen| chosen.tone_levels)),
             line_levels: median(each.iter().filter_map(|chosen| chosen.line_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
+            light: each.iter().find_map(|chosen| chosen.light),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
         }
@@ -161,7 +167,8 @@ impl Chosen {
                 };
                 format!("{name}{space}{term} {number:.digits$}")
             });
-        words.collect::<Vec<_>>().join(", ")
+        let light = self.light.iter().map(LightChoice::to_string);
+        words.chain(light).collect::<Vec<_>>().join(", ")
     }
 }
 

@@ -4,6 +4,7 @@ use crate::engine::slot::Slot;
 use crate::frame::{
     ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes, Window,
 };
+use crate::light::lights::LightChoice;
 use crate::line::contours::Contour;
 use crate::line::stippling::Dot;
 use crate::line::streamlines::Streamline;
@@ -244,6 +245,8 @@ pub struct Outcome {
     pub environment_gain: Option<f32>,
     /// Whether the surface has the colours of the frame's picture, in new light: a display keeps its brightness.
     pub(crate) takes_picture: bool,
+    /// The lights and samples that stand for the environment, where they were chosen by their error.
+    pub light_choice: Option<LightChoice>,
     /// The luminance that light met by traced sight lines was compared with, if it was.
     pub middle_light: Option<f32>,
     /// The white levels used where each term of the light has its own, by term.

@@ -34,6 +34,8 @@ pub(crate) enum Lobes {
     /// Mirrored light alone, as [`mirror_lobe`] has it: in place of diffuse light what follows the reflectance, in place of
     /// specular light what is mirrored at grazing angles.
     Mirror,
+    /// Its base alone.
+    Base,
 }
 
 impl Lobes {
@@ -60,12 +62,23 @@ impl Lobes {
         }
     }
 
+    /// The diffuse lobe alone.
+    pub(crate) fn diffuse(self) -> Self {
+        match self {
+            Self::Phong { .. } | Self::BlinnPhong { .. } => Self::Diffuse {
+                power: Exponent::Integer(1),
+            },
+            Self::AshikhminShirley(_) => Self::Base,
+            Self::Diffuse { .. } | Self::Mirror | Self::Base => self,
+        }
+    }
+
     /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
     #[inline(always)]
     pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
         let unwarp = &pixels.unwarp;
         match self {
-            Self::Diffuse { .. } | Self::BlinnPhong { far: true, .. } => {}
+            Self::Diffuse { .. } | Self::Base | Self::BlinnPhong { far: true, .. } => {}
             Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
             Self::BlinnPhong { far: false, .. } | Self::Mirror => pixels.to_eye.unwarp(unwarp),
             Self::AshikhminShirley(_) => {
@@ -94,7 +107,7 @@ impl Lobes {
 
     /// Whether there is a lobe other than the diffuse one.
     pub(crate) fn are_glossy(&self) -> bool {
-        !matches!(self, Self::Diffuse { .. })
+        !matches!(self, Self::Diffuse { .. } | Self::Base)
     }
 }
 
@@ -119,16 +132,18 @@ impl Lobes {
             Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power, .. } => {
                 *power
             }
-            Self::AshikhminShirley(_) | Self::Mirror => Exponent::Integer(1),
+            Self::AshikhminShirley(_) | Self::Mirror | Self::Base => Exponent::Integer(1),
         }
     }
 
     /// Its other numbers, `params.lobe_0` to `lobe_3`.
     pub(crate) fn numbers(&self) -> [f32; 4] {
         match self {
-            Self::Diffuse { .. } | Self::Phong { .. } | Self::BlinnPhong { .. } | Self::Mirror => {
-                [0.0; 4]
-            }
+            Self::Diffuse { .. }
+            | Self::Phong { .. }
+            | Self::BlinnPhong { .. }
+            | Self::Mirror
+            | Self::Base => [0.0; 4],
             Self::AshikhminShirley(coat) => {
                 let [along, across] = coat.coat;
                 [along, across, coat.normalisation, coat.reflectance]

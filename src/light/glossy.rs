@@ -5,6 +5,7 @@
 //! of shifted rows. Map and source are sampled at the resolution the lobe needs: a wide lobe costs no more than a
 //! narrow one.
 
+use super::brdf::entering;
 use super::environment::Environment;
 use crate::frame::{ColorPlanes, Plane, parallel_rows};
 use rayon::prelude::*;
@@ -27,9 +28,18 @@ type Weighed = [f32; 4];
 pub(crate) struct GlossyFilter {
     width: usize,
     height: usize,
-    shininess: f64,
+    lobe: Lobe,
     source: Source,
     turned_like: Environment,
+}
+
+/// What reflects light, by the cosine it is seen under.
+#[derive(Debug, Clone, Copy)]
+enum Lobe {
+    /// The cosine to a power.
+    Phong(f64),
+    /// The base under a coat.
+    Base,
 }
 
 #[derive(Debug, Clone)]
@@ -58,9 +68,17 @@ impl GlossyFilter {
         Self {
             width: finest,
             height: finest / 2,
-            shininess,
+            lobe: Lobe::Phong(shininess),
             source: Source::Rows(source_rows(environment, finest, finest / 2)),
             turned_like: corner(environment),
+        }
+    }
+
+    /// Prepares filtering `environment` by the base of a coated surface.
+    pub(crate) fn base(environment: &Environment) -> Self {
+        Self {
+            lobe: Lobe::Base,
+            ..Self::new(environment, 1.0, MIN_COLUMNS)
         }
     }
 
@@ -68,7 +86,7 @@ impl GlossyFilter {
         Self {
             width: map.width(),
             height: map.height(),
-            shininess: f64::INFINITY,
+            lobe: Lobe::Phong(f64::INFINITY),
             source: Source::Unfiltered(map),
             turned_like: corner(environment),
         }
@@ -136,14 +154,20 @@ impl GlossyFilter {
         let elevation = |y: usize| (0.5 - (y as f64 + 0.5) / self.height as f64) * PI;
         let (sin, cos) = elevation(y).sin_cos();
         let (source_sin, source_cos) = elevation(source_y).sin_cos();
-        let least = CUT.powf(1.0 / self.shininess);
+        let least = match self.lobe {
+            Lobe::Phong(shininess) => CUT.powf(1.0 / shininess),
+            Lobe::Base => 0.0,
+        };
         let cosines = (0..=self.width / 2).map(|shift| {
             let turn = (shift as f64 / self.width as f64 * TAU).cos();
             (sin * source_sin + cos * source_cos * turn).min(1.0)
         });
         cosines
             .take_while(|&cosine| cosine > 0.0 && cosine >= least)
-            .map(|cosine| cosine.powf(self.shininess) as f32)
+            .map(|cosine| match self.lobe {
+                Lobe::Phong(shininess) => cosine.powf(shininess) as f32,
+                Lobe::Base => entering(cosine as f32),
+            })
             .collect()
     }
 }

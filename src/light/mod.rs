@@ -18,6 +18,7 @@ pub mod lit_sphere;
 pub mod median_cut;
 #[cfg(feature = "cli")]
 pub(crate) mod mixing;
+pub(crate) mod octahedral;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;
 pub(crate) mod relight;

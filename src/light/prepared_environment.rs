@@ -9,9 +9,11 @@ use crate::light::glossy::GlossyFilter;
 use crate::light::intensity::{Intensity, White, ball, median};
 use crate::light::irradiance::irradiance_filter;
 use crate::light::light_samples::uniform_directions;
-use crate::light::lights::{DirectionalLight, Illumination};
+use crate::light::lights::{DirectionalLight, Illumination, LightChoice};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
+use crate::light::relight::pilot::chosen;
+use crate::light::relight::samples::FilteredSamples;
 use crate::params::{Adaptive, Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
@@ -38,6 +40,7 @@ pub(crate) struct PreparedEnvironment {
     gain: Option<f32>,
     /// The luminance of the brightest white surface that faces the viewer; the largest number where it is not known.
     brightest: f32,
+    choice: Option<LightChoice>,
     pub(crate) used: Used,
     /// Filtered as surfaces with gloss of their own mirror it.
     pub(crate) gloss: Option<Map>,
@@ -55,8 +58,35 @@ pub(crate) enum Used {
         specular: Option<Map>,
     },
     Mirrored(Map),
+    Sampled(Sampled),
     /// Lit spheres, and the intensity of their light.
     LitSpheres(Intensity),
+}
+
+/// What stands for an environment on a glossy surface.
+#[derive(Debug)]
+pub(crate) struct Sampled {
+    /// What is bright, for highlights alone.
+    pub(crate) lights: Vec<DirectionalLight>,
+    /// The rest, for highlights alone.
+    pub(crate) samples: FilteredSamples,
+    pub(crate) base: Base,
+}
+
+/// All of an environment, for diffuse light alone.
+#[derive(Debug)]
+pub(crate) enum Base {
+    Lights(Vec<DirectionalLight>),
+    Map(Map),
+}
+
+impl Base {
+    pub(crate) fn lights(&self) -> &[DirectionalLight] {
+        match self {
+            Self::Lights(lights) => lights,
+            Self::Map(_) => &[],
+        }
+    }
 }
 
 /// The parameters that a prepared environment depends on; those of the material that it does not are the default.
@@ -132,6 +162,7 @@ impl<'a> Illuminants<'a> {
         let ready = Arc::new(PreparedEnvironment {
             gain: None,
             brightest: largest.fold(0.0, f32::max),
+            choice: None,
             used,
             gloss: None,
         });
@@ -159,12 +190,15 @@ impl<'a> Illuminants<'a> {
         let purpose = Purpose {
             used: relighting.environment,
             gain: params.environment_gain,
-            material: MaterialParams {
-                material: params.material.material,
-                shininess: params.material.shininess,
-                ior: params.material.ior,
-                thin: params.material.thin,
-                ..MaterialParams::default()
+            material: match relighting.environment {
+                EnvironmentUse::ToError(_) => params.material,
+                _ => MaterialParams {
+                    material: params.material.material,
+                    shininess: params.material.shininess,
+                    ior: params.material.ior,
+                    thin: params.material.thin,
+                    ..MaterialParams::default()
+                },
             },
             mirrors: relighting.gloss,
             white: relighting.white,
@@ -219,8 +253,27 @@ impl<'a> Illuminants<'a> {
     pub(crate) fn lights(&self) -> &[DirectionalLight] {
         match &self.ready.used {
             Used::Lights(lights) => lights,
+            Used::Sampled(sampled) => &sampled.lights,
             _ => &[],
         }
+    }
+
+    /// Those of them that are for diffuse light alone.
+    pub(crate) fn base_lights(&self) -> &[DirectionalLight] {
+        self.sampled().map_or(&[], |sampled| sampled.base.lights())
+    }
+
+    /// What stands for the environment on a glossy surface, if it was chosen by its error.
+    pub(crate) fn sampled(&self) -> Option<&Sampled> {
+        match &self.ready.used {
+            Used::Sampled(sampled) => Some(sampled),
+            _ => None,
+        }
+    }
+
+    /// What was chosen by its error.
+    pub(crate) fn choice(&self) -> Option<LightChoice> {
+        self.ready.choice
     }
 
     /// Even directions in which every pixel looks the environment up.
@@ -235,7 +288,13 @@ impl<'a> Illuminants<'a> {
     pub(crate) fn has_lookups(&self) -> bool {
         matches!(
             self.ready.used,
-            Used::Prefiltered { .. } | Used::Mirrored(_) | Used::LitSpheres(_)
+            Used::Prefiltered { .. }
+                | Used::Mirrored(_)
+                | Used::LitSpheres(_)
+                | Used::Sampled(Sampled {
+                    base: Base::Map(_),
+                    ..
+                })
         )
     }
 
@@ -296,11 +355,18 @@ impl PreparedEnvironment {
             let filter = GlossyFilter::new(environment, shininess, GLOSSY_WIDTH);
             Map::of_views(filter.filtered(goes_on), purpose)
         };
+        let mut choice = None;
         let used = match purpose.used {
             EnvironmentUse::None => Used::Nothing,
             EnvironmentUse::Lights(count) => {
-                let lights = median_cut(environment, count as usize).into_iter();
-                Used::Lights(lights.map(|light| brightened(light, gain)).collect())
+                Used::Lights(brightened(median_cut(environment, count as usize), gain))
+            }
+            EnvironmentUse::ToError(allowed) => {
+                let material = &purpose.material;
+                let (used, chosen) =
+                    chosen(environment, material, allowed, (gain, weights), goes_on);
+                choice = Some(chosen);
+                used
             }
             EnvironmentUse::Lookups(count) => {
                 // A pixel on the horizon, (2 pi / width)^2, then matches the solid angle of a direction.
@@ -324,6 +390,7 @@ impl PreparedEnvironment {
         Self {
             gain: Some(gain),
             brightest: largest.map_or(f32::MAX, |largest| gain * largest),
+            choice,
             used,
             gloss: purpose.mirrors.then(|| glossy(MIRROR_SHININESS)),
         }
@@ -363,9 +430,9 @@ fn largest_facing(map: &Environment, weights: [f32; 3]) -> f32 {
         .fold(f32::MIN_POSITIVE, f32::max)
 }
 
-fn brightened(light: DirectionalLight, gain: f32) -> DirectionalLight {
-    DirectionalLight {
-        intensity: light.intensity.map(|channel| gain * channel),
-        ..light
+pub(crate) fn brightened(mut lights: Vec<DirectionalLight>, gain: f32) -> Vec<DirectionalLight> {
+    for light in &mut lights {
+        light.intensity = light.intensity.map(|channel| gain * channel);
     }
+    lights
 }

@@ -9,7 +9,7 @@ pub(crate) mod stages;
 
 pub use crate::light::enhancement::LightAvailable;
 pub use crate::light::relight::setting::LightKinds;
-pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
+pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 pub use crate::plan::available::Available;
 pub use crate::plan::planned::{Decision, Plan, Points};
 pub use crate::plan::resolve::{Goal, ToneFrom};

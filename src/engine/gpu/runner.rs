@@ -128,6 +128,7 @@ impl Runner {
             if let Some(light) = light {
                 outcome.environment_gain = light.around.gain();
                 outcome.takes_picture = plan.relighting.is_some_and(|lit| lit.takes_picture());
+                outcome.light_choice = light.around.choice();
                 outcome.timings.splice(0..0, light.timings);
             }
             Ok(outcome)

@@ -141,7 +141,9 @@ impl LightCache {
         let nothing = Placed::default();
         let ready = &around.ready;
         let (maps, texels): (_, [&[[f32; 4]]; 2]) = match &ready.used {
-            Used::Nothing | Used::Lights(_) => return Ok((filled(device, &[])?, [nothing; 2])),
+            Used::Nothing | Used::Lights(_) | Used::Sampled(_) => {
+                return Ok((filled(device, &[])?, [nothing; 2]));
+            }
             Used::LitSpheres(intensity) => {
                 let spheres = around.spheres;
                 let placed = |at: usize| match spheres.get(at) {

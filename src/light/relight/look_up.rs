@@ -1,14 +1,14 @@
 //! Look-ups made once per pixel, in an environment or a lit sphere.
 
 use crate::frame::luminance;
-use crate::light::batch::{BATCH, Vectors};
-use crate::light::brdf::{grazing, seen_in_glass};
+use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
+use crate::light::brdf::{BASE_SCALE, Lobes, grazing, seen_in_glass};
 use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
 use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lit_sphere::LitSphere;
-use crate::light::prepared_environment::{Map, Used};
+use crate::light::prepared_environment::{Base, Map, Used};
 use crate::light::relight::batch::Batch;
 use crate::light::relight::scene::{Scene, Term};
 use crate::light::relight::traced::add_traced;
@@ -39,6 +39,17 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
     }
     match &scene.around.ready.used {
         Used::Nothing | Used::Lights(_) | Used::Lookups(..) => {}
+        Used::Sampled(sampled) => {
+            if let Base::Map(map) = &sampled.base {
+                let shading = scene.shading.expect("samples have lobes");
+                let shares = base_share(&batch.pixels, &shading.lobes);
+                for (i, share) in shares.into_iter().enumerate() {
+                    batch.share[i] = gain * batch.occlusion[i] * share;
+                }
+                batch.toward = batch.pixels.normal.vector;
+                add_seen(batch, scene, Term::Diffuse, map);
+            }
+        }
         Used::Prefiltered { diffuse, specular } => {
             for i in 0..BATCH {
                 batch.share[i] = gain * batch.occlusion[i];
@@ -65,6 +76,15 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::LitSpheres(intensity) => {
             add_spheres(batch, scene, scene.around.spheres, *intensity);
         }
+    }
+}
+
+/// The share of prefiltered diffuse light that the surface shows.
+#[inline(always)]
+pub(super) fn base_share(pixels: &Pixels, lobes: &Lobes) -> Lanes {
+    match lobes {
+        Lobes::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
+        _ => [1.0; BATCH],
     }
 }
 

@@ -11,7 +11,9 @@ pub(crate) mod gpu;
 pub(crate) mod gpu_lights;
 pub(crate) mod look_up;
 pub(crate) mod mirrors;
+pub(crate) mod pilot;
 pub(crate) mod rim;
+pub(crate) mod samples;
 pub(crate) mod scene;
 pub(crate) mod setting;
 pub(crate) mod shade;
@@ -57,6 +59,7 @@ pub(crate) fn relight(run: &mut Run) {
     }
     run.outcome.environment_gain = around.gain();
     run.outcome.takes_picture = relighting.takes_picture();
+    run.outcome.light_choice = around.choice();
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
@@ -118,6 +121,7 @@ pub(crate) fn relight(run: &mut Run) {
         shading,
         lights: Directed::all(&illumination.directional),
         around_lights: Directed::all(around.lights()),
+        base_lights: Directed::all(around.base_lights()),
         points: &illumination.points,
         sight: SightLines::of(frame),
         around,

@@ -47,6 +47,8 @@ pub(crate) struct Scene<'a> {
     pub(super) lights: Vec<Directed>,
     /// The lights that stand for the environment.
     pub(super) around_lights: Vec<Directed>,
+    /// Those that stand for its diffuse light alone.
+    pub(super) base_lights: Vec<Directed>,
     pub(super) points: &'a [PointLight],
     pub(super) sight: SightLines,
     pub(super) around: Illuminants<'a>,

@@ -35,18 +35,33 @@ impl LightKinds {
 }
 
 /// Use of an environment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum EnvironmentUse {
     /// No environment, or not needed.
     None,
     /// As this many lights, placed where most of its light is.
     Lights(u32),
+    /// As what it takes to err by so many grey levels.
+    ToError(ToError),
     /// Looked up in this many even directions.
     Lookups(u32),
     /// Prefiltered, with one look-up per lobe.
     Prefiltered,
     /// Looked up in the mirrored or refracted direction.
     Mirrored,
+}
+
+/// The error allowed in light from an environment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ToError {
+    /// Grey levels of 255.
+    pub(crate) levels: f32,
+    /// Whether each light is warped or scaled by itself, so that no map has their sum.
+    pub(crate) apart: bool,
+    /// Whether highlights are looked up in directions of each pixel's own.
+    pub(crate) glossy: bool,
+    /// Strength of light warping, 0 for none.
+    pub(crate) warp: f32,
 }
 
 /// Source of the albedo.
@@ -127,13 +142,13 @@ impl Relighting {
         let warps = params.method.warps() && params.warping.warp > 0.0;
         let scales = params.method.scales() && strongest > 0.0;
         let environment = match kinds.environment && kinds.lit_spheres == 0 {
-            true => environment_use(&params, warps, scales && scaling.anisotropy != 0.0)?,
+            true => environment_use(&params, warps, (scales, scaling.anisotropy != 0.0))?,
             false => EnvironmentUse::None,
         };
         let lights = kinds.directional || kinds.points;
         let sampled = matches!(
             environment,
-            EnvironmentUse::Lights(_) | EnvironmentUse::Lookups(_)
+            EnvironmentUse::Lights(_) | EnvironmentUse::ToError(_) | EnvironmentUse::Lookups(_)
         );
         let reflects = !mirrors(params.material.material);
         let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
@@ -196,6 +211,10 @@ fn mirrors(material: Material) -> bool {
     matches!(material, Material::Mirror | Material::Glass)
 }
 
+/// Errors allowed in light from an environment by default, in grey levels: bright highlights hide more.
+const DIFFUSE_ERROR: f32 = 2.0;
+const COAT_ERROR: f32 = 4.0;
+
 /// Whether look-ups give the complete result.
 fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
     mirrors(material) || kinds.lit_spheres > 0
@@ -253,9 +272,10 @@ fn refuse_what_lacks(
 fn environment_use(
     params: &RelightParams,
     warps: bool,
-    toward_light: bool,
+    (scales, is_anisotropic): (bool, bool),
 ) -> Result<EnvironmentUse> {
     let material = params.material.material;
+    let toward_light = scales && is_anisotropic;
     if mirrors(material) {
         return Ok(EnvironmentUse::Mirrored);
     }
@@ -270,6 +290,10 @@ fn environment_use(
             "give a number, or another --material",
         ));
     }
+    let is_glossy = matches!(
+        material,
+        Material::Phong | Material::BlinnPhong | Material::AshikhminShirley
+    );
     let by_lookups = warps && params.warp_by == WarpBy::Lookups;
     Ok(match params.samples {
         Samples::Fixed(0) => EnvironmentUse::Prefiltered,
@@ -278,7 +302,17 @@ fn environment_use(
         Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
         Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
         Samples::Auto if can_prefilter && !warps => EnvironmentUse::Prefiltered,
-        Samples::Auto => EnvironmentUse::Lights(AUTO_SAMPLES),
+        // The curves of samples do not depend on their directions.
+        Samples::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
+        Samples::Auto => EnvironmentUse::ToError(ToError {
+            levels: params.light_error.unwrap_or(match material {
+                Material::AshikhminShirley => COAT_ERROR,
+                _ => DIFFUSE_ERROR,
+            }),
+            apart: warps || scales,
+            glossy: is_glossy,
+            warp: if warps { params.warping.warp } else { 0.0 },
+        }),
     })
 }
 

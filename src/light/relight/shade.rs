@@ -4,7 +4,7 @@
 use crate::engine::cpu::simd::widened;
 use crate::frame::Gloss;
 use crate::light::albedo::AlbedoEstimate;
-use crate::light::batch::{Above, BATCH, Facing, Lanes};
+use crate::light::batch::{Above, BATCH, Facing, Lanes, Pixels};
 use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
@@ -63,8 +63,19 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
             batch.pixels.mirrored.set(i, mirrored(n, eye));
         }
     }
-    if matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
-        set_grain(batch, scene);
+    let samples = scene.around.sampled().is_some();
+    if samples || matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
+        let fixed = match scene.params().material.tangent {
+            Tangent::Degrees(angle) => angle.to_radians(),
+            Tangent::Curvature => 0.0,
+        };
+        let (sine, cosine) = fixed.sin_cos();
+        let Batch { pixels, grain, .. } = batch;
+        let grain = |i: usize| match scene.grain {
+            Some(_) => [grain[0][i], grain[1][i]],
+            None => [cosine, sine],
+        };
+        set_tangents(pixels, phong, grain);
     }
     if let Some(lobes) = lobes {
         lobes.see(&mut batch.pixels);
@@ -83,7 +94,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
         find_kappa(batch, scene);
     }
     let around = &scene.around;
-    let lights = scene.lights.len() + scene.around_lights.len();
+    let lights = scene.lights.len() + scene.around_lights.len() + scene.base_lights.len();
     let directions = lights + around.even_directions().len();
     if directions >= WORTH_A_BOX {
         let pixels = &mut batch.pixels;
@@ -180,20 +191,19 @@ fn normalise_eyes(batch: &mut Batch) {
     }
 }
 
-/// Unit tangents along the grain and across it.
+/// Unit tangents along the `grain` and across it, of the surface or of what faces the eye.
 #[inline(always)]
-fn set_grain(batch: &mut Batch, scene: &Scene) {
-    let fixed = match scene.params().material.tangent {
-        Tangent::Degrees(angle) => angle.to_radians(),
-        Tangent::Curvature => 0.0,
-    };
-    let (sine, cosine) = fixed.sin_cos();
+pub(super) fn set_tangents(
+    pixels: &mut Pixels,
+    faces_eye: bool,
+    grain: impl Fn(usize) -> [f32; 2],
+) {
     for i in 0..BATCH {
-        let n = batch.pixels.normal.at(i);
-        let [x, y] = match scene.grain {
-            Some(_) => [batch.grain[0][i], batch.grain[1][i]],
-            None => [cosine, sine],
+        let n = match faces_eye {
+            true => pixels.to_eye.at(i),
+            false => pixels.normal.at(i),
         };
+        let [x, y] = grain(i);
         // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
         let along = x * n[0] + y * n[1];
         let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
@@ -205,13 +215,13 @@ fn set_grain(batch: &mut Batch, scene: &Scene) {
             if seen { tangent[1] * inverse } else { 0.0 },
             if seen { tangent[2] * inverse } else { 1.0 },
         ];
-        batch.pixels.along.set(i, u);
+        pixels.along.set(i, u);
         let v = [
             n[1] * u[2] - n[2] * u[1],
             n[2] * u[0] - n[0] * u[2],
             n[0] * u[1] - n[1] * u[0],
         ];
-        batch.pixels.across.set(i, v);
+        pixels.across.set(i, v);
     }
 }
 
@@ -228,9 +238,11 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
-    let Batch { pixels, sum, .. } = batch;
     // Light from all around comes first: occlusion dims only that.
-    sum.add_directed::<HAS_FMA>(pixels, shading, &scene.around_lights);
+    let sampled = scene.around.sampled();
+    let base = sampled.map(|_| &scene.base_lights[..]);
+    let Batch { pixels, sum, .. } = batch;
+    sum.add_around::<HAS_FMA>(pixels, shading, (&scene.around_lights, base));
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
@@ -251,6 +263,9 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
         batch.sum.dim(&batch.occlusion);
     }
     add_lamps::<HAS_FMA>(batch, scene, shading);
+    if let Some(sampled) = sampled {
+        sampled.samples.add(batch, shading);
+    }
 }
 
 /// Adds lights far away and near, and completes the sum.

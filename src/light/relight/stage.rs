@@ -2,7 +2,7 @@
 
 use crate::light::intensity::White;
 use crate::light::relight::relight;
-use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting};
+use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 use crate::params::Material;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -105,10 +105,13 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
 
 #[cfg(feature = "gpu")]
 fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
-    match relighting {
-        Relighting { traced: true, .. } => Some("mirrors and lenses that show what is traced"),
-        Relighting { grain: true, .. } => Some("a grain along the curvature"),
-        Relighting { gloss: true, .. } => Some("metals, glass and lamps by their layers"),
+    match relighting.environment {
+        _ if relighting.traced => Some("mirrors and lenses that show what is traced"),
+        _ if relighting.grain => Some("a grain along the curvature"),
+        _ if relighting.gloss => Some("metals, glass and lamps by their layers"),
+        EnvironmentUse::ToError(ToError { glossy: true, .. }) => {
+            Some("samples of an environment, which --samples 54 makes lights")
+        }
         _ => None,
     }
 }
@@ -144,6 +147,12 @@ fn gloss(relighting: &Relighting) -> Verdict {
 fn environment_lights(relighting: &Relighting) -> Verdict {
     match relighting.environment {
         EnvironmentUse::Lights(count) => Verdict::runs(format!("{count} lights, by median cut")),
+        EnvironmentUse::ToError(ToError { levels, glossy, .. }) => {
+            let samples = if glossy { " and samples" } else { "" };
+            Verdict::runs(format!(
+                "lights{samples} to an error of {levels} grey levels"
+            ))
+        }
         EnvironmentUse::None => Verdict::left_out("no environment, or none that is asked for"),
         _ => Verdict::left_out("the environment is looked up"),
     }

@@ -13,6 +13,16 @@ pub(crate) struct Shading {
     pub lobes: Lobes,
 }
 
+impl Shading {
+    /// The same by the diffuse lobe alone.
+    pub(crate) fn diffuse(self) -> Self {
+        Self {
+            lobes: self.lobes.diffuse(),
+            ..self
+        }
+    }
+}
+
 /// Radiance scaling inside the sum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scaled {

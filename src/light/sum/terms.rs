@@ -6,7 +6,8 @@ use crate::engine::cpu::lanes::multiply_add;
 use crate::fast_math::exp_to_normal;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{
-    AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, share_seen,
+    AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, passed,
+    share_seen,
 };
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::MOST_BRIGHTENED;
@@ -269,6 +270,13 @@ impl Scratch {
                 self.scale_cosine(&mut terms.diffuse, pixels, shading);
                 let weigh = |cosine, weight| weight * cosine;
                 self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
+            }
+            Lobes::Base => {
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                for i in 0..BATCH {
+                    let passed = passed(positive(self.cosine[i]));
+                    terms.diffuse[i] *= pixels.coat.base[i] * passed;
+                }
             }
             Lobes::AshikhminShirley(brdf) => {
                 let axes = [&pixels.to_eye, &pixels.along, &pixels.across];

@@ -5,6 +5,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
+use crate::light::relight::pilot::srgb;
 use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, ShapeParams,
     WarpBy,
@@ -272,14 +273,5 @@ impl Reference {
             grey_p99: steps.p99,
             grey_max: steps.max,
         }
-    }
-}
-
-/// The sRGB curve, from linear 0..1 to encoded 0..1 (IEC 61966-2-1).
-fn srgb(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
     }
 }

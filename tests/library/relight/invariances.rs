@@ -74,6 +74,8 @@ fn threads_change_no_bit() {
         asked(Material::Phong, Method::Both),
         asked(Material::AshikhminShirley, Method::Both).in_environment(sky(), Samples::Fixed(33)),
         asked(Material::Phong, Method::Both).in_environment(sky(), Samples::Fixed(0)),
+        asked(Material::Phong, Method::Both).in_environment(sky(), Samples::Auto),
+        asked(Material::AshikhminShirley, Method::Plain).in_environment(sky(), Samples::Auto),
     ];
     for asked in cases {
         let with = |threads| {
@@ -96,8 +98,11 @@ fn a_crop_is_lit_as_the_whole() {
         x1: 90,
         y1: 81,
     };
-    for method in METHODS {
-        let asked = asked(Material::BlinnPhong, method);
+    let lit = METHODS.map(|method| asked(Material::BlinnPhong, method));
+    let around = |asked: &Asked| asked.clone().in_environment(sky(), Samples::Auto);
+    let in_environment = lit.each_ref().map(around);
+    for asked in lit.into_iter().chain(in_environment) {
+        let method = asked.relight.method;
         let reach = asked.plan(&frame).unwrap().reach();
         let (whole, cropped) = (asked.color(&frame), asked.color(&frame.crop(part)));
         for y in reach..part.height() - reach {

@@ -2,6 +2,7 @@
 //! invariances.
 
 mod closed_forms;
+mod environments;
 mod invariances;
 mod nothing_asked;
 mod sums;
