@@ -5,7 +5,7 @@
 use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::params::{ScalingParams, ShapeParams};
 use std::path::PathBuf;
@@ -43,15 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         over_backdrop(&after, &frame),
         curvature,
     ]);
-    let picture = Picture {
-        color: &strip,
-        alpha: None,
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: ViewTransform::Srgb,
-        display: Display::default(),
-    };
+    let picture = Picture::of(&strip, ViewTransform::Srgb);
     write_atomically(&output, Replace::IfWritable, |w| {
         write_picture(w, &output, PictureFormat::Png, &picture)
     })?;

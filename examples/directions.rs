@@ -8,7 +8,7 @@
 use relievo::engine::{self, Engine, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs};
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeDirections};
 use relievo::plan::{Available, Goal, Plan};
@@ -65,15 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         g: streaks.clone(),
         b: streaks,
     };
-    let picture = Picture {
-        color: &color,
-        alpha: None,
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: ViewTransform::None,
-        display: Display::default(),
-    };
+    let picture = Picture::of(&color, ViewTransform::None);
     write_atomically(&output, Replace::IfWritable, |w| {
         write_picture(w, &output, PictureFormat::Png, &picture)
     })?;

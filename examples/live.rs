@@ -6,7 +6,7 @@ use relievo::engine::Outcome;
 use relievo::engine::{Engine, Request, Run, Session};
 use relievo::frame::Frame;
 use relievo::io::inputs::{Inputs, LightInputs};
-use relievo::io::picture::{Display, Picture, ViewTransform, pixels};
+use relievo::io::picture::{Picture, ViewTransform, pixels};
 use relievo::io::{self, Needs};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, Scale, ScalingParams, ShapeParams};
@@ -109,12 +109,10 @@ fn timed(
 
 fn shown(outcome: &Outcome, frame: &Frame) -> Vec<[u8; 4]> {
     pixels(&Picture {
-        color: outcome.color.as_ref().expect("a picture was made"),
         alpha: frame.alpha.as_ref(),
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: ViewTransform::Srgb,
-        display: Display::default(),
+        ..Picture::of(
+            outcome.color.as_ref().expect("a picture was made"),
+            ViewTransform::Srgb,
+        )
     })
 }

@@ -7,7 +7,7 @@ pub(crate) mod room;
 use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{self, Needs, inputs::Inputs, srgb};
 use relievo::light::lights::{DirectionalLight, Illumination, direction_of};
 use relievo::params::{RelightParams, ScalingParams, ShapeParams};
@@ -105,15 +105,7 @@ pub(crate) fn grid(pictures: &[ColorPlanes], columns: usize) -> ColorPlanes {
 pub(crate) fn write(path: &str, color: &ColorPlanes) -> relievo::Result<()> {
     let path = Path::new(path);
     let format = PictureFormat::of_path(path).unwrap_or(PictureFormat::Png);
-    let picture = Picture {
-        color,
-        alpha: None,
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: ViewTransform::Srgb,
-        display: Display::default(),
-    };
+    let picture = Picture::of(color, ViewTransform::Srgb);
     write_atomically(path, Replace::IfWritable, |w| {
         write_picture(w, path, format, &picture)
     })

@@ -11,7 +11,7 @@ use crate::engine::{self, Engine};
 use crate::error::Result;
 use crate::frame::ColorPlanes;
 use crate::io::exr::{OutputChannel, OutputType};
-use crate::io::picture::{Display, Picture, ViewTransform};
+use crate::io::picture::{Picture, ViewTransform};
 use std::path::PathBuf;
 
 impl FrameCommand for MapArgs {
@@ -103,16 +103,16 @@ impl MapArgs {
                 false => job.write_picture(
                     done,
                     &Picture {
-                        color: &ColorPlanes {
-                            r: made.grey(mask),
-                            ..ColorPlanes::default()
-                        },
-                        alpha: None,
                         grey: true,
                         bits: self.bits(),
                         dpi: self.work.dpi(&done.loaded.frame),
-                        transform: ViewTransform::None,
-                        display: Display::default(),
+                        ..Picture::of(
+                            &ColorPlanes {
+                                r: made.grey(mask),
+                                ..ColorPlanes::default()
+                            },
+                            ViewTransform::None,
+                        )
                     },
                 )?,
             };

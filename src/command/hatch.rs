@@ -8,7 +8,7 @@ use crate::engine::outcome::Drawing;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Window};
 use crate::io::inputs::Inputs;
-use crate::io::picture::{Display, Picture, PictureFormat};
+use crate::io::picture::{Picture, PictureFormat};
 use crate::io::svg;
 use crate::io::{self, Needs, picture_size};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
@@ -258,13 +258,10 @@ impl HatchArgs {
         let has_size = work.flags.params.size.is_some() || self.params().strokes.dpi.is_some();
         let is_for_print = is_bilevel || has_size;
         Picture {
-            color,
-            alpha: None,
             grey: true,
             bits: if is_bilevel { 1 } else { 8 },
-            transform: work.output.view_transform.transform(),
-            display: Display::default(),
             dpi: is_for_print.then_some([self.dpi() / pixel_aspect, self.dpi()]),
+            ..Picture::of(color, work.output.view_transform.transform())
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::io::picture::{
-    Display, Encoding, Picture, PictureFormat, ViewTransform, small, write_picture_as,
+    Encoding, Picture, PictureFormat, ViewTransform, small, write_picture_as,
 };
 use std::io::Cursor;
 use std::path::Path;
@@ -21,18 +21,13 @@ pub fn thumbnail(
     is_linear: bool,
 ) -> Result<Vec<u8>> {
     let color = small(size, LONGEST, at);
-    let picture = Picture {
-        color: &color,
-        alpha: None,
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: match is_linear {
+    let picture = Picture::of(
+        &color,
+        match is_linear {
             true => ViewTransform::Srgb,
             false => ViewTransform::None,
         },
-        display: Display::default(),
-    };
+    );
     let mut png = Cursor::new(Vec::new());
     let name = Path::new("thumbnail.png");
     let encoding = Encoding::default();

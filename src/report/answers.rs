@@ -7,7 +7,7 @@ use super::sweeps::solver::{SceneSweep, SolverRow};
 use super::timing;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, confidence};
-use crate::io::picture::{Display, Picture, ViewTransform, pixels, small};
+use crate::io::picture::{Picture, ViewTransform, pixels, small};
 use crate::params::ScalingParams;
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
@@ -172,15 +172,7 @@ fn sheet(pictures: &[(&ColorPlanes, ViewTransform)]) -> Vec<u8> {
         let at = |x: usize, y: usize, c: usize| [&color.r, &color.g, &color.b][c].row(y)[x];
         let color = small([color.r.width(), color.r.height()], LONGEST, at);
         let width = color.r.width();
-        let picture = Picture {
-            color: &color,
-            alpha: None,
-            grey: false,
-            bits: 8,
-            dpi: None,
-            transform,
-            display: Display::default(),
-        };
+        let picture = Picture::of(&color, transform);
         (pixels(&picture), width)
     });
     let shown: Vec<_> = shown.collect();

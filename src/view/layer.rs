@@ -4,7 +4,7 @@ use super::flow;
 use crate::command::look::{Pixels, Said, What};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::io::picture::{Display, Picture, ViewTransform};
+use crate::io::picture::{Picture, ViewTransform};
 use crate::product::{Product, Shown};
 
 /// The command that draws lines.
@@ -143,15 +143,13 @@ fn grey(plane: &Plane, is_linear: bool) -> Pixels {
         ..ColorPlanes::default()
     };
     Pixels::of(&Picture {
-        color: &color,
-        alpha: None,
         grey: true,
-        bits: 8,
-        dpi: None,
-        transform: match is_linear {
-            true => ViewTransform::Srgb,
-            false => ViewTransform::None,
-        },
-        display: Display::default(),
+        ..Picture::of(
+            &color,
+            match is_linear {
+                true => ViewTransform::Srgb,
+                false => ViewTransform::None,
+            },
+        )
     })
 }

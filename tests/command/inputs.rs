@@ -3,7 +3,7 @@
 use crate::common::exr::Part;
 use relievo::frame::{ColorPlanes, Plane};
 use relievo::io::output::{Replace, write_atomically};
-use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
@@ -49,14 +49,11 @@ pub(crate) fn write_planes(
     bits: u8,
     transform: ViewTransform,
 ) {
+    let color = ColorPlanes { r, g, b };
     let picture = Picture {
-        color: &ColorPlanes { r, g, b },
         alpha,
-        grey: false,
         bits,
-        dpi: None,
-        transform,
-        display: Display::default(),
+        ..Picture::of(&color, transform)
     };
     let format = PictureFormat::of_path(path).unwrap();
     write_atomically(path, Replace::IfWritable, |w| {

@@ -4,7 +4,7 @@ use crate::common::exr::{Part, Stored, write};
 use crate::common::real_files::real;
 use glam::{DVec3, Vec3};
 use relievo::frame::{ColorPlanes, Plane, Window};
-use relievo::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+use relievo::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
 use relievo::io::{read_environment, read_environment_as, read_lit_sphere};
 use relievo::light::environment::Environment;
 use relievo::light::environment_layout::Layout;
@@ -144,15 +144,7 @@ fn a_furnace_is_white() {
 /// `color` written as a picture.
 fn written(path: &Path, format: PictureFormat, color: &ColorPlanes) {
     let mut file = Cursor::new(Vec::new());
-    let picture = Picture {
-        color,
-        alpha: None,
-        grey: false,
-        bits: 8,
-        dpi: None,
-        transform: ViewTransform::Srgb,
-        display: Display::default(),
-    };
+    let picture = Picture::of(color, ViewTransform::Srgb);
     write_picture(&mut file, path, format, &picture).unwrap();
     std::fs::write(path, file.into_inner()).unwrap();
 }

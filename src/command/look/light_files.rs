@@ -3,7 +3,7 @@
 use super::Pixels;
 use crate::frame::ColorPlanes;
 use crate::io::environment::{color_size, read_color};
-use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, is_picture_name, small};
+use crate::io::picture::{Picture, PictureFormat, ViewTransform, is_picture_name, small};
 use std::path::{Path, PathBuf};
 
 /// Size limit of a file that is shown small, in bytes: it is read whole for that.
@@ -98,15 +98,7 @@ impl LightFile {
         if self.setting == LIT_SPHERE && roughness(&color) > SMOOTH {
             return None;
         }
-        Some(Pixels::of(&Picture {
-            color: &color,
-            alpha: None,
-            grey: false,
-            bits: 8,
-            dpi: None,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
-        }))
+        Some(Pixels::of(&Picture::of(&color, ViewTransform::Srgb)))
     }
 }
 

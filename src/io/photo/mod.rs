@@ -79,7 +79,7 @@ impl Photo {
 mod tests {
     use super::*;
     use crate::frame::ColorPlanes;
-    use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+    use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
     use std::io::Cursor;
 
     /// A picture of 5 x 7 whose samples all differ, in one format.
@@ -92,13 +92,9 @@ mod tests {
         };
         let alpha = Plane::from_fn(5, 7, |x, _| (x + 1) as f32 / 5.0);
         let picture = Picture {
-            color: &color,
             alpha: with_alpha.then_some(&alpha),
-            grey: false,
             bits,
-            dpi: None,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::Srgb)
         };
         let mut file = Cursor::new(Vec::new());
         write_picture(&mut file, path, format, &picture).unwrap();
@@ -182,15 +178,7 @@ mod tests {
             g: plane.clone(),
             b: plane,
         };
-        let picture = Picture {
-            color: &color,
-            alpha: None,
-            grey: false,
-            bits: 8,
-            dpi: None,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
-        };
+        let picture = Picture::of(&color, ViewTransform::Srgb);
         let directory = tempfile::tempdir().unwrap();
         for format in [
             PictureFormat::Png,

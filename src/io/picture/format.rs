@@ -70,6 +70,19 @@ pub struct Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
+    /// A picture of colour alone, in 8 bits and as bright as it is.
+    pub fn of(color: &'a ColorPlanes, transform: ViewTransform) -> Self {
+        Self {
+            color,
+            alpha: None,
+            grey: false,
+            bits: 8,
+            dpi: None,
+            transform,
+            display: Display::default(),
+        }
+    }
+
     /// Its planes: three of colour or one of grey, and alpha if it has one.
     pub fn planes(&self) -> Vec<&'a Plane> {
         let count = if self.grey { 1 } else { 3 };

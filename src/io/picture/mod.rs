@@ -122,13 +122,9 @@ mod tests {
         for format in [PictureFormat::Png, PictureFormat::Tiff] {
             for bits in [8, 16] {
                 let of = |grey| Picture {
-                    color: &color,
-                    alpha: None,
                     grey,
                     bits,
-                    dpi: None,
-                    transform: ViewTransform::Srgb,
-                    display: Display::default(),
+                    ..Picture::of(&color, ViewTransform::Srgb)
                 };
                 let size = |picture: &Picture| {
                     let mut file = Cursor::new(Vec::new());
@@ -204,13 +200,8 @@ mod tests {
             let linear = photo.to_linear().remove(0);
             let color = grey(256, count / 256, linear.samples().to_vec());
             let picture = Picture {
-                color: &color,
-                alpha: None,
-                grey: false,
                 bits,
-                dpi: None,
-                transform: ViewTransform::Srgb,
-                display: Display::default(),
+                ..Picture::of(&color, ViewTransform::Srgb)
             };
             for format in [PictureFormat::Png, PictureFormat::Tiff] {
                 let again = round_trip(format, &picture);
@@ -227,13 +218,8 @@ mod tests {
         let codes: Vec<f32> = (0..65536).map(|c| f32::from(c as u16) / 65535.0).collect();
         let color = grey(256, 256, codes.clone());
         let picture = Picture {
-            color: &color,
-            alpha: None,
-            grey: false,
             bits: 16,
-            dpi: None,
-            transform: ViewTransform::None,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::None)
         };
         let again = round_trip(PictureFormat::Png, &picture);
         assert_eq!(again.channels[0].samples(), codes);
@@ -245,13 +231,9 @@ mod tests {
         let color = grey(4, 1, vec![0.5, 0.0, 0.25, f32::NAN]);
         let alpha = Plane::from_samples(4, 1, vec![0.5, 0.0, 0.0, 1.0]);
         let picture = Picture {
-            color: &color,
             alpha: Some(&alpha),
-            grey: false,
             bits: 16,
-            dpi: None,
-            transform: ViewTransform::None,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::None)
         };
         for format in [PictureFormat::Png, PictureFormat::Tiff] {
             let photo = round_trip(format, &picture);
@@ -290,13 +272,9 @@ mod tests {
         for (bright, exposure) in brights.into_iter().flat_map(|b| [(b, 0.0), (b, 0.5)]) {
             for alpha in [None, Some(&alpha)] {
                 let picture = Picture {
-                    color: &color,
                     alpha,
-                    grey: false,
-                    bits: 8,
-                    dpi: None,
-                    transform: ViewTransform::Srgb,
                     display: Display { exposure, bright },
+                    ..Picture::of(&color, ViewTransform::Srgb)
                 };
                 let together = pixels(&picture);
                 for (x, together) in together.into_iter().enumerate() {
@@ -324,13 +302,8 @@ mod tests {
         let color = grey(2, 1, vec![0.0, 1.0]);
         let alpha = Plane::filled(2, 1, 1.0);
         let picture = Picture {
-            color: &color,
             alpha: Some(&alpha),
-            grey: false,
-            bits: 8,
-            dpi: None,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::Srgb)
         };
         assert!(round_trip(PictureFormat::Png, &picture).alpha.is_none());
     }
@@ -339,13 +312,8 @@ mod tests {
     fn jpeg_and_hdr_are_readable() {
         let color = grey(16, 16, vec![0.25; 256]);
         let picture = Picture {
-            color: &color,
-            alpha: None,
-            grey: false,
             bits: 16,
-            dpi: None,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::Srgb)
         };
         let jpeg = round_trip(PictureFormat::Jpeg, &picture);
         assert_eq!((jpeg.bits, jpeg.is_float), (8, false));

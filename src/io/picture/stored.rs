@@ -245,7 +245,7 @@ mod tests {
     use super::*;
     use crate::frame::{ColorPlanes, Plane};
     use crate::io::photo::Photo;
-    use crate::io::picture::{Display, Picture, PictureFormat, ViewTransform, write_picture};
+    use crate::io::picture::{Picture, PictureFormat, ViewTransform, write_picture};
     use std::io::Cursor;
     use std::path::Path;
 
@@ -269,13 +269,10 @@ mod tests {
             b: light.clone(),
         };
         let picture = Picture {
-            color: &color,
-            alpha: None,
             grey: true,
             bits,
             dpi,
-            transform: ViewTransform::Srgb,
-            display: Display::default(),
+            ..Picture::of(&color, ViewTransform::Srgb)
         };
         encoded(format, &picture)
     }
@@ -351,13 +348,10 @@ mod tests {
             for (bits, alpha) in [(8, None), (16, None), (8, Some(&alpha)), (16, Some(&alpha))] {
                 let of = |dpi| {
                     let picture = Picture {
-                        color: &color,
                         alpha,
-                        grey: false,
                         bits,
                         dpi,
-                        transform: ViewTransform::Srgb,
-                        display: Display::default(),
+                        ..Picture::of(&color, ViewTransform::Srgb)
                     };
                     read(&encoded(format, &picture))
                 };

@@ -18,7 +18,7 @@ use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
-use crate::io::picture::{Display, Picture, ViewTransform, pixels};
+use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::{Goal, Plan};
@@ -364,15 +364,7 @@ impl ViewSession {
             g: half(&frame.normal.y),
             b: half(&frame.normal.z),
         };
-        Some(Pixels::of(&Picture {
-            color: &normals,
-            alpha: None,
-            grey: false,
-            bits: 8,
-            dpi: None,
-            transform: ViewTransform::None,
-            display: Display::default(),
-        }))
+        Some(Pixels::of(&Picture::of(&normals, ViewTransform::None)))
     }
 
     fn shown(&self, made: MadePicture, work: &WorkArgs) -> Pixels {
