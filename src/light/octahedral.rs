@@ -101,10 +101,11 @@ fn folded([x, y]: [f32; 2], z: f32) -> [f32; 2] {
 /// The column or row at a position -1..1.
 #[inline(always)]
 fn cell(position: f32, log2: u32) -> u32 {
-    // Adding 2^23 leaves the whole part in the last bits.
+    // Adding 2^23 leaves the whole part in the last bits; below it there would be halves.
+    const WHOLE: f32 = 8_388_608.0;
     let side = f32::from_bits((127 + log2) << 23);
-    let whole = (0.5 * side) * (position + 1.0) + (8_388_608.0 - 0.5);
-    (whole.to_bits() & 0xffff).min((1 << log2) - 1)
+    let whole = (0.5 * side) * (position + 1.0) + (WHOLE - 0.5);
+    (whole.max(WHOLE).to_bits() & 0xffff).min((1 << log2) - 1)
 }
 
 /// What a map shows before it is blurred: power and solid angle of every pixel.

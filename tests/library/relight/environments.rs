@@ -132,9 +132,9 @@ fn a_larger_error_takes_fewer_lights() {
         let asked = asked.with(|asked| asked.relight.light_error = Some(levels));
         asked.outcome(&frame).light_choice.unwrap()
     };
-    let [fine, coarse] = [2.0, 40.0].map(choice);
+    let [fine, coarse] = [0.5, 40.0].map(choice);
     assert!(
-        fine.levels <= 2.0 && coarse.levels <= 40.0,
+        fine.levels < coarse.levels && coarse.levels <= 40.0,
         "{fine}, {coarse}"
     );
     assert!(
