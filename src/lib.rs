@@ -101,6 +101,7 @@ mod quantile;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod shape;
+mod srgb;
 pub mod trace;
 mod untrusted;
 #[cfg(feature = "view")]

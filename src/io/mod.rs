@@ -48,7 +48,10 @@ mod sight_turned;
 mod silhouettes;
 mod sources;
 mod specular;
-pub mod srgb;
+/// The sRGB curve (IEC 61966-2-1).
+pub mod srgb {
+    pub use crate::srgb::{decoded, encoded};
+}
 mod step_fit;
 #[cfg(feature = "report")]
 #[cfg_attr(

@@ -26,6 +26,7 @@ use crate::light::sum::{Directed, Shading, Sums};
 use crate::params::{Material, MaterialParams};
 use crate::plan::ToError;
 use crate::quantile::quantile;
+use crate::srgb;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -269,7 +270,7 @@ impl Pilot {
         let shown = |diffuse: f32, specular: f32| {
             let diffuse = ALBEDO * (ambient + diffuse_gain * diffuse);
             let shown = diffuse + self.material.specular() * specular;
-            255.0 * srgb(f64::from(at_most_1(positive(shown))))
+            255.0 * srgb::encoded(f64::from(at_most_1(positive(shown))))
         };
         let Sums {
             diffuse: truth,
@@ -309,13 +310,4 @@ widened! {
         lights: &[Directed],
         samples: Option<&FilteredSamples>,
     );
-}
-
-/// The sRGB curve, from linear 0..1 to encoded 0..1 (IEC 61966-2-1).
-pub(crate) fn srgb(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
 }

@@ -5,7 +5,6 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE};
 use crate::light::environment::Environment;
 use crate::light::light_samples::uniform_lights;
 use crate::light::lights::Illumination;
-use crate::light::relight::pilot::srgb;
 use crate::params::{
     Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples, ShapeParams,
     WarpBy,
@@ -15,6 +14,7 @@ use crate::report::compare::{Errors, Tally, compare, covered, larger};
 use crate::report::engine::{Inputs, Outcome, Session, relight_plan};
 use crate::report::light_reference::lit_at;
 use crate::report::timing::{Effort, Times};
+use crate::srgb;
 use serde::Serialize;
 
 /// A white material with gains of 1, no ambient light and an unscaled environment: its picture has a closed form.
@@ -260,7 +260,7 @@ impl Reference {
         let (mask, found) = (&frame.mask, [&color.r, &color.g, &color.b]);
         let exact = self.planes.each_ref();
         let errors = compare(found, exact, mask, self.white).in_window(frame.data_window);
-        let shown = |v: f64| 255.0 * srgb((v / self.white).clamp(0.0, 1.0));
+        let shown = |v: f64| 255.0 * srgb::encoded((v / self.white).clamp(0.0, 1.0));
         let mut steps = Tally::default();
         for [x, y] in covered(mask) {
             let off = |c: usize| shown(found[c].at(x, y).into()) - shown(exact[c].at(x, y));
