@@ -7,7 +7,6 @@
 
 use super::cryptomatte;
 use super::exr::{ChannelId, ExrFile};
-use super::light_layers::LitPicture;
 use super::opened::Opened;
 use super::roles::{Layer, Match, Role, by_name};
 use super::samples_of_layers::{Band, samples};
@@ -57,6 +56,14 @@ pub(super) const LAYERS: [(Holds, &[Role]); 9] = {
 
 /// A layer read: what it holds, and whether its colour is still to be multiplied in.
 type LayerRead = (Holds, bool, ColorPlanes);
+
+/// The picture that layers of light belong to.
+#[derive(Clone, Copy)]
+pub(super) struct LitPicture<'a> {
+    pub(super) color: Option<&'a ColorPlanes>,
+    pub(super) albedo: Option<&'a ColorPlanes>,
+    pub(super) alpha: Option<&'a Plane>,
+}
 
 /// Reflectance of plastic, of index 1.5.
 const PLASTIC: f32 = 0.04;

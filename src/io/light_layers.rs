@@ -1,7 +1,7 @@
 //! The layers that split the light of a picture, by lobes or light groups.
 
 use super::finding::Finding;
-use super::gloss;
+use super::gloss::{self, LitPicture};
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
 use super::names::{Role, last_word};
 use super::opened::Opened;
@@ -9,7 +9,7 @@ use super::recombination::difference;
 use super::role_planes::RolePlanes;
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Mask, Plane};
+use crate::frame::{LightGroup, LightLayers, Lobe, LobeLayer, Mask};
 use crate::untrusted::Untrusted;
 use std::rc::Rc;
 
@@ -83,14 +83,6 @@ pub(super) struct LightSources {
     /// Whether they are wanted even of another picture, or were found to be of this one.
     stays: bool,
     picture_is_occlusion: bool,
-}
-
-/// The picture that layers of light belong to.
-#[derive(Clone, Copy)]
-pub(super) struct LitPicture<'a> {
-    pub(super) color: Option<&'a ColorPlanes>,
-    pub(super) albedo: Option<&'a ColorPlanes>,
-    pub(super) alpha: Option<&'a Plane>,
 }
 
 /// The light layers read, with findings and warnings.

@@ -60,6 +60,17 @@ pub(crate) struct Pixels {
     pub facing: Facing,
 }
 
+/// Squared length below which the grain is along the normal, and gives no tangent.
+pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
+
+/// The curve among [`Pixels::curves`] that scales a term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Term {
+    Ambient,
+    Diffuse,
+    Specular,
+}
+
 /// Scaling curves of a batch.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
@@ -263,6 +274,37 @@ impl Pixels {
     #[inline(always)]
     pub(crate) fn curve(&self, term: usize) -> &CurveLanes {
         &self.curves[self.curve_of[term]]
+    }
+
+    /// Sets the unit tangents, along the `grain` and across it, of the surface or of what faces the eye.
+    #[inline(always)]
+    pub(crate) fn set_tangents(&mut self, faces_eye: bool, grain: impl Fn(usize) -> [f32; 2]) {
+        for i in 0..BATCH {
+            let n = match faces_eye {
+                true => self.to_eye.at(i),
+                false => self.normal.at(i),
+            };
+            let [x, y] = grain(i);
+            // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
+            let along = x * n[0] + y * n[1];
+            let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
+            let square =
+                tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
+            let seen = square > SHORTEST_TANGENT;
+            let inverse = 1.0 / square.max(SHORTEST_TANGENT).sqrt();
+            let u = [
+                if seen { tangent[0] * inverse } else { 0.0 },
+                if seen { tangent[1] * inverse } else { 0.0 },
+                if seen { tangent[2] * inverse } else { 1.0 },
+            ];
+            self.along.set(i, u);
+            let v = [
+                n[1] * u[2] - n[2] * u[1],
+                n[2] * u[0] - n[0] * u[2],
+                n[0] * u[1] - n[1] * u[0],
+            ];
+            self.across.set(i, v);
+        }
     }
 
     /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`.

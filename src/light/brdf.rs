@@ -3,7 +3,7 @@
 //! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
-use super::batch::{BATCH, Pixels};
+use super::batch::{BATCH, Lanes, Pixels};
 use super::cosines::{at_most_1, positive, scalar_product};
 use super::sum::exponent::Exponent;
 use crate::fast_math::{exp_to_normal, ln_of_normal};
@@ -70,6 +70,15 @@ impl Lobes {
             },
             Self::AshikhminShirley(_) => Self::Base,
             Self::Diffuse { .. } | Self::Mirror | Self::Base => self,
+        }
+    }
+
+    /// The share of diffuse light, prefiltered as the base's, that the surface shows.
+    #[inline(always)]
+    pub(crate) fn base_share(&self, pixels: &Pixels) -> Lanes {
+        match self {
+            Self::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
+            _ => [1.0; BATCH],
         }
     }
 

@@ -5,6 +5,7 @@
 //! hollows glow. Most of the area has to lie above it, so such light is compared with its median m: `L / (L + m)`, which
 //! passes 1/4 at m/3. No sample is clipped, and a single bright one changes nothing elsewhere.
 
+use crate::light::environment::Environment;
 use crate::light::lit_sphere::LitSphere;
 use crate::params::Adaptive;
 use crate::quantile::quantile;
@@ -113,6 +114,13 @@ pub(crate) fn median(colors: impl Iterator<Item = [f32; 3]>, weights: [f32; 3]) 
         luminances.retain(|&luminance| luminance > 0.0);
         middle(&mut luminances)
     })
+}
+
+/// A look-up map, and the intensity of its light.
+#[derive(Debug)]
+pub(crate) struct Map {
+    pub(crate) environment: Environment,
+    pub(crate) intensity: Intensity,
 }
 
 #[cfg(test)]

@@ -100,6 +100,14 @@ pub struct Illumination {
     pub lit_spheres: Vec<LitSphere>,
 }
 
+/// The lights, `gain` times as bright.
+pub(crate) fn brightened(mut lights: Vec<DirectionalLight>, gain: f32) -> Vec<DirectionalLight> {
+    for light in &mut lights {
+        light.intensity = light.intensity.map(|channel| gain * channel);
+    }
+    lights
+}
+
 /// What was chosen to stand for an environment, and its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightChoice {

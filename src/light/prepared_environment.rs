@@ -6,14 +6,13 @@ use crate::frame::luminance;
 use crate::light::brdf::{MIRROR_PEAK, mirrored, seen_in_glass};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
-use crate::light::intensity::{Intensity, White, ball, median};
+use crate::light::intensity::{Intensity, Map, White, ball, median};
 use crate::light::irradiance::irradiance_filter;
 use crate::light::light_samples::uniform_directions;
-use crate::light::lights::{DirectionalLight, Illumination, LightChoice};
+use crate::light::lights::{DirectionalLight, Illumination, LightChoice, brightened};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
-use crate::light::relight::pilot::chosen;
-use crate::light::relight::samples::FilteredSamples;
+use crate::light::relight::pilot::{Base, Chosen, Sampled, chosen};
 use crate::params::{Adaptive, Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
@@ -61,32 +60,6 @@ pub(crate) enum Used {
     Sampled(Sampled),
     /// Lit spheres, and the intensity of their light.
     LitSpheres(Intensity),
-}
-
-/// What stands for an environment on a glossy surface.
-#[derive(Debug)]
-pub(crate) struct Sampled {
-    /// What is bright, for highlights alone.
-    pub(crate) lights: Vec<DirectionalLight>,
-    /// The rest, for highlights alone.
-    pub(crate) samples: FilteredSamples,
-    pub(crate) base: Base,
-}
-
-/// All of an environment, for diffuse light alone.
-#[derive(Debug)]
-pub(crate) enum Base {
-    Lights(Vec<DirectionalLight>),
-    Map(Map),
-}
-
-impl Base {
-    pub(crate) fn lights(&self) -> &[DirectionalLight] {
-        match self {
-            Self::Lights(lights) => lights,
-            Self::Map(_) => &[],
-        }
-    }
 }
 
 /// The parameters that a prepared environment depends on; those of the material that it does not are the default.
@@ -141,13 +114,6 @@ impl EnvironmentCache {
             ready: ready.clone(),
         });
     }
-}
-
-/// A look-up map, and the intensity of its light.
-#[derive(Debug)]
-pub(crate) struct Map {
-    pub(crate) environment: Environment,
-    pub(crate) intensity: Intensity,
 }
 
 impl<'a> Illuminants<'a> {
@@ -366,7 +332,10 @@ impl PreparedEnvironment {
                 let (used, chosen) =
                     chosen(environment, material, allowed, (gain, weights), goes_on);
                 choice = Some(chosen);
-                used
+                match used {
+                    Chosen::Lights(lights) => Used::Lights(lights),
+                    Chosen::Sampled(sampled) => Used::Sampled(sampled),
+                }
             }
             EnvironmentUse::Lookups(count) => {
                 // A pixel on the horizon, (2 pi / width)^2, then matches the solid angle of a direction.
@@ -428,11 +397,4 @@ fn largest_facing(map: &Environment, weights: [f32; 3]) -> f32 {
     let seen = pixels.filter(|&(x, y)| map.direction(x, y).z >= 0.0);
     seen.map(|(x, y)| luminance(map.pixel(x, y), weights))
         .fold(f32::MIN_POSITIVE, f32::max)
-}
-
-pub(crate) fn brightened(mut lights: Vec<DirectionalLight>, gain: f32) -> Vec<DirectionalLight> {
-    for light in &mut lights {
-        light.intensity = light.intensity.map(|channel| gain * channel);
-    }
-    lights
 }

@@ -7,10 +7,11 @@ use crate::engine::watch::Watch;
 use crate::frame::{ColorPlanes, Frame};
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
+use crate::light::intensity::Map;
 use crate::light::light_warping::half_vector;
 use crate::light::lights::{DirectionalLight, Illumination, PointLight};
 use crate::light::prepared_environment::{
-    EnvironmentCache, Illuminants, Map, PreparedEnvironment, Used,
+    EnvironmentCache, Illuminants, PreparedEnvironment, Used,
 };
 use crate::light::relight::albedo;
 use crate::plan::{Albedo, Plan, Relighting};

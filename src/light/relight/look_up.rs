@@ -1,16 +1,17 @@
 //! Look-ups made once per pixel, in an environment or a lit sphere.
 
 use crate::frame::luminance;
-use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
-use crate::light::brdf::{BASE_SCALE, Lobes, grazing, seen_in_glass};
+use crate::light::batch::{BATCH, Term, Vectors};
+use crate::light::brdf::{grazing, seen_in_glass};
 use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
-use crate::light::intensity::Intensity;
+use crate::light::intensity::{Intensity, Map};
 use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lit_sphere::LitSphere;
-use crate::light::prepared_environment::{Base, Map, Used};
+use crate::light::prepared_environment::Used;
 use crate::light::relight::batch::Batch;
-use crate::light::relight::scene::{Scene, Term};
+use crate::light::relight::pilot::Base;
+use crate::light::relight::scene::Scene;
 use crate::light::relight::traced::add_traced;
 use crate::params::{Material, MaterialParams};
 
@@ -42,7 +43,7 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::Sampled(sampled) => {
             if let Base::Map(map) = &sampled.base {
                 let shading = scene.shading.expect("samples have lobes");
-                let shares = base_share(&batch.pixels, &shading.lobes);
+                let shares = shading.lobes.base_share(&batch.pixels);
                 for (i, share) in shares.into_iter().enumerate() {
                     batch.share[i] = gain * batch.occlusion[i] * share;
                 }
@@ -76,15 +77,6 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::LitSpheres(intensity) => {
             add_spheres(batch, scene, scene.around.spheres, *intensity);
         }
-    }
-}
-
-/// The share of prefiltered diffuse light that the surface shows.
-#[inline(always)]
-pub(super) fn base_share(pixels: &Pixels, lobes: &Lobes) -> Lanes {
-    match lobes {
-        Lobes::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
-        _ => [1.0; BATCH],
     }
 }
 

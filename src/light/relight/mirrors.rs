@@ -2,9 +2,10 @@
 
 use crate::frame::{Frame, Mask, Ray, SightLines, SpecularScene};
 use crate::light::brdf::{fresnel, thin_sheet};
+use crate::light::intensity::Map;
 use crate::light::intensity::{Intensity, median};
 use crate::light::light_warping::{Warp, warped};
-use crate::light::prepared_environment::{Illuminants, Map};
+use crate::light::prepared_environment::Illuminants;
 use crate::params::{Bend, Material, MaterialParams, SpecularParams};
 use crate::plan::Relighting;
 use crate::trace::Tracer;

@@ -7,22 +7,18 @@
 
 use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::luminance;
-use crate::light::batch::{BATCH, Lanes};
+use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::brdf::{Lobes, mirrored};
 use crate::light::cosines::{at_most_1, positive};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;
-use crate::light::intensity::{Intensity, ball};
+use crate::light::intensity::{Intensity, Map, ball};
 use crate::light::irradiance::irradiance_filter;
-use crate::light::lights::{DirectionalLight, LightChoice};
+use crate::light::lights::{DirectionalLight, LightChoice, brightened};
 use crate::light::median_cut::cut_by_spread;
 use crate::light::octahedral::OctahedralMaps;
-use crate::light::prepared_environment::{Base, Map, Sampled, Used, brightened};
-use crate::light::relight::batch::Batch;
-use crate::light::relight::look_up::base_share;
 use crate::light::relight::samples::FilteredSamples;
-use crate::light::relight::shade::set_tangents;
-use crate::light::sum::{Directed, Shading, Sums};
+use crate::light::sum::{Directed, LightSum, Shading, Sums};
 use crate::params::{Material, MaterialParams};
 use crate::plan::ToError;
 use crate::quantile::quantile;
@@ -53,6 +49,38 @@ const OF_BASE: f32 = 0.75;
 /// Albedo of the ball.
 const ALBEDO: f32 = 0.5;
 
+/// What stands for an environment.
+pub(crate) enum Chosen {
+    Lights(Vec<DirectionalLight>),
+    Sampled(Sampled),
+}
+
+/// What stands for an environment on a glossy surface.
+#[derive(Debug)]
+pub(crate) struct Sampled {
+    /// What is bright, for highlights alone.
+    pub(crate) lights: Vec<DirectionalLight>,
+    /// The rest, for highlights alone.
+    pub(crate) samples: FilteredSamples,
+    pub(crate) base: Base,
+}
+
+/// All of an environment, for diffuse light alone.
+#[derive(Debug)]
+pub(crate) enum Base {
+    Lights(Vec<DirectionalLight>),
+    Map(Map),
+}
+
+impl Base {
+    pub(crate) fn lights(&self) -> &[DirectionalLight] {
+        match self {
+            Self::Lights(lights) => lights,
+            Self::Map(_) => &[],
+        }
+    }
+}
+
 /// What makes `environment`, times `gain`, reflect from `material` with the error allowed; with the least that is found
 /// where no candidate keeps to it.
 pub(crate) fn chosen(
@@ -61,7 +89,7 @@ pub(crate) fn chosen(
     allowed: ToError,
     (gain, weights): (f32, [f32; 3]),
     goes_on: impl Fn() -> bool + Sync,
-) -> (Used, LightChoice) {
+) -> (Chosen, LightChoice) {
     let fine = environment.resized(WIDTH);
     let coarse = fine.resized(TRUTH_WIDTH);
     let mut pilot = Pilot::new(&coarse, material, allowed.warp, gain);
@@ -82,7 +110,7 @@ pub(crate) fn chosen(
             samples: 0,
             levels,
         };
-        return (Used::Lights(lights), choice);
+        return (Chosen::Lights(lights), choice);
     }
     let base = match allowed.apart {
         true => Base::Lights(base_lights(OF_BASE * allowed.levels).0),
@@ -127,7 +155,7 @@ pub(crate) fn chosen(
         base,
         samples,
     };
-    (Used::Sampled(sampled), choice)
+    (Chosen::Sampled(sampled), choice)
 }
 
 /// The first candidate whose error is at most `allowed`, else that of the least; where `goes_on` says no, any.
@@ -170,7 +198,8 @@ fn split(environment: &Environment, weights: [f32; 3]) -> [Environment; 2] {
 
 /// A ball in the light of every texel, and the diffuse light of what stands for it.
 struct Pilot {
-    batch: Box<Batch>,
+    pixels: Box<Pixels>,
+    sum: Box<LightSum>,
     shading: Shading,
     material: MaterialParams,
     gain: f32,
@@ -181,8 +210,7 @@ struct Pilot {
 impl Pilot {
     fn new(map: &Environment, material: &MaterialParams, warp: f32, gain: f32) -> Self {
         let lobes = Lobes::of(material, true).expect("mirrors have no lights");
-        let mut batch = Box::new(Batch::new());
-        let pixels = &mut batch.pixels;
+        let mut pixels = Box::new(Pixels::new());
         let stride = ball().count() / BATCH;
         for (i, n) in ball().step_by(stride).take(BATCH).enumerate() {
             pixels.normal.set(i, n);
@@ -196,12 +224,13 @@ impl Pilot {
         }
         pixels.count = BATCH;
         let is_phong = material.material == Material::Phong;
-        set_tangents(pixels, is_phong, |_| [1.0, 0.0]);
-        lobes.see(pixels);
+        pixels.set_tangents(is_phong, |_| [1.0, 0.0]);
+        lobes.see(&mut pixels);
         pixels.warp_by(warp);
-        lobes.unwarp_axes(pixels);
+        lobes.unwarp_axes(&mut pixels);
         let mut pilot = Self {
-            batch,
+            pixels,
+            sum: Box::new(LightSum::new()),
             shading: Shading {
                 warped: warp > 0.0,
                 scaled: None,
@@ -232,8 +261,8 @@ impl Pilot {
         samples: Option<&FilteredSamples>,
     ) -> Sums {
         let lights = Directed::all(lights);
-        Simd::widest().light_ball(&mut self.batch, shading, &lights, samples);
-        self.batch.sum.sums.clone()
+        Simd::widest().light_ball(&self.pixels, &mut self.sum, shading, &lights, samples);
+        self.sum.sums.clone()
     }
 
     /// Takes the diffuse light of `lights`, and finds its error.
@@ -244,10 +273,9 @@ impl Pilot {
 
     /// Takes the diffuse light that `map` tells.
     fn look_base_up(&mut self, map: &Environment) {
-        let pixels = &self.batch.pixels;
-        let shares = base_share(pixels, &self.shading.lobes);
+        let shares = self.shading.lobes.base_share(&self.pixels);
         for i in 0..BATCH {
-            let found = map.radiance(pixels.normal.at(i));
+            let found = map.radiance(self.pixels.normal.at(i));
             for (base, found) in self.base.iter_mut().zip(found) {
                 base[i] = self.gain * shares[i] * found;
             }
@@ -289,23 +317,24 @@ impl Pilot {
 /// Lights the ball.
 #[inline(always)]
 fn light_ball<const HAS_FMA: bool>(
-    batch: &mut Batch,
+    pixels: &Pixels,
+    sum: &mut LightSum,
     shading: &Shading,
     lights: &[Directed],
     samples: Option<&FilteredSamples>,
 ) {
-    let Batch { pixels, sum, .. } = batch;
     sum.clear();
     sum.add_directed::<HAS_FMA>(pixels, shading, lights);
     sum.finish(pixels, shading);
     if let Some(samples) = samples {
-        samples.add(batch, shading);
+        samples.add(pixels, sum, shading);
     }
 }
 
 widened! {
     fn light_ball[has_fma](
-        batch: &mut Batch,
+        pixels: &Pixels,
+        sum: &mut LightSum,
         shading: &Shading,
         lights: &[Directed],
         samples: Option<&FilteredSamples>,

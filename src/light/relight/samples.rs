@@ -7,15 +7,13 @@
 //! own, so neighbours err alike and nothing is grainy; maps are a step finer than that, not one coarser, which halves the
 //! error of the few samples used here; and what is far brighter than the mean is left to lights, see [`super::pilot`].
 
-use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
+use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
 use crate::light::brdf::Lobes;
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
 use crate::light::octahedral::OctahedralMaps;
-use crate::light::relight::batch::Batch;
-use crate::light::relight::scene::Term;
-use crate::light::sum::Shading;
 use crate::light::sum::terms::SHORTEST;
+use crate::light::sum::{LightSum, Shading};
 use crate::light::texels::Texel;
 use crate::params::{Material, MaterialParams};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -118,8 +116,7 @@ impl FilteredSamples {
 
     /// Adds the highlight. Directions are bent as look-ups are ([LW] equation 1) where `shading` warps light.
     #[inline(always)]
-    pub(crate) fn add(&self, batch: &mut Batch, shading: &Shading) {
-        let Batch { pixels, sum, .. } = batch;
+    pub(crate) fn add(&self, pixels: &Pixels, sum: &mut LightSum, shading: &Shading) {
         let mut scratch = Scratch::NONE;
         if shading.warped {
             scratch.find_warp(pixels);

@@ -10,14 +10,6 @@ use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
 
-/// The curve among [`crate::light::batch::Pixels::curves`] that scales a term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Term {
-    Ambient,
-    Diffuse,
-    Specular,
-}
-
 /// State shared by all batches.
 pub(crate) struct Scene<'a> {
     pub(super) frame: &'a Frame,

@@ -4,7 +4,7 @@
 use crate::engine::cpu::simd::widened;
 use crate::frame::Gloss;
 use crate::light::albedo::AlbedoEstimate;
-use crate::light::batch::{Above, BATCH, Facing, Lanes, Pixels};
+use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
 use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
 use crate::light::environment::Environment;
@@ -13,15 +13,12 @@ use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
-use crate::light::relight::scene::{Scene, Term};
+use crate::light::relight::scene::Scene;
 use crate::light::sum::{Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::{Material, Tangent};
 use crate::plan::Albedo;
 use crate::shape::curvature::mapped_curvature;
-
-/// Squared length below which the grain is along the normal, and gives no tangent.
-pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
 
 /// One over the reflectance below which a surface mirrors less at grazing angles too: no clear matter reflects less.
 const ANY_GLOSS: f32 = 50.0;
@@ -75,7 +72,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
             Some(_) => [grain[0][i], grain[1][i]],
             None => [cosine, sine],
         };
-        set_tangents(pixels, phong, grain);
+        pixels.set_tangents(phong, grain);
     }
     if let Some(lobes) = lobes {
         lobes.see(&mut batch.pixels);
@@ -191,40 +188,6 @@ fn normalise_eyes(batch: &mut Batch) {
     }
 }
 
-/// Unit tangents along the `grain` and across it, of the surface or of what faces the eye.
-#[inline(always)]
-pub(super) fn set_tangents(
-    pixels: &mut Pixels,
-    faces_eye: bool,
-    grain: impl Fn(usize) -> [f32; 2],
-) {
-    for i in 0..BATCH {
-        let n = match faces_eye {
-            true => pixels.to_eye.at(i),
-            false => pixels.normal.at(i),
-        };
-        let [x, y] = grain(i);
-        // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
-        let along = x * n[0] + y * n[1];
-        let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
-        let square = tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
-        let seen = square > SHORTEST_TANGENT;
-        let inverse = 1.0 / square.max(SHORTEST_TANGENT).sqrt();
-        let u = [
-            if seen { tangent[0] * inverse } else { 0.0 },
-            if seen { tangent[1] * inverse } else { 0.0 },
-            if seen { tangent[2] * inverse } else { 1.0 },
-        ];
-        pixels.along.set(i, u);
-        let v = [
-            n[1] * u[2] - n[2] * u[1],
-            n[2] * u[0] - n[0] * u[2],
-            n[0] * u[1] - n[1] * u[0],
-        ];
-        pixels.across.set(i, v);
-    }
-}
-
 /// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
 fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
@@ -264,7 +227,7 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     }
     add_lamps::<HAS_FMA>(batch, scene, shading);
     if let Some(sampled) = sampled {
-        sampled.samples.add(batch, shading);
+        sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
     }
 }
 

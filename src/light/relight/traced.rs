@@ -2,11 +2,11 @@
 //! hit is scaled by its own brightness.
 
 use crate::frame::{Frame, luminance};
-use crate::light::batch::BATCH;
+use crate::light::batch::{BATCH, Term};
 use crate::light::light_warping::Warp;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::mirrors::{BentSight, Mirrors};
-use crate::light::relight::scene::{Scene, Term};
+use crate::light::relight::scene::Scene;
 
 /// Adds the light that the pixels of a batch mirror and refract.
 pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
