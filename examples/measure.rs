@@ -25,10 +25,10 @@ use relievo::params::{
     Tangent, ToneParams,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
-use relievo::report::light_reference::{
+use relievo::scenes::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
 };
-use relievo::report::scenes::{HEIGHT, Scene, WAVE, environment};
+use relievo::scenes::{HEIGHT, Scene, WAVE, environment};
 use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;

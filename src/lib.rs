@@ -42,7 +42,7 @@
 //!
 //! # Features
 //!
-//! `default-features = false` leaves the library: no command line (`cli`), no measurements and plots (`report`). `gpu`
+//! `default-features = false` leaves the library: no command line (`cli`). `scenes` has surfaces with exact answers. `gpu`
 //! adds the wgpu backend, `view` the window, `libdeflate` a quicker ZIP in C, `host` the commands of the command line on
 //! frames in memory, for programs that offer them in turn.
 //!
@@ -56,7 +56,7 @@
 //!
 //! Data flow one way, `io -> frame -> shape -> {light, line} -> io`; `plan` decides, `engine` runs. The public functions of
 //! [`shape`], [`light`] and [`line`] take one pixel's samples and can be called from any renderer. [`trace`] follows sight
-//! lines through mirrors and lenses, for light and lines alike. With the feature `report`, [`report::scenes`] has surfaces
+//! lines through mirrors and lenses, for light and lines alike. With the feature `scenes`, [`scenes`] has surfaces
 //! with exact answers, to test other implementations against.
 //!
 //! # References
@@ -98,8 +98,10 @@ pub mod params;
 pub mod plan;
 pub mod product;
 mod quantile;
-#[cfg(feature = "report")]
-pub mod report;
+#[cfg(feature = "cli")]
+mod report;
+#[cfg(any(test, feature = "scenes"))]
+pub mod scenes;
 pub mod shape;
 mod srgb;
 pub mod trace;

@@ -61,19 +61,13 @@ impl Untrusted<'_> {
         }
     }
 
-    /// The name as text of Markdown, and of HTML: all that may be markup is spelled as a number.
-    #[cfg(feature = "report")]
-    pub(crate) fn markdown(&self) -> String {
-        let text: Vec<char> = self.to_string().chars().collect();
-        let is_letter = |c: Option<&char>| c.is_some_and(|c| c.is_alphanumeric());
-        let spelled = text.iter().enumerate().map(|(i, &c)| {
-            // Within a word an underscore is no emphasis.
-            let is_within = || i > 0 && is_letter(text.get(i - 1)) && is_letter(text.get(i + 1));
-            match c {
-                '_' if is_within() => c.to_string(),
-                _ if c.is_alphanumeric() || " .-+,=@:/()%".contains(c) => c.to_string(),
-                _ => format!("&#{};", u32::from(c)),
-            }
+    /// The name as text of HTML: all that may be markup is spelled as a number.
+    #[cfg(feature = "cli")]
+    pub(crate) fn html(&self) -> String {
+        let spelled = self.to_string();
+        let spelled = spelled.chars().map(|c| match c {
+            _ if c.is_alphanumeric() || " _.-+,=@:/()%".contains(c) => c.to_string(),
+            _ => format!("&#{};", u32::from(c)),
         });
         spelled.collect()
     }
@@ -230,15 +224,13 @@ mod tests {
         assert_eq!(Untrusted("$(x)'`y`").quoted(), r"'$(x)'\''`y`'");
     }
 
-    #[cfg(feature = "report")]
+    #[cfg(feature = "cli")]
     #[test]
-    fn markdown_and_html_are_given_text() {
-        for plain in ["my_shot.0001.exr", "Übung (2).png"] {
-            assert_eq!(Untrusted(plain).markdown(), plain);
-        }
+    fn html_is_given_text() {
+        assert_eq!(Untrusted("my_shot (2).exr").html(), "my_shot (2).exr");
         assert_eq!(
-            Untrusted("_a_<b>[c](d)`|\n").markdown(),
-            "&#95;a&#95;&#60;b&#62;&#91;c&#93;(d)&#96;&#124;&#92;u000a"
+            Untrusted("<b>&`|\n").html(),
+            "&#60;b&#62;&#38;&#96;&#124;&#92;u000a"
         );
     }
 

@@ -57,7 +57,7 @@ impl FrameCommand for EnhanceArgs {
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
-        job.tell_plan(&plan)?;
+        job.tell_plan(&plan);
         work.warnings(&loaded)
             .iter()
             .for_each(|text| job.warn(text));

@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn a_result_that_is_not_finite_passes_only_where_an_input_is_not() {
         let plane = || Plane::filled(40, 30, 0.5);
-        let mut frame = crate::report::scenes::Scene::waves(40, 30).frame;
+        let mut frame = crate::scenes::Scene::waves(40, 30).frame;
         frame.color = Some(ColorPlanes {
             r: plane(),
             g: plane(),

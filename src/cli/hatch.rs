@@ -129,7 +129,7 @@ impl FrameCommand for HatchArgs {
         )?;
         plan.inks_strokes = !is_svg(&job.work);
         plan.keeps_tone = plan.inks_strokes && job.work.output.kind()? == Kind::Exr;
-        job.tell_plan(&plan)?;
+        job.tell_plan(&plan);
         let inputs = engine::Inputs {
             specular: scene.as_ref(),
             illumination: Some(&illumination),

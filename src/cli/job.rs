@@ -1,5 +1,6 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
+use super::explained;
 use super::message;
 use super::output::{ReadyOutput, attributes, color_channels};
 use super::run_log::RunLog;
@@ -20,9 +21,10 @@ use crate::io::output::{write_atomically, write_text};
 use crate::io::picture::{Picture, PictureFormat, ViewTransform, Whites, write_picture_as};
 use crate::io::svg;
 use crate::io::{InputFiles, Loaded, Needs};
-use crate::plan::Plan;
+use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
 use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A frame to be made.
@@ -38,6 +40,8 @@ pub(super) struct Job<'a> {
     log: &'a RunLog,
     recipe: &'a RecipeText,
     started: Instant,
+    /// What the plans of this frame decided, until it is explained.
+    decisions: Arc<Mutex<Vec<Decision>>>,
 }
 
 /// A frame that has been read and what the plan made of it.
@@ -64,6 +68,7 @@ impl<'a> Job<'a> {
             log,
             recipe,
             started: Instant::now(),
+            decisions: Arc::default(),
         }
     }
 
@@ -244,17 +249,34 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Prints the plan, where asked to.
-    pub(super) fn tell_plan(&self, plan: &Plan) -> Result<()> {
+    /// Warns of the plan, and keeps its reasons, to be explained once it has run.
+    pub(super) fn tell_plan(&self, plan: &Plan) {
         if let Some(text) = plan.shape.outdated() {
             self.warn(text);
         }
         if self.work.run.explain && self.speaks_for_all() {
-            let verbose = self.work.run.verbose;
-            let shown = plan.decisions().iter().filter(|step| step.kept || verbose);
-            message::result(shown.map(ToString::to_string))?;
+            let mut decisions = self
+                .decisions
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner);
+            decisions.extend(plan.decisions().iter().cloned());
         }
-        Ok(())
+    }
+
+    /// Explains what ran, once for each frame that is explained.
+    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen, frame: &Frame) -> Result<()> {
+        let mut decisions = self
+            .decisions
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let decisions = std::mem::take(&mut *decisions);
+        if decisions.is_empty() {
+            return Ok(());
+        }
+        let (run, params) = (&self.work.run, &self.work.flags.params);
+        let idle = explained::idle(frame, params);
+        let lines = explained::lines(&timings.stages, &decisions, chosen, &idle, run.verbose);
+        message::result(lines)
     }
 
     /// Writes the picture that was made, and ends the frame.
@@ -364,10 +386,10 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
         let (frame, args) = (&loaded.frame, &self.work.output);
+        let mut timings = Timings::of(frame);
+        timings.add("read", read);
+        timings.add_all(&layers.outcome);
         self.write_output(&chosen, |output| {
-            let mut timings = Timings::of(frame);
-            timings.add("read", read);
-            timings.add_all(&layers.outcome);
             let mut writing = Duration::ZERO;
             let height = frame.mask.height();
             let first = layers.rows(frame, &(0..height.min(1)))?;
@@ -405,6 +427,7 @@ impl<'a> Job<'a> {
             self.write_timings(&timings)?;
             Ok(Whites::default())
         })?;
+        self.explain(&timings, &chosen, frame)?;
         Ok(chosen)
     }
 
@@ -435,16 +458,17 @@ impl<'a> Job<'a> {
         chosen: Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<Chosen> {
+        let mut timings = Timings::of(&done.loaded.frame);
+        timings.add("read", done.read);
+        timings.add_all(&done.outcome);
         self.write_output(&chosen, |output| {
             let start = Instant::now();
             let whites = write(output)?;
-            let mut timings = Timings::of(&done.loaded.frame);
-            timings.stages.push(("read", done.read));
-            timings.stages.extend(&done.outcome.timings);
-            timings.stages.push(("write", start.elapsed()));
+            timings.add("write", start.elapsed());
             self.write_timings(&timings)?;
             Ok(whites)
         })?;
+        self.explain(&timings, &chosen, &done.loaded.frame)?;
         Ok(chosen)
     }
 

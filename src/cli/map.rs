@@ -54,7 +54,7 @@ impl FrameCommand for MapArgs {
             .filter(|pass| pass.plan.chooses_gain())
             .count();
         for pass in &passes {
-            job.tell_plan(&pass.plan)?;
+            job.tell_plan(&pass.plan);
             let inputs = engine::Inputs::default();
             let mut outcome = job.execute(engine, &pass.plan, &mut loaded.frame, inputs)?;
             match (scales, outcome.gain) {

@@ -4,6 +4,7 @@ mod batch;
 mod complete;
 mod enhance;
 mod exit;
+mod explained;
 mod files;
 mod frames;
 mod guard;
@@ -84,7 +85,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
     };
     match &command {
         Command::Inspect(args) => inspect::run(args).map(|()| exit::DONE),
-        Command::Report(args) => report::run(args).map(|()| exit::DONE),
+        Command::Report(args) => report::run(args, typed),
         Command::Schema => message::json(&recipe::schema()).map(|()| exit::DONE),
         Command::Completions(args) => complete::script(args).map(|()| exit::DONE),
         Command::Man(args) => manual::man(args).map(|()| exit::DONE),

@@ -31,11 +31,6 @@ impl Steps {
         }
     }
 
-    /// Whether there was a frame before, so that motion means something.
-    pub(super) fn has_begun(&self) -> bool {
-        self.before.is_some()
-    }
-
     /// How far the surface of frame `number` has come since the frame before: by its own motion, else by
     /// its depth and both cameras. What it is taken from is said to `say`.
     pub(super) fn motion(

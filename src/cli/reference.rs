@@ -82,8 +82,8 @@ fn page() -> String {
     page.table(&head, Product::all().map(|product| result(product.row())));
     page.say(
         "## Stages\n\n\
-         In the order in which they run. `--explain` prints the steps and the reason for each; `--timings` has a time \
-         for each stage.",
+         In the order in which they run. `--explain` prints those that ran, with their time and the reasons of their steps; \
+         `--timings` has a time for each stage.",
     );
     page.table(&["stage", "steps", "results"], stages().map(stage));
     page.say("## Exit codes");

@@ -87,7 +87,7 @@ impl FrameCommand for RelightArgs {
             work.scene = Some(specular_scene(&specular, &self.params(), &mut loaded)?);
         }
         let plan = work.plan(&loaded, &StripChoice::default())?;
-        job.tell_plan(&plan)?;
+        job.tell_plan(&plan);
         look_at_depth(&mut loaded);
         let mut outcome = job.execute(&kit.engine, &plan, &mut loaded.frame, work.inputs())?;
         job.keep_picture_alone(&kit.engine, &mut outcome);

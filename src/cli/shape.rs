@@ -61,7 +61,7 @@ impl FrameCommand for ShapeArgs {
         }
         let (mut loaded, read) = job.load(&inputs, needs)?;
         let plan = work.plan(&loaded, &StripChoice::default())?;
-        job.tell_plan(&plan)?;
+        job.tell_plan(&plan);
         if self.work.goal()? == Goal::Layers {
             let layers = job.execute_for_rows(engine, &plan, &mut loaded.frame)?;
             job.release_spare_memory(engine);

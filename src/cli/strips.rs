@@ -147,7 +147,7 @@ pub(super) fn make<W: StripWork>(
         ..needs
     };
     let plan = work.plan(&sample, &StripChoice::default())?;
-    job.tell_plan(&plan)?;
+    job.tell_plan(&plan);
     let warnings = work.warnings(&sample);
     warnings.iter().for_each(|text| job.warn(text));
     let read = Chosen::of_reading(&sample);
@@ -201,6 +201,7 @@ pub(super) fn make<W: StripWork>(
         job.write_timings(&source.timings.borrow())?;
         Ok(whites)
     })?;
+    job.explain(&source.timings.borrow(), &chosen, &sample.frame)?;
     Ok(chosen)
 }
 

@@ -295,7 +295,7 @@ pub(crate) struct RunArgs {
     /// terminal, else plain.
     #[arg(hide_short_help = true, long, value_name = "HOW", value_enum, default_value_t = ProgressArg::Auto)]
     pub(crate) progress: ProgressArg,
-    /// Print each stage kept or dropped, and why.
+    /// Print what ran, how long it took and why, once it has run; with -v what was not made, too.
     #[arg(hide_short_help = true, long)]
     pub(crate) explain: bool,
     /// Write how long each stage took, as JSON.

@@ -72,7 +72,7 @@ pub(crate) enum Command {
     /// Open a window in which a look is tuned and saved as a recipe.
     #[command(after_help = VIEW_EXAMPLES)]
     View(ViewArgs),
-    /// Measure error against run time on this frame: what is enough, what it does not need, what to beware of.
+    /// Measure a command on a frame: error against run time, and what it can leave out.
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
 }
@@ -148,11 +148,11 @@ fn run_examples() -> String {
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
-  relievo report render.exr                         what is enough for this frame, what it does not need, warnings
-  relievo report render.exr -o report               report/report.html, with every number and plot
-  relievo report render.exr -o report --scale 8     about this scale before others
-  relievo report render.exr -o report --full        all sweeps and exact scenes, in minutes
-  relievo report shot.####.exr --frames 1-12 -o report        drawings of a sequence too";
+  relievo report render.exr                         enhance: what trades quality for time, what can be left out
+  relievo report render.exr --for 'enhance --scale 20'
+  relievo report render.exr --for 'relight --environment sky.hdr --material ashikhmin-shirley' -o report
+  relievo report render.exr --recipe look.toml -o report       report/report.html: one page
+  relievo report --cases                            check this program: cases whose answers are known";
 
 const COMPLETIONS_EXAMPLES: &str = "\
 Examples:
@@ -263,32 +263,54 @@ pub(crate) struct EnhanceArgs {
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
     /// The render or photo.
-    #[arg(value_name = "IN")]
+    #[arg(
+        value_name = "IN",
+        required_unless_present = "cases",
+        default_value = "",
+        hide_default_value = true
+    )]
     pub(crate) input: PathBuf,
+    /// The command to report on, with its flags, without IN and -o: enhance by default.
+    #[arg(long = "for", value_name = "COMMAND", help_heading = "Run")]
+    pub(crate) command: Option<String>,
+    /// The same from a recipe, or a preset.
+    #[arg(
+        long,
+        value_name = "FILE.toml",
+        help_heading = "Run",
+        conflicts_with = "command"
+    )]
+    pub(crate) recipe: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) roles: RoleArgs,
     #[command(flatten)]
-    pub(crate) flags: Flags,
+    _flags: Flags,
     #[command(flatten)]
     _shape: Section<{ Group::Shape as u8 }>,
     #[command(flatten)]
     pub(crate) frames: FramesArg,
     #[command(flatten)]
-    pub(crate) motion: MotionArg,
-    /// Directory for report.html, with everything in one file, report.json, and the same as report.md with its plots; created
-    /// if missing, older files replaced. Without it the first page is printed.
+    motion: MotionArg,
+    /// Directory for report.html, one page that loads nothing, and report.json with every number; created if missing, older
+    /// files replaced. Without it the report is printed.
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
-    /// Measure more than this frame: exact scenes, light, drawings, mirrors, height, stiff cases. Takes minutes.
-    #[arg(long, help_heading = "Run", conflicts_with = "quick")]
-    pub(crate) full: bool,
-    /// The same at fewer scales, on smaller scenes, with fewer runs.
+    /// Time it may take in seconds: 15 by default, 45 in the light of an environment.
+    #[arg(long, value_name = "S", help_heading = "Run", value_parser = clap::value_parser!(u16).range(1..=3600))]
+    pub(crate) budget: Option<u16>,
+    /// Check this program instead of a frame: cases whose answers are known.
     #[arg(long, help_heading = "Run")]
+    pub(crate) cases: bool,
+    /// Without effect: a report is on one command.
+    #[arg(long, hide = true)]
+    pub(crate) full: bool,
+    /// Without effect: a report is quick.
+    #[arg(long, hide = true)]
     pub(crate) quick: bool,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS.into()), help_heading = "Run")]
     pub(crate) threads: Option<u16>,
-    /// Say nothing but errors; the summary still goes to stdout.
+    /// Say nothing but errors; the report still goes to stdout.
     #[arg(short, long, help_heading = "Run")]
     pub(crate) quiet: bool,
 }

@@ -3,7 +3,7 @@
 use super::commands::{Cli, command_named, help_on_all, long, program, typed_ids};
 use super::flags::Flag;
 use super::output::NAME;
-use super::recipe::{KEEP_LEVELS, Recipe, frames_of};
+use super::recipe::{KEEP_LEVELS, Recipe, frames_of, is_repeatable, is_setting, is_switch};
 use crate::error::Result;
 use crate::untrusted::shown;
 use clap::{ArgMatches, Command, FromArgMatches};
@@ -112,6 +112,37 @@ impl Invocation {
             kept,
             note,
         })
+    }
+
+    /// The settings among what was typed, as flags: those given to a command that passes them on.
+    ///
+    /// # Panics
+    /// If it cannot be parsed.
+    pub(crate) fn typed_settings(&self) -> Vec<Flag> {
+        let parsed = self.parse().unwrap_or_else(|error| error.exit());
+        let (name, matches) = parsed.matches.subcommand().expect("a command was parsed");
+        let command = command_named(name);
+        let typed: Vec<&str> = typed_ids(matches).collect();
+        let args = command.get_arguments();
+        let settings = args.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
+        let flags = settings.flat_map(|arg| {
+            let name = arg.get_long().expect("a setting has a name");
+            let values = matches.get_raw_occurrences(arg.get_id().as_str());
+            let words = values.into_iter().flatten().map(|values| {
+                let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+                values.join(",")
+            });
+            let mut words: Vec<String> = words.collect();
+            if !is_repeatable(arg) {
+                words.drain(..words.len().saturating_sub(1));
+            }
+            let flag = move |value| match is_switch(arg) {
+                true => Flag::switch(name),
+                false => Flag::new(name, value),
+            };
+            words.into_iter().map(flag).collect::<Vec<_>>()
+        });
+        flags.collect()
     }
 
     /// Replaces the name placeholder by `name`.

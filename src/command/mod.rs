@@ -15,11 +15,11 @@ mod light_layers;
 pub(crate) mod line_args;
 #[cfg(feature = "view")]
 pub(crate) mod look;
+pub(crate) mod making;
 pub(crate) mod map;
 pub(crate) mod memory;
 mod motion_arg;
 pub(crate) mod output;
-#[cfg(any(feature = "view", feature = "host"))]
 pub(crate) mod reading;
 mod rec709;
 pub mod recipe;

@@ -12,7 +12,7 @@ use crate::frame::{Frame, SpecularScene};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs, SpecularInputs, load_specular};
 use crate::light::lights::Illumination;
-use crate::params::Material;
+use crate::params::{Material, Params};
 use crate::plan::{LightKinds, Plan};
 
 /// A command that makes something of a frame.
@@ -169,6 +169,19 @@ pub(crate) fn work_of(command: &Command) -> &WorkArgs {
         Command::Map(args) => &args.work,
         _ => unreachable!("{A_COMMAND}"),
     }
+}
+
+/// The parameters that all commands share, to be changed.
+pub(crate) fn params_of(command: &mut Command) -> &mut Params {
+    let work = match command {
+        Command::Shape(args) => &mut args.work,
+        Command::Enhance(args) => &mut args.work,
+        Command::Relight(args) => &mut args.work,
+        Command::Hatch(args) => &mut args.relight.work,
+        Command::Map(args) => &mut args.work,
+        _ => unreachable!("{A_COMMAND}"),
+    };
+    &mut work.flags.params
 }
 
 /// The arguments of light, of commands that have them.

@@ -376,7 +376,7 @@ mod tests {
     use crate::frame::{ColorPlanes, LightGroup, Plane};
     use crate::params::{LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, ToneFrom};
-    use crate::report::scenes::Scene;
+    use crate::scenes::Scene;
     use glam::Vec3;
     use std::sync::Mutex;
 

@@ -165,7 +165,7 @@ mod tests {
     use crate::engine::{Engine, Inputs};
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, Plan};
-    use crate::report::scenes::Scene;
+    use crate::scenes::Scene;
 
     #[test]
     fn enlarging_is_the_first_quarter_of_a_run() {

@@ -3,6 +3,7 @@
 use crate::command::chosen::Chosen;
 use crate::command::commands::{command_named, long};
 use crate::command::flags::Flag;
+use crate::command::making;
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Plane};
 use crate::product::Product;
@@ -10,11 +11,7 @@ use crate::product::Product;
 /// What a command has made of a scene.
 #[derive(Debug, Default)]
 pub struct Made {
-    pub(super) outcome: Outcome,
-    /// A drawing on its paper.
-    pub(super) printed: Option<ColorPlanes>,
-    /// Maps by name.
-    pub(super) maps: Vec<(String, Plane)>,
+    pub(super) made: making::Made,
     /// A drawing as the text of an SVG, if lines were asked for.
     pub svg: Option<String>,
     /// Warnings about settings.
@@ -39,24 +36,25 @@ pub struct Layer<'a> {
 impl Made {
     /// The picture, scene-linear: enhanced, in new light, or a drawing on its paper.
     pub fn picture(&self) -> Option<&ColorPlanes> {
-        self.printed.as_ref().or(self.outcome.color.as_ref())
+        self.made.picture()
     }
 
     /// Layers: of the descriptor, maps, or coverage by the strokes of a drawing.
     pub fn layers(&self) -> Vec<Layer<'_>> {
         let maps = self
+            .made
             .maps
             .iter()
             .map(|(name, plane)| layer(name, vec![plane]));
         let products = Product::all().filter(|product| {
             let row = product.row();
-            row.layer.is_some() || (self.printed.is_some() && *product != Product::Picture)
+            row.layer.is_some() || (self.made.printed.is_some() && *product != Product::Picture)
         });
         let products =
-            products.map(|product| layer(&name_of(product), self.outcome.planes(product)));
-        let asked = self.outcome.drawing.iter().flat_map(|d| &d.asked);
+            products.map(|product| layer(&name_of(product), self.made.outcome.planes(product)));
+        let asked = self.made.outcome.drawing.iter().flat_map(|d| &d.asked);
         let asked = asked.map(|plane| layer("tone", vec![plane]));
-        let scales = self.outcome.shape.more_scales.iter();
+        let scales = self.made.outcome.shape.more_scales.iter();
         let further = scales.flat_map(|scale| {
             Product::all().map(|product| Layer {
                 sigma_px: Some(scale.sigma_px),
@@ -69,7 +67,7 @@ impl Made {
 
     /// The names of the maps among the layers.
     pub fn map_names(&self) -> impl Iterator<Item = &str> {
-        self.maps.iter().map(|(name, _)| &name[..])
+        self.made.maps.iter().map(|(name, _)| &name[..])
     }
 
     /// What was chosen by itself, by the names of settings.
@@ -79,7 +77,7 @@ impl Made {
 
     /// Its memory, to be used again by the engine.
     pub fn into_outcome(self) -> Outcome {
-        self.outcome
+        self.made.outcome
     }
 }
 

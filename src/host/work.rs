@@ -7,6 +7,7 @@ use crate::command::commands::{Command, command_named, long};
 use crate::command::error_line::misuse_line;
 use crate::command::flags::Flag;
 use crate::command::invocation::Invocation;
+use crate::command::making::LINES;
 use crate::command::memory::MaxMemory;
 use crate::command::reading::{Source, light_of, setting_warnings, work_of};
 use crate::command::recipe::{COMMANDS, Recipe, RecipeText, is_setting, is_switch};
@@ -20,7 +21,6 @@ use std::path::Path;
 
 /// Stands for the file that the command line would write, whose kind tells what is made.
 const LAYERS: &str = "made.exr";
-pub(super) const LINES: &str = "made.svg";
 
 /// Stands for the file that the command line would read, for scenes of arrays.
 const ARRAYS: &str = "arrays";

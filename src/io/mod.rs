@@ -53,12 +53,6 @@ pub mod srgb {
     pub use crate::srgb::{decoded, encoded};
 }
 mod step_fit;
-#[cfg(feature = "report")]
-#[cfg_attr(
-    not(feature = "cli"),
-    allow(dead_code, reason = "reports are for the command line")
-)]
-pub(crate) mod stored_surface;
 mod surface;
 mod surroundings;
 mod survey;

@@ -39,11 +39,9 @@ pub use line::{
     Levels, LineLevels, LineParams, ObjectAngle, PaperSize, Plotter, Stroke, StrokeDirections,
     StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
-#[cfg(feature = "report")]
-pub(crate) use line::{MAX_FIELD_PASSES, MAX_LEVELS};
 pub(crate) use range::in_range;
 pub(crate) use relight::AUTO_SAMPLES;
-#[cfg(feature = "report")]
+#[cfg(feature = "cli")]
 pub(crate) use relight::MAX_LIGHTS;
 pub use relight::{
     AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,

@@ -1,223 +1,184 @@
-//! Run times of plans, and the share of the machine they use.
-//!
-//! Runs reuse the memory of earlier ones, so times are those of the second and later frames of a sequence. The first
-//! run of a program takes longer, since the system has to provide its memory.
+//! Times that hold beside other programs: shuffled rounds, in each of which the command as given runs three times as its own
+//! control.
 
-use super::machine::Machine;
-use super::numbers::milliseconds;
-use super::work::Work;
-use crate::Result;
-use crate::engine::{Engine, Inputs, Outcome, Run};
-use crate::frame::Frame;
-use crate::params::{RunOptions, ScalingParams, ShapeParams};
-use crate::plan::{Available, Goal, Plan};
+use super::clock::{Others, Used};
+use crate::error::Result;
 use crate::quantile::quantile;
 use serde::Serialize;
-use std::fmt::{self, Display};
 use std::time::{Duration, Instant};
 
-/// Minimum and median of several runs, in seconds.
+/// Runs of the command as given in every round.
+pub(super) const CONTROLS: usize = 3;
+
+/// The fewest rounds that tell a difference.
+const LEAST_ROUNDS: usize = 9;
+
+/// How many times the controls' disagreement a difference has to be.
+const TOLD_APART: f64 = 2.0;
+
+/// How far times can be trusted.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Trust {
+    pub rounds: usize,
+    /// Disagreement of the controls, in milliseconds of CPU: what differs by less than twice as much is no difference.
+    pub disagreement_ms: f64,
+    /// Cores kept busy by other programs meanwhile, where the system tells.
+    pub other_cores: Option<f64>,
+}
+
+/// The time of a run that was changed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Times {
-    /// Minimum.
-    pub min: f64,
-    /// Median.
-    pub median: f64,
-    /// Number of runs.
-    pub runs: usize,
+pub(crate) struct Cost {
+    pub cpu_ms: f64,
+    pub wall_ms: f64,
+    /// CPU time saved against the command as given; negative if it takes longer, 0 where there is no difference.
+    pub saved_ms: f64,
+    /// Whether it was timed round by round; else once.
+    pub is_in_rounds: bool,
 }
 
-impl Times {
-    /// From the seconds of each run.
-    ///
-    /// # Panics
-    /// If there are none.
-    pub fn of(mut seconds: Vec<f64>) -> Self {
-        let mut of = |share| quantile(&mut seconds, share, f64::total_cmp).expect("there are runs");
-        Self {
-            min: of(0.0),
-            median: of(0.5),
-            runs: seconds.len(),
-        }
-    }
-
-    /// Megapixels per second at the median.
-    pub fn megapixels_per_second(&self, pixels: usize) -> f64 {
-        pixels as f64 / 1e6 / self.median
-    }
+/// What rounds found: the time of the command as given, of each other run, and how far to trust them.
+pub(super) struct Timed {
+    pub(super) given: Used,
+    pub(super) others: Vec<Cost>,
+    pub(super) trust: Trust,
 }
 
-impl Display for Times {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [min, median] = [self.min, self.median].map(milliseconds);
-        write!(f, "{min} / {median}")
-    }
-}
-
-/// Effort per measurement.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort {
-    /// Maximum number of runs, without the warm-up.
-    pub runs: usize,
-    /// Time per plan after which no further run starts; there are always at least two.
-    pub limit: Duration,
-}
-
-impl Effort {
-    /// At most this many runs, or about this many milliseconds.
-    pub fn new(runs: usize, limit_ms: u64) -> Self {
-        Self {
-            runs,
-            limit: Duration::from_millis(limit_ms),
-        }
-    }
-}
-
-/// Times of a plan over several runs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Timed {
-    /// Time of each stage, in order.
-    pub stages: Vec<(&'static str, Times)>,
-    /// Time of all stages together.
-    pub whole: Times,
-}
-
-impl Timed {
-    /// From runs of the same stages.
-    ///
-    /// # Panics
-    /// If there are none.
-    pub(super) fn of(runs: &[Timings]) -> Self {
-        let seconds = |run: &Timings, i: usize| run[i].1.as_secs_f64();
-        let stage = |i: usize| Times::of(runs.iter().map(|run| seconds(run, i)).collect());
-        let whole = runs
-            .iter()
-            .map(|run| run.iter().map(|(_, time)| time.as_secs_f64()).sum());
-        Self {
-            stages: runs[0]
-                .iter()
-                .enumerate()
-                .map(|(i, (name, _))| (*name, stage(i)))
-                .collect(),
-            whole: Times::of(whole.collect()),
-        }
-    }
-
-    /// Time of the stage `name`, if it ran.
-    pub fn stage(&self, name: &str) -> Option<Times> {
-        self.stages
-            .iter()
-            .find(|(stage, _)| *stage == name)
-            .map(|(_, times)| *times)
-    }
-}
-
-/// Times of the stages of one run.
-pub(super) type Timings = Vec<(&'static str, Duration)>;
-
-/// The plan for `goal`, from the shape of `frame`.
+/// Times runs within about `budget`, and `grace` more where that gives enough rounds. `first` are times of first runs, that of the command as given before all others;
+/// `run` makes one of them. Those whose rounds the budget does not allow keep their first times.
 ///
 /// # Errors
-/// [`crate::Error::BadParameter`] for a parameter outside its range.
-pub(crate) fn plan(goal: Goal, frame: &Frame, shape: ShapeParams) -> Result<Plan> {
-    Plan::new(
-        goal,
-        Available::in_frame(frame),
-        shape,
-        ScalingParams::default(),
-    )
+/// As `run`.
+pub(super) fn rounds(
+    first: &[Used],
+    budget: Duration,
+    grace: Duration,
+    mut run: impl FnMut(usize) -> Result<Used>,
+) -> Result<Timed> {
+    let began = Instant::now();
+    let load = Others::begin();
+    let of_round = |members: &[usize]| -> f64 {
+        let own: f64 = members.iter().map(|&i| first[i].wall_ms).sum();
+        CONTROLS as f64 * first[0].wall_ms + own
+    };
+    let mut members: Vec<usize> = (1..first.len()).collect();
+    members.sort_by(|&a, &b| first[a].wall_ms.total_cmp(&first[b].wall_ms));
+    while !members.is_empty()
+        && LEAST_ROUNDS as f64 * of_round(&members) > 1e3 * budget.as_secs_f64()
+    {
+        members.pop();
+    }
+    let mut order: Vec<usize> = members.clone();
+    order.extend([0; CONTROLS]);
+    let mut found: Vec<Vec<Used>> = vec![Vec::new(); first.len()];
+    let mut random = Shuffle(0x9e37_79b9_7f4a_7c15);
+    let mut count = 0;
+    // A last round that would end late is not begun; a command that takes a third of the budget gets three rounds.
+    let may_go_on = |count: usize| {
+        let end = || began.elapsed().mul_f64((count + 1) as f64 / count as f64);
+        match count {
+            0..3 => true,
+            3..LEAST_ROUNDS => end() < budget + grace,
+            _ => end() < budget && count < 4 * LEAST_ROUNDS,
+        }
+    };
+    while may_go_on(count) {
+        random.shuffle(&mut order);
+        for &i in &order {
+            found[i].push(run(i)?);
+        }
+        count += 1;
+    }
+    let controls: Vec<f64> = found[0].iter().map(|used| used.cpu_ms).collect();
+    // Of each round, so that what slows the machine for a while slows all alike.
+    let middles: Vec<f64> = controls.chunks(CONTROLS).map(median).collect();
+    let off: Vec<f64> = controls
+        .iter()
+        .zip(middles.iter().flat_map(|m| [m; CONTROLS]))
+        .map(|(control, middle)| control - middle)
+        .collect();
+    let each = |k: usize| {
+        median(
+            &off.iter()
+                .skip(k)
+                .step_by(CONTROLS)
+                .copied()
+                .collect::<Vec<_>>(),
+        )
+    };
+    let medians: Vec<f64> = (0..CONTROLS).map(each).collect();
+    let range = medians.iter().fold(0.0_f64, |most, m| {
+        medians.iter().fold(most, |most, other| most.max(m - other))
+    });
+    // Three single runs are off their median by .56 of their deviation, in the median of the two that are.
+    let spread: Vec<f64> = off
+        .iter()
+        .map(|off| off.abs())
+        .filter(|&off| off > 0.0)
+        .collect();
+    let deviation = if spread.is_empty() {
+        0.0
+    } else {
+        median(&spread) / 0.56
+    };
+    let disagreement_ms = range.max(3.0 * deviation / (count as f64).sqrt());
+    let given = Used {
+        cpu_ms: median(&controls),
+        wall_ms: median(&found[0].iter().map(|used| used.wall_ms).collect::<Vec<_>>()),
+    };
+    let cost = |i: usize| {
+        let runs = &found[i];
+        let is_in_rounds = !runs.is_empty();
+        let less: Vec<f64> = match is_in_rounds {
+            true => runs
+                .iter()
+                .zip(&middles)
+                .map(|(used, middle)| middle - used.cpu_ms)
+                .collect(),
+            false => vec![first[0].cpu_ms - first[i].cpu_ms],
+        };
+        let wall: Vec<f64> = runs.iter().map(|used| used.wall_ms).collect();
+        let saved = median(&less);
+        let is_told = saved.abs() >= TOLD_APART * disagreement_ms;
+        Cost {
+            cpu_ms: (given.cpu_ms - saved).max(0.0),
+            wall_ms: if is_in_rounds {
+                median(&wall)
+            } else {
+                first[i].wall_ms
+            },
+            saved_ms: if is_told { saved } else { 0.0 },
+            is_in_rounds,
+        }
+    };
+    Ok(Timed {
+        given,
+        others: (1..first.len()).map(cost).collect(),
+        trust: Trust {
+            rounds: count,
+            disagreement_ms,
+            other_cores: load.cores(),
+        },
+    })
 }
 
-/// Runs a shape `plan` once to warm up, then the number of times given by `effort`.
-pub fn measure(plan: &Plan, frame: &Frame, effort: Effort) -> (Outcome, Timed) {
-    measure_with(RunOptions::default(), plan, frame, effort)
+fn median(values: &[f64]) -> f64 {
+    quantile(&mut values.to_vec(), 0.5, f64::total_cmp).unwrap_or(0.0)
 }
 
-/// [`measure`] with these options.
-pub(super) fn measure_with(
-    options: RunOptions,
-    plan: &Plan,
-    frame: &Frame,
-    effort: Effort,
-) -> (Outcome, Timed) {
-    let engine = Engine::cpu().with_options(options);
-    measure_runs(&engine, effort, || of_shape(&engine, plan, frame))
-}
+/// A shuffle that is the same in every run of the program (xorshift64).
+struct Shuffle(u64);
 
-/// The outcome of a plan without inputs beside the frame.
-fn of_shape(engine: &Engine, plan: &Plan, frame: &Frame) -> Outcome {
-    let outcome = engine.execute(plan, frame, Inputs::default(), &Run::new());
-    outcome.expect("plans of reports are made for what they are run on")
-}
-
-/// Runs `plans` in turn, round after round, so that load on the machine slows all of them alike.
-pub(super) fn measure_in_turn(plans: &[Plan], frame: &Frame, effort: Effort) -> Vec<Timed> {
-    let engine = Engine::cpu();
-    let run = |plan| of_shape(&engine, plan, frame);
-    plans
-        .first()
-        .into_iter()
-        .for_each(|plan| engine.recycle(run(plan)));
-    let mut runs: Vec<Vec<Timings>> = vec![Vec::new(); plans.len()];
-    let mut spent = vec![Duration::ZERO; plans.len()];
-    for round in 0..effort.runs.max(2) {
-        for (i, plan) in plans.iter().enumerate() {
-            if round < 2 || spent[i] < effort.limit {
-                let start = Instant::now();
-                let mut outcome = run(plan);
-                spent[i] += start.elapsed();
-                runs[i].push(std::mem::take(&mut outcome.timings));
-                engine.recycle(outcome);
+impl Shuffle {
+    fn shuffle(&mut self, order: &mut [usize]) {
+        for end in (1..order.len()).rev() {
+            for shift in [13_i32, -7, 17] {
+                self.0 ^= match shift > 0 {
+                    true => self.0 << shift,
+                    false => self.0 >> -shift,
+                };
             }
-        }
-    }
-    runs.iter().map(|runs| Timed::of(runs)).collect()
-}
-
-/// Calls `run` once to warm up, then the number of times given by `effort`; the memory of all outcomes but the last is
-/// recycled to `engine`.
-pub fn measure_runs(
-    engine: &Engine,
-    effort: Effort,
-    run: impl Fn() -> Outcome,
-) -> (Outcome, Timed) {
-    engine.recycle(run());
-    let mut runs: Vec<Timings> = Vec::new();
-    let start = Instant::now();
-    loop {
-        let mut outcome = run();
-        runs.push(std::mem::take(&mut outcome.timings));
-        let enough = runs.len() >= effort.runs || start.elapsed() > effort.limit;
-        if enough && runs.len() >= 2 {
-            return (outcome, Timed::of(&runs));
-        }
-        engine.recycle(outcome);
-    }
-}
-
-/// Utilisation of the machine by a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Utilisation {
-    /// Bytes per second that an ideal pass would move.
-    pub bytes_per_second: f64,
-    /// The same as a share of the measured bandwidth. Above 1 if a frame, or a tile of it, stays in a cache.
-    pub of_bandwidth: f64,
-    /// Operations per second.
-    pub operations_per_second: f64,
-    /// The same as a share of the measured rate.
-    pub of_arithmetic: f64,
-}
-
-impl Utilisation {
-    /// `work` over `pixels` covered pixels in the minimum of `times`.
-    pub(crate) fn of(work: Work, pixels: usize, times: Times, machine: &Machine) -> Self {
-        let per_second = |each: f64| each * pixels as f64 / times.min;
-        let (bytes, operations) = (per_second(work.bytes), per_second(work.operations));
-        Self {
-            bytes_per_second: bytes,
-            of_bandwidth: bytes / machine.bytes_per_second,
-            operations_per_second: operations,
-            of_arithmetic: operations / machine.operations_per_second,
+            order.swap(end, (self.0 % (end as u64 + 1)) as usize);
         }
     }
 }
@@ -226,34 +187,55 @@ impl Utilisation {
 mod tests {
     use super::*;
 
+    /// Runs that take 100 ms, with noise of 4 ms and a load that comes and goes and slows all alike: one that does the
+    /// same is no difference, one that saves 20 ms is found to, and so is one that is too slow for rounds.
     #[test]
-    fn least_and_median() {
-        let times = Times::of(vec![0.5, 0.1, 0.3]);
-        assert_eq!((times.min, times.median, times.runs), (0.1, 0.3, 3));
-        assert!((times.megapixels_per_second(600_000) - 2.0).abs() < 1e-12);
+    fn a_difference_is_told_from_noise() {
+        let used = |cpu_ms: f64| Used {
+            cpu_ms,
+            wall_ms: 1e-3,
+        };
+        let mut first = vec![used(100.0), used(100.0), used(80.0), used(9000.0)];
+        first[3].wall_ms = 1e6;
+        let mut state = 1_u64;
+        let mut noise = move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 40) as f64 / f64::from(1 << 24) - 0.5
+        };
+        for case in 0..20 {
+            let mut count = 0;
+            let timed = rounds(
+                &first.clone(),
+                Duration::from_millis(400),
+                Duration::ZERO,
+                |i| {
+                    count += 1;
+                    let load = if count / 30 % 2 == 0 { 1.0 } else { 1.3 };
+                    Ok(used(load * (first[i].cpu_ms + 8.0 * noise())))
+                },
+            )
+            .unwrap();
+            assert!(timed.trust.rounds >= LEAST_ROUNDS);
+            let [same, quick, slow] = timed.others[..] else {
+                panic!("three runs were timed");
+            };
+            assert_eq!(same.saved_ms, 0.0, "case {case}");
+            assert!(
+                (quick.saved_ms - 21.0).abs() < 6.0,
+                "case {case}: {quick:?}"
+            );
+            assert!(!slow.is_in_rounds && slow.saved_ms == -8900.0, "{slow:?}");
+        }
     }
 
     #[test]
-    fn shares_of_the_machine() {
-        let machine = Machine {
-            threads: 1,
-            bytes_per_second: 1e9,
-            operations_per_second: 4e9,
-            multiply_add: "",
-        };
-        let times = Times {
-            min: 0.01,
-            median: 0.02,
-            runs: 2,
-        };
-        let work = Work {
-            bytes: 20.0,
-            operations: 100.0,
-        };
-        // 20 bytes times 1e5 pixels in 10 ms: 2e8 per second; 100 operations: 1e9.
-        let used = Utilisation::of(work, 100_000, times, &machine);
-        assert!(
-            (used.of_bandwidth - 0.2).abs() < 1e-12 && (used.of_arithmetic - 0.25).abs() < 1e-12
-        );
+    fn shuffles_keep_all_and_change_the_order() {
+        let mut order: Vec<usize> = (0..20).collect();
+        Shuffle(1).shuffle(&mut order);
+        assert_ne!(order, (0..20).collect::<Vec<_>>());
+        order.sort_unstable();
+        assert_eq!(order, (0..20).collect::<Vec<_>>());
     }
 }

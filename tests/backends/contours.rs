@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::{LineParams, StrokeScale};
 use relievo::plan::ToneFrom;
-use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 
 /// A wall, square to the view axis.
 fn wall(width: usize, height: usize) -> Frame {

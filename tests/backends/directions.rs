@@ -10,7 +10,7 @@ use relievo::frame::{DepthKind, Frame, Mask, Plane, SightLines, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 use relievo::product::Product;
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 
 /// Asserts that both backends find the same directions in a frame.
 #[track_caller]

@@ -16,7 +16,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 use relievo::product::Product;
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 
 /// Asserts that both backends draw the same, and returns the total ink of the CPU's strokes and contours.
 #[track_caller]

@@ -7,7 +7,7 @@ use relievo::engine::Inputs;
 use relievo::frame::Window;
 use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
-use relievo::report::scenes::frames::masked;
+use relievo::scenes::frames::masked;
 
 /// Values that no renderer means as a colour.
 pub(super) const HOSTILE: [f32; 7] = [

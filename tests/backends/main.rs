@@ -20,7 +20,7 @@ use relievo::frame::{ColorPlanes, Frame, Plane};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::product::Product;
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Runs a test on the shared device, one at a time; without a device prints a notice once.

@@ -9,7 +9,7 @@ use relievo::io::{Needs, load};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
 use relievo::product::Product;
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use std::f64::consts::TAU;
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];

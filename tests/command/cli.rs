@@ -8,7 +8,7 @@ use relievo::frame::{Plane, Window};
 use relievo::io::exr::{ChannelId, ExrFile, Limits};
 use relievo::io::inputs::Inputs;
 use relievo::io::photo::Photo;
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::fs;

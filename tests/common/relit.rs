@@ -6,7 +6,7 @@ use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Material, Method, RelightParams, Samples, ScalingParams, ShapeParams};
 use relievo::plan::{Available, LightKinds, Plan};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 
 /// Settings of a test.
 #[derive(Clone)]

@@ -10,8 +10,8 @@ use relievo::params::{
     ContourParams, LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
 };
 use relievo::plan::{Available, Plan, ToneFrom};
-use relievo::report::scenes::frames::masked;
-use relievo::report::scenes::{ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::frames::masked;
+use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 use std::f32::consts::{PI, TAU};
 
 fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {

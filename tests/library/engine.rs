@@ -16,7 +16,7 @@ use relievo::params::{
 };
 use relievo::plan::{Available, LightKinds, Plan};
 use relievo::product::Product;
-use relievo::report::scenes::Scene;
+use relievo::scenes::Scene;
 use std::sync::Mutex;
 
 fn waves() -> Frame {

@@ -8,7 +8,7 @@ use relievo::engine::{Engine, Inputs, Outcome, Run};
 use relievo::frame::{Frame, Plane, Window};
 use relievo::params::{Adaptive, RunOptions, Scale, ScalingParams, ShapeParams, TileSize};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.

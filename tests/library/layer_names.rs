@@ -5,8 +5,8 @@ use relievo::frame::{Plane, Window};
 use relievo::io::inputs::{Inputs, NONE};
 use relievo::io::roles::Role;
 use relievo::io::{Loaded, Needs, load, survey};
-use relievo::report::scenes::frames::noise;
-use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::scenes::frames::noise;
+use relievo::scenes::{Exact, ExactScene, Surface};
 use std::path::Path;
 
 const SIZE: [usize; 2] = [96, 80];

@@ -5,6 +5,7 @@ mod common;
 
 mod builder;
 mod camera;
+mod coherence;
 mod contours;
 mod conventions;
 mod engine;

@@ -8,8 +8,8 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::frame::{DepthKind, Frame, Plane, Projection, Vector2Planes, Vector3Planes};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::angle_deg;
-use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::scenes::angle_deg;
+use relievo::scenes::{Exact, ExactScene, Surface};
 
 /// The direction layer of `frame`, and conductance.
 fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {

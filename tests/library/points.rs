@@ -7,7 +7,7 @@ use relievo::frame::{DepthKind, Frame, NormalSpace, Plane, Projection};
 use relievo::io::{self, Loaded, Needs, inputs::Inputs};
 use relievo::params::{ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan, Points};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use std::fs;
 use std::path::Path;
 
@@ -131,7 +131,7 @@ fn what_depth_measures_is_told_by_the_normals() {
         r#"{"focal_px": 400, "principal_point_px": [0, 140]}"#,
     )
     .unwrap();
-    let of = |value: fn(&relievo::report::scenes::Exact) -> f64| {
+    let of = |value: fn(&relievo::scenes::Exact) -> f64| {
         Plane::from_fn(SIDE, SIDE, |x, y| {
             scene.exact(x, y).as_ref().map_or(0.0, value) as f32
         })

@@ -9,7 +9,7 @@ use relievo::engine::Outcome;
 use relievo::frame::{Frame, Projection, Window};
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 
 const REFERENCE: u32 = 540;
 const LINES: [usize; 3] = [270, 540, 1080];

@@ -9,8 +9,8 @@ use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use relievo::io::Loaded;
 use relievo::params::{Adaptive, Scale, ScalingParams, ShapeParams, SoftThreshold};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::frames::{masked, noise, normals};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::frames::{masked, noise, normals};
+use relievo::scenes::{ExactScene, Surface};
 
 const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
 

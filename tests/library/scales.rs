@@ -4,7 +4,7 @@ use crate::common::cpu;
 use relievo::frame::{Frame, Plane, Vector2Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::ExactScene;
+use relievo::scenes::ExactScene;
 
 /// Balls one before the other: silhouettes between them, smooth parts, uncovered ground.
 fn frame() -> Frame {

@@ -3,8 +3,8 @@
 use crate::common::{mirrored, poisoned, quarter_turned, quarter_turned_plane};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use relievo::frame::{Frame, Plane, Projection};
-use relievo::report::scenes::exact::{Exact, ExactScene, Seen, ball_trace, five_point};
-use relievo::report::scenes::surfaces::{DISTANCE, Surface};
+use relievo::scenes::exact::{Exact, ExactScene, Seen, ball_trace, five_point};
+use relievo::scenes::surfaces::{DISTANCE, Surface};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const SIDE: usize = 96;

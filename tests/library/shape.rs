@@ -6,7 +6,7 @@ use relievo::engine::Outcome;
 use relievo::frame::{Frame, Plane};
 use relievo::params::{Scale, ScalingParams, ShapeParams, Solver};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::{ExactScene, Surface, ball_trace};
+use relievo::scenes::{ExactScene, Surface, ball_trace};
 
 /// The whole descriptor of `frame`.
 fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
@@ -200,7 +200,7 @@ fn every_scene_has_its_exact_hessian_curvatures_and_directions() {
 /// Compares the direction of the larger curvature where the two differ clearly.
 fn check_direction(
     name: &str,
-    exact: &relievo::report::scenes::Exact,
+    exact: &relievo::scenes::Exact,
     direction: &relievo::frame::Vector2Planes,
     x: usize,
     y: usize,

@@ -9,8 +9,8 @@ use relievo::params::{
     Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
 };
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::angle_deg;
-use relievo::report::scenes::{Exact, ExactScene, Surface};
+use relievo::scenes::angle_deg;
+use relievo::scenes::{Exact, ExactScene, Surface};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 

@@ -10,11 +10,11 @@ pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 
 use super::chosen::Chosen;
-use super::commands::{ViewArgs, command_named, long, typed_ids};
+use super::commands::{ViewArgs, command_named, long};
 use super::error_line::misuse_line;
 use super::flags::Flag;
 use super::invocation::{Invocation, Parsed};
-use super::recipe::{PRESETS, Recipe, RecipeText, is_repeatable, is_setting, is_switch};
+use super::recipe::{PRESETS, Recipe, RecipeText, is_setting, is_switch};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::light::lights::LAMP_DEG;
@@ -261,26 +261,13 @@ impl Opening {
             Some(path) => Look::of_recipe(path)?,
             None => Look::default(),
         };
-        let parsed = typed.parse().unwrap_or_else(|error| error.exit());
-        let matches = parsed.matches.subcommand();
-        let (name, matches) = matches.expect("a command was parsed");
-        let command = command_named(name);
-        let typed: Vec<&str> = typed_ids(matches).collect();
-        let args_typed = command.get_arguments();
-        let settings =
-            args_typed.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
-        for arg in settings {
-            let values = matches.get_raw_occurrences(arg.get_id().as_str());
-            let words = values.into_iter().flatten().map(|values| {
-                let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
-                values.join(",")
-            });
-            let name = arg.get_long().expect("a setting has a name");
-            let mut words: Vec<String> = words.collect();
-            if !is_repeatable(arg) {
-                words.drain(..words.len().saturating_sub(1));
-            }
-            look.set_all(name, words);
+        let mut given: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for flag in typed.typed_settings() {
+            let values = given.entry(flag.name().into()).or_default();
+            values.push(flag.value().unwrap_or("true").into());
+        }
+        for (name, values) in given {
+            look.set_all(&name, values);
         }
         Ok(Self {
             input: args.input.clone(),

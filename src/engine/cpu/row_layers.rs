@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
-    use crate::report::scenes::Scene;
+    use crate::scenes::Scene;
 
     /// All layers, at two scales, in pixels of the picture and of another size, where the trace is rounded otherwise.
     #[test]

@@ -12,7 +12,7 @@ use crate::frame::Frame;
 use crate::params::{Scale, ScalingParams, ShapeParams};
 use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
-use crate::report::scenes::Scene;
+use crate::scenes::Scene;
 use std::thread;
 use std::time::{Duration, Instant};
 

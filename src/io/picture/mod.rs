@@ -10,7 +10,7 @@ mod format;
 mod gathered;
 mod group;
 mod scale_bar;
-#[cfg(feature = "report")]
+#[cfg(feature = "host")]
 mod small;
 mod stored;
 #[cfg(feature = "cli")]
@@ -23,7 +23,7 @@ pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
-#[cfg(feature = "report")]
+#[cfg(feature = "host")]
 pub(crate) use small::small;
 #[cfg(feature = "cli")]
 pub(crate) use whites::Whites;
@@ -73,19 +73,33 @@ pub fn write_picture_as(
     gathered.write(w, target, encoding)
 }
 
+/// The same as [`pixels`], in 16 bits.
+#[cfg(feature = "cli")]
+pub(crate) fn pixels_16(picture: &Picture) -> Vec<[u16; 4]> {
+    codes(picture, 16, |code| code)
+}
+
 /// Red, green, blue and alpha of each pixel in 8 bits, as in a PNG of the picture; opaque without alpha.
 ///
 /// # Panics
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
+    codes(picture, 8, |code| code as u8)
+}
+
+fn codes<T: Copy + Default + Send>(
+    picture: &Picture,
+    bits: u8,
+    code: impl Fn(u16) -> T + Sync,
+) -> Vec<[T; 4]> {
     let part = Part {
         picture,
         alpha: picture.alpha,
         rows: 0..picture.color.r.height(),
-        max: max_code(8),
+        max: max_code(bits),
     };
     let mut samples = Vec::new();
-    part.add_to(&mut samples, 4, |code| code as u8);
+    part.add_to(&mut samples, 4, code);
     samples.as_chunks::<4>().0.to_vec()
 }
 

@@ -215,7 +215,7 @@ mod tests {
     use super::*;
     use crate::params::{ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal};
-    use crate::report::scenes::Scene;
+    use crate::scenes::Scene;
 
     /// Rows of a picture with a hole, at steps of 1 to 3: lanes side by side where all is open, and elsewhere not.
     #[test]

@@ -14,15 +14,11 @@ mod strokes;
 mod tone;
 
 pub use contours::ContourParams;
-#[cfg(feature = "report")]
-pub(crate) use field::MAX_FIELD_PASSES;
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub use levels::{Levels, LineLevels, ToneLevels};
 pub use object_angle::ObjectAngle;
 pub use print::PaperSize;
-#[cfg(feature = "report")]
-pub(crate) use strokes::MAX_LEVELS;
 pub(crate) use strokes::MM_PER_INCH;
 pub use strokes::{AtEdges, Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneParams, ToneSource};

@@ -24,10 +24,9 @@ mod tests {
     use crate::engine::gpu::runner::Runner;
     use crate::engine::inputs::Inputs;
     use crate::frame::{ColorPlanes, Frame, Plane};
-    use crate::params::ShapeParams;
-    use crate::plan::Goal;
-    use crate::report::scenes::Scene;
-    use crate::report::timing;
+    use crate::params::{ScalingParams, ShapeParams};
+    use crate::plan::{Available, Goal, Plan};
+    use crate::scenes::Scene;
 
     /// 1.1 million pixels, of which one in nine is looked at. Curvature lies in six rows of ten: its sample falls short and
     /// is taken once more.
@@ -52,7 +51,9 @@ mod tests {
         };
         let [r, g, b] = [0.9, 0.7, 0.5].map(channel);
         frame.color = Some(ColorPlanes { r, g, b });
-        let plan = timing::plan(Goal::Enhance, &frame, ShapeParams::default()).unwrap();
+        let available = Available::in_frame(&frame);
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let plan = Plan::new(Goal::Enhance, available, shape, scaling).unwrap();
         let host = cpu::Runner::default();
         let expected = host.execute(&plan, &frame, Inputs::default()).unwrap();
         let runner = Runner::new(device);

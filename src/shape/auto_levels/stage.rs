@@ -59,7 +59,7 @@ impl Plan {
     }
 
     /// Whether the automatic gain was limited, since coarse normals would show their steps.
-    #[cfg(feature = "report")]
+    #[cfg(feature = "cli")]
     pub(crate) fn holds_gain(&self, gain: Option<f32>) -> bool {
         self.chooses_gain() && self.most_gain() < super::MAX_GAIN && gain == Some(self.most_gain())
     }

@@ -415,7 +415,7 @@ mod tests {
     use crate::frame::Mask;
     use crate::params::ScalingParams;
     use crate::plan::{Available, Goal};
-    use crate::report::scenes::Scene;
+    use crate::scenes::Scene;
 
     /// Several bands; rows and columns without a surface.
     #[test]

@@ -10,7 +10,7 @@ use relievo::engine::gpu::{Choice, Device, Runner};
 use relievo::frame::{ColorPlanes, Mask, Plane};
 use relievo::light::environment::Environment;
 use relievo::params::{AlbedoSource, Material, Method, Samples};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 
 #[test]
 fn albedo_alpha_and_occlusion() {

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Frame, Plane, Projection, Window};
-use relievo::report::scenes::{Exact, ExactScene, Surface, surfaces::DISTANCE};
+use relievo::scenes::{Exact, ExactScene, Surface, surfaces::DISTANCE};
 use std::sync::OnceLock;
 
 pub(crate) const WIDTH: usize = 160;

@@ -3,7 +3,7 @@
 use super::*;
 use glam::DVec3;
 use relievo::params::{ContourParams, Fallback, StrokeDirections};
-use relievo::report::scenes::Surface;
+use relievo::scenes::Surface;
 
 fn cylinder(axis: DVec3) -> Frame {
     let surface = Surface::cylinder(180.0, axis);

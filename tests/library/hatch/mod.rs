@@ -10,8 +10,8 @@ use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale, Style};
 use relievo::plan::{Available, Plan, ToneFrom};
-use relievo::report::scenes::ExactScene;
-use relievo::report::scenes::frames::grey;
+use relievo::scenes::ExactScene;
+use relievo::scenes::frames::grey;
 
 const STYLES: [Style; 2] = [Style::Pen, Style::Pencil];
 

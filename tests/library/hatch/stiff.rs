@@ -5,7 +5,7 @@ use crate::common::{is_a_drawing, poisoned};
 use glam::DVec3;
 use relievo::frame::Mask;
 use relievo::params::{FieldParams, StrokeDirections, StrokeScale};
-use relievo::report::scenes::Surface;
+use relievo::scenes::Surface;
 
 /// Strokes at the ends of their ranges, and every style.
 fn settings() -> Vec<(&'static str, LineParams)> {

@@ -119,9 +119,9 @@ fn lobes_are_found_by_name_and_told_of() {
         "{}",
         said.stderr
     );
-    assert!(said.stdout.contains("run   light-lobes"), "{}", said.stdout);
+    assert!(said.stdout.contains("ran   light-lobes"), "{}", said.stdout);
     assert!(
-        said.stdout.contains("skip  radiance-scaling"),
+        said.stdout.contains("-     radiance-scaling"),
         "{}",
         said.stdout
     );
@@ -156,7 +156,7 @@ fn lobes_are_found_by_name_and_told_of() {
     // One layer named, or lobes refused: the picture as a whole, as ever.
     let (whole, said) = made(&blender, &["--lobes", "off"]);
     assert!(
-        said.stdout.contains("run   radiance-scaling"),
+        said.stdout.contains("ran   radiance-scaling"),
         "{}",
         said.stdout
     );
@@ -193,7 +193,7 @@ fn missing_and_doubtful_passes_are_told() {
         said.stderr
     );
     assert!(
-        said.stdout.contains("run   radiance-scaling"),
+        said.stdout.contains("ran   radiance-scaling"),
         "{}",
         said.stdout
     );
@@ -262,10 +262,10 @@ fn occlusion_is_scaled_as_ambient_light() {
         )
         .done()
     };
-    assert!(said(&[]).stdout.contains("skip  ambient-occlusion"));
+    assert!(said(&[]).stdout.contains("-     ambient-occlusion"));
     let with = said(&["--scaling-ambient", "1"]);
     assert!(
-        with.stdout.contains("run   ambient-occlusion"),
+        with.stdout.contains("ran   ambient-occlusion"),
         "{}",
         with.stdout
     );

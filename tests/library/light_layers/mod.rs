@@ -10,7 +10,7 @@ use relievo::frame::{ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLaye
 use relievo::light::radiance_scaling::scaling;
 use relievo::params::{Adaptive, ScalingParams, ShapeParams};
 use relievo::plan::{Available, Goal, Plan};
-use relievo::report::scenes::{ExactScene, Surface};
+use relievo::scenes::{ExactScene, Surface};
 use relievo::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 const WIDTH: usize = 61;

@@ -118,8 +118,8 @@ fn prefiltered_light_is_what_many_lights_make() {
 
 #[test]
 fn a_plane_shows_the_sine_of_the_elevation() {
-    let frame = relievo::report::scenes::ExactScene::orthographic(
-        relievo::report::scenes::Surface::plane(DVec3::Z),
+    let frame = relievo::scenes::ExactScene::orthographic(
+        relievo::scenes::Surface::plane(DVec3::Z),
         16.0,
         16.0,
     )
@@ -180,12 +180,9 @@ fn a_mirror_ball_is_brighter_where_it_shows_more_than_a_third_of_the_median() {
         };
         Environment::from_fn(512, 256, sunny)
     };
-    let frame = relievo::report::scenes::ExactScene::orthographic(
-        relievo::report::scenes::Surface::ball(40.0),
-        48.0,
-        48.0,
-    )
-    .frame(96, 96);
+    let frame =
+        relievo::scenes::ExactScene::orthographic(relievo::scenes::Surface::ball(40.0), 48.0, 48.0)
+            .frame(96, 96);
     let shown = |environment: Environment| {
         let mut asked =
             Asked::of(Material::Mirror, Method::Scale).in_environment(environment, Samples::Auto);

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
 use relievo::params::{Adaptive, Material, Tangent};
-use relievo::report::light_reference::{HORIZON, Pixel, Settings, hessian, reflected};
+use relievo::scenes::light_reference::{HORIZON, Pixel, Settings, hessian, reflected};
 
 /// Largest difference of the red channel from the reference, relative to the largest value.
 fn worst(

@@ -1,7 +1,7 @@
-//! The report on sequences.
+//! How well drawings of a sequence follow each other.
 
 use super::*;
-use relievo::report::coherence::{CoherenceRow, MovingFrame, measure};
+use crate::coherence::{CoherenceRow, MovingFrame, measure};
 
 /// Rows for a moving card. The first frame is white, and its white point applies to the grey frames that follow.
 fn pan(by: [f64; 2]) -> Vec<CoherenceRow> {

@@ -1,10 +1,10 @@
 //! A rendered sequence of the collection, whose motion layer and cameras are known.
 
 use super::*;
+use crate::coherence::{MovingFrame, measure};
 use relievo::frame::{DepthKind, static_world_motion};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, camera::read_camera};
-use relievo::report::coherence::{MovingFrame, measure};
 
 fn loaded(directory: &std::path::Path, number: i32) -> io::Loaded {
     let inputs = Inputs {

@@ -1,0 +1,82 @@
+//! What a frame went through: the passes that ran, with their time and their reason, what was chosen, what had nothing to do,
+//! and what was not made.
+
+use crate::command::chosen::Chosen;
+use crate::frame::Frame;
+use crate::params::Params;
+use crate::plan::Decision;
+use crate::plan::stages::stages;
+use std::time::Duration;
+
+/// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so.
+pub(super) fn lines(
+    ran: &[(&'static str, Duration)],
+    decisions: &[Decision],
+    chosen: &Chosen,
+    idle: &[(&'static str, String)],
+    is_verbose: bool,
+) -> Vec<String> {
+    let mut lines: Vec<String> = ran
+        .iter()
+        .map(|(pass, took)| {
+            let ms = format!("{:.1} ms", 1e3 * took.as_secs_f64());
+            line("ran", pass, &ms, &reasons(pass, decisions))
+        })
+        .collect();
+    lines.extend(
+        idle.iter()
+            .map(|(step, count)| line("idle", step, "", count)),
+    );
+    let choices = chosen.in_words();
+    if !choices.is_empty() {
+        lines.push(line("chose", "", "", &choices));
+    }
+    if is_verbose {
+        let mut left_out: Vec<&Decision> = Vec::new();
+        for decision in decisions.iter().filter(|decision| !decision.kept) {
+            // Another plan of the same frame, for a further map, may have made it.
+            let is_made = decisions.iter().any(|d| d.kept && d.step == decision.step);
+            if !is_made && !left_out.iter().any(|known| known.step == decision.step) {
+                left_out.push(decision);
+            }
+        }
+        lines.extend(
+            left_out
+                .iter()
+                .map(|d| line("-", d.step, "", &format!("not made: {}", d.reason))),
+        );
+    }
+    lines
+}
+
+/// What had nothing to do in a picture of light, with the count that shows it.
+pub(super) fn idle(frame: &Frame, params: &Params) -> Vec<(&'static str, String)> {
+    let mut idle = Vec::new();
+    let covered = frame.mask.count();
+    if params.blur_fade > 0.0 && frame.confidence.is_none() {
+        let count = format!("0 of {covered} pixels show several surfaces");
+        idle.push(("fade-at-blends", count));
+    }
+    idle
+}
+
+fn line(verdict: &str, pass: &str, time: &str, why: &str) -> String {
+    let line = format!("{verdict:<6}{pass:<22} {time:>10}  {why}");
+    line.trim_end().into()
+}
+
+/// Why a pass ran: the reasons of its steps.
+fn reasons(pass: &str, decisions: &[Decision]) -> String {
+    let of_pass = stages().find(|stage| stage.name == pass);
+    let steps = of_pass.iter().flat_map(|stage| stage.steps);
+    let mut found: Vec<&str> = Vec::new();
+    for step in steps {
+        let kept = decisions.iter().filter(|d| d.kept && d.step == step.name);
+        for decision in kept {
+            if !found.contains(&&decision.reason[..]) {
+                found.push(&decision.reason);
+            }
+        }
+    }
+    found.join("; ")
+}

@@ -1,0 +1,345 @@
+//! The command and the frame of a report: read once, run again and again with one thing changed.
+
+use super::clock::{Used, timed};
+use super::difference::Codes;
+use crate::command::chosen::look_at_depth;
+use crate::command::commands::{Command, ReportArgs};
+use crate::command::error_line::misuse_line;
+use crate::command::flags::Flag;
+use crate::command::hatch::Drawn;
+use crate::command::invocation::Invocation;
+use crate::command::making::{Made, Making};
+use crate::command::memory::MaxMemory;
+use crate::command::reading::{Source, light_of, params_of, plan_of, setting_warnings, work_of};
+use crate::command::recipe::{COMMANDS, Recipe};
+use crate::command::relight::{illumination, light_or_lamp};
+use crate::engine::{Engine, Run};
+use crate::error::{Error, Result};
+use crate::frame::{Camera, ColorPlanes, Frame, LightLayers, Plane, SpecularScene};
+use crate::io::colorspace::Chromaticities;
+use crate::io::picture::pixels_16;
+use crate::light::lights::Illumination;
+use crate::params::{Parameters, Solver};
+use crate::plan::Plan;
+use std::ffi::OsString;
+use std::mem::swap;
+
+/// Stands for the output, a picture: nothing is written there.
+const OUTPUT: &str = "report.png";
+
+/// The command that is reported on if none is named.
+const DEFAULT: &str = "enhance";
+
+/// A command, what it reads, and its light.
+pub(super) struct Subject {
+    typed: Invocation,
+    /// As typed, but for the program, the input and the output.
+    pub(super) words: Vec<String>,
+    pub(super) command: Command,
+    pub(super) light: Illumination,
+    pub(super) frame: Frame,
+    specular: Option<SpecularScene>,
+    primaries: Option<Chromaticities>,
+    pub(super) is_in_sequence: bool,
+    pub(super) engine: Engine,
+    pub(super) warnings: Vec<String>,
+    /// Time that reading took.
+    pub(super) read: Used,
+}
+
+/// Inputs of a frame that one can go without.
+#[derive(Default)]
+pub(super) struct Inputs {
+    depth: Option<Plane>,
+    camera: Option<Camera>,
+    occlusion: Option<Plane>,
+    albedo: Option<ColorPlanes>,
+    light: LightLayers,
+}
+
+/// An input, by what takes it out of a frame and puts it back.
+pub(super) type Swap = fn(&mut Frame, &mut Inputs);
+
+/// Depth, and the camera that turns it to positions.
+pub(super) const DEPTH: Swap = |frame, spare| {
+    swap(&mut frame.depth, &mut spare.depth);
+    swap(&mut frame.camera, &mut spare.camera);
+};
+pub(super) const OCCLUSION: Swap = |frame, spare| swap(&mut frame.occlusion, &mut spare.occlusion);
+pub(super) const ALBEDO: Swap = |frame, spare| swap(&mut frame.albedo, &mut spare.albedo);
+pub(super) const LIGHT: Swap = |frame, spare| swap(&mut frame.light, &mut spare.light);
+
+/// What a run differs in from the command as given.
+#[derive(Clone, Default)]
+pub(super) struct Change {
+    /// Settings by their names.
+    pub(super) settings: Vec<(&'static str, String)>,
+    pub(super) without: Option<Swap>,
+}
+
+impl Change {
+    pub(super) fn setting(name: &'static str, value: impl ToString) -> Self {
+        Self {
+            settings: vec![(name, value.to_string())],
+            without: None,
+        }
+    }
+
+    pub(super) fn without(input: Swap) -> Self {
+        Self {
+            without: Some(input),
+            ..Self::default()
+        }
+    }
+
+    /// As it is typed.
+    pub(super) fn flags(&self) -> String {
+        let flags = self.settings.iter();
+        let flags = flags.map(|(name, value)| format!("--{name} {value}"));
+        flags.collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// What a run made.
+pub(super) struct Shot {
+    pub(super) codes: Codes,
+    pub(super) size: [usize; 2],
+    pub(super) made: Made,
+    pub(super) used: Used,
+}
+
+impl Subject {
+    /// Reads the frame for the command of a report; `typed` are settings given to the report itself.
+    ///
+    /// # Errors
+    /// As the command itself, of its arguments and of reading; [`Error::BadParameter`] where --for names no command.
+    pub(super) fn read(args: &ReportArgs, typed: &[Flag], number: Option<i32>) -> Result<Self> {
+        let mut words = match (&args.command, &args.recipe) {
+            (Some(text), _) => split(text)?,
+            (None, Some(_)) => Vec::new(),
+            (None, None) => vec![DEFAULT.into()],
+        };
+        let (name, own) = match &args.recipe {
+            Some(_) => (String::new(), &words[..]),
+            None => (words[0].clone(), &words[1..]),
+        };
+        let end = ["-o", OUTPUT, "--"].map(OsString::from);
+        let rest = own.iter().map(OsString::from);
+        let rest = rest.chain(typed.iter().map(Flag::word));
+        let rest: Vec<OsString> = rest.chain(end).chain([args.input.clone().into()]).collect();
+        let typed = match &args.recipe {
+            Some(path) => {
+                let recipe = Recipe::read(path)?;
+                words = vec!["run".into(), path.display().to_string()];
+                Invocation::of(["relievo".into()]).of_recipe(&recipe, &rest)?
+            }
+            None => {
+                let start = ["relievo".into(), OsString::from(name)];
+                Invocation::of(start.into_iter().chain(rest))
+            }
+        };
+        let command = parsed(&typed)?;
+        work_of(&command).flags.validate()?;
+        let mut warnings = setting_warnings(&command);
+        let mut light = match light_of(&command) {
+            Some(args) => illumination(args, MaxMemory::Auto.for_light())?,
+            None => Illumination::default(),
+        };
+        if let Command::Relight(args) = &command {
+            let (lit, said) = light_or_lamp(args, light);
+            light = lit;
+            warnings.extend(said);
+        }
+        let engine = work_of(&command).run.compute.backend.engine()?;
+        let source = Source::of(&command, &light, number)?;
+        let (loaded, read) = timed(|| source.load(&command));
+        let (mut loaded, specular) = loaded?;
+        look_at_depth(&mut loaded);
+        warnings.extend(loaded.warnings);
+        Ok(Self {
+            typed,
+            words,
+            command,
+            light,
+            frame: loaded.frame,
+            specular,
+            primaries: loaded.chromaticities,
+            is_in_sequence: number.is_some(),
+            engine,
+            warnings,
+            read,
+        })
+    }
+
+    /// The command as it is typed, with further flags.
+    pub(super) fn line(&self, flags: &str) -> String {
+        let words = shlex::try_join(self.words.iter().map(String::as_str));
+        let words = words.unwrap_or_else(|_| self.words.join(" "));
+        let line = format!("relievo {words} {flags}");
+        line.trim_end().into()
+    }
+
+    /// The command with some settings changed.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for a value out of range.
+    pub(super) fn command_with(&self, settings: &[(&'static str, String)]) -> Result<Command> {
+        let mut command = parsed(&self.typed)?;
+        let params = params_of(&mut command);
+        for (name, value) in settings {
+            params
+                .set(name, value)
+                .map_err(|expected| Error::Arguments {
+                    found: format!("{name} {value}: {expected}"),
+                })?;
+        }
+        params.validate()?;
+        Ok(command)
+    }
+
+    /// Runs the command with one thing changed.
+    ///
+    /// # Errors
+    /// As the command.
+    pub(super) fn shot(&mut self, change: &Change) -> Result<Shot> {
+        let command = self.command_with(&change.settings)?;
+        let mut spare = Inputs::default();
+        let mut exchange = |frame: &mut Frame| {
+            if let Some(swap) = change.without {
+                swap(frame, &mut spare);
+            }
+        };
+        exchange(&mut self.frame);
+        let shot = self.run(&command);
+        exchange(&mut self.frame);
+        shot
+    }
+
+    fn run(&self, command: &Command) -> Result<Shot> {
+        let making = Making {
+            command,
+            light: &self.light,
+            frame: &self.frame,
+            specular: self.specular.as_ref(),
+            is_in_sequence: self.is_in_sequence,
+        };
+        // A command of one picture prepares its light.
+        self.engine.forget_environment();
+        let (made, used) = timed(|| making.run(&self.engine, &Run::new()));
+        let made = made?;
+        let shown = making.shown(&made, self.primaries, |picture, _| {
+            let size = [picture.color.r.width(), picture.color.r.height()];
+            (pixels_16(picture), size)
+        });
+        let mask = &self.frame.mask;
+        let (codes, size) = shown.unwrap_or_else(|| {
+            let codes = made.maps.iter().flat_map(|(_, map)| map.samples());
+            let codes = codes.map(|v| (65_535.0 * v.clamp(0.0, 1.0)) as u16);
+            let codes = codes.map(|code| [code, code, code, u16::MAX]);
+            (codes.collect(), [mask.width(), mask.height()])
+        });
+        Ok(Shot {
+            codes,
+            size,
+            made,
+            used,
+        })
+    }
+
+    /// The picture that the command begins from, as a display has it.
+    pub(super) fn before(&self) -> Option<Codes> {
+        let color = self.frame.color.as_ref()?;
+        let making = Making {
+            command: &self.command,
+            light: &self.light,
+            frame: &self.frame,
+            specular: None,
+            is_in_sequence: false,
+        };
+        let outcome = crate::engine::Outcome {
+            color: Some(color.clone()),
+            ..Default::default()
+        };
+        let made = Made {
+            outcome,
+            ..Made::default()
+        };
+        let is_light = matches!(self.command, Command::Enhance(_) | Command::Relight(_));
+        is_light
+            .then(|| making.shown(&made, self.primaries, |picture, _| pixels_16(picture)))
+            .flatten()
+    }
+
+    /// The pixels that count: those of the surface, or of the whole page for a drawing. `size` is that of the picture.
+    pub(super) fn counts(&self, size: [usize; 2]) -> Vec<bool> {
+        let mask = &self.frame.mask;
+        match self.command {
+            Command::Hatch(_) => vec![true; size[0] * size[1]],
+            _ => mask.plane().samples().to_vec(),
+        }
+    }
+
+    /// The plan of a command, `None` for maps, which have several.
+    pub(super) fn plan(&self, command: &Command) -> Option<Plan> {
+        let drawn = Drawn {
+            times: 1.0,
+            is_in_sequence: self.is_in_sequence,
+            moves: false,
+            is_specular: self.specular.is_some(),
+        };
+        let is_map = matches!(command, Command::Map(_));
+        let plan = (!is_map).then(|| plan_of(command, &self.frame, self.light.clone(), drawn))?;
+        plan.ok().map(|(plan, _)| plan)
+    }
+
+    /// Whether a change of settings leaves every stage as it is.
+    pub(super) fn is_same(&self, change: &Change) -> bool {
+        let key = |command: &Command| {
+            let mut plan = self.plan(command)?;
+            // The sweeps that follow from these are compared.
+            (plan.shape.tolerance, plan.shape.solver) = (0.0, Solver::Chebyshev);
+            Some(format!("{plan:?}"))
+        };
+        let changed = self.command_with(&change.settings);
+        let keys = changed
+            .ok()
+            .and_then(|c| Some((key(&c)?, key(&self.command)?)));
+        change.without.is_none() && keys.is_some_and(|(changed, given)| changed == given)
+    }
+
+    /// Whether mirrors or lenses are traced.
+    pub(super) fn is_specular(&self) -> bool {
+        self.specular.is_some()
+    }
+}
+
+/// The words of --for: a command with its flags.
+fn split(text: &str) -> Result<Vec<String>> {
+    let bad = |found: String, remedy: String| Error::BadParameter {
+        name: "--for",
+        found,
+        remedy,
+    };
+    let words = shlex::split(text).ok_or_else(|| {
+        let found = "has a quote that does not end".to_string();
+        bad(found, "end it".into())
+    })?;
+    let start = usize::from(words.first().is_some_and(|word| word == "relievo"));
+    let words = words[start..].to_vec();
+    match words.first() {
+        Some(name) if COMMANDS.contains(&&name[..]) => Ok(words),
+        other => Err(bad(
+            format!("begins with {}", other.map_or("nothing", String::as_str)),
+            format!("begin it with one of {}, without IN", COMMANDS.join(", ")),
+        )),
+    }
+}
+
+fn parsed(typed: &Invocation) -> Result<Command> {
+    let parsed = typed.parse().map_err(|error| Error::BadParameter {
+        name: "--for",
+        found: misuse_line(&error).replacen("error: ", "", 1),
+        remedy: "give a command with its flags, without IN and -o".into(),
+    })?;
+    Ok(parsed.cli.command)
+}
