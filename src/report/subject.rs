@@ -171,12 +171,11 @@ impl Subject {
         })
     }
 
-    /// The command as it is typed, with further flags.
-    pub(super) fn line(&self, flags: &str) -> String {
+    /// The command as it is typed, without IN and OUT.
+    pub(super) fn line(&self) -> String {
         let words = shlex::try_join(self.words.iter().map(String::as_str));
         let words = words.unwrap_or_else(|_| self.words.join(" "));
-        let line = format!("relievo {words} {flags}");
-        line.trim_end().into()
+        format!("relievo {words}")
     }
 
     /// The command with some settings changed.

@@ -37,6 +37,26 @@ pub(crate) struct Cost {
     pub is_in_rounds: bool,
 }
 
+impl Cost {
+    /// That of the command as given, which all others are compared with.
+    pub(super) fn of_given(used: Used) -> Self {
+        Self {
+            is_in_rounds: true,
+            ..Self::once(used)
+        }
+    }
+
+    /// That of a single run.
+    pub(super) fn once(used: Used) -> Self {
+        Self {
+            cpu_ms: used.cpu_ms,
+            wall_ms: used.wall_ms,
+            saved_ms: 0.0,
+            is_in_rounds: false,
+        }
+    }
+}
+
 /// What rounds found: the time of the command as given, of each other run, and how far to trust them.
 pub(super) struct Timed {
     pub(super) given: Used,

@@ -8,7 +8,7 @@
 use relievo::Result;
 use relievo::engine::{Engine, Inputs, Outcome, Run, SequenceInputs, TextureCoordinates};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, Vector3Planes};
-use relievo::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{
     Adaptive, LineLevels, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams,
     StrokeScale, ToneParams,
@@ -130,7 +130,7 @@ impl SequenceDrawer {
                 ..own_size
             },
             lamp: Illumination {
-                directional: vec![DirectionalLight::white(LAMP_DEG)],
+                directional: vec![DirectionalLight::white([135.0, 40.0])],
                 ..Illumination::default()
             },
         }
