@@ -439,9 +439,9 @@ impl<'a> Job<'a> {
             let start = Instant::now();
             let whites = write(output)?;
             let mut timings = Timings::of(&done.loaded.frame);
-            timings.stages.push(("read", done.read));
-            timings.stages.extend(&done.outcome.timings);
-            timings.stages.push(("write", start.elapsed()));
+            timings.add("read", done.read);
+            timings.add_all(&done.outcome);
+            timings.add("write", start.elapsed());
             self.write_timings(&timings)?;
             Ok(whites)
         })?;
@@ -511,6 +511,8 @@ pub(super) struct Timings {
     /// Pixels that show a surface.
     pub(super) covered: usize,
     stages: Vec<(&'static str, Duration)>,
+    /// The number of blocks that diffusion left out, and of all.
+    left_out: [usize; 2],
 }
 
 impl Timings {
@@ -527,6 +529,7 @@ impl Timings {
             size: [window.width(), window.height()],
             covered: 0,
             stages: Vec::new(),
+            left_out: [0; 2],
         }
     }
 
@@ -542,6 +545,9 @@ impl Timings {
     pub(super) fn add_all(&mut self, outcome: &Outcome) {
         let stages = outcome.timings.iter();
         stages.for_each(|&(name, took)| self.add(name, took));
+        for (sum, count) in self.left_out.iter_mut().zip(outcome.left_out) {
+            *sum += count;
+        }
     }
 
     fn json(&self, total: Duration) -> String {
@@ -556,6 +562,8 @@ impl Timings {
             "covered_pixels": self.covered,
             "threads": rayon::current_num_threads(),
             "stages": stages,
+            "diffusion_blocks": self.left_out[1],
+            "diffusion_blocks_left_out": self.left_out[0],
             "total_seconds": seconds(total),
         });
         format!("{summary:#}\n")

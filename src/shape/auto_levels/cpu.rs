@@ -32,7 +32,8 @@ impl<'a> Counted<'a> {
     }
 }
 
-/// The gain for curvature in `part`, counted from the corner of the planes; `mask` is that of the part.
+/// The gain for curvature in `part`, counted from the corner of the planes; `mask` is that of the part. What lies outside
+/// the planes counts nothing.
 ///
 /// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
 pub(crate) fn curvature_gain(
@@ -42,9 +43,15 @@ pub(crate) fn curvature_gain(
     most: f32,
 ) -> f32 {
     let flat = flat_curvature([part.width(), part.height()], factor);
-    let corner = [part.x0 as usize, part.y0 as usize];
+    let (width, height) = (counted.trace.width(), counted.trace.height());
     let curved = sample(mask, |x, y| {
-        counted.at(flat, [x + corner[0], y + corner[1]])
+        let x = x
+            .checked_add_signed(part.x0 as isize)
+            .filter(|&x| x < width)?;
+        let y = y
+            .checked_add_signed(part.y0 as isize)
+            .filter(|&y| y < height)?;
+        counted.at(flat, [x, y])
     });
     gain_of(&curved.values(), most)
 }
