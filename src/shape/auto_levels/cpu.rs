@@ -44,14 +44,18 @@ pub(crate) fn curvature_gain(
 ) -> f32 {
     let flat = flat_curvature([part.width(), part.height()], factor);
     let (width, height) = (counted.trace.width(), counted.trace.height());
-    let curved = sample(mask, |x, y| {
-        let x = x
-            .checked_add_signed(part.x0 as isize)
-            .filter(|&x| x < width)?;
-        let y = y
-            .checked_add_signed(part.y0 as isize)
-            .filter(|&y| y < height)?;
-        counted.at(flat, [x, y])
+    let [dx, dy] = [part.x0, part.y0].map(|first| first as isize);
+    let within = |y: &usize| y.checked_add_signed(dy).is_some_and(|y| y < height);
+    let mut rows = (0..mask.height()).filter(within);
+    let first = rows.next().unwrap_or(0);
+    let rows = first
+        ..rows
+            .next_back()
+            .map_or(first + 1, |last| last + 1)
+            .min(mask.height());
+    let curved = sample(mask, rows, |x, y| {
+        let x = x.checked_add_signed(dx).filter(|&x| x < width)?;
+        counted.at(flat, [x, y.checked_add_signed(dy)?])
     });
     gain_of(&curved.values(), most)
 }
