@@ -49,9 +49,17 @@ pub(super) fn lines(
     lines
 }
 
-/// What had nothing to do in a picture of light, with the count that shows it.
-pub(super) fn idle(frame: &Frame, params: &Params) -> Vec<(&'static str, String)> {
+/// What had nothing to do, with the count that shows it; `left_out` of all blocks were none of diffusion's.
+pub(super) fn idle(
+    frame: &Frame,
+    params: &Params,
+    [left_out, all]: [usize; 2],
+) -> Vec<(&'static str, String)> {
     let mut idle = Vec::new();
+    if left_out > 0 {
+        let count = format!("nothing flows in {left_out} of {all} blocks of 32x16 pixels");
+        idle.push(("diffusion", count));
+    }
     let covered = frame.mask.count();
     if params.blur_fade > 0.0 && frame.confidence.is_none() {
         let count = format!("0 of {covered} pixels show several surfaces");

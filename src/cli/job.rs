@@ -274,7 +274,7 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let (run, params) = (&self.work.run, &self.work.flags.params);
-        let idle = explained::idle(frame, params);
+        let idle = explained::idle(frame, params, timings.left_out);
         let lines = explained::lines(&timings.stages, &decisions, chosen, &idle, run.verbose);
         message::result(lines)
     }
@@ -535,6 +535,8 @@ pub(super) struct Timings {
     /// Pixels that show a surface.
     pub(super) covered: usize,
     stages: Vec<(&'static str, Duration)>,
+    /// The number of blocks that diffusion left out, and of all.
+    left_out: [usize; 2],
 }
 
 impl Timings {
@@ -551,6 +553,7 @@ impl Timings {
             size: [window.width(), window.height()],
             covered: 0,
             stages: Vec::new(),
+            left_out: [0; 2],
         }
     }
 
@@ -566,6 +569,9 @@ impl Timings {
     pub(super) fn add_all(&mut self, outcome: &Outcome) {
         let stages = outcome.timings.iter();
         stages.for_each(|&(name, took)| self.add(name, took));
+        for (sum, count) in self.left_out.iter_mut().zip(outcome.left_out) {
+            *sum += count;
+        }
     }
 
     fn json(&self, total: Duration) -> String {
@@ -580,6 +586,8 @@ impl Timings {
             "covered_pixels": self.covered,
             "threads": rayon::current_num_threads(),
             "stages": stages,
+            "diffusion_blocks": self.left_out[1],
+            "diffusion_blocks_left_out": self.left_out[0],
             "total_seconds": seconds(total),
         });
         format!("{summary:#}\n")

@@ -40,9 +40,25 @@ impl EnhanceArgs {
 
     /// The plan for a frame, with choices made on the whole picture if the frame is a strip of it.
     pub(crate) fn plan(&self, frame: &Frame, found: &StripChoice) -> Result<Plan> {
-        let Params { shape, scaling, .. } = self.work.flags.params;
+        let Params {
+            shape,
+            scaling,
+            mix,
+            ..
+        } = self.work.flags.params;
         let available = Available::in_frame(frame);
-        Plan::new(Goal::Enhance, available, shape, found.given(scaling))
+        // None of the change shows: it is left out.
+        let scaling = match mix {
+            0.0 => ScalingParams {
+                scaling: 0.0,
+                scaling_ambient: None,
+                scaling_diffuse: None,
+                scaling_specular: None,
+                ..scaling
+            },
+            _ => found.given(scaling),
+        };
+        Plan::new(Goal::Enhance, available, shape, scaling)
     }
 }
 

@@ -251,6 +251,8 @@ pub struct Outcome {
     pub middle_light: Option<f32>,
     /// The white levels used where each term of the light has its own, by term.
     pub term_white_levels: Vec<(&'static str, f32)>,
+    /// The number of blocks that diffusion left out, as nothing flows in them, and of all.
+    pub left_out: [usize; 2],
     /// The time of each pass, in order.
     pub timings: Vec<(&'static str, Duration)>,
 }

@@ -185,16 +185,21 @@ impl<T: Copy> Plane<T> {
         let Some(both) = from.common(&to) else {
             return moved;
         };
-        let columns = |window: Window| {
-            let first = (i64::from(both.x0) - i64::from(window.x0)) as usize;
-            first..first + both.width()
-        };
-        for y in both.y0..both.y1 {
-            let row = |window: Window| (i64::from(y) - i64::from(window.y0)) as usize;
-            moved.row_mut(row(to))[columns(to)]
-                .copy_from_slice(&self.row(row(from))[columns(from)]);
-        }
+        moved.paste(to, both, self, from);
         moved
+    }
+
+    /// Copies the samples inside `part` from `other`, which covers `from`, into this plane, which covers `whole`.
+    pub(crate) fn paste(&mut self, whole: Window, part: Window, other: &Plane<T>, from: Window) {
+        let columns = |window: Window| {
+            let first = (i64::from(part.x0) - i64::from(window.x0)) as usize;
+            first..first + part.width()
+        };
+        for y in part.y0..part.y1 {
+            let row = |window: Window| (i64::from(y) - i64::from(window.y0)) as usize;
+            self.row_mut(row(whole))[columns(whole)]
+                .copy_from_slice(&other.row(row(from))[columns(from)]);
+        }
     }
 
     /// The samples as an array indexed `[row, column]`.

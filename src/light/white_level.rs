@@ -74,7 +74,7 @@ fn choose_white(run: &mut Run) {
 }
 
 fn choose_picture_white(run: &mut Run) {
-    let (plan, frame) = (run.plan, run.frame);
+    let (plan, frame, own) = (run.plan, run.frame, run.chosen_from());
     let white = match plan.scaling.white_level {
         Adaptive::Fixed(level) => level,
         // Ambient occlusion is the share of 1 that arrives.
@@ -84,7 +84,7 @@ fn choose_picture_white(run: &mut Run) {
             |kept| &mut kept.white,
             AUTO_WHITE.name,
             || {
-                let own = plan.own_part(frame);
+                let own = own();
                 let color = own
                     .color
                     .as_ref()
@@ -98,9 +98,9 @@ fn choose_picture_white(run: &mut Run) {
 }
 
 fn choose_term_whites(run: &mut Run) {
-    let (plan, frame) = (run.plan, run.frame);
+    let (plan, own) = (run.plan, run.chosen_from());
     let levels = || {
-        let own = plan.own_part(frame);
+        let own = own();
         let terms = light_terms(&own.light.lobes, &plan.scaling);
         white_levels(&terms, &own, &plan.scaling)
     };

@@ -20,18 +20,19 @@ pub(crate) fn percentile(
     percent: u32,
     value: impl Fn(usize, usize) -> Option<f32> + Sync,
 ) -> Option<f32> {
-    sample(mask, value).percentile(percent)
+    sample(mask, 0..mask.height(), value).percentile(percent)
 }
 
-/// The sampled values of a whole picture.
+/// The sampled values of a whole picture, of which only those in `rows` count.
 pub(crate) fn sample<T: Value>(
     mask: &Mask,
+    rows: Range<usize>,
     value: impl Fn(usize, usize) -> Option<T> + Sync,
 ) -> Sample<T> {
     let mut sample = Sample::default();
     sample.begin(&Extent::of(mask));
     while sample.is_open() {
-        sample.add(mask, 0..mask.height(), 0, &value);
+        sample.add(mask, rows.clone(), 0, &value);
         sample.end_look();
     }
     sample

@@ -14,6 +14,7 @@ use crate::line::tonal_art_map::cached::ArtMapCache;
 use crate::params::{Adaptive, RunOptions};
 use crate::plan::Plan;
 use crate::product::Product;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Runs plans one after another. Recycled outcomes provide memory for the next ones, and the last prepared environment
@@ -31,6 +32,8 @@ pub(crate) struct Runner {
 pub(crate) struct Run<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
+    /// The frame that this one is a part of, if it is.
+    pub(crate) whole: Option<&'a Frame>,
     pub(crate) inputs: Inputs<'a>,
     pub(crate) runner: &'a Runner,
     /// The runner's planes, and whether this run has been cancelled.
@@ -64,6 +67,7 @@ impl<'a> Run<'a> {
         Self {
             plan,
             frame,
+            whole: None,
             inputs,
             runner,
             memory: &runner.memory,
@@ -78,6 +82,12 @@ impl<'a> Run<'a> {
             trace: None,
             canvas: Canvas::default(),
         }
+    }
+
+    /// Finds the frame that automatic choices are made from: the whole of a part, and of one that repeats a tile, the tile.
+    pub(crate) fn chosen_from(&self) -> impl FnOnce() -> Cow<'a, Frame> + use<'a> {
+        let (whole, plan, frame) = (self.whole, self.plan, self.frame);
+        move || whole.map_or_else(|| plan.own_part(frame), Cow::Borrowed)
     }
 
     pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {

@@ -136,7 +136,7 @@ impl Level {
     ) -> Vec<Vector2Planes> {
         let medium = Medium::of_whole(&self.conductance, &self.frame.mask);
         let memory = &memory.at_other_size();
-        diffusion(Vector2Planes { x, y }, medium, sweeps, options, memory)
+        diffusion(Vector2Planes { x, y }, medium, sweeps, options, memory).scales
     }
 
     fn units(&self, across: &Vector2Planes, z: &Plane) -> Plane<Vec3> {

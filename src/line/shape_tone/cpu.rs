@@ -353,7 +353,7 @@ impl Cells<'_> {
         let sweeps = DiffusionSchedule::to_sigmas(&[sigma], TOLERANCE);
         let (mask, options) = (&self.grid.mask, self.options);
         let medium = Medium::of_whole(conductance, mask);
-        let mut spread = diffusion(field, medium, &sweeps, options, self.memory);
+        let mut spread = diffusion(field, medium, &sweeps, options, self.memory).scales;
         spread.pop().expect("one scale is read out")
     }
 }

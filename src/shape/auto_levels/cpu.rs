@@ -32,7 +32,8 @@ impl<'a> Counted<'a> {
     }
 }
 
-/// The gain for curvature in `part`, counted from the corner of the planes; `mask` is that of the part.
+/// The gain for curvature in `part`, counted from the corner of the planes; `mask` is that of the part. What lies outside
+/// the planes counts nothing.
 ///
 /// The trace is `factor` times its value per pixel of the plane; the gain is at most `most`.
 pub(crate) fn curvature_gain(
@@ -42,9 +43,19 @@ pub(crate) fn curvature_gain(
     most: f32,
 ) -> f32 {
     let flat = flat_curvature([part.width(), part.height()], factor);
-    let corner = [part.x0 as usize, part.y0 as usize];
-    let curved = sample(mask, |x, y| {
-        counted.at(flat, [x + corner[0], y + corner[1]])
+    let (width, height) = (counted.trace.width(), counted.trace.height());
+    let [dx, dy] = [part.x0, part.y0].map(|first| first as isize);
+    let within = |y: &usize| y.checked_add_signed(dy).is_some_and(|y| y < height);
+    let mut rows = (0..mask.height()).filter(within);
+    let first = rows.next().unwrap_or(0);
+    let rows = first
+        ..rows
+            .next_back()
+            .map_or(first + 1, |last| last + 1)
+            .min(mask.height());
+    let curved = sample(mask, rows, |x, y| {
+        let x = x.checked_add_signed(dx).filter(|&x| x < width)?;
+        counted.at(flat, [x, y.checked_add_signed(dy)?])
     });
     gain_of(&curved.values(), most)
 }

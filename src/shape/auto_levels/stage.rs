@@ -93,14 +93,18 @@ fn gain_of_frame(run: &mut Run) -> f32 {
     let made_of = (own.is_some(), plan.relighting.is_some());
     let key = format!("{} {made_of:?}", plan.key(AUTO_GAIN.name));
     let (factor, most) = (plan.resolution_factor as f32, plan.most_gain());
-    let frame = run.frame;
+    let (frame, whole) = (run.frame, run.whole.unwrap_or(run.frame));
     let choose = || {
         let counted = Counted::of(frame, [trace, conductance]);
-        let whole = frame.data_window;
-        let part = plan.tile.map_or(whole, |tile| tile.window);
-        let of_tile = plan.tile.map(|_| frame.mask.crop(whole, part));
-        let mask = of_tile.as_ref().unwrap_or(&frame.mask);
-        cpu::curvature_gain(&counted, (mask, part.relative_to(whole)), factor, most)
+        let part = plan.tile.map_or(whole.data_window, |tile| tile.window);
+        let of_tile = plan.tile.map(|_| frame.mask.crop(frame.data_window, part));
+        let mask = of_tile.as_ref().unwrap_or(&whole.mask);
+        cpu::curvature_gain(
+            &counted,
+            (mask, part.relative_to(frame.data_window)),
+            factor,
+            most,
+        )
     };
     let gain = run.copied_or(&key, |kept| &mut kept.gain, AUTO_GAIN.name, choose);
     (run.outcome.shape, run.trace) = (shape, own);

@@ -5,6 +5,7 @@ use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::params::RunOptions;
 use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
 use crate::shape::diffusion::tiles::{Tiling, even_tiles};
 use crate::shape::diffusion::wavefront::{Pass, Results, VectorRows, WavefrontTile, Weights};
@@ -41,6 +42,15 @@ impl<'a> Medium<'a> {
     }
 }
 
+/// The result of diffusion.
+#[derive(Debug)]
+pub(crate) struct Diffused {
+    /// The gradient at every scale.
+    pub(crate) scales: Vec<Vector2Planes>,
+    /// The number of blocks in which nothing flows, and of all.
+    pub(crate) left_out: [usize; 2],
+}
+
 /// The gradient after all sweeps, at every scale read out.
 ///
 /// Sweeps are grouped into passes; a pass hands the last two terms of the recurrence and the sums so far to the next.
@@ -50,7 +60,7 @@ pub(crate) fn diffusion(
     sweeps: &DiffusionSchedule,
     options: &RunOptions,
     memory: &Memory,
-) -> Vec<Vector2Planes> {
+) -> Diffused {
     let Medium { mask, wraps, .. } = medium;
     let threads = rayon::current_num_threads();
     let updates = updates(sweeps);
@@ -85,6 +95,30 @@ pub(crate) fn diffusion(
         earlier: None,
     };
     let mut spare = None;
+    let (moving, simd) = (Moving::of(&terms.last, medium), Simd::widest());
+    let read_out_still = |to: &mut Vector2Planes, weights: &[f32]| {
+        if memory.is_cancelled() {
+            return;
+        }
+        for (from, to) in [(&terms.last.x, &mut to.x), (&terms.last.y, &mut to.y)] {
+            moving.read_out_still(from, to, weights, simd);
+        }
+    };
+    if let Weights::Sums(all) = weights {
+        for (sum, weights) in sums.iter_mut().zip(all) {
+            let signed = weights.iter().enumerate();
+            let signed = signed.map(|(k, &a)| if k % 2 == 0 { a } else { -a });
+            read_out_still(sum, &signed.collect::<Vec<_>>());
+        }
+    } else if sums.is_empty() {
+        // Both of the planes that steps go to and fro between have what stays.
+        let mut last = blank();
+        read_out_still(&mut last, &[1.0]);
+        spare = Some(Terms {
+            last,
+            earlier: None,
+        });
+    }
     for (i, updates) in updates.chunks(per_pass).enumerate() {
         let pass = Pass {
             updates,
@@ -95,8 +129,9 @@ pub(crate) fn diffusion(
             earlier: terms.earlier.as_ref(),
             conductance: medium.conductance,
             mask,
+            moving: &moving,
             wraps,
-            simd: Simd::widest(),
+            simd,
             memory,
         };
         let goes_on = i + 1 < passes;
@@ -121,7 +156,10 @@ pub(crate) fn diffusion(
     let (last, earlier) = spare.map_or((None, None), Terms::into_parts);
     let left = [last, earlier, terms.earlier].into_iter().flatten();
     memory.recycle(left.flat_map(|Vector2Planes { x, y }| [x, y]));
-    sums
+    Diffused {
+        scales: sums,
+        left_out: moving.left_out,
+    }
 }
 
 /// The last term of a recurrence and, if the next one needs it, the term before.

@@ -15,6 +15,7 @@ pub(crate) mod gpu;
 pub(crate) mod importance;
 pub(crate) mod kernel;
 pub(crate) mod stage;
+pub(crate) mod still;
 pub(crate) mod sweeps;
 pub(crate) mod tiles;
 pub(crate) mod wavefront;

@@ -7,7 +7,7 @@ use crate::plan::Plan;
 use crate::plan::planned::Tile;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::diffusion::cpu::Medium;
+use crate::shape::diffusion::cpu::{Diffused, Medium};
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::{REACH, cpu};
 
@@ -97,7 +97,8 @@ fn diffuse(run: &mut Run) {
                 })
             });
             run.outcome.shape.conductance = Some(conductance);
-            diffused
+            run.outcome.left_out = diffused.left_out;
+            diffused.scales
         }
     };
     run.more_gradients = gradients.split_off(1);
@@ -110,8 +111,8 @@ fn in_tile(
     medium: Medium,
     tile: Tile,
     whole: Window,
-    spread: impl FnOnce(Vector2Planes, Medium) -> Vec<Vector2Planes>,
-) -> Vec<Vector2Planes> {
+    spread: impl FnOnce(Vector2Planes, Medium) -> Diffused,
+) -> Diffused {
     let importance = medium.importance.map(|levels| Levels {
         plane: levels.plane.crop(whole, tile.window),
         weights: levels.weights.clone(),
@@ -126,7 +127,11 @@ fn in_tile(
         importance: importance.as_ref(),
         wraps: tile.wraps,
     };
-    let spread = spread(gradient, of_tile).into_iter();
-    let repeated = spread.map(|field| field.mapped(|plane| plane.repeated(tile.window, whole)));
-    repeated.collect()
+    let spread = spread(gradient, of_tile);
+    let scales = spread.scales.into_iter();
+    let repeated = scales.map(|field| field.mapped(|plane| plane.repeated(tile.window, whole)));
+    Diffused {
+        scales: repeated.collect(),
+        ..spread
+    }
 }

@@ -9,6 +9,7 @@ use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::shape::diffusion::kernel::{Chunk, Lanes, Sum, Sweep, TOGETHER};
+use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::tiles::Tile;
 use crate::shape::diffusion::{FEW_LEVELS, LEVELS, Update};
 use std::ops::Range;
@@ -35,6 +36,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) conductance: &'a Plane,
     /// Coverage: the terms are 0 outside.
     pub(crate) mask: &'a Mask,
+    /// The parts that sweeps may change: no others are read or written.
+    pub(crate) moving: &'a Moving,
     /// Whether left and right borders are joined, and upper and lower ones.
     pub(crate) wraps: [bool; 2],
     /// Vectors to compute with.
@@ -132,7 +135,7 @@ pub(crate) struct Results<'a> {
 pub(crate) struct WavefrontTile<const N: usize> {
     /// Columns left of the tile, in whole chunks.
     pad: usize,
-    /// The columns of the picture that are read, and their position in the row.
+    /// The columns of the picture within reach, and their position in the row.
     columns: Vec<(Range<usize>, usize)>,
     /// Chunks of a row.
     stride: usize,
@@ -194,7 +197,7 @@ impl<const N: usize> WavefrontTile<N> {
                 self.sweep(pass, k, at_work(front, k), tile);
             }
             for y in at_work(front, sweeps) {
-                self.leave(sweeps, y, tile, results);
+                self.leave(pass, y, tile, results);
             }
         }
     }
@@ -223,7 +226,7 @@ impl<const N: usize> WavefrontTile<N> {
         }
     }
 
-    /// Finds the columns of the picture read by the sweeps, across joined borders as often as they reach.
+    /// Finds the columns of the picture in reach of the sweeps, across joined borders as often as they reach.
     fn find_columns(&mut self, pass: &Pass, tile: &Tile) {
         let (reach, width) = (pass.updates.len(), pass.conductance.width());
         self.columns.clear();
@@ -253,15 +256,22 @@ impl<const N: usize> WavefrontTile<N> {
     /// Loads row `y`: terms, conductances of its faces, and the sum so far.
     fn enter(&mut self, pass: &Pass, tile: &Tile, y: usize, is_first: bool, results: &mut Results) {
         let in_picture = y % pass.conductance.height();
+        let row = self.row(y);
         let [even, odd] = &mut self.open;
         let (open, open_above) = if y.is_multiple_of(2) {
             (even, odd)
         } else {
             (odd, even)
         };
+        open.fill(0.0);
+        let columns = read(&self.columns, pass.moving, in_picture);
+        if columns.clone().next().is_none() {
+            self.chunks[row].fill(Chunk::EMPTY);
+            return;
+        }
         let conductance = pass.conductance.row(in_picture);
-        for (columns, at) in &self.columns {
-            open[*at..][..columns.len()].copy_from_slice(&conductance[columns.clone()]);
+        for (columns, at) in columns.clone() {
+            open[at..][..columns.len()].copy_from_slice(&conductance[columns]);
         }
         pass.simd
             .face_conductance_row(&mut self.left[1..], open, &open[1..]);
@@ -273,7 +283,6 @@ impl<const N: usize> WavefrontTile<N> {
                 .face_conductance_row(&mut self.above, open, open_above);
         }
 
-        let row = self.row(y);
         let chunks = &mut self.chunks[row.clone()];
         let left = self.left.as_chunks().0.iter();
         let above = self.above.as_chunks().0.iter();
@@ -284,9 +293,9 @@ impl<const N: usize> WavefrontTile<N> {
         for (k, term) in [(0, pass.earlier), (1, Some(pass.last))] {
             let Some(term) = term else { continue };
             for (c, plane) in [&term.x, &term.y].into_iter().enumerate() {
-                for (columns, at) in &self.columns {
-                    let samples = &plane.row(in_picture)[columns.clone()];
-                    place(chunks, *at, samples, |chunk| &mut chunk.terms[k][c]);
+                for (columns, at) in columns.clone() {
+                    let samples = &plane.row(in_picture)[columns];
+                    place(chunks, at, samples, |chunk| &mut chunk.terms[k][c]);
                 }
             }
         }
@@ -313,30 +322,42 @@ impl<const N: usize> WavefrontTile<N> {
 
     /// Rows `at_work` of sweep `k`, which computes term `k` of the pass from the previous ones, and adds it to the sums.
     fn sweep(&mut self, pass: &Pass, k: usize, at_work: Range<usize>, tile: &Tile) {
-        let rim = pass.updates.len() - k;
+        let (rim, height) = (pass.updates.len() - k, pass.mask.height());
         // Only where a row is covered: elsewhere all terms are 0.
         let span = at_work
             .clone()
-            .map(|y| pass.mask.span(y % pass.mask.height()))
+            .map(|y| pass.mask.span(y % height))
             .filter(|span| !span.is_empty())
             .reduce(|a, b| a.start.min(b.start)..a.end.max(b.end));
-        let Some(span) = span else { return };
+        let Some(covered) = span else { return };
         // Positions in the row.
         let reached = self.pad - rim..self.pad + tile.columns.len() + rim;
-        let swept = match pass.wraps[0] {
-            true => reached,
-            false => {
-                let at = |x: usize| (x + self.pad).saturating_sub(tile.columns.start);
-                reached.start.max(at(span.start))..reached.end.min(at(span.end))
+        let first = at_work.start % height;
+        let rows = first..(first + at_work.len()).min(height);
+        for span in parts(pass.moving.spans(rows), &covered) {
+            let at = |x: usize| (x + self.pad).saturating_sub(tile.columns.start);
+            let swept = match pass.wraps[0] {
+                true => reached.clone(),
+                false => reached.start.max(at(span.start))..reached.end.min(at(span.end)),
+            };
+            self.sweep_columns(pass, k, at_work.clone(), swept);
+        }
+        if let Some(added) = pass.added_at(k) {
+            let tile_rows = at_work.start.max(tile.rows.start)..at_work.end.min(tile.rows.end);
+            for y in tile_rows {
+                self.add(pass, added, k, y, tile);
             }
-        };
+        }
+    }
+
+    /// [`WavefrontTile::sweep`] at these positions in the rows; of several sums, the first is added to.
+    fn sweep_columns(&mut self, pass: &Pass, k: usize, at_work: Range<usize>, swept: Range<usize>) {
         if swept.is_empty() {
             return;
         }
         // With a neighbour at both ends.
         let chunks = swept.start / N - 1..swept.end.div_ceil(N) + 1;
-        let added = pass.added_at(k);
-        let weights = match (added, pass.weights) {
+        let weights = match (pass.added_at(k), pass.weights) {
             (Some(added), Weights::Sums(all)) => added.of_sum(&all[0]),
             _ => [0.0; 2],
         };
@@ -374,12 +395,6 @@ impl<const N: usize> WavefrontTile<N> {
                     _ => Default::default(),
                 };
                 pass.simd.sweep_row(above, row, below, sums, sweep);
-            }
-        }
-        if let Some(added) = added {
-            let tile_rows = at_work.start.max(tile.rows.start)..at_work.end.min(tile.rows.end);
-            for y in tile_rows {
-                self.add(pass, added, k, y, tile);
             }
         }
     }
@@ -426,26 +441,56 @@ impl<const N: usize> WavefrontTile<N> {
     }
 
     /// Outputs row `y`, which has passed all sweeps.
-    fn leave(&self, sweeps: usize, y: usize, tile: &Tile, results: &mut Results) {
-        let tile_row = y - tile.rows.start;
-        let columns = self.tile_chunks(y, tile);
-        for (rows, ring) in results.sums.iter_mut().zip(&self.sums) {
-            for (c, rows) in rows.iter_mut().enumerate() {
-                take(rows[tile_row], &ring[columns.clone()], |sum| &sum.0[c]);
+    fn leave(&self, pass: &Pass, y: usize, tile: &Tile, results: &mut Results) {
+        let (tile_row, in_picture) = (y - tile.rows.start, y % pass.mask.height());
+        let sweeps = pass.updates.len();
+        let chunks = self.tile_chunks(y, tile);
+        for columns in parts(pass.moving.spans(in_picture..in_picture + 1), &tile.columns) {
+            let at = columns.start - tile.columns.start;
+            let columns = at..at + columns.len();
+            for (rows, ring) in results.sums.iter_mut().zip(&self.sums) {
+                for (c, rows) in rows.iter_mut().enumerate() {
+                    let row = &mut rows[tile_row][columns.clone()];
+                    take(row, &ring[chunks.clone()], at, |sum| &sum.0[c]);
+                }
             }
-        }
-        // Sweep k has made a term with the parity of k + 1.
-        let terms = [
-            (&mut results.last, sweeps + 1),
-            (&mut results.earlier, sweeps),
-        ];
-        for (rows, term) in terms {
-            for (c, rows) in rows.iter_mut().flatten().enumerate() {
-                let chunks = &self.chunks[columns.clone()];
-                take(rows[tile_row], chunks, |chunk| &chunk.terms[term % 2][c]);
+            // Sweep k has made a term with the parity of k + 1.
+            let terms = [
+                (&mut results.last, sweeps + 1),
+                (&mut results.earlier, sweeps),
+            ];
+            for (rows, term) in terms {
+                for (c, rows) in rows.iter_mut().flatten().enumerate() {
+                    let row = &mut rows[tile_row][columns.clone()];
+                    let chunks = &self.chunks[chunks.clone()];
+                    take(row, chunks, at, |chunk| &chunk.terms[term % 2][c]);
+                }
             }
         }
     }
+}
+
+/// The columns of row `y` of the picture that are read, of those within reach, with their positions in the row.
+fn read<'a>(
+    within: &'a [(Range<usize>, usize)],
+    moving: &'a Moving,
+    y: usize,
+) -> impl Iterator<Item = (Range<usize>, usize)> + Clone + use<'a> {
+    within.iter().flat_map(move |(columns, at)| {
+        let parts = parts(moving.spans(y..y + 1), columns);
+        parts.map(move |part| (part.clone(), at + part.start - columns.start))
+    })
+}
+
+/// The parts of ascending spans within `columns`.
+fn parts<'a>(
+    spans: &'a [Range<usize>],
+    columns: &Range<usize>,
+) -> impl Iterator<Item = Range<usize>> + Clone + use<'a> {
+    let columns = columns.clone();
+    let parts = spans.iter();
+    let parts = parts.map(move |span| span.start.max(columns.start)..span.end.min(columns.end));
+    parts.filter(|part| !part.is_empty())
 }
 
 /// Sizes a buffer and sets all of it to `value`.
@@ -485,17 +530,31 @@ fn place<T, const N: usize>(
     }
 }
 
-/// Copies a row out of chunks. Negative zeros become positive: their sign may come from beyond a closed face and so
-/// depend on the tile.
-fn take<T, const N: usize>(row: &mut [f32], chunks: &[T], lanes: impl Fn(&T) -> &Lanes<N>) {
-    let (whole, tail) = row.as_chunks_mut::<N>();
+/// Copies a row out of chunks, from lane `at` on. Negative zeros become positive: their sign may come from beyond a closed
+/// face and so depend on the tile.
+fn take<T, const N: usize>(
+    row: &mut [f32],
+    chunks: &[T],
+    at: usize,
+    lanes: impl Fn(&T) -> &Lanes<N>,
+) {
+    let to_whole = at.next_multiple_of(N) - at;
+    let (head, rest) = row.split_at_mut(to_whole.min(row.len()));
+    let out = |row: &mut [f32], lanes: &[f32]| {
+        for (out, value) in row.iter_mut().zip(lanes) {
+            *out = value + 0.0;
+        }
+    };
+    if !head.is_empty() {
+        out(head, &lanes(&chunks[at / N])[at % N..]);
+    }
+    let (whole, tail) = rest.as_chunks_mut::<N>();
+    let chunks = &chunks[at.div_ceil(N)..];
     for (whole, chunk) in whole.iter_mut().zip(chunks) {
         *whole = lanes(chunk).map(|value| value + 0.0);
     }
     if let Some(chunk) = chunks.get(whole.len()) {
-        for (out, value) in tail.iter_mut().zip(lanes(chunk)) {
-            *out = value + 0.0;
-        }
+        out(tail, lanes(chunk));
     }
 }
 
