@@ -47,13 +47,13 @@ fn report(args: &ReportArgs, typed: &Invocation) -> Result<i32> {
         });
     }
     refuse_collisions(args)?;
+    if let Some(output) = &args.output {
+        check_folder(output)?;
+    }
     let frames = args.frames.of(&args.input, None)?;
     let number = frames.map(|frames| frames[0]);
     if let Some([first, _, ..]) = frames {
         note(&format!("a report is on one frame: {first}"));
-    }
-    if let Some(output) = &args.output {
-        check_folder(output)?;
     }
     let report = measured(&Asked {
         args,

@@ -266,7 +266,7 @@ pub(crate) struct ReportArgs {
     #[arg(
         value_name = "IN",
         required_unless_present = "cases",
-        default_value = "",
+        default_value = ".",
         hide_default_value = true
     )]
     pub(crate) input: PathBuf,

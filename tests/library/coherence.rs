@@ -17,7 +17,7 @@ use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
 
 /// A frame of a sequence.
 #[derive(Debug)]
-pub struct MovingFrame {
+pub(crate) struct MovingFrame {
     /// Frame number.
     pub number: i32,
     /// The frame.
@@ -28,7 +28,7 @@ pub struct MovingFrame {
 
 /// Mean absolute differences of ink, 0..1, from one frame to the next, over the pixels seen in both.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CoherenceRow {
+pub(crate) struct CoherenceRow {
     /// Number of the later frame.
     pub frame: i32,
     /// Mean length of the motion, in pixels.
@@ -49,7 +49,7 @@ pub struct CoherenceRow {
 
 /// The whole sequence.
 #[derive(Debug, Clone)]
-pub struct Coherence {
+pub(crate) struct Coherence {
     /// One row per pair of frames.
     pub rows: Vec<CoherenceRow>,
     /// Mean of each difference over the rows: still, carried, floor, lines.
@@ -61,7 +61,7 @@ pub struct Coherence {
 ///
 /// # Errors
 /// Those of processing a frame, and [`crate::Error::BadParameter`] for parameters outside their range.
-pub fn measure(
+pub(crate) fn measure(
     frames: impl Iterator<Item = Result<MovingFrame>>,
     shape: ShapeParams,
 ) -> Result<Option<Coherence>> {
