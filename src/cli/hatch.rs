@@ -98,6 +98,7 @@ impl FrameCommand for HatchArgs {
 
     fn make(&self, kit: &HatchInputs, job: &Job) -> Result<Chosen> {
         let (mut loaded, read) = self.load(kit, job)?;
+        let mut scene = self.specular_scene(kit, job, &mut loaded)?;
         let is_watched = self.times(&loaded.frame)? != 1.0 && !job.is_in_sequence();
         let bar = passes_bar(&job.work.run, is_watched);
         let warn = |text: &str| bar.suspend(|| job.warn(text));
@@ -111,9 +112,8 @@ impl FrameCommand for HatchArgs {
             false => run.progress(&tell),
         };
         let began = Instant::now();
-        let times = self.enlarge(job, &mut loaded, &run)?;
+        let times = self.enlarge(job, &mut loaded, &mut scene, &run)?;
         let enlarging = began.elapsed();
-        let scene = self.specular_scene(kit, job, &mut loaded)?;
         let moves = job.is_in_sequence() && self.motion.moves();
         let illumination = kit.illumination.clone();
         let (mut plan, illumination) = self.plan(
@@ -179,14 +179,19 @@ impl FrameCommand for HatchArgs {
 }
 
 impl HatchArgs {
-    /// Makes the frame as large as its drawing is to be; how many times as large.
-    fn enlarge(&self, job: &Job, loaded: &mut Loaded, run: &Run) -> Result<f64> {
+    /// Makes the frame, and what its mirrors show, as large as the drawing is to be; how many times as large.
+    fn enlarge(
+        &self,
+        job: &Job,
+        loaded: &mut Loaded,
+        scene: &mut Option<SpecularScene>,
+        run: &Run,
+    ) -> Result<f64> {
         let times = self.times(&loaded.frame)?;
         if times == 1.0 {
             return Ok(times);
         }
-        let specular = self.relight.specular.of_frame(job.frame).inputs();
-        self.refuse_enlarged(&loaded.frame, times, !specular.is_empty())?;
+        self.refuse_enlarged(&loaded.frame, times, scene.as_ref())?;
         if job.is_in_sequence() && self.motion.moves() {
             let found = "does not go with strokes that move".into();
             return Err(self.cannot_enlarge(found, "give --motion none".into()));
@@ -198,6 +203,9 @@ impl HatchArgs {
             let found = "makes layers larger than those of the input".into();
             let remedy = "give --layers results, or write a picture".into();
             return Err(self.cannot_enlarge(found, remedy));
+        }
+        if let Some(scene) = scene {
+            *scene = run.install(|| scene.enlarged(&loaded.frame, times));
         }
         loaded.frame = run.enlarged(&loaded.frame, times)?;
         loaded.enlarged = times;

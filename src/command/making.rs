@@ -42,6 +42,10 @@ pub(crate) struct Made {
     /// Maps by name.
     pub(crate) maps: Vec<(String, Plane)>,
     /// A drawing as the text of an SVG, if lines were asked for.
+    #[cfg_attr(
+        not(feature = "host"),
+        expect(dead_code, reason = "hosts alone ask for lines")
+    )]
     pub(crate) svg: Option<String>,
 }
 
@@ -98,10 +102,13 @@ impl Making<'_> {
         let looks = args.looks()?;
         let art_map = args.art_map(&looks)?;
         let times = args.times(self.frame)?;
-        if times != 1.0 {
-            args.refuse_enlarged(self.frame, times, self.specular.is_some())?;
+        let enlarges = times != 1.0;
+        if enlarges {
+            args.refuse_enlarged(self.frame, times, self.specular)?;
         }
-        let enlarged = (times != 1.0).then(|| run.enlarged(self.frame, times));
+        let seen = self.specular.filter(|_| enlarges);
+        let seen = seen.map(|seen| run.install(|| seen.enlarged(self.frame, times)));
+        let enlarged = enlarges.then(|| run.enlarged(self.frame, times));
         let enlarged = enlarged.transpose()?;
         let frame = enlarged.as_ref().unwrap_or(self.frame);
         let drawn = self.drawn(times);
@@ -109,7 +116,7 @@ impl Making<'_> {
         let in_lines = is_svg(&args.relight.work);
         (plan.inks_strokes, plan.keeps_tone) = (!in_lines, !in_lines);
         let inputs = Inputs {
-            specular: self.specular,
+            specular: seen.as_ref().or(self.specular),
             art_map: art_map.as_ref(),
             ..Inputs::lit_by(&light)
         };

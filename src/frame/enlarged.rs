@@ -34,14 +34,7 @@ impl Frame {
         }
         let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
         let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
-        let (data, display) = (self.data_window, self.display_window);
-        let across = Side::new([data.x0, display.x0], data.width(), display.width(), factor);
-        let down = Side::new(
-            [data.y0, display.y0],
-            data.height(),
-            display.height(),
-            factor,
-        );
+        let [across, down] = self.sides(factor);
         let (width, height) = (across.data_length, down.data_length);
         let around = |x, y| self.around(across.place(x), down.place(y));
         begins();
@@ -49,12 +42,8 @@ impl Frame {
         let mask = Mask::new(samples_while(width, height, goes_on, is_covered));
         let plane = |plane: &Plane| {
             begins();
-            samples_while(width, height, goes_on, |x, y| match around(x, y) {
-                Some(around) => around
-                    .iter()
-                    .map(|&([x, y], weight)| weight * plane.at(x, y))
-                    .sum(),
-                None => 0.0,
+            samples_while(width, height, goes_on, |x, y| {
+                around(x, y).map_or(0.0, |around| mean(plane, &around))
             })
         };
         let mut frame = Frame {
@@ -101,6 +90,29 @@ impl Frame {
         Some(frame)
     }
 
+    /// A plane that goes with this frame, enlarged as those of its own are; `outside` where the frame shows nothing.
+    pub(super) fn enlarged_plane(&self, plane: &Plane, factor: f64, outside: f32) -> Plane {
+        let [across, down] = self.sides(factor);
+        samples(across.data_length, down.data_length, |x, y| {
+            let around = self.around(across.place(x), down.place(y));
+            around.map_or(outside, |around| mean(plane, &around))
+        })
+    }
+
+    /// Columns and rows of the enlarged frame.
+    fn sides(&self, factor: f64) -> [Side; 2] {
+        let (data, display) = (self.data_window, self.display_window);
+        [
+            Side::new([data.x0, display.x0], data.width(), display.width(), factor),
+            Side::new(
+                [data.y0, display.y0],
+                data.height(),
+                display.height(),
+                factor,
+            ),
+        ]
+    }
+
     /// How many planes an enlarged frame takes: the mask, its own, and beside jumps the normals once more.
     fn planes_to_enlarge(&self) -> usize {
         let count = Cell::new(1);
@@ -114,7 +126,7 @@ impl Frame {
 
     /// The samples around a pixel of the enlarged frame that belong to the surface seen there, with weights that add up
     /// to 1, from its positions across and down; `None` if most of the samples around are uncovered.
-    fn around(&self, across: Place, down: Place) -> Option<[([usize; 2], f32); 4]> {
+    fn around(&self, across: Place, down: Place) -> Option<Around> {
         let ([left, right], across) = across;
         let ([above, below], down) = down;
         let mut samples = [
@@ -177,7 +189,7 @@ impl Frame {
     }
 
     /// Removes the weight of samples from surfaces other than the one with most of the weight.
-    fn keep_one_surface(&self, samples: &mut [([usize; 2], f32); 4]) {
+    fn keep_one_surface(&self, samples: &mut Around) {
         let Some(depth) = &self.depth else {
             return;
         };
@@ -203,6 +215,16 @@ impl Frame {
             }
         }
     }
+}
+
+/// Samples around a position, with their weights.
+type Around = [([usize; 2], f32); 4];
+
+fn mean(plane: &Plane, around: &Around) -> f32 {
+    let weighted = around
+        .iter()
+        .map(|&([x, y], weight)| weight * plane.at(x, y));
+    weighted.sum()
 }
 
 /// Whether samples at these depths belong to one surface.

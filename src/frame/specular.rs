@@ -30,6 +30,43 @@ impl SpecularScene {
         )))
     }
 
+    /// The scene for `frame` [enlarged](Frame::enlarged) `factor` times. Points that sight lines end at are interpolated
+    /// within the surfaces that they lie on.
+    ///
+    /// # Panics
+    /// If `factor` is less than 1.
+    pub fn enlarged(&self, frame: &Frame, factor: f64) -> Self {
+        let layer = |layer: &Option<Frame>| layer.as_ref().map(|layer| layer.enlarged(factor));
+        let mask = self.mask.as_ref().map(|mask| {
+            let share = mask.plane().map(|is_in| f32::from(u8::from(is_in)));
+            let share = frame.enlarged_plane(&share, factor, 0.0);
+            Mask::new(share.map(|share| share > 0.5))
+        });
+        let hit_position = self.hit_position.as_ref().map(|points| {
+            let (width, height) = (points.x.width(), points.x.height());
+            let is_known = |x, y| self.is_specular(frame, x, y) && points.at(x, y).is_finite();
+            let known = Mask::new(Plane::from_fn(width, height, is_known));
+            let away = |x, y| points.at(x, y).length() as f32;
+            let seen = Frame {
+                data_window: frame.data_window,
+                display_window: frame.display_window,
+                depth: Some(Plane::from_fn(width, height, away)),
+                ..Frame::of_normals(points.clone(), known)
+            };
+            points.mapped(|plane| {
+                let finite = plane.map(|at| if at.is_finite() { at } else { 0.0 });
+                seen.enlarged_plane(&finite, factor, f32::NAN)
+            })
+        });
+        Self {
+            mask,
+            back: layer(&self.back),
+            behind: layer(&self.behind),
+            surroundings: self.surroundings.clone(),
+            hit_position,
+        }
+    }
+
     /// Whether the pixel at column `x` of row `y` of `frame` is specular.
     #[inline]
     pub fn is_specular(&self, frame: &Frame, x: usize, y: usize) -> bool {
@@ -112,4 +149,47 @@ fn lay_over(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [us
     }
     let beyond = behind.alpha.as_ref().map_or(1.0, |alpha| alpha.at(bx, by));
     alpha.row_mut(y)[x] = own + share * beyond;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn what_is_seen_in_an_enlarged_mirror_keeps_its_surfaces() {
+        // Columns 2 and 3 show a wall at 10, columns 4 and 5 one at 20.
+        let seen = |x: usize| match x {
+            0..2 => DVec3::NAN,
+            2..4 => DVec3::new(x as f64, 0.0, -10.0),
+            _ => DVec3::new(x as f64, 0.0, -20.0),
+        };
+        let frame = Frame {
+            depth: Some(Plane::filled(6, 2, 1.0)),
+            ..Frame::of_normals(
+                Vector3Planes::from_fn(6, 2, |_, _| DVec3::Z),
+                Mask::full(6, 2),
+            )
+        };
+        let scene = SpecularScene {
+            mask: Some(Mask::new(Plane::from_fn(6, 2, |x, _| x >= 2))),
+            hit_position: Some(Vector3Planes::from_fn(6, 2, |x, _| seen(x))),
+            ..SpecularScene::default()
+        };
+        let large = scene.enlarged(&frame, 2.0);
+        // Pixel x lies at (x + 1/2)/2 - 1/2 of the original: 3 at 1.25, 4 at 1.75.
+        assert_eq!(large.mask.unwrap().span(1), 4..12);
+        let points = large.hit_position.unwrap();
+        assert!(points.at(3, 1).is_nan());
+        let expected = [
+            (4, [2.0, -10.0]),
+            (5, [2.25, -10.0]),
+            (7, [3.0, -10.0]),
+            (8, [4.0, -20.0]),
+        ];
+        for (x, at) in expected {
+            let found = points.at(x, 1);
+            assert_eq!([found.x, found.z], at, "{x}");
+        }
+    }
 }

@@ -18,7 +18,7 @@ fn a_mirror_is_drawn_and_lit() {
         &map,
     ];
     for (command, more) in [
-        ("hatch", &["--explain"][..]),
+        ("hatch", &["--enlarge", "2", "--explain"][..]),
         ("relight", &["--material", "mirror", "--explain"]),
     ] {
         let arguments = [&[command][..], &mirror, more, &["-o", "out.png"]].concat();
