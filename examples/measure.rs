@@ -20,13 +20,12 @@ use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
-    Adaptive, AlbedoSource, LineParams, Material, MaterialParams, Method, RelightParams, Samples,
-    Scale, ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style,
-    Tangent, ToneParams,
+    Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
+    ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
 };
 use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
 use relievo::scenes::light_reference::{
-    Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma,
+    Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma, white,
 };
 use relievo::scenes::{HEIGHT, Scene, WAVE, environment};
 use std::path::Path;
@@ -390,25 +389,6 @@ fn light_case(
         light: light.clone(),
         ..case
     })
-}
-
-/// White of one material with gains of 1, without ambient light.
-fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
-    RelightParams {
-        method,
-        samples,
-        albedo: AlbedoSource::White,
-        environment_gain: Adaptive::Fixed(1.0),
-        material: MaterialParams {
-            material,
-            ambient: 0.0,
-            diffuse_gain: 1.0,
-            specular_gain: Some(1.0),
-            tangent: Tangent::Degrees(0.0),
-            ..MaterialParams::default()
-        },
-        ..RelightParams::default()
-    }
 }
 
 fn luminance([r, g, b]: [f64; 3]) -> f64 {

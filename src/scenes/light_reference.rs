@@ -9,7 +9,10 @@ use crate::error::Result;
 use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
-use crate::params::{Material, MaterialParams, Method, ScalingParams, ShapeParams};
+use crate::params::{
+    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples,
+    ScalingParams, ShapeParams, Tangent,
+};
 use crate::plan::{Available, Goal, Plan};
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -45,6 +48,25 @@ pub struct Settings<'a> {
 /// A light with a smaller cosine to the normal, in magnitude, may be on either side of the horizon in single precision,
 /// where lobes without a cosine factor end in a step.
 pub const HORIZON: f64 = 1e-5;
+
+/// White of one material with gains of 1, without ambient light.
+pub fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
+    RelightParams {
+        method,
+        samples,
+        albedo: AlbedoSource::White,
+        environment_gain: Adaptive::Fixed(1.0),
+        material: MaterialParams {
+            material,
+            ambient: 0.0,
+            diffuse_gain: 1.0,
+            specular_gain: Some(1.0),
+            tangent: Tangent::Degrees(0.0),
+            ..MaterialParams::default()
+        },
+        ..RelightParams::default()
+    }
+}
 
 impl Pixel {
     /// The pixel at column `x`, row `y`, of a frame with this [`fn@hessian`], with the grain at `grain_deg` degrees in
@@ -267,7 +289,6 @@ pub fn irradiance(environment: &Environment, n: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::RelightParams;
 
     fn pixel(normal: DVec3, hessian: [f64; 3]) -> Pixel {
         Pixel {

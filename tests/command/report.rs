@@ -96,7 +96,11 @@ fn a_command_that_hardly_shows_is_said_to() {
         "{}",
         ran.stdout
     );
-    assert!(number(&json["verdict"]["shows"]) < 0.02, "{}", json["verdict"]);
+    assert!(
+        number(&json["verdict"]["shows"]) < 0.02,
+        "{}",
+        json["verdict"]
+    );
 }
 
 #[test]

@@ -8,36 +8,17 @@ use crate::light::environment::Environment;
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::light::radiance_scaling::scaling;
 use crate::params::{
-    Adaptive, AlbedoSource, LineParams, Material, MaterialParams, Method, RelightParams, Samples,
-    Scale, ScalingParams, ShapeParams, Solver, StrokeDirections, Tangent, ToneParams,
+    Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
+    ShapeParams, Solver, StrokeDirections, ToneParams,
 };
 use crate::quantile::quantile;
 use crate::scenes::frames::{grey, masked};
-use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma};
+use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma, white};
 use crate::scenes::{Scene, environment};
 use crate::srgb::encoded;
 
 fn run(request: &Request, frame: &Frame) -> Result<Outcome> {
     Engine::cpu().run(request, frame, &Run::new())
-}
-
-/// A white surface of one material with gains of 1.
-fn white(material: Material, method: Method, samples: Samples) -> RelightParams {
-    RelightParams {
-        method,
-        samples,
-        albedo: AlbedoSource::White,
-        environment_gain: Adaptive::Fixed(1.0),
-        material: MaterialParams {
-            material,
-            ambient: 0.0,
-            diffuse_gain: 1.0,
-            specular_gain: Some(1.0),
-            tangent: Tangent::Degrees(0.0),
-            ..MaterialParams::default()
-        },
-        ..RelightParams::default()
-    }
 }
 
 fn relit(frame: &Frame, params: RelightParams, light: &Illumination) -> Result<Outcome> {

@@ -40,7 +40,7 @@ fn is_open(outcome: &Outcome, x: usize, y: usize) -> bool {
             .all(|&c| c == 1.0)
 }
 
-fn weight<'o>(plane: &'o Option<Plane>) -> &'o Plane {
+fn weight(plane: &Option<Plane>) -> &Plane {
     plane.as_ref().expect("layers hold it")
 }
 
