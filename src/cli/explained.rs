@@ -20,7 +20,7 @@ pub(super) fn lines(
         .iter()
         .map(|(pass, took)| {
             let ms = format!("{:.1} ms", 1e3 * took.as_secs_f64());
-            line("ran", pass, &ms, &reasons(pass, decisions))
+            line("ran", pass, &ms, &reasons(pass, ran, decisions))
         })
         .collect();
     lines.extend(
@@ -73,18 +73,24 @@ fn line(verdict: &str, pass: &str, time: &str, why: &str) -> String {
     line.trim_end().into()
 }
 
-/// Why a pass ran: the reasons of its steps.
-fn reasons(pass: &str, decisions: &[Decision]) -> String {
-    let of_pass = stages().find(|stage| stage.name == pass);
-    let steps = of_pass.iter().flat_map(|stage| stage.steps);
-    let mut found: Vec<&str> = Vec::new();
-    for step in steps {
-        let kept = decisions.iter().filter(|d| d.kept && d.step == step.name);
-        for decision in kept {
-            if !found.contains(&&decision.reason[..]) {
-                found.push(&decision.reason);
-            }
-        }
+/// Why a pass ran: the reason of its step, or those of its steps by their names, but for steps that are passes of their own.
+fn reasons(pass: &str, ran: &[(&'static str, Duration)], decisions: &[Decision]) -> String {
+    let reason = |step: &str| {
+        let kept = decisions.iter().find(|d| d.kept && d.step == step);
+        kept.map(|decision| &decision.reason)
+    };
+    if let Some(reason) = reason(pass) {
+        return reason.clone();
     }
-    found.join("; ")
+    let Some(stage) = stages().find(|stage| stage.name == pass) else {
+        return String::new();
+    };
+    let is_pass = |step: &str| ran.iter().any(|(name, _)| *name == step);
+    let steps = stage.steps.iter().filter(|step| !is_pass(step.name));
+    let reasons = steps.filter_map(|step| Some(format!("{}: {}", step.name, reason(step.name)?)));
+    let reasons: Vec<_> = reasons.collect();
+    match reasons.is_empty() {
+        true => "for what follows".into(),
+        false => reasons.join("; "),
+    }
 }

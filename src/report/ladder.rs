@@ -61,7 +61,7 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
         let light = &subject.light;
         let is_sampled = light.environment.is_some() && relit.samples != Samples::Fixed(0);
         if is_sampled {
-            let rungs = ["12", "54", "100", "400", "1600"];
+            let rungs = ["12", "54", "100", "400", "1600", "auto"];
             found.push(Ladder::new("samples", &rungs, "2048", "4096"));
         }
         if is_sampled && relit.samples == Samples::Auto {

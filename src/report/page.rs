@@ -21,11 +21,11 @@ const STYLE: &str = "\
 @media(prefers-color-scheme:dark){:root{--ink:#e6e6e6;--soft:#a0a0a0;--line:#3a3a3a;--paper:#161616;--mark:#6fb7f2}}
 body{margin:0 auto;padding:1.2rem;max-width:72rem;font:15px/1.45 system-ui,sans-serif;color:var(--ink);background:var(--paper)}
 h1{font-size:1.15rem;margin:0 0 .4rem}h2{font-size:1rem;margin:1.6rem 0 .4rem}
-code{font:13px ui-monospace,monospace;overflow-wrap:anywhere}.line{display:block;padding:.6rem .8rem;border:1px solid var(--mark);border-radius:.3rem}
+code{font:13px ui-monospace,monospace;overflow-wrap:anywhere}.line{display:block;margin:0 0 .8rem;padding:.6rem .8rem;border:1px solid var(--mark);border-radius:.3rem}
 .soft{color:var(--soft)}.say{font-size:1.1rem}
 .row{display:flex;flex-wrap:wrap;gap:.8rem}figure{margin:0;flex:1 1 15rem;min-width:0}img{max-width:100%;display:block}figcaption{color:var(--soft);font-size:.85rem}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15rem .7rem .15rem 0;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
-td:first-child,th:first-child{text-align:left}.mark{display:inline-block;width:1.1em;color:var(--mark)}svg{width:100%;max-width:40rem;height:auto}svg text{fill:var(--ink);font:12px system-ui,sans-serif}
+td:first-child,th:first-child,table.stages td:last-child{text-align:left}.mark{display:inline-block;width:1.1em;color:var(--mark)}svg{width:100%;max-width:40rem;height:auto}svg text{fill:var(--ink);font:12px system-ui,sans-serif}
 .grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,29rem),1fr));gap:0 2rem}.bar{display:inline-block;height:.6rem;background:var(--mark)}
 tr.given td{font-weight:600}tr.off td{color:var(--soft)}";
 
@@ -141,7 +141,7 @@ fn stages(report: &Report) -> String {
         );
         (vec![(*stage).into(), ms(*time), percent(share), bar], "")
     });
-    table(&["stage", "ms", "share", ""], rows)
+    table(&["stage", "ms", "share", ""], rows).replace("<table>", "<table class=\"stages\">")
         + &format!("<p class=\"soft\">{}.</p>\n", trust(report))
 }
 
@@ -271,7 +271,7 @@ fn plot(settings: &[Setting]) -> String {
         [x, y]
     };
     let mut front: Vec<[f64; 2]> = Vec::new();
-    let mut marks = String::new();
+    let (mut marks, mut labelled) = (String::new(), Vec::<[f64; 2]>::new());
     for (setting, p) in settings.iter().zip(&at) {
         let [x, y] = place(p);
         if setting.is_on_front {
@@ -282,10 +282,14 @@ fn plot(settings: &[Setting]) -> String {
         } else {
             "var(--soft)"
         };
+        let is_near = |q: &&[f64; 2]| (q[0] - x).abs() < 90.0 && (q[1] - y).abs() < 12.0;
         let label = match &setting.flags[..] {
-            "" => "given".to_string(),
-            flags => flags.trim_start_matches('-').into(),
+            "" => "given",
+            // What is as good as the command as given, the first, needs no name beside it.
+            _ if labelled.iter().any(|q| is_near(&q)) => "",
+            flags => flags.trim_start_matches('-'),
         };
+        labelled.push([x, y]);
         let _ = writeln!(
             marks,
             "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\"/><text x=\"{:.1}\" y=\"{:.1}\">{label}</text>",
@@ -304,10 +308,10 @@ fn plot(settings: &[Setting]) -> String {
     let _ = writeln!(
         grid,
         "<rect x=\"{margin}\" y=\"{seen:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"var(--mark)\" opacity=\".1\"/>\
-         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">below {SEEN} levels: nobody sees it</text>",
+         <text x=\"{:.1}\" y=\"{:.1}\" >below {SEEN} levels: nobody sees it</text>",
         right - margin,
         floor - seen,
-        right - 6.0,
+        margin + 6.0,
         floor - 6.0
     );
     for (axis, range) in [(0, across), (1, up)] {
