@@ -16,7 +16,7 @@ pub(crate) mod strips;
 pub(crate) use crate::engine::cpu::run::Runner;
 
 /// Runs a plan without inputs beside `frame`, in the caller's rayon pool.
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))]
 pub(crate) fn run(
     plan: &crate::plan::Plan,
     frame: &crate::frame::Frame,
