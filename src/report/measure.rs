@@ -58,7 +58,6 @@ struct Measuring<'a> {
 pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let began = Instant::now();
     let say = asked.progress;
-    say("reading");
     let mut subject = Subject::read(asked.args, asked.typed, asked.number)?;
     let usual = USUAL_S[usize::from(subject.light.environment.is_some())];
     let budget = Duration::from_secs(asked.args.budget.unwrap_or(usual).into());

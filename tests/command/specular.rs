@@ -24,7 +24,10 @@ fn a_mirror_is_drawn_and_lit() {
         let arguments = [&[command][..], &mirror, more, &["-o", "out.png"]].concat();
         let explained = run(desk.path(), &arguments).done().stdout;
         // A pass of its own in drawings, a step of new light.
-        let names = ["ran   specular-trace ", "specular-trace: "];
+        let names = [
+            "ran   specular-trace ",
+            "what mirrored or refracted sight lines meet",
+        ];
         assert!(
             names.iter().any(|name| explained.contains(name)),
             "{explained}"
