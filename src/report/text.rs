@@ -54,11 +54,13 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
             reference.own.p99
         ));
         lines.push(String::new());
+        let names = report.settings.iter().map(|s| name(s).chars().count());
+        let width = names.max().unwrap_or(0);
         lines.push(format!(
-            "  {:<28} {:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8}",
+            "  {:<width$} {:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8}",
             "setting", "p50", "p99", "max", "> 1", "> 2", "CPU ms", "wall ms"
         ));
-        lines.extend(report.settings.iter().map(row));
+        lines.extend(report.settings.iter().map(|setting| row(setting, width)));
         lines.push(
             "  * nothing else is both quicker and more exact; errors in levels of 255".into(),
         );
@@ -142,7 +144,7 @@ pub(super) fn name(setting: &Setting) -> String {
     }
 }
 
-fn row(setting: &Setting) -> String {
+fn row(setting: &Setting, width: usize) -> String {
     let error = &setting.error;
     let star = if setting.is_on_front { "*" } else { " " };
     let time = match setting.cost.is_in_rounds {
@@ -150,7 +152,7 @@ fn row(setting: &Setting) -> String {
         false => format!("~{}", ms(setting.cost.cpu_ms)),
     };
     format!(
-        "{star} {:<28} {:>6.2} {:>6.2} {:>6.1} {:>8} {:>8} {:>8} {:>8}",
+        "{star} {:<width$} {:>6.2} {:>6.2} {:>6.1} {:>8} {:>8} {:>8} {:>8}",
         name(setting),
         error.p50,
         error.p99,
