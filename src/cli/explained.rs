@@ -2,18 +2,17 @@
 //! and what was not made.
 
 use crate::command::chosen::Chosen;
-use crate::frame::Frame;
-use crate::params::Params;
 use crate::plan::Decision;
 use crate::plan::stages::stages;
 use std::time::Duration;
 
-/// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so.
+/// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so; diffusion left some of all its blocks
+/// out.
 pub(super) fn lines(
     ran: &[(&'static str, Duration)],
     decisions: &[Decision],
     chosen: &Chosen,
-    idle: &[(&'static str, String)],
+    [left_out, blocks]: [usize; 2],
     is_verbose: bool,
 ) -> Vec<String> {
     let mut lines: Vec<String> = ran
@@ -23,10 +22,10 @@ pub(super) fn lines(
             line("ran", pass, &ms, &reasons(pass, ran, decisions))
         })
         .collect();
-    lines.extend(
-        idle.iter()
-            .map(|(step, count)| line("idle", step, "", count)),
-    );
+    if left_out > 0 {
+        let count = format!("nothing flows in {left_out} of {blocks} blocks");
+        lines.push(line("idle", "diffusion", "", &count));
+    }
     let choices = chosen.in_words();
     if !choices.is_empty() {
         lines.push(line("chose", "", "", &choices));
@@ -47,25 +46,6 @@ pub(super) fn lines(
         );
     }
     lines
-}
-
-/// What had nothing to do, with the count that shows it; `left_out` of all blocks were none of diffusion's.
-pub(super) fn idle(
-    frame: &Frame,
-    params: &Params,
-    [left_out, all]: [usize; 2],
-) -> Vec<(&'static str, String)> {
-    let mut idle = Vec::new();
-    if left_out > 0 {
-        let count = format!("nothing flows in {left_out} of {all} blocks of 32x16 pixels");
-        idle.push(("diffusion", count));
-    }
-    let covered = frame.mask.count();
-    if params.blur_fade > 0.0 && frame.confidence.is_none() {
-        let count = format!("0 of {covered} pixels show several surfaces");
-        idle.push(("fade-at-blends", count));
-    }
-    idle
 }
 
 fn line(verdict: &str, pass: &str, time: &str, why: &str) -> String {

@@ -4,6 +4,7 @@ use super::explained;
 use super::message;
 use super::output::{ReadyOutput, attributes, color_channels};
 use super::run_log::RunLog;
+use super::timings::Timings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::output::{Displayed, Kind, MadePicture};
@@ -14,7 +15,7 @@ use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::Strips;
 use crate::engine::{self, Engine, Run};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Mask, Window};
+use crate::frame::{ColorPlanes, Frame, Mask};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
@@ -264,7 +265,7 @@ impl<'a> Job<'a> {
     }
 
     /// Explains what ran, once for each frame that is explained.
-    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen, frame: &Frame) -> Result<()> {
+    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen) -> Result<()> {
         let mut decisions = self
             .decisions
             .lock()
@@ -273,9 +274,11 @@ impl<'a> Job<'a> {
         if decisions.is_empty() {
             return Ok(());
         }
-        let (run, params) = (&self.work.run, &self.work.flags.params);
-        let idle = explained::idle(frame, params, timings.left_out);
-        let lines = explained::lines(&timings.stages, &decisions, chosen, &idle, run.verbose);
+        let Timings {
+            stages, left_out, ..
+        } = timings;
+        let is_verbose = self.work.run.verbose;
+        let lines = explained::lines(stages, &decisions, chosen, *left_out, is_verbose);
         message::result(lines)
     }
 
@@ -427,7 +430,7 @@ impl<'a> Job<'a> {
             self.write_timings(&timings)?;
             Ok(Whites::default())
         })?;
-        self.explain(&timings, &chosen, frame)?;
+        self.explain(&timings, &chosen)?;
         Ok(chosen)
     }
 
@@ -468,7 +471,7 @@ impl<'a> Job<'a> {
             self.write_timings(&timings)?;
             Ok(whites)
         })?;
-        self.explain(&timings, &chosen, &done.loaded.frame)?;
+        self.explain(&timings, &chosen)?;
         Ok(chosen)
     }
 
@@ -526,70 +529,4 @@ impl<'a> Job<'a> {
 /// Rows in a band of layers, a block for every thread: one band is made while another is written.
 fn band_rows() -> usize {
     16 * rayon::current_num_threads().clamp(2, 16)
-}
-
-/// How long the stages of a frame took.
-pub(super) struct Timings {
-    /// Columns and rows.
-    size: [usize; 2],
-    /// Pixels that show a surface.
-    pub(super) covered: usize,
-    stages: Vec<(&'static str, Duration)>,
-    /// The number of blocks that diffusion left out, and of all.
-    left_out: [usize; 2],
-}
-
-impl Timings {
-    fn of(frame: &Frame) -> Self {
-        Self {
-            covered: frame.mask.count(),
-            ..Self::of_window(frame.data_window)
-        }
-    }
-
-    /// Of a frame that comes part by part.
-    pub(super) fn of_window(window: Window) -> Self {
-        Self {
-            size: [window.width(), window.height()],
-            covered: 0,
-            stages: Vec::new(),
-            left_out: [0; 2],
-        }
-    }
-
-    /// Adds what a stage took to what it took before.
-    pub(super) fn add(&mut self, name: &'static str, took: Duration) {
-        match self.stages.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, time)) => *time += took,
-            None => self.stages.push((name, took)),
-        }
-    }
-
-    /// Adds all stages of a run.
-    pub(super) fn add_all(&mut self, outcome: &Outcome) {
-        let stages = outcome.timings.iter();
-        stages.for_each(|&(name, took)| self.add(name, took));
-        for (sum, count) in self.left_out.iter_mut().zip(outcome.left_out) {
-            *sum += count;
-        }
-    }
-
-    fn json(&self, total: Duration) -> String {
-        let seconds = |d: Duration| d.as_secs_f64();
-        let stages = self.stages.iter();
-        let stages: Vec<_> = stages
-            .map(|&(name, time)| serde_json::json!({ "stage": name, "seconds": seconds(time) }))
-            .collect();
-        let summary = serde_json::json!({
-            "width": self.size[0],
-            "height": self.size[1],
-            "covered_pixels": self.covered,
-            "threads": rayon::current_num_threads(),
-            "stages": stages,
-            "diffusion_blocks": self.left_out[1],
-            "diffusion_blocks_left_out": self.left_out[0],
-            "total_seconds": seconds(total),
-        });
-        format!("{summary:#}\n")
-    }
 }

@@ -29,6 +29,7 @@ mod stop;
 mod strip_memory;
 mod strips;
 mod threads;
+mod timings;
 #[cfg(feature = "view")]
 mod window;
 

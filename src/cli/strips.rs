@@ -1,9 +1,10 @@
 //! Pictures that do not fit in memory: read, processed and written strip by strip.
 
-use super::job::{Job, Timings};
+use super::job::Job;
 use super::output::{ReadyOutput, attributes};
 use super::progress::strips_bar;
 use super::strip_memory::{Cost, FEWEST_ROWS, strips_of};
+use super::timings::Timings;
 use crate::command::chosen::Chosen;
 use crate::command::output::{Kind, MadePicture};
 use crate::engine;
@@ -201,7 +202,7 @@ pub(super) fn make<W: StripWork>(
         job.write_timings(&source.timings.borrow())?;
         Ok(whites)
     })?;
-    job.explain(&source.timings.borrow(), &chosen, &sample.frame)?;
+    job.explain(&source.timings.borrow(), &chosen)?;
     Ok(chosen)
 }
 

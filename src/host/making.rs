@@ -49,7 +49,7 @@ impl Work {
         }
         let fitted = self.fitted(scene);
         let frame = fitted.as_ref().unwrap_or(&scene.frame);
-        let made = self.making(scene, frame).run(engine, run)?;
+        let mut made = self.making(scene, frame).run(engine, run)?;
         let mut warnings = self.warnings.clone();
         if let Command::Enhance(args) = &self.command {
             let scaling = &args.work.flags.params.scaling;
@@ -59,7 +59,7 @@ impl Work {
             command: self.recipe.command().into(),
             chosen: scene.chosen.clone().running(&made.outcome),
             warnings,
-            svg: made.svg.clone(),
+            svg: made.svg.take(),
             made,
         })
     }

@@ -5,20 +5,20 @@ use std::time::{Duration, Instant};
 
 /// Time used by some work, in milliseconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(crate) struct Used {
+pub(crate) struct Spent {
     /// Of this process, on all cores: hardly longer beside other programs. Where the system does not tell, as `wall_ms`.
     pub cpu_ms: f64,
     pub wall_ms: f64,
 }
 
 /// Runs `work` and tells the time it used.
-pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, Used) {
+pub(super) fn timed<T>(work: impl FnOnce() -> T) -> (T, Spent) {
     let (began, busy) = (Instant::now(), of_process());
     let made = work();
     let wall = began.elapsed();
     let cpu = of_process().zip(busy).map(|(after, before)| after - before);
     let ms = |time: Duration| 1e3 * time.as_secs_f64();
-    let used = Used {
+    let used = Spent {
         cpu_ms: ms(cpu.unwrap_or(wall)),
         wall_ms: ms(wall),
     };

@@ -1,6 +1,6 @@
 //! Settings that trade quality for time, each on its ladder. Looks are no trades: they stay as they are.
 
-use super::subject::{Change, Subject};
+use super::subject::{Subject, Variation};
 use crate::command::commands::Command;
 use crate::command::reading::{light_of, work_of};
 use crate::params::{Samples, Scale, Solver};
@@ -97,8 +97,8 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
 
 /// The changes to the best of every ladder, and to half its effort. Where samples are as many as `samples`, they stand for
 /// the truth.
-pub(super) fn references(ladders: &[Ladder], samples: u32) -> [Change; 2] {
-    let of = |value: fn(&Ladder) -> &String, samples: u32| Change {
+pub(super) fn references(ladders: &[Ladder], samples: u32) -> [Variation; 2] {
+    let of = |value: fn(&Ladder) -> &String, samples: u32| Variation {
         settings: ladders
             .iter()
             .filter(|ladder| !value(ladder).is_empty())

@@ -1,6 +1,6 @@
 //! What the command could go without: each input and each stage left out in turn.
 
-use super::subject::{ALBEDO, Change, DEPTH, LIGHT, OCCLUSION, Subject};
+use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Subject, Variation};
 use crate::command::commands::Command;
 use crate::command::reading::{light_of, work_of};
 use crate::engine::Outcome;
@@ -8,17 +8,17 @@ use crate::frame::LightLayers;
 use crate::params::{Adaptive, Highlights, Method, ToneSource};
 
 /// Something to be left out.
-pub(super) struct Part {
+pub(super) struct Omission {
     pub(super) name: &'static str,
-    pub(super) change: Change,
+    pub(super) change: Variation,
     /// How to leave it out by flags.
     pub(super) flags: String,
     /// Whether it is the very thing that the command is for.
     pub(super) is_command: bool,
 }
 
-fn input(name: &'static str, change: Change, flags: &str) -> Part {
-    Part {
+fn input(name: &'static str, change: Variation, flags: &str) -> Omission {
+    Omission {
         name,
         change,
         flags: flags.into(),
@@ -26,9 +26,9 @@ fn input(name: &'static str, change: Change, flags: &str) -> Part {
     }
 }
 
-fn stage(name: &'static str, setting: &'static str, value: impl ToString) -> Part {
-    let change = Change::setting(setting, value);
-    Part {
+fn stage(name: &'static str, setting: &'static str, value: impl ToString) -> Omission {
+    let change = Variation::setting(setting, value);
+    Omission {
         name,
         flags: change.flags(),
         change,
@@ -40,7 +40,7 @@ fn stage(name: &'static str, setting: &'static str, value: impl ToString) -> Par
 const NEVER: &str = "1e29,1e30";
 
 /// What can be left out of the command as given, which made `outcome`.
-pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Part> {
+pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
     let (command, frame) = (&subject.command, &subject.frame);
     let params = &work_of(command).flags.params;
     let ran = |stage: &str| outcome.timings.iter().any(|(name, _)| *name == stage);
@@ -49,22 +49,26 @@ pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Part> {
     if frame.depth.is_some() {
         parts.push(input(
             "depth",
-            Change::without(DEPTH),
+            Variation::without(DEPTH),
             "--depth none --position none",
         ));
     }
     if frame.occlusion.is_some() {
         parts.push(input(
             "occlusion",
-            Change::without(OCCLUSION),
+            Variation::without(OCCLUSION),
             "--occlusion none",
         ));
     }
     if frame.albedo.is_some() {
-        parts.push(input("albedo", Change::without(ALBEDO), "--albedo none"));
+        parts.push(input("albedo", Variation::without(ALBEDO), "--albedo none"));
     }
     if frame.light != LightLayers::default() && matches!(command, Command::Enhance(_)) {
-        parts.push(input("light layers", Change::without(LIGHT), "--lobes off"));
+        parts.push(input(
+            "light layers",
+            Variation::without(LIGHT),
+            "--lobes off",
+        ));
     }
     if ran("diffusion") {
         parts.push(stage("diffusion", "iterations", 0));
@@ -110,7 +114,7 @@ pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Part> {
 }
 
 /// The shape that it brings out.
-fn of_command(subject: &Subject) -> Option<Part> {
+fn of_command(subject: &Subject) -> Option<Omission> {
     let part = match &subject.command {
         Command::Enhance(_) => stage("enhance", "scaling", 0),
         Command::Relight(args) if args.params().method != Method::Plain => {
@@ -118,7 +122,7 @@ fn of_command(subject: &Subject) -> Option<Part> {
         }
         _ => return None,
     };
-    Some(Part {
+    Some(Omission {
         is_command: true,
         ..part
     })

@@ -1,13 +1,13 @@
 //! The runs of a report: the command as given, its ladders, what is left out, and rounds of all of them.
 
-use super::clock::{Used, timed};
+use super::clock::{Spent, timed};
 use super::difference::{Codes, Difference};
 use super::ladder::{Ladder, ladders, references};
 use super::left_out::{self, parts};
-use super::subject::{Change, Shot, Subject};
+use super::subject::{Shot, Subject, Variation};
 use super::timing::{Cost, Timed, rounds};
 use super::verdict::{mark_front, verdict};
-use super::{Asked, Frame, HARDLY, Part, Pictures, Reference, Report, Setting, page};
+use super::{Asked, HARDLY, LeftOut, On, Pictures, Reference, Report, Tried, page};
 use crate::error::Result;
 use crate::light::lights::LightChoice;
 use std::time::{Duration, Instant};
@@ -23,9 +23,9 @@ const TRYING: f64 = 0.5;
 
 /// A run that is compared, and timed.
 struct Candidate {
-    change: Change,
+    change: Variation,
     difference: Difference,
-    first: Used,
+    first: Spent,
     chosen: Option<String>,
     /// Whether it is timed in rounds.
     is_timed: bool,
@@ -63,9 +63,9 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let budget = Duration::from_secs(asked.args.budget.unwrap_or(usual).into());
     say("the command as given");
     // The first run makes memory that further ones use again.
-    let first = subject.shot(&Change::default())?;
+    let first = subject.shot(&Variation::default())?;
     subject.engine.recycle(first.made.outcome);
-    let given = subject.shot(&Change::default())?;
+    let given = subject.shot(&Variation::default())?;
     let mut measuring = Measuring {
         counts: subject.counts(given.size),
         subject,
@@ -83,7 +83,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let costs = costs(&candidates, &times);
     let (of_trades, of_parts) = costs.split_at(trades.candidates.len());
 
-    let mut settings = vec![Setting {
+    let mut settings = vec![Tried {
         flags: String::new(),
         error: trades.error_of_given,
         cost: Cost::of_given(times.given),
@@ -91,7 +91,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
         chosen: chosen(&measuring.given),
     }];
     let rows = trades.candidates.iter().zip(of_trades);
-    settings.extend(rows.map(|(candidate, &cost)| Setting {
+    settings.extend(rows.map(|(candidate, &cost)| Tried {
         flags: candidate.change.flags(),
         error: candidate.difference,
         cost,
@@ -105,7 +105,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let parts = parts
         .iter()
         .zip(of_parts)
-        .map(|((part, candidate), &cost)| Part {
+        .map(|((part, candidate), &cost)| LeftOut {
             name: part.name,
             flags: part.flags.clone(),
             change: candidate.difference,
@@ -122,7 +122,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
         version: env!("CARGO_PKG_VERSION"),
         is_optimised: !cfg!(debug_assertions),
         command: subject.line(),
-        frame: Frame {
+        frame: On {
             name: input
                 .file_name()
                 .unwrap_or(input.as_os_str())
@@ -195,11 +195,11 @@ impl Measuring<'_> {
     }
 
     /// Runs the rungs of a ladder as far as time allows; those that change no stage are only named.
-    fn rungs(&mut self, ladder: &Ladder, same: &mut Vec<String>) -> Result<Vec<(Change, Shot)>> {
+    fn rungs(&mut self, ladder: &Ladder, same: &mut Vec<String>) -> Result<Vec<(Variation, Shot)>> {
         let mut shots = Vec::new();
         let mut slowest = self.given.used.wall_ms;
         for rung in &ladder.rungs {
-            let change = Change::setting(ladder.setting, rung);
+            let change = Variation::setting(ladder.setting, rung);
             if self.subject.is_same(&change) {
                 same.push(change.flags());
                 continue;
@@ -217,9 +217,9 @@ impl Measuring<'_> {
     }
 
     /// Leaves each part out in turn.
-    fn parts(&mut self) -> Result<Vec<(left_out::Part, Candidate)>> {
+    fn parts(&mut self) -> Result<Vec<(left_out::Omission, Candidate)>> {
         let parts = parts(&self.subject, &self.given.made.outcome);
-        let without = |part: left_out::Part| {
+        let without = |part: left_out::Omission| {
             (self.say)(&format!("without {}", part.name));
             let shot = self.subject.shot(&part.change)?;
             let difference = Difference::between(&self.given.codes, &shot.codes, &self.counts);
@@ -240,10 +240,10 @@ impl Measuring<'_> {
     fn times(&mut self, candidates: &[&Candidate]) -> Result<Timed> {
         let timed: Vec<_> = candidates.iter().filter(|c| c.is_timed).collect();
         let first = timed.iter().map(|candidate| candidate.first);
-        let first: Vec<Used> = std::iter::once(self.given.used).chain(first).collect();
+        let first: Vec<Spent> = std::iter::once(self.given.used).chain(first).collect();
         let left = self.left(1.0);
         (self.say)(&format!("times, for {:.0} s", left.as_secs_f64()));
-        let as_given = Change::default();
+        let as_given = Variation::default();
         rounds(&first, left, self.budget.mul_f64(GRACE), |i| {
             let change = match i {
                 0 => &as_given,
@@ -276,8 +276,8 @@ fn chosen(shot: &Shot) -> Option<String> {
 }
 
 /// How many samples the truth may have within a time: doubled from 1024 to 4096, by what samples were found to cost.
-fn samples_of_truth(shots: &[(Change, Shot)], within: Duration) -> u32 {
-    let of_samples = |(change, shot): &(Change, Shot)| {
+fn samples_of_truth(shots: &[(Variation, Shot)], within: Duration) -> u32 {
+    let of_samples = |(change, shot): &(Variation, Shot)| {
         let (name, value) = change.settings.first()?;
         let count: f64 = (*name == "samples").then(|| value.parse().ok())??;
         Some((count, shot.used.wall_ms))

@@ -23,7 +23,7 @@ pub(crate) use text::lines;
 
 use crate::command::commands::ReportArgs;
 use crate::command::flags::Flag;
-use clock::Used;
+use clock::Spent;
 use difference::{Codes, Difference};
 use serde::Serialize;
 use timing::{Cost, Trust};
@@ -42,20 +42,20 @@ pub(crate) struct Report {
     pub is_optimised: bool,
     /// The command as it is typed, without IN and OUT.
     pub command: String,
-    pub frame: Frame,
-    pub verdict: Verdict,
+    pub frame: On,
+    pub verdict: Advice,
     /// What the truth is taken to be; `None` where nothing is traded.
     pub reference: Option<Reference>,
     /// Settings by their values: the command as given first.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<Tried>,
     /// Flags that change nothing: the same stages run with the same numbers.
     pub same_stages: Vec<String>,
-    pub parts: Vec<Part>,
+    pub parts: Vec<LeftOut>,
     /// Stages of the command as given, in milliseconds on the wall.
     pub stages: Vec<(&'static str, f64)>,
-    pub read: Used,
+    pub read: Spent,
     /// Writing an 8-bit PNG.
-    pub write: Used,
+    pub write: Spent,
     pub trust: Trust,
     pub warnings: Vec<String>,
     #[serde(skip)]
@@ -64,7 +64,7 @@ pub(crate) struct Report {
 
 /// The frame of a report.
 #[derive(Debug, Serialize)]
-pub(crate) struct Frame {
+pub(crate) struct On {
     pub name: String,
     pub width: usize,
     pub height: usize,
@@ -74,7 +74,7 @@ pub(crate) struct Frame {
 
 /// What the report comes to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Verdict {
+pub(crate) struct Advice {
     /// Flags to add; none where nothing is to be changed.
     pub flags: Option<String>,
     pub sentence: String,
@@ -92,7 +92,7 @@ pub(crate) struct Reference {
 
 /// One value of one setting.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Setting {
+pub(crate) struct Tried {
     /// As typed; empty for the command as given.
     pub flags: String,
     pub error: Difference,
@@ -106,7 +106,7 @@ pub(crate) struct Setting {
 
 /// A part left out.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Part {
+pub(crate) struct LeftOut {
     pub name: &'static str,
     pub flags: String,
     /// Difference of the picture without it from the one as given.

@@ -2,7 +2,7 @@
 
 use super::difference::Codes;
 use super::text::{can_be_left_out, hardly_shows, ms, name, percent, same_stages, trust};
-use super::{Part, Reference, Report, SEEN, Setting};
+use super::{LeftOut, Reference, Report, SEEN, Tried};
 use crate::untrusted::Untrusted;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -111,7 +111,7 @@ fn left_out(report: &Report) -> String {
 }
 
 fn settings(report: &Report, reference: &Reference) -> String {
-    let mut tried: Vec<&Setting> = report.settings.iter().collect();
+    let mut tried: Vec<&Tried> = report.settings.iter().collect();
     tried.sort_by(|a, b| b.cost.saved_ms.total_cmp(&a.cost.saved_ms));
     let head = [
         "setting", "p50", "p99", "max", "&gt; 1", "&gt; 2", "CPU ms", "wall",
@@ -163,7 +163,7 @@ fn table(head: &[&str], rows: impl Iterator<Item = (Vec<String>, &'static str)>)
     )
 }
 
-fn of_setting(setting: &Setting) -> (Vec<String>, &'static str) {
+fn of_setting(setting: &Tried) -> (Vec<String>, &'static str) {
     let error = &setting.error;
     let once = if setting.cost.is_in_rounds { "" } else { "~" };
     let mark = if setting.is_on_front { "\u{25cf}" } else { "" };
@@ -177,7 +177,7 @@ fn of_setting(setting: &Setting) -> (Vec<String>, &'static str) {
     (cells, if is_given { "given" } else { "" })
 }
 
-fn of_part(part: &Part, is_spare: bool) -> (Vec<String>, &'static str) {
+fn of_part(part: &LeftOut, is_spare: bool) -> (Vec<String>, &'static str) {
     let saved = match (is_spare, part.cost.saved_ms) {
         (false, _) => String::new(),
         (true, 0.0) => "no difference".into(),
@@ -247,7 +247,7 @@ fn small([width, height]: [usize; 2], at: impl Fn(usize) -> [f32; 3]) -> (Vec<u8
 }
 
 /// Error against time, both by factors: the settings as points, those that nothing beats joined.
-fn plot(settings: &[Setting]) -> String {
+fn plot(settings: &[Tried]) -> String {
     let (width, height, margin) = (640.0, 300.0, 48.0);
     let at: Vec<[f64; 2]> = settings
         .iter()

@@ -1,6 +1,6 @@
 //! The command and the frame of a report: read once, run again and again with one thing changed.
 
-use super::clock::{Used, timed};
+use super::clock::{Spent, timed};
 use super::difference::Codes;
 use crate::command::chosen::look_at_depth;
 use crate::command::commands::{Command, ReportArgs};
@@ -44,12 +44,12 @@ pub(super) struct Subject {
     pub(super) engine: Engine,
     pub(super) warnings: Vec<String>,
     /// Time that reading took.
-    pub(super) read: Used,
+    pub(super) read: Spent,
 }
 
-/// Inputs of a frame that one can go without.
+/// Spare of a frame that one can go without.
 #[derive(Default)]
-pub(super) struct Inputs {
+pub(super) struct Spare {
     depth: Option<Plane>,
     camera: Option<Camera>,
     occlusion: Option<Plane>,
@@ -58,7 +58,7 @@ pub(super) struct Inputs {
 }
 
 /// An input, by what takes it out of a frame and puts it back.
-pub(super) type Swap = fn(&mut Frame, &mut Inputs);
+pub(super) type Swap = fn(&mut Frame, &mut Spare);
 
 /// Depth, and the camera that turns it to positions.
 pub(super) const DEPTH: Swap = |frame, spare| {
@@ -71,13 +71,13 @@ pub(super) const LIGHT: Swap = |frame, spare| swap(&mut frame.light, &mut spare.
 
 /// What a run differs in from the command as given.
 #[derive(Clone, Default)]
-pub(super) struct Change {
+pub(super) struct Variation {
     /// Settings by their names.
     pub(super) settings: Vec<(&'static str, String)>,
     pub(super) without: Option<Swap>,
 }
 
-impl Change {
+impl Variation {
     pub(super) fn setting(name: &'static str, value: impl ToString) -> Self {
         Self {
             settings: vec![(name, value.to_string())],
@@ -105,7 +105,7 @@ pub(super) struct Shot {
     pub(super) codes: Codes,
     pub(super) size: [usize; 2],
     pub(super) made: Made,
-    pub(super) used: Used,
+    pub(super) used: Spent,
 }
 
 impl Subject {
@@ -200,9 +200,9 @@ impl Subject {
     ///
     /// # Errors
     /// As the command.
-    pub(super) fn shot(&mut self, change: &Change) -> Result<Shot> {
+    pub(super) fn shot(&mut self, change: &Variation) -> Result<Shot> {
         let command = self.command_with(&change.settings)?;
-        let mut spare = Inputs::default();
+        let mut spare = Spare::default();
         let mut exchange = |frame: &mut Frame| {
             if let Some(swap) = change.without {
                 swap(frame, &mut spare);
@@ -292,7 +292,7 @@ impl Subject {
     }
 
     /// Whether a change of settings leaves every stage as it is.
-    pub(super) fn is_same(&self, change: &Change) -> bool {
+    pub(super) fn is_same(&self, change: &Variation) -> bool {
         let key = |command: &Command| {
             let mut plan = self.plan(command)?;
             // The sweeps that follow from these are compared.

@@ -1,6 +1,6 @@
 //! A report for the terminal, on one screen.
 
-use super::{HARDLY, Part, Report, Setting};
+use super::{HARDLY, LeftOut, Report, Tried};
 use crate::untrusted::Untrusted;
 
 /// Milliseconds to three digits.
@@ -72,7 +72,7 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
         lines.extend(hardly.iter().map(|part| format!("  {}", without(part))));
     }
     if !needed.is_empty() {
-        let of = |part: &&Part| format!("{} ({})", part.name, percent(part.change.beyond_2));
+        let of = |part: &&LeftOut| format!("{} ({})", part.name, percent(part.change.beyond_2));
         let needed: Vec<_> = needed.iter().map(of).collect();
         lines.push(format!(
             "needed (share of pixels that change by more than 2 levels without): {}",
@@ -105,7 +105,7 @@ pub(super) fn same_stages(report: &Report) -> Option<String> {
 }
 
 /// The parts that hardly change the picture, those that save most first, and those that do; the command itself is neither.
-pub(super) fn can_be_left_out(report: &Report) -> (Vec<&Part>, Vec<&Part>) {
+pub(super) fn can_be_left_out(report: &Report) -> (Vec<&LeftOut>, Vec<&LeftOut>) {
     let parts = report.parts.iter().filter(|part| !is_command(report, part));
     let (mut hardly, mut needed): (Vec<_>, Vec<_>) =
         parts.partition(|part| part.change.beyond_2 < HARDLY);
@@ -114,12 +114,12 @@ pub(super) fn can_be_left_out(report: &Report) -> (Vec<&Part>, Vec<&Part>) {
     (hardly, needed)
 }
 
-fn is_command(report: &Report, part: &Part) -> bool {
+fn is_command(report: &Report, part: &LeftOut) -> bool {
     report.verdict.shows.is_some() && part.name == report.parts[0].name
 }
 
 /// A part, what changes without it, and what that saves.
-pub(super) fn without(part: &Part) -> String {
+pub(super) fn without(part: &LeftOut) -> String {
     let changes = match part.change.largest {
         0.0 => "same picture".to_string(),
         _ => format!("{} of pixels", percent(part.change.beyond_2)),
@@ -133,7 +133,7 @@ pub(super) fn without(part: &Part) -> String {
 }
 
 /// The name of a setting in tables.
-pub(super) fn name(setting: &Setting) -> String {
+pub(super) fn name(setting: &Tried) -> String {
     let name = match &setting.flags[..] {
         "" => "given",
         flags => flags,
@@ -144,7 +144,7 @@ pub(super) fn name(setting: &Setting) -> String {
     }
 }
 
-fn row(setting: &Setting, width: usize) -> String {
+fn row(setting: &Tried, width: usize) -> String {
     let error = &setting.error;
     let star = if setting.is_on_front { "*" } else { " " };
     let time = match setting.cost.is_in_rounds {

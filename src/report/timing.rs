@@ -1,7 +1,7 @@
 //! Times that hold beside other programs: shuffled rounds, in each of which the command as given runs three times as its own
 //! control.
 
-use super::clock::{Others, Used};
+use super::clock::{Others, Spent};
 use crate::error::Result;
 use crate::quantile::quantile;
 use serde::Serialize;
@@ -39,7 +39,7 @@ pub(crate) struct Cost {
 
 impl Cost {
     /// That of the command as given, which all others are compared with.
-    pub(super) fn of_given(used: Used) -> Self {
+    pub(super) fn of_given(used: Spent) -> Self {
         Self {
             is_in_rounds: true,
             ..Self::once(used)
@@ -47,7 +47,7 @@ impl Cost {
     }
 
     /// That of a single run.
-    pub(super) fn once(used: Used) -> Self {
+    pub(super) fn once(used: Spent) -> Self {
         Self {
             cpu_ms: used.cpu_ms,
             wall_ms: used.wall_ms,
@@ -59,7 +59,7 @@ impl Cost {
 
 /// What rounds found: the time of the command as given, of each other run, and how far to trust them.
 pub(super) struct Timed {
-    pub(super) given: Used,
+    pub(super) given: Spent,
     pub(super) others: Vec<Cost>,
     pub(super) trust: Trust,
 }
@@ -70,10 +70,10 @@ pub(super) struct Timed {
 /// # Errors
 /// As `run`.
 pub(super) fn rounds(
-    first: &[Used],
+    first: &[Spent],
     budget: Duration,
     grace: Duration,
-    mut run: impl FnMut(usize) -> Result<Used>,
+    mut run: impl FnMut(usize) -> Result<Spent>,
 ) -> Result<Timed> {
     let began = Instant::now();
     let load = Others::begin();
@@ -90,7 +90,7 @@ pub(super) fn rounds(
     }
     let mut order: Vec<usize> = members.clone();
     order.extend([0; CONTROLS]);
-    let mut found: Vec<Vec<Used>> = vec![Vec::new(); first.len()];
+    let mut found: Vec<Vec<Spent>> = vec![Vec::new(); first.len()];
     let mut random = Shuffle(0x9e37_79b9_7f4a_7c15);
     let mut count = 0;
     // A last round that would end late is not begun; a command that takes a third of the budget gets three rounds.
@@ -142,7 +142,7 @@ pub(super) fn rounds(
         median(&spread) / 0.56
     };
     let disagreement_ms = range.max(3.0 * deviation / (count as f64).sqrt());
-    let given = Used {
+    let given = Spent {
         cpu_ms: median(&controls),
         wall_ms: median(&found[0].iter().map(|used| used.wall_ms).collect::<Vec<_>>()),
     };
@@ -211,7 +211,7 @@ mod tests {
     /// same is no difference, one that saves 20 ms is found to, and so is one that is too slow for rounds.
     #[test]
     fn a_difference_is_told_from_noise() {
-        let used = |cpu_ms: f64| Used {
+        let used = |cpu_ms: f64| Spent {
             cpu_ms,
             wall_ms: 1e-3,
         };

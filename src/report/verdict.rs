@@ -1,12 +1,12 @@
 //! What the numbers come to: which settings nothing beats, and what to change.
 
-use super::{SEEN, Setting, Verdict, text};
+use super::{Advice, SEEN, Tried, text};
 
 /// A time saved below this share of the whole is not worth a flag.
 const WORTH: f64 = 0.05;
 
 /// Marks what nothing else is both quicker than and more exact. Times that cannot be told apart are equal.
-pub(super) fn mark_front(settings: &mut [Setting]) {
+pub(super) fn mark_front(settings: &mut [Tried]) {
     let all: Vec<(f64, f64)> = settings
         .iter()
         .map(|s| (-s.cost.saved_ms, s.error.p99))
@@ -20,26 +20,26 @@ pub(super) fn mark_front(settings: &mut [Setting]) {
 }
 
 /// What to change, if anything: the quickest of what nobody can tell from the truth.
-pub(super) fn verdict(settings: &[Setting], own_error: f64, shows: Option<f64>) -> Verdict {
+pub(super) fn verdict(settings: &[Tried], own_error: f64, shows: Option<f64>) -> Advice {
     let [given, others @ ..] = settings else {
         unreachable!("the command as given is one of them")
     };
-    let is_exact = |setting: &&Setting| setting.error.p99 <= SEEN;
-    let is_unseen = |setting: &&Setting| {
+    let is_exact = |setting: &&Tried| setting.error.p99 <= SEEN;
+    let is_unseen = |setting: &&Tried| {
         let (found, as_given) = (&setting.error, &given.error);
         let is_no_worse = found.p99 <= as_given.p99 && found.largest <= as_given.largest;
         is_no_worse || (found.p99 <= 0.5 * SEEN && found.largest <= SEEN)
     };
-    let saves = |setting: &&Setting| setting.cost.saved_ms > WORTH * given.cost.cpu_ms;
-    let quickest = |found: Vec<&Setting>| -> Option<Setting> {
-        let order = |a: &&Setting, b: &&Setting| {
+    let saves = |setting: &&Tried| setting.cost.saved_ms > WORTH * given.cost.cpu_ms;
+    let quickest = |found: Vec<&Tried>| -> Option<Tried> {
+        let order = |a: &&Tried, b: &&Tried| {
             let by_time = b.cost.saved_ms.total_cmp(&a.cost.saved_ms);
             by_time.then(a.error.p99.total_cmp(&b.error.p99))
         };
         found.into_iter().min_by(order).cloned()
     };
     let ms = |ms: f64| text::ms(ms.abs());
-    let nothing = |why: String| Verdict {
+    let nothing = |why: String| Advice {
         flags: None,
         sentence: why,
         shows,
@@ -99,7 +99,7 @@ pub(super) fn verdict(settings: &[Setting], own_error: f64, shows: Option<f64>) 
             )
         }
     };
-    Verdict {
+    Advice {
         sentence,
         flags: Some(found.flags),
         shows,
@@ -113,8 +113,8 @@ mod tests {
     use super::*;
 
     /// A setting by its time saved of 100 ms, and its error: of 99 of 100 pixels, and the largest.
-    fn setting(flags: &str, saved_ms: f64, p99: f64, largest: f64) -> Setting {
-        Setting {
+    fn setting(flags: &str, saved_ms: f64, p99: f64, largest: f64) -> Tried {
+        Tried {
             flags: flags.into(),
             error: Difference {
                 p99,
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    fn advice(settings: &[Setting]) -> Option<String> {
+    fn advice(settings: &[Tried]) -> Option<String> {
         verdict(settings, 0.1, None).flags
     }
 
@@ -157,7 +157,7 @@ mod tests {
         let less = setting("--samples 100", -10.0, 6.5, 23.0);
         let enough = setting("--samples 400", -60.0, 1.6, 26.0);
         let more = setting("--samples 1600", -200.0, 0.4, 9.0);
-        let of = |settings: &[&Setting]| {
+        let of = |settings: &[&Tried]| {
             advice(&settings.iter().map(|s| (*s).clone()).collect::<Vec<_>>())
         };
         assert_eq!(

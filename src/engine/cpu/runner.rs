@@ -319,7 +319,8 @@ mod tests {
     use crate::light::lights::{DirectionalLight, Illumination};
     use crate::params::{Adaptive, Method, RelightParams, RunOptions, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};
-    use crate::shape::diffusion::cpu::{Medium, diffusion};
+    use crate::shape::diffusion::cpu::diffusion;
+    use crate::shape::diffusion::medium::Medium;
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
     use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -11,7 +11,8 @@ use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::Grid;
 use crate::params::{RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
-use crate::shape::diffusion::cpu::{Medium, diffusion};
+use crate::shape::diffusion::cpu::diffusion;
+use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use glam::Vec3;
 

@@ -2,9 +2,9 @@
 
 use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::simd::Simd;
-use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::frame::Vector2Planes;
 use crate::params::RunOptions;
-use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::sweeps::{DiffusionSchedule, Readout, Recurrence};
 use crate::shape::diffusion::tiles::{Tiling, even_tiles};
@@ -19,28 +19,6 @@ const ROWS_PER_SWEEP: usize = 8;
 const SHALLOW: usize = 32;
 /// The same for pictures with joined borders, which may be far smaller than a rim.
 const SHALLOW_IF_JOINED: usize = 4;
-
-/// What slopes spread through.
-#[derive(Clone, Copy)]
-pub(crate) struct Medium<'a> {
-    pub(crate) conductance: &'a Plane,
-    pub(crate) mask: &'a Mask,
-    pub(crate) importance: Option<&'a Levels>,
-    /// Whether left and right borders are joined, and upper and lower ones; nothing passes through the others.
-    pub(crate) wraps: [bool; 2],
-}
-
-impl<'a> Medium<'a> {
-    /// A medium equally important everywhere, which nothing leaves.
-    pub(crate) fn of_whole(conductance: &'a Plane, mask: &'a Mask) -> Self {
-        Self {
-            conductance,
-            mask,
-            importance: None,
-            wraps: [false; 2],
-        }
-    }
-}
 
 /// The result of diffusion.
 #[derive(Debug)]

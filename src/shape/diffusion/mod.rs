@@ -14,6 +14,7 @@ pub(crate) mod cpu;
 pub(crate) mod gpu;
 pub(crate) mod importance;
 pub(crate) mod kernel;
+pub(crate) mod medium;
 pub(crate) mod stage;
 pub(crate) mod still;
 pub(crate) mod sweeps;

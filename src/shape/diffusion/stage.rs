@@ -7,8 +7,9 @@ use crate::plan::Plan;
 use crate::plan::planned::Tile;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
-use crate::shape::diffusion::cpu::{Diffused, Medium};
+use crate::shape::diffusion::cpu::Diffused;
 use crate::shape::diffusion::importance::Levels;
+use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::{REACH, cpu};
 
 /// The gradient at the requested scales.

@@ -7,7 +7,7 @@
 use crate::engine::cpu::lanes::multiply_add;
 use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Plane, Vector2Planes};
-use crate::shape::diffusion::cpu::Medium;
+use crate::shape::diffusion::medium::Medium;
 use rayon::prelude::*;
 use std::ops::Range;
 
