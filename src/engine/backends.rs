@@ -97,6 +97,15 @@ impl Engine {
         })
     }
 
+    /// Whether it has a device to run on.
+    #[cfg(feature = "cli")]
+    pub(crate) fn has_device(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return !matches!(self.device, OnDevice::No(_));
+        #[cfg(not(feature = "gpu"))]
+        false
+    }
+
     /// Adds the CPU as fallback for a device that fails.
     #[must_use]
     pub fn or_cpu(self) -> Self {

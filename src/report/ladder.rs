@@ -1,6 +1,6 @@
 //! Settings that trade quality for time, each on its ladder. Looks are no trades: they stay as they are.
 
-use super::subject::{Subject, Variation};
+use super::subject::{BACKEND, Subject, Variation};
 use crate::command::commands::Command;
 use crate::command::reading::{light_of, work_of};
 use crate::params::{Samples, Scale, Solver};
@@ -91,6 +91,9 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
                 "64",
             ));
         }
+    }
+    if let Some(other) = subject.other_backend() {
+        found.push(Ladder::new(BACKEND, &[other], "", ""));
     }
     found
 }

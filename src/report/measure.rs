@@ -1,13 +1,14 @@
 //! The runs of a report: the command as given, its ladders, what is left out, and rounds of all of them.
 
-use super::clock::{Spent, timed};
+use super::clock::Spent;
 use super::difference::{Codes, Difference};
+use super::files::files;
 use super::ladder::{Ladder, ladders, references};
 use super::left_out::{self, parts};
 use super::subject::{Shot, Subject, Variation};
 use super::timing::{Cost, Timed, rounds};
 use super::verdict::{mark_front, verdict};
-use super::{Asked, HARDLY, LeftOut, On, Pictures, Reference, Report, Tried, page};
+use super::{Asked, HARDLY, LeftOut, On, Pictures, Reference, Report, Tried};
 use crate::error::Result;
 use crate::light::lights::LightChoice;
 use std::time::{Duration, Instant};
@@ -76,7 +77,8 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     };
     let trades = measuring.trades()?;
     let parts = measuring.parts()?;
-    let write = timed(|| page::png(measuring.given.size, &measuring.given.codes)).1;
+    say("files");
+    let files = files(&measuring.subject, &measuring.given, &measuring.counts)?;
     let candidates = trades.candidates.iter().chain(parts.iter().map(|(_, c)| c));
     let candidates: Vec<&Candidate> = candidates.collect();
     let times = measuring.times(&candidates)?;
@@ -139,7 +141,7 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
         parts: parts.collect(),
         stages: stages.collect(),
         read: subject.read,
-        write,
+        files,
         trust: times.trust,
         pictures: Pictures {
             size: given.size,

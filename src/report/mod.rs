@@ -7,6 +7,7 @@
 mod cases;
 mod clock;
 mod difference;
+mod files;
 mod ladder;
 mod left_out;
 mod measure;
@@ -54,8 +55,8 @@ pub(crate) struct Report {
     /// Stages of the command as given, in milliseconds on the wall.
     pub stages: Vec<(&'static str, f64)>,
     pub read: Spent,
-    /// Writing an 8-bit PNG.
-    pub write: Spent,
+    /// Kinds of files of the picture: a PNG first.
+    pub files: Vec<Stored>,
     pub trust: Trust,
     pub warnings: Vec<String>,
     #[serde(skip)]
@@ -112,6 +113,18 @@ pub(crate) struct LeftOut {
     /// Difference of the picture without it from the one as given.
     pub change: Difference,
     pub cost: Cost,
+}
+
+/// The picture as a file.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Stored {
+    /// As typed.
+    pub flags: String,
+    pub bytes: u64,
+    /// Difference from the picture as made.
+    pub error: Difference,
+    /// Writing it, once.
+    pub used: Spent,
 }
 
 /// Pictures of a report, as a display has them.

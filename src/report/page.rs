@@ -1,7 +1,9 @@
 //! A report as one page of HTML: it loads nothing, is read on a wide or a narrow screen, dark or light.
 
 use super::difference::Codes;
-use super::text::{can_be_left_out, hardly_shows, ms, name, percent, same_stages, trust};
+use super::text::{
+    can_be_left_out, hardly_shows, megabytes, ms, name, percent, same_stages, trust,
+};
 use super::{LeftOut, Reference, Report, SEEN, Tried};
 use crate::untrusted::Untrusted;
 use base64::Engine;
@@ -32,8 +34,13 @@ tr.given td{font-weight:600}tr.off td{color:var(--soft)}";
 /// A picture of 8 bits as a PNG.
 pub(super) fn png([width, height]: [usize; 2], codes: &Codes) -> Vec<u8> {
     let rgb = codes.iter().take(width * height);
-    let rgb = rgb.flat_map(|[r, g, b, _]| [r, g, b].map(|code| (code / 257) as u8));
+    let rgb = rgb.flat_map(|[r, g, b, _]| [r, g, b].map(level));
     encoded([width, height], &rgb.collect::<Vec<_>>())
+}
+
+/// A code as one of 8 bits.
+pub(super) fn level(code: &u16) -> u8 {
+    ((u32::from(*code) + 128) / 257) as u8
 }
 
 fn encoded([width, height]: [usize; 2], rgb: &[u8]) -> Vec<u8> {
@@ -88,6 +95,9 @@ pub(crate) fn page(report: &Report) -> String {
             &format!("<ul>{}</ul>", warnings.collect::<String>()),
         );
     }
+    if report.files.len() > 1 {
+        body += &section("The picture as a file", &files(report));
+    }
     body += &section("Where the time goes", &stages(report));
     body += "</div>\n";
     format!(
@@ -126,10 +136,26 @@ fn settings(report: &Report, reference: &Reference) -> String {
     )
 }
 
+fn files(report: &Report) -> String {
+    let rows = report.files.iter().map(|file| {
+        let error = &file.error;
+        let cells = [
+            file.flags.clone(),
+            format!("{:.2}", megabytes(file)),
+            ms(file.used.cpu_ms),
+            format!("{:.2}", error.p99),
+            format!("{:.2}", error.largest),
+        ];
+        (cells.to_vec(), "")
+    });
+    table(&["file", "MB", "CPU ms", "p99", "max"], rows)
+        + "<p class=\"soft\">Written once, with nothing but the picture; grey levels from the picture as made.</p>\n"
+}
+
 fn stages(report: &Report) -> String {
     let files = [
         ("read", report.read.wall_ms),
-        ("write (PNG)", report.write.wall_ms),
+        ("write (PNG)", report.files[0].used.wall_ms),
     ];
     let stages = files[..1].iter().chain(&report.stages).chain(&files[1..]);
     let whole: f64 = stages.clone().map(|(_, ms)| ms).sum();

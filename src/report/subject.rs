@@ -2,6 +2,7 @@
 
 use super::clock::{Spent, timed};
 use super::difference::Codes;
+use crate::command::args::BackendArg;
 use crate::command::chosen::look_at_depth;
 use crate::command::commands::{Command, ReportArgs};
 use crate::command::error_line::misuse_line;
@@ -13,7 +14,7 @@ use crate::command::memory::MaxMemory;
 use crate::command::reading::{Source, light_of, params_of, plan_of, setting_warnings, work_of};
 use crate::command::recipe::{COMMANDS, Recipe};
 use crate::command::relight::{illumination, light_or_lamp};
-use crate::engine::{Engine, Run};
+use crate::engine::{Engine, Outcome, Run};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, ColorPlanes, Frame, LightLayers, Plane, SpecularScene};
 use crate::io::colorspace::Chromaticities;
@@ -30,6 +31,9 @@ const OUTPUT: &str = "report.png";
 /// The command that is reported on if none is named.
 const DEFAULT: &str = "enhance";
 
+/// The setting of the backend, which is none of the parameters.
+pub(super) const BACKEND: &str = "backend";
+
 /// A command, what it reads, and its light.
 pub(super) struct Subject {
     typed: Invocation,
@@ -42,6 +46,8 @@ pub(super) struct Subject {
     primaries: Option<Chromaticities>,
     pub(super) is_in_sequence: bool,
     pub(super) engine: Engine,
+    /// The engine of the other backend, where this machine has a device.
+    other: Option<Engine>,
     pub(super) warnings: Vec<String>,
     /// Time that reading took.
     pub(super) read: Spent,
@@ -150,7 +156,12 @@ impl Subject {
             light = lit;
             warnings.extend(said);
         }
-        let engine = work_of(&command).run.compute.backend.engine()?;
+        let backend = work_of(&command).run.compute.backend;
+        let engine = backend.engine()?;
+        let other = match backend {
+            BackendArg::Cpu => Some(Engine::auto()).filter(Engine::has_device),
+            _ => engine.has_device().then(Engine::cpu),
+        };
         let source = Source::of(&command, &light, number)?;
         let (loaded, read) = timed(|| source.load(&command));
         let (mut loaded, specular) = loaded?;
@@ -166,6 +177,7 @@ impl Subject {
             primaries: loaded.chromaticities,
             is_in_sequence: number.is_some(),
             engine,
+            other,
             warnings,
             read,
         })
@@ -185,7 +197,7 @@ impl Subject {
     pub(super) fn command_with(&self, settings: &[(&'static str, String)]) -> Result<Command> {
         let mut command = parsed(&self.typed)?;
         let params = params_of(&mut command);
-        for (name, value) in settings {
+        for (name, value) in settings.iter().filter(|(name, _)| *name != BACKEND) {
             params
                 .set(name, value)
                 .map_err(|expected| Error::Arguments {
@@ -209,22 +221,18 @@ impl Subject {
             }
         };
         exchange(&mut self.frame);
-        let shot = self.run(&command);
+        let moves = change.settings.iter().any(|(name, _)| *name == BACKEND);
+        let other = self.other.as_ref().filter(|_| moves);
+        let shot = self.run(&command, other.unwrap_or(&self.engine));
         exchange(&mut self.frame);
         shot
     }
 
-    fn run(&self, command: &Command) -> Result<Shot> {
-        let making = Making {
-            command,
-            light: &self.light,
-            frame: &self.frame,
-            specular: self.specular.as_ref(),
-            is_in_sequence: self.is_in_sequence,
-        };
+    fn run(&self, command: &Command, engine: &Engine) -> Result<Shot> {
+        let making = self.making(command);
         // A command of one picture prepares its light.
-        self.engine.forget_environment();
-        let (made, used) = timed(|| making.run(&self.engine, &Run::new()));
+        engine.forget_environment();
+        let (made, used) = timed(|| making.run(engine, &Run::new()));
         let made = made?;
         let shown = making.shown(&made, self.primaries, |picture, _| {
             let size = [picture.color.r.width(), picture.color.r.height()];
@@ -247,26 +255,32 @@ impl Subject {
 
     /// The picture that the command begins from, as a display has it.
     pub(super) fn before(&self) -> Option<Codes> {
-        let color = self.frame.color.as_ref()?;
-        let making = Making {
-            command: &self.command,
-            light: &self.light,
-            frame: &self.frame,
-            specular: None,
-            is_in_sequence: false,
-        };
-        let outcome = crate::engine::Outcome {
-            color: Some(color.clone()),
-            ..Default::default()
-        };
+        let is_light = matches!(self.command, Command::Enhance(_) | Command::Relight(_));
+        let color = self.frame.color.as_ref().filter(|_| is_light)?;
+        self.displayed(color.clone())
+    }
+
+    /// A picture in place of the one that the command makes, as a display has it.
+    pub(super) fn displayed(&self, color: ColorPlanes) -> Option<Codes> {
         let made = Made {
-            outcome,
+            outcome: Outcome {
+                color: Some(color),
+                ..Outcome::default()
+            },
             ..Made::default()
         };
-        let is_light = matches!(self.command, Command::Enhance(_) | Command::Relight(_));
-        is_light
-            .then(|| making.shown(&made, self.primaries, |picture, _| pixels_16(picture)))
-            .flatten()
+        self.making(&self.command)
+            .shown(&made, self.primaries, |picture, _| pixels_16(picture))
+    }
+
+    fn making<'a>(&'a self, command: &'a Command) -> Making<'a> {
+        Making {
+            command,
+            light: &self.light,
+            frame: &self.frame,
+            specular: self.specular.as_ref(),
+            is_in_sequence: self.is_in_sequence,
+        }
     }
 
     /// The pixels that count: those of the surface, or of the whole page for a drawing. `size` is that of the picture.
@@ -303,7 +317,14 @@ impl Subject {
         let keys = changed
             .ok()
             .and_then(|c| Some((key(&c)?, key(&self.command)?)));
-        change.without.is_none() && keys.is_some_and(|(changed, given)| changed == given)
+        let moves = change.settings.iter().any(|(name, _)| *name == BACKEND);
+        change.without.is_none() && !moves && keys.is_some_and(|(changed, given)| changed == given)
+    }
+
+    /// The backend that the command does not run on, if this machine has it.
+    pub(super) fn other_backend(&self) -> Option<&'static str> {
+        let other = self.other.as_ref()?;
+        Some(if other.has_device() { "gpu" } else { "cpu" })
     }
 
     /// Whether mirrors or lenses are traced.

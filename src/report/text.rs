@@ -1,6 +1,6 @@
 //! A report for the terminal, on one screen.
 
-use super::{HARDLY, LeftOut, Report, Tried};
+use super::{HARDLY, LeftOut, Report, Stored, Tried};
 use crate::untrusted::Untrusted;
 
 /// Milliseconds to three digits.
@@ -79,6 +79,7 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
             needed.join(", ")
         ));
     }
+    lines.extend(files(report));
     lines.extend(
         report
             .warnings
@@ -164,6 +165,37 @@ fn row(setting: &Tried, width: usize) -> String {
     )
 }
 
+/// Kinds of files of the picture, where it makes one.
+fn files(report: &Report) -> Vec<String> {
+    let [_, _, ..] = report.files[..] else {
+        return Vec::new();
+    };
+    let names = report.files.iter().map(|file| file.flags.len());
+    let width = names.max().unwrap_or(0);
+    let head = format!(
+        "  {:<width$} {:>8} {:>8} {:>6} {:>6}",
+        "file of the picture", "MB", "CPU ms", "p99", "max"
+    );
+    let row = |file: &Stored| {
+        let (error, used) = (&file.error, ms(file.used.cpu_ms));
+        format!(
+            "  {:<width$} {:>8.2} {used:>8} {:>6.2} {:>6.2}",
+            file.flags,
+            megabytes(file),
+            error.p99,
+            error.largest
+        )
+    };
+    std::iter::once(head)
+        .chain(report.files.iter().map(row))
+        .collect()
+}
+
+/// The size of a file.
+pub(super) fn megabytes(file: &Stored) -> f64 {
+    file.bytes as f64 / 1e6
+}
+
 /// How far to trust the times.
 pub(super) fn trust(report: &Report) -> String {
     let given = report.settings[0].cost.cpu_ms;
@@ -185,6 +217,6 @@ pub(super) fn trust(report: &Report) -> String {
         trust.rounds,
         ms(trust.disagreement_ms),
         ms(report.read.wall_ms),
-        ms(report.write.wall_ms)
+        ms(report.files[0].used.wall_ms)
     )
 }

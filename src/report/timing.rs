@@ -77,12 +77,15 @@ pub(super) fn rounds(
 ) -> Result<Timed> {
     let began = Instant::now();
     let load = Others::begin();
+    // One run on the wall says little beside other programs.
+    let stretch = (first[0].wall_ms / first[0].cpu_ms.max(1e-9)).min(1.0);
+    let wall_ms = |i: usize| stretch * first[i].cpu_ms;
     let of_round = |members: &[usize]| -> f64 {
-        let own: f64 = members.iter().map(|&i| first[i].wall_ms).sum();
-        CONTROLS as f64 * first[0].wall_ms + own
+        let own: f64 = members.iter().map(|&i| wall_ms(i)).sum();
+        CONTROLS as f64 * wall_ms(0) + own
     };
     let mut members: Vec<usize> = (1..first.len()).collect();
-    members.sort_by(|&a, &b| first[a].wall_ms.total_cmp(&first[b].wall_ms));
+    members.sort_by(|&a, &b| wall_ms(a).total_cmp(&wall_ms(b)));
     while !members.is_empty()
         && LEAST_ROUNDS as f64 * of_round(&members) > 1e3 * budget.as_secs_f64()
     {
@@ -112,36 +115,16 @@ pub(super) fn rounds(
     let controls: Vec<f64> = found[0].iter().map(|used| used.cpu_ms).collect();
     // Of each round, so that what slows the machine for a while slows all alike.
     let middles: Vec<f64> = controls.chunks(CONTROLS).map(median).collect();
-    let off: Vec<f64> = controls
-        .iter()
-        .zip(middles.iter().flat_map(|m| [m; CONTROLS]))
-        .map(|(control, middle)| control - middle)
-        .collect();
-    let each = |k: usize| {
-        median(
-            &off.iter()
-                .skip(k)
-                .step_by(CONTROLS)
-                .copied()
-                .collect::<Vec<_>>(),
-        )
-    };
-    let medians: Vec<f64> = (0..CONTROLS).map(each).collect();
-    let range = medians.iter().fold(0.0_f64, |most, m| {
-        medians.iter().fold(most, |most, other| most.max(m - other))
-    });
-    // Three single runs are off their median by .56 of their deviation, in the median of the two that are.
-    let spread: Vec<f64> = off
-        .iter()
-        .map(|off| off.abs())
-        .filter(|&off| off > 0.0)
-        .collect();
-    let deviation = if spread.is_empty() {
-        0.0
-    } else {
-        median(&spread) / 0.56
-    };
-    let disagreement_ms = range.max(3.0 * deviation / (count as f64).sqrt());
+    // The middle one of three is off itself by nothing.
+    let off = controls.iter().enumerate();
+    let off = off.map(|(i, control)| (control - middles[i / CONTROLS]).abs());
+    let off: Vec<f64> = off.filter(|&off| off > 0.0).collect();
+    // What interrupts a run for long says nothing of the others.
+    let most = 3.0 * median(&off);
+    let squares: f64 = off.iter().map(|off| off.min(most).powi(2)).sum();
+    let deviation = (squares / off.len().max(1) as f64).sqrt();
+    // Twice this is 2.8 deviations of the median of so many differences.
+    let disagreement_ms = 1.9 * deviation / (count as f64).sqrt();
     let given = Spent {
         cpu_ms: median(&controls),
         wall_ms: median(&found[0].iter().map(|used| used.wall_ms).collect::<Vec<_>>()),
@@ -213,10 +196,9 @@ mod tests {
     fn a_difference_is_told_from_noise() {
         let used = |cpu_ms: f64| Spent {
             cpu_ms,
-            wall_ms: 1e-3,
+            wall_ms: 1e-5 * cpu_ms,
         };
-        let mut first = vec![used(100.0), used(100.0), used(80.0), used(9000.0)];
-        first[3].wall_ms = 1e6;
+        let first = vec![used(100.0), used(100.0), used(80.0), used(9e9)];
         let mut state = 1_u64;
         let mut noise = move || {
             state = state
@@ -246,7 +228,10 @@ mod tests {
                 (quick.saved_ms - 21.0).abs() < 6.0,
                 "case {case}: {quick:?}"
             );
-            assert!(!slow.is_in_rounds && slow.saved_ms == -8900.0, "{slow:?}");
+            assert!(
+                !slow.is_in_rounds && slow.saved_ms == 100.0 - 9e9,
+                "{slow:?}"
+            );
         }
     }
 

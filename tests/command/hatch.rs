@@ -242,40 +242,39 @@ fn drawings_of_tiles_have_the_size_of_their_frame() {
     let mask = Plane::from_fn(40, 32, |x, _| x as f32 / 39.0);
     Part::of([("mask.Y", &mask)]).write(&here.join("mask.exr"));
     let styles = ["pen", "pencil", "lines", "engraving", "stipple"];
-    for (style, wrap) in styles
-        .iter()
-        .flat_map(|style| ["x", "y", "xy", "auto"].map(|wrap| (style, wrap)))
-    {
-        for more in [
-            "",
-            " --mask mask.exr",
-            " --enlarge 2 --layers results",
-            " --contours off --interior off",
-        ] {
-            let times = if more.contains("enlarge") { 2 } else { 1 };
-            let words = format!("hatch in.exr --style {style} --wrap {wrap}{more} -q");
-            relievo(here, &format!("{words} -o out.exr")).done();
-            let strokes = channel(&here.join("out.exr"), "strokes.hatching");
-            assert_eq!(
-                (strokes.width(), strokes.height()),
-                (40 * times, 32 * times),
-                "{words}"
-            );
-            relievo(here, &format!("{words} -o out.png")).done();
-            let picture = Photo::read(&here.join("out.png")).unwrap();
-            assert_eq!(
-                (picture.width, picture.height),
-                (40 * times, 32 * times),
-                "{words}"
-            );
-            assert!((0.02..1.0).contains(&light(&picture)), "{words}");
-            if *style == "pencil" || more.contains("mask") {
-                continue;
-            }
-            relievo(here, &format!("{words} -o out.svg")).done();
-            let page = std::fs::read_to_string(here.join("out.svg")).unwrap();
-            assert!(page.contains(&format!("viewBox=\"0 0 {} {}\"", 40 * times, 32 * times)));
+    let wraps = ["x", "y", "xy", "auto"];
+    let others = [
+        "",
+        " --mask mask.exr",
+        " --enlarge 2 --layers results",
+        " --contours off --interior off",
+    ];
+    // Every two of them meet.
+    for (i, j) in (0..styles.len()).flat_map(|i| (0..wraps.len()).map(move |j| (i, j))) {
+        let (style, wrap, more) = (styles[i], wraps[j], others[(i + j) % others.len()]);
+        let times = if more.contains("enlarge") { 2 } else { 1 };
+        let words = format!("hatch in.exr --style {style} --wrap {wrap}{more} -q");
+        relievo(here, &format!("{words} -o out.exr")).done();
+        let strokes = channel(&here.join("out.exr"), "strokes.hatching");
+        assert_eq!(
+            (strokes.width(), strokes.height()),
+            (40 * times, 32 * times),
+            "{words}"
+        );
+        relievo(here, &format!("{words} -o out.png")).done();
+        let picture = Photo::read(&here.join("out.png")).unwrap();
+        assert_eq!(
+            (picture.width, picture.height),
+            (40 * times, 32 * times),
+            "{words}"
+        );
+        assert!((0.02..1.0).contains(&light(&picture)), "{words}");
+        if style == "pencil" || more.contains("mask") {
+            continue;
         }
+        relievo(here, &format!("{words} -o out.svg")).done();
+        let page = std::fs::read_to_string(here.join("out.svg")).unwrap();
+        assert!(page.contains(&format!("viewBox=\"0 0 {} {}\"", 40 * times, 32 * times)));
     }
 }
 

@@ -42,7 +42,7 @@ fn row<'a>(rows: &'a Value, key: &str, name: &str) -> &'a Value {
 fn the_report_is_on_the_command_and_the_frame() {
     let (json, page, ran) = report(
         "wheel.0001.exr",
-        &["--for", "enhance --scale 20", "--budget", "8"],
+        &["--for", "enhance --scale 20", "--budget", "16"],
     );
     assert_eq!(json["command"], "relievo enhance --scale 20");
     let settings = &json["settings"];

@@ -1,0 +1,123 @@
+//! The picture as a file: how large each kind is, how long it takes to write, and how far it is from the picture.
+
+use super::Stored;
+use super::clock::timed;
+use super::difference::{Codes, Difference};
+use super::page::{level, png};
+use super::subject::{Shot, Subject};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, Plane, Window};
+use crate::io::exr::{
+    ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType, write_results,
+};
+use crate::product::PART;
+use std::io::BufWriter;
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Kinds of EXR worth a try, by their flags.
+const KINDS: [(&str, OutputType, OutputCompression); 6] = [
+    (
+        "--depth-of-output float",
+        OutputType::Float,
+        OutputCompression::Zip,
+    ),
+    (
+        "--depth-of-output half",
+        OutputType::Half,
+        OutputCompression::Zip,
+    ),
+    (
+        "--depth-of-output half --compression zips",
+        OutputType::Half,
+        OutputCompression::Zips,
+    ),
+    (
+        "--depth-of-output half --compression piz",
+        OutputType::Half,
+        OutputCompression::Piz,
+    ),
+    (
+        "--depth-of-output half --compression dwaa",
+        OutputType::Half,
+        OutputCompression::Dwaa,
+    ),
+    (
+        "--depth-of-output half --compression none",
+        OutputType::Half,
+        OutputCompression::None,
+    ),
+];
+
+/// Writes the picture that the command makes as a PNG and as each kind of EXR, its three channels alone.
+///
+/// # Errors
+/// [`Error::Io`] where temporary files cannot be written.
+pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<Vec<Stored>> {
+    let (bytes, used) = timed(|| png(given.size, &given.codes));
+    let rounded = |code: &u16| 257 * u16::from(level(code));
+    let shown: Codes = given
+        .codes
+        .iter()
+        .map(|code| code.each_ref().map(rounded))
+        .collect();
+    let mut files = vec![Stored {
+        flags: "-o .png".into(),
+        bytes: bytes.len() as u64,
+        error: Difference::between(&given.codes, &shown, counts),
+        used,
+    }];
+    let Some(color) = given.made.picture() else {
+        return Ok(files);
+    };
+    for (flags, sample_type, compression) in KINDS {
+        let file = NamedTempFile::new().map_err(Error::io(Path::new("report.exr"), "make"))?;
+        let part = part(subject, color, sample_type, compression);
+        let (written, used) = timed(|| {
+            let mut writer = BufWriter::new(file.as_file());
+            write_results(&mut writer, file.path(), &part)
+        });
+        written?;
+        let stored = ExrFile::open(file.path(), &Limits::default())?;
+        let channels: Vec<_> = stored.channel_ids().collect();
+        let Ok([b, g, r]) = <[Plane; 3]>::try_from(stored.read_channels(&channels)?) else {
+            unreachable!("three channels were written, and files hold them by name")
+        };
+        let shown = subject.displayed(ColorPlanes { r, g, b });
+        files.push(Stored {
+            flags: format!("-o .exr {flags}"),
+            bytes: file.as_file().metadata().map_or(0, |data| data.len()),
+            error: Difference::between(&given.codes, &shown.unwrap_or_default(), counts),
+            used,
+        });
+    }
+    Ok(files)
+}
+
+fn part<'a>(
+    subject: &Subject,
+    color: &'a ColorPlanes,
+    sample_type: OutputType,
+    compression: OutputCompression,
+) -> OutputPart<'a> {
+    let channel = |name: &str, plane| OutputChannel {
+        name: name.into(),
+        plane,
+        sample_type,
+    };
+    let window = Window::from_size(color.r.width(), color.r.height());
+    OutputPart {
+        name: PART.into(),
+        data_window: window,
+        display_window: window,
+        pixel_aspect: subject.frame.pixel_aspect,
+        channels: vec![
+            channel("R", &color.r),
+            channel("G", &color.g),
+            channel("B", &color.b),
+        ],
+        attributes: Vec::new(),
+        chromaticities: None,
+        compression,
+    }
+}
