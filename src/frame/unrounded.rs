@@ -155,7 +155,7 @@ fn smoothed(plane: &Plane) -> Plane {
 }
 
 /// Every second sample of every second row, after binomial smoothing over five.
-fn halved(plane: &Plane) -> Plane {
+pub(super) fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
     let mut half = Plane::filled(size[0], size[1], 0.0);
     half.each_row(|y, row| {
@@ -180,7 +180,7 @@ fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
 }
 
 /// Row `y` of the plane at twice the size.
-fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
+pub(super) fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
     let column = match y % 2 {
         0 => weighted(half, y / 2, &[1.0, 6.0, 1.0].map(|w| w / 8.0)),
         _ => weighted(half, y / 2, &[0.0, 0.5, 0.5]),

@@ -32,6 +32,9 @@ use crate::frame::{
 use std::ops::Range;
 use std::rc::Rc;
 
+/// Noise of slopes of which users are told.
+const NOTABLE_NOISE: f32 = 0.005;
+
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
     /// The frame, in view space.
@@ -136,7 +139,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         pixel_aspect,
     };
 
-    let stored_borders = planes.borders();
+    let (stored_borders, noise) = planes.borders();
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
@@ -145,6 +148,11 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let is_whole = inputs.rows.is_none();
     if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
         notes.findings.extend(borders.finding());
+    }
+    if is_whole && noise >= NOTABLE_NOISE {
+        notes.warnings.push(format!(
+            "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
+        ));
     }
     let encoding = notes.encoding(inputs, &sources, &normal)?;
     let given_flip = inputs.normal_flip.unwrap_or_default();

@@ -12,7 +12,10 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped};
+use crate::frame::{
+    DENOISING_REACH, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, denoise,
+    unround_wrapped,
+};
 use crate::untrusted::Untrusted;
 use std::ops::Range;
 use std::path::Path;
@@ -27,6 +30,8 @@ pub(super) struct RoleSource {
     layer: Option<Match>,
     /// Whether it is a tile, where it holds normals.
     wrap: Wrap,
+    /// Whether it may hold normals turned to other axes than the picture's.
+    is_turned: bool,
     /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
     pub(super) chosen: Option<Chosen>,
 }
@@ -77,6 +82,7 @@ impl RoleSource {
                     file: file.clone(),
                     layer: Some(layer),
                     wrap: Wrap::None,
+                    is_turned: false,
                     chosen,
                 })
             }
@@ -92,6 +98,7 @@ impl RoleSource {
             file: file.clone(),
             layer: None,
             wrap: Wrap::None,
+            is_turned: false,
             chosen,
         }
     }
@@ -122,6 +129,7 @@ impl RoleSource {
             file: file.clone(),
             layer,
             wrap: Wrap::None,
+            is_turned: false,
             chosen: None,
         })
     }
@@ -139,6 +147,7 @@ impl RoleSource {
             file: file.clone(),
             layer: Some(found),
             wrap: Wrap::None,
+            is_turned: false,
             chosen: None,
         }
     }
@@ -161,6 +170,11 @@ impl RoleSource {
     /// The same of a picture that may be a tile.
     pub(super) fn wrapped(self, wrap: Wrap) -> Self {
         Self { wrap, ..self }
+    }
+
+    /// The same of a picture that may be in another space.
+    pub(super) fn turned(self, is_turned: bool) -> Self {
+        Self { is_turned, ..self }
     }
 
     /// The same without its coverage.
@@ -454,8 +468,8 @@ fn photo_planes(
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
-    if role == Role::Normal && has_coarse_vectors(photo) {
-        return unrounded_vectors(photo, window, source.wrap);
+    if role == Role::Normal && has_coded_vectors(photo) {
+        return mended_vectors(photo, window, source);
     }
     let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
     let mut read = RolePlanes::of_photo(photo, planes, window);
@@ -465,16 +479,19 @@ fn photo_planes(
     Ok(read)
 }
 
-/// Whether a photo holds vectors in 8-bit codes.
-pub(super) fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
-    photo.header.bits == 8 && photo.header.color_channels() == 3
+/// Whether a photo holds vectors in codes of integers.
+pub(super) fn has_coded_vectors(photo: &StoredPhoto) -> bool {
+    !photo.header.is_float && photo.header.color_channels() == 3
 }
 
-/// The vectors of a photo without the steps of their codes.
-fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<RolePlanes> {
+/// Number of rows within which a coded vector can affect another.
+pub(super) const MENDING_REACH: usize = UNROUNDING_REACH + DENOISING_REACH;
+
+/// The vectors of a photo without the steps of coarse codes, and without noise.
+fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> Result<RolePlanes> {
     let [first, last] = [window.y0, window.y1].map(|y| y as usize);
-    let first = first.saturating_sub(UNROUNDING_REACH) / UNROUNDING_PHASE * UNROUNDING_PHASE;
-    let last = (last + UNROUNDING_REACH).min(photo.header.height);
+    let first = first.saturating_sub(MENDING_REACH) / UNROUNDING_PHASE * UNROUNDING_PHASE;
+    let last = (last + MENDING_REACH).min(photo.header.height);
     let planes = photo.planes(first..last, Meaning::Stored)?;
     let taken = Window {
         y0: first as i32,
@@ -484,11 +501,14 @@ fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<
     let mut read = RolePlanes::of_photo(photo, planes, taken);
     let mut vectors = Vector3Planes::of(read.planes);
     let borders = Borders::of(&vectors);
-    unround_wrapped(
-        &mut vectors,
-        photo.header.coding_error(),
-        borders.wrapped(wrap),
-    );
+    let wraps = borders.wrapped(source.wrap);
+    if photo.header.bits == 8 {
+        unround_wrapped(&mut vectors, photo.header.coding_error(), wraps);
+    }
+    // The slopes of a surface have no curl along other axes than the picture's own alone.
+    if !source.is_turned {
+        read.noise = denoise(&mut vectors, wraps);
+    }
     read.borders = Some(borders);
     read.planes = vec![vectors.x, vectors.y, vectors.z];
     read.fit_to(Role::Normal, window);
