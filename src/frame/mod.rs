@@ -10,7 +10,6 @@ mod holes;
 mod light_layers;
 mod mask;
 mod motion;
-#[cfg(feature = "cli")]
 mod noise;
 pub(crate) mod normals;
 mod plane;
@@ -41,7 +40,6 @@ pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLaye
 pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
-#[cfg(feature = "cli")]
 pub(crate) use noise::{DENOISING_REACH, denoise};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
