@@ -5,15 +5,16 @@
 //! and the divergence around. Which way y is stored need not be known: the lower curl and the higher divergence of both
 //! readings count, so that noise is missed rather than a surface smoothed.
 
-use super::unrounded::{double_row, halved};
+use super::plane::each_row_of;
+use super::unrounded::{double_row, halved, smoothed, unwritten, with_margins};
 use super::{Plane, Vector3Planes, Window};
-use glam::{Vec2, Vec3};
 
 /// Octaves of detail looked at: of 1 to 4 pixels.
 const OCTAVES: usize = 3;
 
-/// Squares of curl and divergence are compared after so many halvings: over a Gaussian of 2.2 pixels of the octave.
-const HALVINGS: usize = 2;
+/// Side of the cells, in pixels of the octave, that squares of curl and divergence are summed over; 3x3 cells are
+/// compared.
+const CELL: usize = 4;
 
 /// Curl as a share of divergence, both squared, at which an octave is a surface, and at which it is noise. White noise
 /// has .83 (1, were it not for the choice between two readings), scans of rock, brick and stone up to .2.
@@ -29,151 +30,114 @@ const BORDER: usize = 3;
 /// Slopes are of normals with at least this z.
 const LEAST_Z: f32 = 0.1;
 
-/// Number of rows within which a normal can affect another: 23 of the widest octave, and those that are halved to it.
-pub(crate) const DENOISING_REACH: usize = 32 << (OCTAVES - 1);
+/// Number of rows within which a normal can affect another: 19 of the widest octave, and those that are halved to it.
+pub(crate) const DENOISING_REACH: usize = 24 << (OCTAVES - 1);
 
 /// Removes the noise of vectors stored as `(n + 1) / 2`, whose left and right borders continue each other, or top and
-/// bottom. Vectors with all components 0 were never written, and stay. Returns the root mean square of the noise of a slope.
-pub(crate) fn denoise(stored: &mut Vector3Planes, wraps: [bool; 2]) -> f32 {
+/// bottom. Vectors with all components 0 were never written, and stay.
+pub(crate) fn denoise(stored: &mut Vector3Planes, wraps: [bool; 2]) {
+    let unwritten = unwritten(stored);
     let whole = Window::from_size(stored.x.width(), stored.x.height());
-    let [mx, my] = wraps.map(|wraps| if wraps { DENOISING_REACH as i32 } else { 0 });
-    let around = Window {
-        x0: -mx,
-        y0: -my,
-        x1: whole.x1 + mx,
-        y1: whole.y1 + my,
-    };
-    let slopes = [0, 1].map(|axis| {
-        let mut slopes = stored.z.clone();
-        slopes.each_row(|y, row| {
-            for (x, slope) in row.iter_mut().enumerate() {
-                *slope = slope_of(stored.at(x, y).as_vec3())[axis];
-            }
-        });
-        slopes.repeated(whole, around)
-    });
-    let noise = noise(&slopes, OCTAVES);
+    let around = with_margins(whole, DENOISING_REACH, wraps);
     let Vector3Planes { x, y, z } = stored;
-    super::plane::each_row_of([x, y, z], |row, [x, y, z]| {
-        let noise = noise
-            .each_ref()
-            .map(|plane| &plane.row(row + my as usize)[mx as usize..]);
-        for i in 0..x.len() {
-            let (code, noise) = (
-                Vec3::new(x[i], y[i], z[i]),
-                Vec2::new(noise[0][i], noise[1][i]),
-            );
-            if noise != Vec2::ZERO && code != Vec3::ZERO {
-                let n = 2.0 * code - 1.0;
-                let quiet = n - (noise * n.z.abs().max(LEAST_Z)).extend(0.0);
-                let code = 0.5 * (quiet.normalize_or_zero() * n.length() + 1.0);
-                (x[i], y[i]) = (code.x, code.y);
-                z[i] = code.z;
+    let run = |z: &f32| (2.0 * z - 1.0).abs().max(LEAST_Z);
+    for plane in [&mut *x, &mut *y] {
+        plane.each_row(|y, row| {
+            for (code, z) in row.iter_mut().zip(z.row(y)) {
+                *code = (2.0 * *code - 1.0) / run(z);
             }
-        }
-    });
-    let squares = noise
-        .iter()
-        .flat_map(Plane::samples)
-        .map(|&noise| f64::from(noise).powi(2));
-    (squares.sum::<f64>() / (noise[0].samples().len() * 2).max(1) as f64).sqrt() as f32
-}
-
-/// The slopes of a stored vector, up to their sign; 0 if it was never written.
-fn slope_of(code: Vec3) -> Vec2 {
-    let n = 2.0 * code - 1.0;
-    match code == Vec3::ZERO {
-        true => Vec2::ZERO,
-        false => n.truncate() / n.z.abs().max(LEAST_Z),
+        });
+        unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
+        *plane = plane.repeated(whole, around);
+    }
+    quieten([x, y], OCTAVES);
+    for plane in [x, y] {
+        plane.crop_in_place(around, whole);
+        plane.each_row(|y, row| {
+            for (slope, z) in row.iter_mut().zip(z.row(y)) {
+                *slope = 0.5 * (*slope * run(z) + 1.0);
+            }
+        });
+        unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }
 
-/// The noise of slopes in so many octaves.
-fn noise(slopes: &[Plane; 2], octaves: usize) -> [Plane; 2] {
-    let size = [slopes[0].width(), slopes[0].height()];
-    if octaves == 0 || size.iter().any(|&side| side <= 2 * BORDER) {
-        return slopes.each_ref().map(|plane| plane.map(|_| 0.0));
+/// Removes the noise of slopes in so many octaves.
+fn quieten([p, q]: [&mut Plane; 2], octaves: usize) {
+    if octaves == 0 || p.width().min(p.height()) <= 2 * BORDER {
+        return;
     }
-    let halves = slopes.each_ref().map(halved);
-    let details = [0, 1].map(|axis| {
-        let mut detail = doubled(&halves[axis], size);
-        detail.each_row(|y, row| {
-            for (detail, slope) in row.iter_mut().zip(slopes[axis].row(y)) {
-                *detail = slope - *detail;
-            }
-        });
-        detail
-    });
-    let share = share_of_noise(&details);
-    let wider = noise(&halves, octaves - 1);
-    [0, 1].map(|axis| {
-        let mut noise = doubled(&wider[axis], size);
-        noise.each_row(|y, row| {
-            let own = details[axis].row(y).iter().zip(share.row(y));
-            for (noise, (detail, share)) in row.iter_mut().zip(own) {
-                *noise += share * detail;
-            }
-        });
-        noise
-    })
+    let [mut half_p, mut half_q] = [halved(p), halved(q)];
+    // What halving takes off is detail of this octave.
+    for (plane, half) in [(&mut *p, &half_p), (&mut *q, &half_q)] {
+        change_rows(plane, half, |detail, low| *detail -= low);
+    }
+    let share = share_of_noise(p, q);
+    quieten([&mut half_p, &mut half_q], octaves - 1);
+    for (plane, half) in [(p, half_p), (q, half_q)] {
+        change_rows(plane, &share, |detail, share| *detail -= share * *detail);
+        change_rows(plane, &half, |detail, low| *detail += low);
+    }
 }
 
-/// How much of the details of slopes is noise, 0 to 1.
-fn share_of_noise([p, q]: &[Plane; 2]) -> Plane {
-    let mut sizes = vec![[p.width(), p.height()]];
-    let mut around = |of: fn([f32; 4]) -> f32| {
-        let mut squares = p.map(|_| 0.0);
-        let [last_x, last_y] = sizes[0].map(|side| side - BORDER);
-        squares.each_row(|y, row| {
-            if !(BORDER..last_y).contains(&y) {
-                return;
-            }
-            let [rows_p, rows_q] = [p, q].map(|plane| [y - 1, y, y + 1].map(|y| plane.row(y)));
+/// Changes each sample of a plane by that of another of half the size.
+fn change_rows(plane: &mut Plane, half: &Plane, change: impl Fn(&mut f32, f32) + Sync) {
+    plane.each_row(|y, row| {
+        let mut double = vec![0.0; row.len()];
+        double_row(half, y, &mut double);
+        row.iter_mut()
+            .zip(double)
+            .for_each(|(sample, double)| change(sample, double));
+    });
+}
+
+/// How much of the details of slopes is noise, 0 to 1, at half the size.
+fn share_of_noise(p: &Plane, q: &Plane) -> Plane {
+    let size = [p.width(), p.height()];
+    let [columns, rows] = size.map(|side| side.div_ceil(CELL));
+    let [last_x, last_y] = size.map(|side| side - BORDER);
+    // Where p, q change by px, qx along x and by py, qy along y: px^2 + qy^2, px qy, py^2 + qx^2, py qx.
+    let mut sums = [(); 4].map(|()| Plane::filled(columns, rows, 0.0));
+    each_row_of(sums.each_mut(), |cell, mut sums| {
+        // Cells lie around every fourth pixel, as halving places them.
+        let [first, last] = [cell, cell + 1].map(|cell| (CELL * cell).saturating_sub(CELL / 2));
+        for y in first.max(BORDER)..last.min(last_y) {
+            let [[p_above, p, p_below], [q_above, q, q_below]] =
+                [p, q].map(|plane| [y - 1, y, y + 1].map(|y| plane.row(y)));
             for x in BORDER..last_x {
-                let change = |[above, own, below]: [&[f32]; 3]| {
-                    [own[x + 1] - own[x - 1], below[x] - above[x]]
-                };
-                let ([px, py], [qx, qy]) = (change(rows_p), change(rows_q));
-                row[x] = of([px, py, qx, qy]);
+                let (px, py) = (p[x + 1] - p[x - 1], p_below[x] - p_above[x]);
+                let (qx, qy) = (q[x + 1] - q[x - 1], q_below[x] - q_above[x]);
+                let products = [px * px + qy * qy, px * qy, py * py + qx * qx, py * qx];
+                let cell = ((x + CELL / 2) / CELL).min(columns - 1);
+                for (sum, product) in sums.iter_mut().zip(products) {
+                    sum[cell] += product;
+                }
             }
-        });
-        sizes.truncate(1);
-        for _ in 0..HALVINGS {
-            squares = halved(&squares);
-            sizes.push([squares.width(), squares.height()]);
         }
-        squares
-    };
-    // The squared divergence with y either way is divergence +- 2 both, and the curl likewise.
-    let divergence = around(|[px, _, _, qy]| px * px + qy * qy);
-    let both_divergence = around(|[px, _, _, qy]| px * qy);
-    let curl = around(|[_, py, qx, _]| py * py + qx * qx);
-    let mut share = around(|[_, py, qx, _]| py * qx);
+    });
+    let [divergence, both_divergence, curl, mut share] = sums.each_ref().map(smoothed);
     share.each_row(|y, row| {
         let [d, dd, c] = [&divergence, &both_divergence, &curl].map(|plane| plane.row(y));
         for (x, share) in row.iter_mut().enumerate() {
+            // The squared divergence with y either way is divergence +- 2 both, and the curl likewise.
             let ratio =
                 (c[x] - 2.0 * share.abs()) / (d[x] + 2.0 * dd[x].abs()).max(f32::MIN_POSITIVE);
             let [surface, noise] = SHARES;
             let is_noise = ((ratio - surface) / (noise - surface)).clamp(0.0, 1.0);
-            *share = is_noise * (2.0 - (c[x] + d[x]) / LARGE).clamp(0.0, 1.0);
+            let mean = (c[x] + d[x]) / (CELL * CELL) as f32;
+            *share = is_noise * (2.0 - mean / LARGE).clamp(0.0, 1.0);
         }
     });
-    sizes.pop();
-    let wider = sizes.iter().rev();
-    wider.fold(share, |share, &size| doubled(&share, size))
-}
-
-fn doubled(half: &Plane, [width, height]: [usize; 2]) -> Plane {
-    let mut double = Plane::filled(width, height, 0.0);
-    double.each_row(|y, row| double_row(half, y, row));
+    let mut double = Plane::filled(size[0].div_ceil(2), size[1].div_ceil(2), 0.0);
+    double.each_row(|y, row| double_row(&share, y, row));
     double
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::frame::Window;
+    use glam::{DVec3, Vec3};
 
     /// Normals of slopes, stored.
     fn stored(size: [usize; 2], mut slopes: impl FnMut(usize, usize) -> [f64; 2]) -> Vector3Planes {
@@ -181,6 +145,18 @@ mod tests {
             let [p, q] = slopes(x, y);
             0.5 * (DVec3::new(-p, -q, 1.0).normalize() + 1.0)
         })
+    }
+
+    /// Noise of slopes, evenly within .05: a deviation of .05 / sqrt(12) = .0144.
+    fn noisy(size: [usize; 2]) -> Vector3Planes {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
+        };
+        stored(size, |_, _| [0.05 * random(), 0.05 * random()])
     }
 
     fn largest_change(a: &Vector3Planes, b: &Vector3Planes) -> f64 {
@@ -197,38 +173,51 @@ mod tests {
                 [0.03 * x.cos() * y.sin(), sign * 0.02 * x.sin() * y.cos()]
             });
             let mut quiet = surface.clone();
-            assert!(denoise(&mut quiet, [false; 2]) < 1e-4);
+            denoise(&mut quiet, [false; 2]);
             assert!(largest_change(&quiet, &surface) < 1e-4);
         }
         for size in [[1, 1], [1, 50], [50, 1], [7, 9]] {
             let flat = stored(size, |_, _| [0.0; 2]);
             let mut quiet = flat.clone();
-            assert_eq!(denoise(&mut quiet, [true; 2]), 0.0);
+            denoise(&mut quiet, [true; 2]);
             assert_eq!(quiet, flat);
         }
     }
 
     #[test]
     fn noise_goes_and_what_was_never_written_stays() {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
-        };
-        // Evenly within .05: a deviation of .05 / sqrt(12) = .0144.
-        let noise = |_: usize, _: usize| [0.05 * random(), 0.05 * random()];
-        let mut noisy = stored([160, 160], noise);
+        let mut noisy = noisy([160, 160]);
         for plane in [&mut noisy.x, &mut noisy.y, &mut noisy.z] {
             plane.row_mut(80)[80] = 0.0;
         }
-        let found = denoise(&mut noisy, [true; 2]);
-        assert!((found / 0.0144 - 1.0).abs() < 0.2, "{found}");
+        denoise(&mut noisy, [true; 2]);
         assert_eq!(noisy.at(80, 80), DVec3::ZERO);
         let written = noisy.vectors().filter(|&code| code != Vec3::ZERO);
-        let left: f32 = written.map(|code| slope_of(code).length_squared()).sum();
+        let slopes = written.map(|code| (2.0 * code - 1.0).truncate());
+        let left: f32 = slopes.map(|slope| slope.length_squared()).sum();
         let left = (left / (2.0 * 160.0 * 160.0)).sqrt();
         assert!(left < 0.3 * 0.0144, "{left}");
+    }
+
+    #[test]
+    fn rows_apart_and_moved_tiles_are_those_of_the_whole() {
+        let part = |of: &Vector3Planes, part: Window| {
+            let whole = Window::from_size(of.x.width(), of.x.height());
+            let [x, y, z] = [&of.x, &of.y, &of.z].map(|plane| plane.repeated(whole, part));
+            Vector3Planes { x, y, z }
+        };
+        let codes = noisy([64, 320]);
+        let [mut whole, mut apart] = [codes.clone(), part(&codes, Window::at(0, 32, 64, 288))];
+        denoise(&mut whole, [false; 2]);
+        denoise(&mut apart, [false; 2]);
+        let reach = DENOISING_REACH as i32;
+        let rows = part(&apart, Window::at(0, reach, 64, 40));
+        assert_eq!(rows, part(&whole, Window::at(0, 32 + reach, 64, 40)));
+        // A tile that starts elsewhere, by as many pixels as halvings and cells take together, is the same tile.
+        let moved = Window::at(16, 48, 64, 320);
+        let [mut tile, mut elsewhere] = [codes.clone(), part(&codes, moved)];
+        denoise(&mut tile, [true; 2]);
+        denoise(&mut elsewhere, [true; 2]);
+        assert_eq!(elsewhere, part(&tile, moved));
     }
 }

@@ -13,7 +13,7 @@ use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::{RoleSource, missing, read_rows};
 use crate::error::{Error, Result};
-use crate::frame::{NormalSpace, Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window};
 use crate::untrusted::shown;
 use std::rc::Rc;
 
@@ -48,11 +48,7 @@ impl FrameSources {
         };
         let normal =
             normal.ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
-        let is_turned = inputs.camera.is_some()
-            || inputs
-                .normal_space
-                .is_some_and(|space| space != NormalSpace::View);
-        let mut roles = vec![normal.wrapped(inputs.wrap).turned(is_turned)];
+        let mut roles = vec![normal.described(inputs)];
         let depth = if only_occlusion(inputs) {
             None
         } else {
@@ -230,10 +226,10 @@ impl Planes {
         self.take(role).map(RolePlanes::into_vector)
     }
 
-    /// The borders of normals that were stored in codes, and the noise removed from them.
-    pub(super) fn borders(&self) -> (Option<Borders>, f32) {
+    /// The borders of normals that were stored in coarse codes.
+    pub(super) fn borders(&self) -> Option<Borders> {
         let normal = self.roles.iter().find(|(role, _)| *role == Role::Normal);
-        normal.map_or((None, 0.0), |(_, read)| (read.borders, read.noise))
+        normal.and_then(|(_, read)| read.borders)
     }
 
     pub(super) fn scalar(&mut self, role: Role) -> Option<Plane> {

@@ -10,9 +10,9 @@ use crate::error::Result;
 use crate::frame::{UNROUNDING_PHASE, Window};
 use std::rc::Rc;
 
-/// Memory per pixel, in bytes, for mending vectors: three components, and two each for slopes, their details and the noise
-/// of them, with its share and what is compared for it.
-const MENDING_BYTES: usize = 12 * size_of::<f32>();
+/// Memory per pixel, in bytes, for mending vectors. Undoing their rounding takes most: three components, and for one of
+/// them the codes, the steps and the wide neighbourhoods.
+const MENDING_BYTES: usize = 7 * size_of::<f32>();
 
 /// The files of a frame, opened once for any number of loads of its rows.
 pub(crate) struct InputFiles {
@@ -24,7 +24,7 @@ pub(crate) struct InputFiles {
 pub(crate) struct Extent {
     /// The pixels that it has.
     pub window: Window,
-    /// Bytes for its decoded photos, including those for undoing their rounding.
+    /// Bytes for its decoded photos, including those for mending normals.
     pub photo_bytes: u64,
 }
 

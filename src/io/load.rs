@@ -32,9 +32,6 @@ use crate::frame::{
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Noise of slopes of which users are told.
-const NOTABLE_NOISE: f32 = 0.005;
-
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
     /// The frame, in view space.
@@ -139,7 +136,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         pixel_aspect,
     };
 
-    let (stored_borders, noise) = planes.borders();
+    let stored_borders = planes.borders();
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
@@ -149,7 +146,8 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
         notes.findings.extend(borders.finding());
     }
-    if is_whole && noise >= NOTABLE_NOISE {
+    let noise = sources.roles[0].noise();
+    if is_whole && noise > 0.0 {
         notes.warnings.push(format!(
             "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
         ));

@@ -25,8 +25,6 @@ pub(super) struct RolePlanes {
     pub(super) window: Window,
     /// Whether borders of vectors in coarse codes continue each other: as stored, before their steps were removed.
     pub(super) borders: Option<Borders>,
-    /// The noise that was removed from the slopes of vectors, as a deviation.
-    pub(super) noise: f32,
     /// Whether all samples are known to be finite.
     is_finite: bool,
 }
@@ -41,7 +39,6 @@ impl RolePlanes {
             alpha,
             window,
             borders: None,
-            noise: 0.0,
             is_finite: false,
         }
     }
@@ -66,7 +63,6 @@ impl RolePlanes {
             halves,
             window,
             borders: None,
-            noise: 0.0,
             is_finite,
         }
     }
@@ -217,7 +213,6 @@ mod tests {
             alpha: None,
             window: Window::from_size(4, 3),
             borders: None,
-            noise: 0.0,
             is_finite: true,
         }
     }
