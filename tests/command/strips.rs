@@ -95,10 +95,10 @@ fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     write_planes(&here.join("n8.png"), normals.clone(), None, 8, transform);
     write_planes(&here.join("in16.png"), color, Some(&alpha), 16, transform);
     write_planes(&here.join("n16.tif"), normals, None, 16, transform);
-    // Evenly within .06, in a different place for each component.
+    // Slopes spread evenly over .06.
     let noise = |x: usize, y: usize, c: u32| {
-        let mixed =
-            (x as u32 * 374_761_393).wrapping_add((y as u32 + 7919 * c).wrapping_mul(668_265_263));
+        let place = (x * SIZE[1] + y) as u32 * 3 + c;
+        let mixed = (place ^ (place >> 15)).wrapping_mul(668_265_263);
         let mixed = (mixed ^ (mixed >> 13)).wrapping_mul(1_274_126_177);
         0.06 * ((mixed ^ (mixed >> 16)) as u8 as f32 / 255.0 - 0.5)
     };
