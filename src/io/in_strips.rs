@@ -5,13 +5,13 @@ use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, Selection};
-use super::sources::{MENDING_REACH, RoleSource, has_coded_vectors};
+use super::sources::{RoleSource, has_coded_vectors};
 use crate::error::Result;
-use crate::frame::{UNROUNDING_PHASE, Window};
+use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
 use std::rc::Rc;
 
 /// Memory per pixel, in bytes, for mending vectors. Undoing their rounding takes most: three components, and for one of
-/// them the codes, the steps and the wide neighbourhoods.
+/// them the codes, the steps and the wide neighbourhoods. Noisy ones read a few rows more, which is not known here.
 const MENDING_BYTES: usize = 7 * size_of::<f32>();
 
 /// The files of a frame, opened once for any number of loads of its rows.
@@ -105,7 +105,7 @@ impl InputFiles {
 fn mending_bytes(source: &RoleSource) -> u64 {
     match source.file.as_ref() {
         Opened::Photo { photo, .. } if has_coded_vectors(photo) => {
-            let rows = (2 * MENDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
+            let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
             (rows * photo.header.width * MENDING_BYTES) as u64
         }
         _ => 0,

@@ -475,9 +475,6 @@ pub(super) fn has_coded_vectors(photo: &StoredPhoto) -> bool {
     !photo.header.is_float && photo.header.color_channels() == 3
 }
 
-/// Number of rows within which a coded vector can affect another.
-pub(super) const MENDING_REACH: usize = UNROUNDING_REACH + DENOISING_REACH;
-
 /// The vectors of a photo without the steps of coarse codes, and without noise.
 fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> Result<RolePlanes> {
     let is_noisy = source.noise() > 0.0;
