@@ -10,6 +10,7 @@ mod holes;
 mod light_layers;
 mod mask;
 mod motion;
+mod noise;
 pub(crate) mod normals;
 mod plane;
 mod ray;
@@ -39,6 +40,7 @@ pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLaye
 pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
+pub(crate) use noise::{DENOISING_REACH, denoise};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
 pub use plane::{

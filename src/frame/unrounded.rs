@@ -33,21 +33,11 @@ pub(crate) fn unround(stored: &mut Vector3Planes, half_step: f32) {
 
 /// [`unround`] of vectors of which left and right borders continue each other, or top and bottom.
 pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps: [bool; 2]) {
-    let unwritten: Vec<usize> = stored
-        .vectors()
-        .enumerate()
-        .filter(|(_, v)| *v == glam::Vec3::ZERO)
-        .map(|(i, _)| i)
-        .collect();
+    let unwritten = unwritten(stored);
     let whole = Window::from_size(stored.x.width(), stored.x.height());
-    let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE) as i32;
-    let [mx, my] = wraps.map(|wraps| if wraps { margin } else { 0 });
-    let around = Window {
-        x0: -mx,
-        y0: -my,
-        x1: whole.x1 + mx,
-        y1: whole.y1 + my,
-    };
+    let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE);
+    let around = with_margins(whole, margin, wraps);
+    let [mx, my] = [around.x0, around.y0].map(|first| first.unsigned_abs() as usize);
     // Components take turns in the same memory.
     let [mut codes, mut steps] = [(); 2].map(|()| stored.x.repeated(whole, around));
     let mut tiled = (around != whole).then(|| codes.clone());
@@ -62,13 +52,31 @@ pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps:
                 tiled.samples_mut().copy_from_slice(codes.samples());
                 unround_plane(tiled, &codes, &mut steps, half_step);
                 plane.each_row(|y, row| {
-                    let own = &tiled.row(y + my as usize)[mx as usize..];
+                    let own = &tiled.row(y + my)[mx..];
                     row.copy_from_slice(&own[..row.len()]);
                 });
             }
         }
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
+}
+
+/// A window with margins where its borders continue each other.
+pub(super) fn with_margins(whole: Window, margin: usize, wraps: [bool; 2]) -> Window {
+    let [mx, my] = wraps.map(|wraps| i32::from(wraps) * margin as i32);
+    Window {
+        x0: whole.x0 - mx,
+        y0: whole.y0 - my,
+        x1: whole.x1 + mx,
+        y1: whole.y1 + my,
+    }
+}
+
+/// Where the vectors are that were never written.
+pub(super) fn unwritten(stored: &Vector3Planes) -> Vec<usize> {
+    let vectors = stored.vectors().enumerate();
+    let unwritten = vectors.filter(|(_, v)| *v == glam::Vec3::ZERO);
+    unwritten.map(|(i, _)| i).collect()
 }
 
 fn unround_plane(field: &mut Plane, codes: &Plane, steps: &mut Plane, half_step: f32) {
@@ -143,7 +151,7 @@ fn without_bias(mean: &Plane) -> Plane {
 }
 
 /// The mean over 3x3 pixels.
-fn smoothed(plane: &Plane) -> Plane {
+pub(super) fn smoothed(plane: &Plane) -> Plane {
     let mut smooth = Plane::filled(plane.width(), plane.height(), 0.0);
     smooth.each_row(|y, row| {
         let column = weighted(plane, y, &[1.0 / 3.0; 3]);
@@ -155,7 +163,7 @@ fn smoothed(plane: &Plane) -> Plane {
 }
 
 /// Every second sample of every second row, after binomial smoothing over five.
-fn halved(plane: &Plane) -> Plane {
+pub(super) fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
     let mut half = Plane::filled(size[0], size[1], 0.0);
     half.each_row(|y, row| {
@@ -180,7 +188,7 @@ fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
 }
 
 /// Row `y` of the plane at twice the size.
-fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
+pub(super) fn double_row(half: &Plane, y: usize, row: &mut [f32]) {
     let column = match y % 2 {
         0 => weighted(half, y / 2, &[1.0, 6.0, 1.0].map(|w| w / 8.0)),
         _ => weighted(half, y / 2, &[0.0, 0.5, 0.5]),

@@ -48,7 +48,7 @@ impl FrameSources {
         };
         let normal =
             normal.ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
-        let mut roles = vec![normal.wrapped(inputs.wrap)];
+        let mut roles = vec![normal.described(inputs)];
         let depth = if only_occlusion(inputs) {
             None
         } else {

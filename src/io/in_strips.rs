@@ -5,14 +5,14 @@ use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, Selection};
-use super::sources::{RoleSource, has_coarse_vectors};
+use super::sources::{RoleSource, has_coded_vectors};
 use crate::error::Result;
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
 use std::rc::Rc;
 
-/// Memory per pixel, in bytes, for undoing the rounding of vectors: three components, and for one of them the codes, the
-/// steps and the wide neighbourhoods.
-const UNROUNDING_BYTES: usize = 7 * size_of::<f32>();
+/// Memory per pixel, in bytes, for mending vectors. Undoing their rounding takes most: three components, and for one of
+/// them the codes, the steps and the wide neighbourhoods. Noisy ones read a few rows more, which is not known here.
+const MENDING_BYTES: usize = 7 * size_of::<f32>();
 
 /// The files of a frame, opened once for any number of loads of its rows.
 pub(crate) struct InputFiles {
@@ -24,7 +24,7 @@ pub(crate) struct InputFiles {
 pub(crate) struct Extent {
     /// The pixels that it has.
     pub window: Window,
-    /// Bytes for its decoded photos, including those for undoing their rounding.
+    /// Bytes for its decoded photos, including those for mending normals.
     pub photo_bytes: u64,
 }
 
@@ -83,7 +83,7 @@ impl InputFiles {
                 .into_iter()
                 .map(|photo| photo.header.bytes())
                 .sum::<u64>()
-                + unrounding_bytes(&sources.roles[0]),
+                + mending_bytes(&sources.roles[0]),
         })
     }
 
@@ -101,12 +101,12 @@ impl InputFiles {
     }
 }
 
-/// Bytes for undoing the rounding of the vectors of `source` while rows of them are read.
-fn unrounding_bytes(source: &RoleSource) -> u64 {
+/// Bytes for mending the vectors of `source` while rows of them are read.
+fn mending_bytes(source: &RoleSource) -> u64 {
     match source.file.as_ref() {
-        Opened::Photo { photo, .. } if has_coarse_vectors(photo) => {
+        Opened::Photo { photo, .. } if has_coded_vectors(photo) => {
             let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
-            (rows * photo.header.width * UNROUNDING_BYTES) as u64
+            (rows * photo.header.width * MENDING_BYTES) as u64
         }
         _ => 0,
     }

@@ -146,6 +146,12 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
         notes.findings.extend(borders.finding());
     }
+    let noise = sources.roles[0].noise();
+    if is_whole && noise > 0.0 {
+        notes.warnings.push(format!(
+            "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
+        ));
+    }
     let encoding = notes.encoding(inputs, &sources, &normal)?;
     let given_flip = inputs.normal_flip.unwrap_or_default();
     normals::decode(&mut normal, encoding, given_flip);

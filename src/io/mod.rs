@@ -26,6 +26,7 @@ mod load;
 pub mod motion;
 mod names;
 mod nearest;
+mod noise;
 mod normal_encoding;
 pub mod normal_space;
 pub(crate) mod normals_of_points;

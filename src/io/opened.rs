@@ -36,6 +36,8 @@ pub(super) enum Opened {
         photo: StoredPhoto,
         /// Whether it is a normal map, found when first asked for.
         is_normal_map: OnceCell<bool>,
+        /// The noise of its slopes, if it is one, found likewise.
+        noise: OnceCell<f32>,
         companions: Companions,
     },
 }
@@ -118,6 +120,7 @@ impl Opened {
             return Ok(Rc::new(Self::Photo {
                 photo,
                 is_normal_map: OnceCell::new(),
+                noise: OnceCell::new(),
                 companions,
             }));
         }

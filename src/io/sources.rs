@@ -3,8 +3,9 @@
 use super::borders::Borders;
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType, Wanted};
-use super::inputs::{NONE, Wrap};
+use super::inputs::{Inputs, NONE, Wrap};
 use super::names::{self, Hint};
+use super::noise::noise_of;
 use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, max_code};
 use super::picture::is_picture_name;
@@ -12,7 +13,10 @@ use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
-use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window, unround_wrapped};
+use crate::frame::{
+    DENOISING_REACH, NormalSpace, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window,
+    denoise, unround_wrapped,
+};
 use crate::untrusted::Untrusted;
 use std::ops::Range;
 use std::path::Path;
@@ -27,6 +31,8 @@ pub(super) struct RoleSource {
     layer: Option<Match>,
     /// Whether it is a tile, where it holds normals.
     wrap: Wrap,
+    /// Whether it holds normals along the axes of the picture: of others noise cannot be told.
+    is_along_axes: bool,
     /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
     pub(super) chosen: Option<Chosen>,
 }
@@ -72,26 +78,21 @@ impl RoleSource {
                     Some(layer) => (layer, None),
                     None => by_words_or_numbers(role, layers, file)?,
                 };
-                Some(Self {
-                    role,
-                    file: file.clone(),
-                    layer: Some(layer),
-                    wrap: Wrap::None,
-                    chosen,
-                })
+                Some(Self::of(role, file, Some(layer), chosen))
             }
-            Opened::Photo { .. } if role == Role::Color => Some(Self::whole(role, file, None)),
+            Opened::Photo { .. } if role == Role::Color => Some(Self::of(role, file, None, None)),
             Opened::Photo { .. } => None,
         }
     }
 
-    /// A photo for `role`.
-    fn whole(role: Role, file: &Rc<Opened>, chosen: Option<Chosen>) -> Self {
+    /// A layer of `file` for `role`; a photo has none.
+    fn of(role: Role, file: &Rc<Opened>, layer: Option<Match>, chosen: Option<Chosen>) -> Self {
         Self {
             role,
             file: file.clone(),
-            layer: None,
+            layer,
             wrap: Wrap::None,
+            is_along_axes: false,
             chosen,
         }
     }
@@ -103,7 +104,7 @@ impl RoleSource {
             others: Vec::new(),
         };
         main.is_normal_map()
-            .then(|| Self::whole(Role::Normal, main, Some(chosen)))
+            .then(|| Self::of(Role::Normal, main, None, Some(chosen)))
     }
 
     /// The layer of `file` that plays `role`, or else the first that could.
@@ -117,13 +118,7 @@ impl RoleSource {
             Opened::Exr { layers, .. } => Some(layers.iter().find_map(|l| l.matched(role))?),
             Opened::Photo { .. } => None,
         };
-        Some(Self {
-            role,
-            file: file.clone(),
-            layer,
-            wrap: Wrap::None,
-            chosen: None,
-        })
+        Some(Self::of(role, file, layer, None))
     }
 
     /// The layer of `main` with this name, for `role`.
@@ -134,13 +129,7 @@ impl RoleSource {
 
     /// These channels of `file`, for `role`.
     pub(super) fn of_match(role: Role, file: &Rc<Opened>, found: Match) -> Self {
-        Self {
-            role,
-            file: file.clone(),
-            layer: Some(found),
-            wrap: Wrap::None,
-            chosen: None,
-        }
+        Self::of(role, file, Some(found), None)
     }
 
     /// Its channels; none of a photo.
@@ -158,9 +147,24 @@ impl RoleSource {
         names.collect::<Vec<_>>().join(" ")
     }
 
-    /// The same of a picture that may be a tile.
-    pub(super) fn wrapped(self, wrap: Wrap) -> Self {
-        Self { wrap, ..self }
+    /// The same of normals that `inputs` describe.
+    pub(super) fn described(self, inputs: &Inputs) -> Self {
+        let space = inputs.normal_space.unwrap_or(NormalSpace::View);
+        Self {
+            wrap: inputs.wrap,
+            is_along_axes: inputs.camera.is_none() && space == NormalSpace::View,
+            ..self
+        }
+    }
+
+    /// The noise of slopes that is removed from normals in codes; 0 for none.
+    pub(super) fn noise(&self) -> f32 {
+        match self.file.as_ref() {
+            Opened::Photo { photo, noise, .. } if self.is_along_axes => {
+                *noise.get_or_init(|| noise_of(photo))
+            }
+            _ => 0.0,
+        }
     }
 
     /// The same without its coverage.
@@ -454,8 +458,9 @@ fn photo_planes(
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
-    if role == Role::Normal && has_coarse_vectors(photo) {
-        return unrounded_vectors(photo, window, source.wrap);
+    let is_coarse = photo.header.bits == 8 && has_coded_vectors(photo);
+    if role == Role::Normal && (is_coarse || source.noise() > 0.0) {
+        return mended_vectors(photo, window, source);
     }
     let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
     let mut read = RolePlanes::of_photo(photo, planes, window);
@@ -465,16 +470,18 @@ fn photo_planes(
     Ok(read)
 }
 
-/// Whether a photo holds vectors in 8-bit codes.
-pub(super) fn has_coarse_vectors(photo: &StoredPhoto) -> bool {
-    photo.header.bits == 8 && photo.header.color_channels() == 3
+/// Whether a photo holds vectors in codes of integers.
+pub(super) fn has_coded_vectors(photo: &StoredPhoto) -> bool {
+    !photo.header.is_float && photo.header.color_channels() == 3
 }
 
-/// The vectors of a photo without the steps of their codes.
-fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<RolePlanes> {
+/// The vectors of a photo without the steps of coarse codes, and without noise.
+fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> Result<RolePlanes> {
+    let is_noisy = source.noise() > 0.0;
+    let reach = UNROUNDING_REACH + usize::from(is_noisy) * DENOISING_REACH;
     let [first, last] = [window.y0, window.y1].map(|y| y as usize);
-    let first = first.saturating_sub(UNROUNDING_REACH) / UNROUNDING_PHASE * UNROUNDING_PHASE;
-    let last = (last + UNROUNDING_REACH).min(photo.header.height);
+    let first = first.saturating_sub(reach) / UNROUNDING_PHASE * UNROUNDING_PHASE;
+    let last = (last + reach).min(photo.header.height);
     let planes = photo.planes(first..last, Meaning::Stored)?;
     let taken = Window {
         y0: first as i32,
@@ -484,11 +491,13 @@ fn unrounded_vectors(photo: &StoredPhoto, window: Window, wrap: Wrap) -> Result<
     let mut read = RolePlanes::of_photo(photo, planes, taken);
     let mut vectors = Vector3Planes::of(read.planes);
     let borders = Borders::of(&vectors);
-    unround_wrapped(
-        &mut vectors,
-        photo.header.coding_error(),
-        borders.wrapped(wrap),
-    );
+    let wraps = borders.wrapped(source.wrap);
+    if photo.header.bits == 8 {
+        unround_wrapped(&mut vectors, photo.header.coding_error(), wraps);
+    }
+    if is_noisy {
+        denoise(&mut vectors, wraps);
+    }
     read.borders = Some(borders);
     read.planes = vec![vectors.x, vectors.y, vectors.z];
     read.fit_to(Role::Normal, window);

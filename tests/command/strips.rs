@@ -74,7 +74,7 @@ fn what_needs_the_picture_whole_is_refused() {
     }
 }
 
-/// A photo and its normal map, in 8 and 16 bits, with alpha in the latter.
+/// A photo and its normal map, in 8 and 16 bits, with alpha in the latter, and a map of noise alone.
 fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     let wave = |x: usize| (x as f32 * std::f32::consts::TAU / 24.0).sin();
     let normal = |x: usize, y: usize| {
@@ -95,6 +95,17 @@ fn write_photos(here: &Path, [width, height]: [usize; 2]) {
     write_planes(&here.join("n8.png"), normals.clone(), None, 8, transform);
     write_planes(&here.join("in16.png"), color, Some(&alpha), 16, transform);
     write_planes(&here.join("n16.tif"), normals, None, 16, transform);
+    // Slopes spread evenly over .06.
+    let noise = |x: usize, y: usize, c: u32| {
+        let place = (x * SIZE[1] + y) as u32 * 3 + c;
+        let mixed = (place ^ (place >> 15)).wrapping_mul(668_265_263);
+        let mixed = (mixed ^ (mixed >> 13)).wrapping_mul(1_274_126_177);
+        0.06 * ((mixed ^ (mixed >> 16)) as u8 as f32 / 255.0 - 0.5)
+    };
+    let normal = |x, y| glam::Vec3::new(noise(x, y, 0), noise(x, y, 1), 1.0).normalize();
+    let noisy =
+        [0, 1, 2].map(|c| Plane::from_fn(width, height, |x, y| normal(x, y)[c] * 0.5 + 0.5));
+    write_planes(&here.join("noisy.png"), noisy, None, 8, transform);
 }
 
 #[test]
@@ -120,6 +131,10 @@ fn photos_in_strips_are_the_whole_bit_for_bit() {
         (
             "h.png",
             "relight in8.jpg --normal n8.png --light 30,40,9,9,9 --method plain",
+        ),
+        (
+            "i.png",
+            "enhance in8.jpg --normal noisy.png --curvature-gain 3",
         ),
     ] {
         for (kind, memory) in [("whole", "8G"), ("strips", least_of(name))] {
