@@ -1,17 +1,18 @@
 //! Opening a picture: reads its header, and refuses unsupported files.
 
+use super::numbers::Numbers;
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
 use crate::io::open::open_input;
 use image::{ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 /// Longest side that is read, in pixels.
 const MAX_SIDE: u32 = 1 << 16;
 /// Most bytes for the samples of a picture, and as many again for its decoder.
-const MAX_BYTES: u64 = 1 << 30;
+pub(super) const MAX_BYTES: u64 = 1 << 30;
 /// Most bytes for the profile of a PNG, which is inflated as its header is read, and all else beside its samples.
 const MAX_PNG_METADATA: u64 = 1 << 26;
 
@@ -24,10 +25,20 @@ pub(super) fn with_decoder<T>(
     read: impl FnOnce(Box<dyn ImageDecoder + '_>, ImageFormat) -> Result<T>,
 ) -> Result<T> {
     let decode = || {
+        if let Some(numbers) = Numbers::read(path)? {
+            return read(Box::new(numbers), ImageFormat::Tiff);
+        }
         let (reader, format) = open(path)?;
-        let decoder = reader.into_decoder().map_err(image_error(path))?;
-        check_size(path, &decoder)?;
-        read(Box::new(decoder), format)
+        match reader.into_decoder() {
+            Ok(decoder) => {
+                check_size(path, &decoder)?;
+                read(Box::new(decoder), format)
+            }
+            Err(ImageError::Unsupported(_)) if format == ImageFormat::Tiff => {
+                read(Box::new(Numbers::tiff(path)?), format)
+            }
+            Err(error) => Err(image_error(path)(error)),
+        }
     };
     within_fence(path, decode)
 }
@@ -43,11 +54,23 @@ pub(super) fn within_fence<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -
 }
 
 fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
-    let mut reader = open_input(path)
-        .and_then(|file| ImageReader::new(BufReader::new(file)).with_guessed_format())
-        .map_err(Error::io(path, "read"))?;
-    // Unrecognised files are refused with the decoders' own message.
-    let format = reader.format().unwrap_or(ImageFormat::Png);
+    let failed = |error| Error::io(path, "read")(error);
+    let mut file = BufReader::new(open_input(path).map_err(failed)?);
+    let start = file.fill_buf().map_err(failed)?;
+    let is_big_tiff = start.starts_with(b"II\x2b\0") || start.starts_with(b"MM\0\x2b");
+    let mut reader = ImageReader::new(file)
+        .with_guessed_format()
+        .map_err(failed)?;
+    if is_big_tiff {
+        reader.set_format(ImageFormat::Tiff);
+    }
+    let by_name = || {
+        // TGA has no mark.
+        let named = ImageFormat::from_path(path).ok();
+        named.filter(|format| *format == ImageFormat::Tga)
+    };
+    let format = reader.format().or_else(by_name).unwrap_or(ImageFormat::Png);
+    reader.set_format(format);
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);

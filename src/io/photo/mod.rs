@@ -1,4 +1,5 @@
-//! Reading pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
+//! Reading pictures of the everyday kinds: PNG, JPEG, TIFF, Radiance HDR, WebP, TGA, BMP and PNM; and numbers as NumPy arrays
+//! and PFM.
 //!
 //! A picture is read as its stored values, and made linear on request: photographs are, normal maps and masks are not.
 //! The orientation tag of cameras is obeyed: pixels are rotated while they are decoded, so everything else sees an
@@ -10,6 +11,7 @@
 mod decoder;
 mod header;
 mod metadata;
+mod numbers;
 mod rows;
 mod stored;
 

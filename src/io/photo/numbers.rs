@@ -1,0 +1,448 @@
+//! Pictures of numbers, that decoders of pictures refuse: TIFF of further sample types, NumPy arrays and PFM. Their samples
+//! are the numbers as stored; grey is repeated, since there is no grey of floats.
+
+use super::decoder::{MAX_BYTES, one_line, unsupported};
+use crate::error::{Error, Result};
+use crate::io::open::open_input;
+use crate::untrusted::Untrusted;
+use half::f16;
+use image::{ColorType, ImageDecoder, ImageError, ImageResult};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+/// Where the samples are.
+enum Source {
+    Tiff(Box<Decoder<BufReader<File>>>),
+    /// Numbers of a kind: `f`, `u` or `i`, and so many bytes.
+    Npy {
+        file: BufReader<File>,
+        kind: char,
+        bytes: usize,
+        is_little: bool,
+    },
+    /// Rows from the bottom, after the header.
+    Pfm {
+        file: BufReader<File>,
+        is_little: bool,
+    },
+}
+
+/// A picture of numbers whose header has been read.
+pub(super) struct Numbers {
+    size: [usize; 2],
+    /// 1 to 4: grey or colour, with coverage or without.
+    channels: usize,
+    /// How far apart neighbours along x, y and the channels are stored.
+    strides: [usize; 3],
+    source: Source,
+}
+
+impl Numbers {
+    /// The header of a NumPy array or a PFM; `None` for a file that is neither.
+    pub(super) fn read(path: &Path) -> Result<Option<Self>> {
+        let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+        let start = file.fill_buf().map_err(Error::io(path, "read"))?;
+        let found = match start {
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::npy(path, file),
+            [b'P', b'F' | b'f', b'\n' | b' ' | b'\r', ..] => Self::pfm(path, file),
+            _ => return Ok(None),
+        };
+        found?.checked(path).map(Some)
+    }
+
+    /// The header of a TIFF.
+    pub(super) fn tiff(path: &Path) -> Result<Self> {
+        let file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+        let failed = |error: tiff::TiffError| damaged(path, &error);
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = MAX_BYTES as usize;
+        let mut decoder = Decoder::new(file).map_err(failed)?.with_limits(limits);
+        let (width, height) = decoder.dimensions().map_err(failed)?;
+        let channels = decoder.colortype().map_err(failed)?.num_samples().into();
+        let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
+        if channels > 1 && planar.map_err(failed)? == Some(2) {
+            return Err(unsupported(path, "stores its channels apart"));
+        }
+        let width = width as usize;
+        let found = Self {
+            size: [width, height as usize],
+            channels,
+            strides: [channels, channels * width, 1],
+            source: Source::Tiff(Box::new(decoder)),
+        };
+        found.checked(path)
+    }
+
+    /// A version, the length of what follows, and a dictionary in Python's form: `{'descr': '<f4', 'fortran_order': False,
+    /// 'shape': (480, 640), }`.
+    fn npy(path: &Path, mut file: BufReader<File>) -> Result<Self> {
+        let mut taken = |count: usize| -> Result<Vec<u8>> {
+            let mut bytes = vec![0; count];
+            file.read_exact(&mut bytes)
+                .map_err(|error| damaged(path, &error))?;
+            Ok(bytes)
+        };
+        let wide = taken(8)?[6] > 1;
+        let length = taken(if wide { 4 } else { 2 })?;
+        let length = length
+            .iter()
+            .rev()
+            .fold(0, |length, &byte| 256 * length + usize::from(byte));
+        let header = taken(length.min(1 << 16))?;
+        let header = String::from_utf8_lossy(&header);
+        let value = |key: &str| {
+            let (_, rest) = header.split_once(&format!("'{key}':"))?;
+            Some(rest.trim_start())
+        };
+        let no_header = || damaged(path, &"its header is none");
+        let descr = value("descr").and_then(|rest| rest.strip_prefix('\'')?.split('\'').next());
+        let shape = value("shape").and_then(|rest| rest.strip_prefix('(')?.split(')').next());
+        let (Some(descr), Some(shape)) = (descr, shape) else {
+            return Err(no_header());
+        };
+        let sizes = shape
+            .split(',')
+            .map(str::trim)
+            .filter(|size| !size.is_empty());
+        let sizes: Option<Vec<usize>> = sizes.map(|size| size.parse().ok()).collect();
+        let sizes = sizes.ok_or_else(no_header)?;
+        let mut letters = descr.chars();
+        let (order, kind) = (letters.next(), letters.next());
+        let bytes: Option<usize> = letters.as_str().parse().ok();
+        let ("<" | ">" | "|" | "=", Some(kind @ ('f' | 'u' | 'i')), Some(bytes @ (1 | 2 | 4 | 8))) =
+            (&descr[..order.map_or(0, char::len_utf8)], kind, bytes)
+        else {
+            return Err(unsupported(
+                path,
+                &format!("holds {} numbers", Untrusted(descr)),
+            ));
+        };
+        let is_rows_last = value("fortran_order").is_some_and(|rest| rest.starts_with("True"));
+        // Each size with how far apart its neighbours are.
+        let mut apart = 1_usize;
+        let mut axes: Vec<(usize, usize)> = vec![(0, 0); sizes.len()];
+        let count = sizes.len();
+        for i in (0..count).map(|i| if is_rows_last { i } else { count - 1 - i }) {
+            axes[i] = (sizes[i], apart);
+            apart = apart.saturating_mul(sizes[i]);
+        }
+        // One picture of a stack of one.
+        while axes.len() > 2 && axes[0].0 == 1 {
+            axes.remove(0);
+        }
+        let is_channels = |(size, _): (usize, usize)| (1..=4).contains(&size);
+        let [rows, columns, channels] = match axes[..] {
+            [rows, columns] => [rows, columns, (1, 0)],
+            [rows, columns, channels] if is_channels(channels) => [rows, columns, channels],
+            [channels, rows, columns] if is_channels(channels) => [rows, columns, channels],
+            _ => {
+                return Err(unsupported(
+                    path,
+                    &format!("is an array of {sizes:?}, and no picture"),
+                ));
+            }
+        };
+        Ok(Self {
+            size: [columns.0, rows.0],
+            channels: channels.0,
+            strides: [columns.1, rows.1, channels.1],
+            source: Source::Npy {
+                file,
+                kind,
+                bytes,
+                is_little: order != Some('>'),
+            },
+        })
+    }
+
+    /// Three lines: `PF` or `Pf`, the size, and a scale whose sign tells the order of bytes.
+    fn pfm(path: &Path, mut file: BufReader<File>) -> Result<Self> {
+        let mut words = Vec::new();
+        while words.len() < 4 {
+            let mut word = Vec::new();
+            let mut byte = [0];
+            loop {
+                file.read_exact(&mut byte)
+                    .map_err(Error::io(path, "read"))?;
+                match byte[0].is_ascii_whitespace() {
+                    true if word.is_empty() => {}
+                    true => break,
+                    false if word.len() > 32 => return Err(damaged(path, &"its header is none")),
+                    false => word.push(byte[0]),
+                }
+            }
+            words.push(String::from_utf8_lossy(&word).into_owned());
+        }
+        let sizes = [&words[1], &words[2]].map(|word| word.parse().ok());
+        let ([Some(width), Some(height)], Ok(scale)) = (sizes, words[3].parse::<f32>()) else {
+            return Err(damaged(path, &"its header is none"));
+        };
+        let channels = if words[0] == "PF" { 3 } else { 1 };
+        Ok(Self {
+            size: [width, height],
+            channels,
+            strides: [channels, channels * width, 1],
+            source: Source::Pfm {
+                file,
+                is_little: scale < 0.0,
+            },
+        })
+    }
+
+    /// It, unless it is too large or no picture.
+    fn checked(self, path: &Path) -> Result<Self> {
+        let [width, height] = self.size;
+        let pixels = width
+            .checked_mul(height)
+            .filter(|&pixels| pixels as u64 <= MAX_BYTES / 16);
+        match (pixels, self.channels) {
+            (Some(0) | None, _) => Err(unsupported(path, &format!("is {width}x{height}"))),
+            (_, 1..=4) => Ok(self),
+            (_, channels) => Err(unsupported(path, &format!("has {channels} channels"))),
+        }
+    }
+
+    /// All numbers as stored.
+    fn samples(&mut self) -> std::result::Result<Vec<f32>, String> {
+        let count = self.size[0] * self.size[1] * self.channels;
+        let said = |error: &dyn std::fmt::Display| one_line(&error.to_string());
+        let samples = match &mut self.source {
+            Source::Tiff(decoder) => floats(decoder.read_image().map_err(|e| said(&e))?),
+            Source::Npy {
+                file,
+                kind,
+                bytes,
+                is_little,
+            } => {
+                let mut stored = vec![0; count * *bytes];
+                file.read_exact(&mut stored).map_err(|e| said(&e))?;
+                let number = |stored: &[u8]| number(stored, *kind, *is_little);
+                stored.chunks_exact(*bytes).map(number).collect()
+            }
+            Source::Pfm { file, is_little } => {
+                let mut bytes = vec![0; 4 * count];
+                file.read_exact(&mut bytes).map_err(|e| said(&e))?;
+                let number = |bytes: &[u8]| number(bytes, 'f', *is_little);
+                let rows = bytes.chunks_exact(4 * self.strides[1]).rev();
+                rows.flat_map(|row| row.chunks_exact(4).map(number))
+                    .collect()
+            }
+        };
+        match samples.len() >= count {
+            true => Ok(samples),
+            false => Err("the file ends too early".into()),
+        }
+    }
+}
+
+impl ImageDecoder for Numbers {
+    fn dimensions(&self) -> (u32, u32) {
+        let [width, height] = self.size.map(|side| side as u32);
+        (width, height)
+    }
+
+    fn color_type(&self) -> ColorType {
+        match self.channels {
+            1 | 3 => ColorType::Rgb32F,
+            _ => ColorType::Rgba32F,
+        }
+    }
+
+    fn read_image(mut self, buffer: &mut [u8]) -> ImageResult<()> {
+        let samples = self.samples().map_err(|found| {
+            ImageError::IoError(std::io::Error::new(std::io::ErrorKind::InvalidData, found))
+        })?;
+        let ([width, height], [across, down, between]) = (self.size, self.strides);
+        let grey = [0; 4];
+        let order = match self.channels {
+            1 => &grey[..3],
+            2 => &[0, 0, 0, 1],
+            3 => &[0, 1, 2],
+            _ => &[0, 1, 2, 3],
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| y * down + x * across));
+        let numbers = pixels.flat_map(|at| order.iter().map(move |channel| at + channel * between));
+        for (bytes, at) in buffer.chunks_exact_mut(4).zip(numbers) {
+            bytes.copy_from_slice(&samples[at].to_ne_bytes());
+        }
+        Ok(())
+    }
+
+    fn read_image_boxed(self: Box<Self>, buffer: &mut [u8]) -> ImageResult<()> {
+        (*self).read_image(buffer)
+    }
+}
+
+/// A number of 1 to 8 bytes.
+fn number(bytes: &[u8], kind: char, is_little: bool) -> f32 {
+    let mut wide = [0_u8; 8];
+    for (to, from) in wide.iter_mut().zip(bytes) {
+        *to = *from;
+    }
+    if !is_little {
+        wide[..bytes.len()].reverse();
+    }
+    let code = u64::from_le_bytes(wide);
+    match (kind, bytes.len()) {
+        ('f', 2) => f16::from_bits(code as u16).to_f32(),
+        ('f', 4) => f32::from_bits(code as u32),
+        ('f', _) => f64::from_bits(code) as f32,
+        // The sign is that of the highest bit stored.
+        ('i', count) => {
+            let above = 64 - 8 * count as u32;
+            ((code << above) as i64 >> above) as f32
+        }
+        _ => code as f32,
+    }
+}
+
+fn floats(read: DecodingResult) -> Vec<f32> {
+    fn all<T>(numbers: Vec<T>, float: impl Fn(T) -> f32) -> Vec<f32> {
+        numbers.into_iter().map(float).collect()
+    }
+    match read {
+        DecodingResult::U8(numbers) => all(numbers, f32::from),
+        DecodingResult::U16(numbers) => all(numbers, f32::from),
+        DecodingResult::U32(numbers) => all(numbers, |number| number as f32),
+        DecodingResult::U64(numbers) => all(numbers, |number| number as f32),
+        DecodingResult::F16(numbers) => all(numbers, f32::from),
+        DecodingResult::F32(numbers) => numbers,
+        DecodingResult::F64(numbers) => all(numbers, |number| number as f32),
+        DecodingResult::I8(numbers) => all(numbers, f32::from),
+        DecodingResult::I16(numbers) => all(numbers, f32::from),
+        DecodingResult::I32(numbers) => all(numbers, |number| number as f32),
+        DecodingResult::I64(numbers) => all(numbers, |number| number as f32),
+    }
+}
+
+fn damaged(path: &Path, found: &dyn std::fmt::Display) -> Error {
+    Error::Damaged {
+        path: path.to_path_buf(),
+        found: format!("is damaged ({})", one_line(&found.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::photo::Photo;
+    use std::io::Cursor;
+    use tiff::encoder::{TiffEncoder, colortype};
+
+    const SIZE: [usize; 2] = [3, 2];
+
+    fn npy(
+        descr: &str,
+        is_fortran: bool,
+        shape: &str,
+        numbers: impl Fn(usize) -> Vec<u8>,
+        count: usize,
+    ) -> Vec<u8> {
+        let is_fortran = if is_fortran { "True" } else { "False" };
+        let header =
+            format!("{{'descr': '{descr}', 'fortran_order': {is_fortran}, 'shape': {shape}, }}\n");
+        let mut file = b"\x93NUMPY\x01\x00".to_vec();
+        file.extend((header.len() as u16).to_le_bytes());
+        file.extend(header.bytes());
+        file.extend((0..count).flat_map(numbers));
+        file
+    }
+
+    fn read(bytes: &[u8]) -> Result<Photo> {
+        let desk = tempfile::tempdir().unwrap();
+        let path = desk.path().join("numbers");
+        std::fs::write(&path, bytes).unwrap();
+        Photo::read(&path)
+    }
+
+    /// Of two rows of three pixels the last holds 5 in either order, less 2.5; the second of the first row 1 by rows, and 2
+    /// by columns. Channel c of pixel p holds 3 p + c where channels are last.
+    #[test]
+    fn arrays_are_read_in_any_order() {
+        let [width, height] = SIZE;
+        let float = |i: usize| (i as f32 - 2.5).to_le_bytes().to_vec();
+        let at = |bytes: &[u8], channel: usize| {
+            let photo = read(bytes).unwrap();
+            assert_eq!(
+                (photo.width, photo.height, photo.is_float),
+                (width, height, true)
+            );
+            (
+                photo.channels[channel].at(2, 1),
+                photo.channels[channel].at(1, 0),
+            )
+        };
+        assert_eq!(at(&npy("<f4", false, "(2, 3)", float, 6), 1), (2.5, -1.5));
+        assert_eq!(at(&npy("<f4", true, "(2, 3)", float, 6), 0), (2.5, -0.5));
+        assert_eq!(
+            at(&npy("<f4", false, "(1, 2, 3, 3)", float, 18), 2),
+            (14.5, 2.5)
+        );
+        assert_eq!(
+            at(&npy("<f4", false, "(1, 1, 2, 3)", float, 6), 0),
+            (2.5, -1.5)
+        );
+        // Channels first: c of pixel p holds p + 12 c.
+        let first = read(&npy("<f4", false, "(4, 2, 6)", float, 48)).unwrap();
+        assert_eq!([first.width, first.height], [6, 2]);
+        assert_eq!(
+            (first.channels[1].at(2, 1), first.alpha.unwrap().at(1, 0)),
+            (17.5, 34.5)
+        );
+        let big = |i: usize| (-(i as f64)).to_be_bytes().to_vec();
+        assert_eq!(at(&npy(">f8", false, "(2, 3)", big, 6), 0), (-5.0, -1.0));
+        let signed = |i: usize| (-300 * i as i16).to_le_bytes().to_vec();
+        assert_eq!(
+            at(&npy("<i2", false, "(2, 3)", signed, 6), 0),
+            (-1500.0, -300.0)
+        );
+        let half = |i: usize| f16::from_f32(i as f32 / 4.0).to_le_bytes().to_vec();
+        assert_eq!(at(&npy("<f2", false, "(2, 3)", half, 6), 0), (1.25, 0.25));
+    }
+
+    #[test]
+    fn rows_of_a_pfm_are_from_the_bottom_and_tiff_has_all_kinds() {
+        let mut pfm = b"Pf\n3 2\n-1.0\n".to_vec();
+        pfm.extend((0..6).flat_map(|i| (i as f32).to_le_bytes()));
+        let photo = read(&pfm).unwrap();
+        assert_eq!(photo.channels[0].samples(), [3.0, 4.0, 5.0, 0.0, 1.0, 2.0]);
+        let mut file = Cursor::new(Vec::new());
+        let mut encoder = TiffEncoder::new(&mut file).unwrap();
+        let numbers = [-7.5_f32, 0.0, 1e6, f32::NAN, 2.0, 3.0];
+        encoder
+            .write_image::<colortype::Gray32Float>(3, 2, &numbers)
+            .unwrap();
+        let photo = read(&file.into_inner()).unwrap();
+        assert_eq!(photo.channels[0].at(0, 0), -7.5);
+        assert!(photo.channels[2].at(0, 1).is_nan());
+        let mut file = Cursor::new(Vec::new());
+        let mut encoder = TiffEncoder::new_big(&mut file).unwrap();
+        encoder
+            .write_image::<colortype::GrayI16>(3, 2, &[-9, 1, 2, 3, 4, 5])
+            .unwrap();
+        assert_eq!(read(&file.into_inner()).unwrap().channels[1].at(0, 0), -9.0);
+    }
+
+    #[test]
+    fn what_is_no_picture_of_numbers_is_refused_in_one_line() {
+        let none = |_: usize| vec![0; 4];
+        let files = [
+            npy("<f4", false, "(2, 3)", none, 5),
+            npy("<f4", false, "(0, 3)", none, 0),
+            npy("<f4", false, "(7, 8, 9)", none, 1),
+            npy("<c8", false, "(2, 3)", none, 12),
+            npy("<f4", false, "(99999999, 99999999)", none, 1),
+            npy("<f4", false, "(2, -3)", none, 6),
+            b"\x93NUMPY\x01\x00".to_vec(),
+            b"Pf\n3 x\n-1\n".to_vec(),
+            b"PF\n3 2\n1\n".to_vec(),
+        ];
+        for (i, file) in files.iter().enumerate() {
+            let refused = read(file).map(drop).unwrap_err().to_string();
+            assert!(!refused.contains('\n'), "{i}: {refused}");
+        }
+    }
+}
