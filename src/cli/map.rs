@@ -4,12 +4,12 @@ use super::frames::FrameCommand;
 use super::job::{Done, Job};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::map::{Made, MapArgs, Part, Samples};
+use crate::command::map::{MapArgs, Samples};
 use crate::command::output::Kind;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::{self, Engine};
 use crate::error::Result;
-use crate::frame::ColorPlanes;
+use crate::frame::Plane;
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::picture::{Picture, ViewTransform};
 use std::path::PathBuf;
@@ -81,38 +81,31 @@ impl FrameCommand for MapArgs {
 impl MapArgs {
     /// Writes each map to a file of its own, or all to one EXR.
     fn write(&self, job: &Job, done: &Done, samples: &Samples) -> Result<Chosen> {
-        let (parts, mask) = (self.parts(), &done.loaded.frame.mask);
+        let (parts, frame) = (self.parts(), &done.loaded.frame);
         let is_exr = job.work.output.kind()? == Kind::Exr;
         if is_exr && !job.work.output.is_per_map() {
-            let made: Vec<_> = parts
-                .iter()
-                .map(|part| (part, self.made(part, samples, mask)))
-                .collect();
-            let channels = made.iter().map(|(part, made)| self.channel(part, made));
-            return job.write_exr(done, channels.collect());
+            let mut made = Vec::new();
+            for part in &parts {
+                made.extend(self.made(part, samples, frame)?.named(&part.name));
+            }
+            return job.write_exr(done, self.channels(&made));
         }
         let mut chosen = Chosen::default();
         for part in &parts {
-            let made = self.made(part, samples, mask);
-            if let Some(words) = made.in_words(part, mask) {
+            let made = self.made(part, samples, frame)?;
+            if let Some(words) = made.in_words(part, &frame.mask) {
                 job.note(&words);
             }
             let job = job.writing(&part.name);
             chosen = match is_exr {
-                true => job.write_exr(done, vec![self.channel(part, &made)])?,
+                true => job.write_exr(done, self.channels(&made.named(&part.name)))?,
                 false => job.write_picture(
                     done,
                     &Picture {
-                        grey: true,
+                        grey: made.is_grey(),
                         bits: self.bits(),
-                        dpi: self.work.dpi(&done.loaded.frame),
-                        ..Picture::of(
-                            &ColorPlanes {
-                                r: made.grey(mask),
-                                ..ColorPlanes::default()
-                            },
-                            ViewTransform::None,
-                        )
+                        dpi: self.work.dpi(frame),
+                        ..Picture::of(&made.picture(&frame.mask), ViewTransform::None)
                     },
                 )?,
             };
@@ -120,13 +113,17 @@ impl MapArgs {
         Ok(chosen)
     }
 
-    /// The channel of an EXR that holds a map.
-    fn channel<'a>(&self, part: &Part, made: &'a Made) -> OutputChannel<'a> {
+    /// The channels of an EXR that hold maps.
+    fn channels<'a>(&self, maps: &'a [(String, Plane)]) -> Vec<OutputChannel<'a>> {
         let given = self.work.output.depth_of_output;
-        OutputChannel {
-            name: format!("map.{}", part.name),
-            plane: &made.plane,
+        let channel = |(name, plane): &'a (String, Plane)| OutputChannel {
+            name: match self.is_of_normals(name) {
+                true => name.clone(),
+                false => format!("map.{name}"),
+            },
+            plane,
             sample_type: given.unwrap_or(OutputType::Float),
-        }
+        };
+        maps.iter().map(channel).collect()
     }
 }

@@ -94,7 +94,7 @@ fn run_typed(typed: &Invocation) -> Result<i32> {
         Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
         Command::Relight(_) => batch::run::<RelightArgs>(typed),
         Command::Hatch(_) => batch::run::<HatchArgs>(typed),
-        Command::Map(_) => batch::run::<MapArgs>(typed),
+        Command::Map(_) | Command::Normals(_) => batch::run::<MapArgs>(typed),
         Command::View(args) => view(args, typed),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;

@@ -55,9 +55,16 @@ pub(crate) enum Command {
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
     #[command(after_help = HATCH_EXAMPLES)]
     Hatch(Box<HatchArgs>),
-    /// Make grey maps for textures: curvature, its convex and concave parts, edges, height, occlusion.
+    /// Make maps for textures: curvature, its convex and concave parts, edges, height, occlusion, normals.
     #[command(after_help = MAP_EXAMPLES)]
     Map(MapArgs),
+    /// Write the normals that all commands use: those of the input, or of its depth, heights or positions.
+    #[command(
+        after_help = NORMALS_EXAMPLES,
+        mut_arg("maps", |maps| maps.default_value("normals").hide(true)),
+        mut_arg("sum", |sum| sum.hide(true))
+    )]
+    Normals(MapArgs),
     /// Run a recipe: a command with its settings, as --save-recipe writes one from any command line.
     #[command(after_help = run_examples())]
     Run(RecipeArgs),
@@ -99,6 +106,13 @@ Examples:
   relievo enhance passes.exr -o enhanced.exr --light-group key=135,40 --light-group fill=10,20
   relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg
   relievo enhance shot.####.exr --frames 101-340 -o out/shot.####.exr --skip-existing";
+
+const NORMALS_EXAMPLES: &str = "\
+Examples:
+  relievo normals render.exr -o normals.exr          in view space: x right, y up, z toward the viewer
+  relievo normals depth.exr -o normals.png           of a depth alone
+  relievo normals scan.png --height scan.png --height-scale 40 -o normals.png
+  relievo normals brick_gl.png -o brick_dx.png --as directx";
 
 const RELIGHT_EXAMPLES: &str = "\
 Examples:

@@ -63,7 +63,7 @@ impl Making<'_> {
     /// As [`Engine::run`]; [`crate::Error::BadParameter`] for settings that the frame does not allow.
     pub(crate) fn run(&self, engine: &Engine, run: &Run) -> Result<Made> {
         match self.command {
-            Command::Map(args) => maps(args, engine, self.frame, run),
+            Command::Map(args) | Command::Normals(args) => maps(args, engine, self.frame, run),
             Command::Hatch(args) => self.draw(args, engine, run),
             _ => self.picture(engine, run),
         }
@@ -174,13 +174,12 @@ fn maps(args: &MapArgs, engine: &Engine, frame: &Frame, run: &Run) -> Result<Mad
         samples.take(&pass, &mut of_pass);
         engine.recycle(of_pass);
     }
-    let parts = args.parts().into_iter();
-    let maps = parts.map(|part| {
-        let made = args.made(&part, &samples, &frame.mask);
-        (part.name, made.plane)
-    });
+    let mut maps = Vec::new();
+    for part in args.parts() {
+        maps.extend(args.made(&part, &samples, frame)?.named(&part.name));
+    }
     Ok(Made {
-        maps: maps.collect(),
+        maps,
         outcome,
         ..Made::default()
     })

@@ -1,11 +1,12 @@
 //! `relievo map`: its arguments, its plan, and the maps it makes.
 
 use super::args::WorkArgs;
+use super::axes::Axes;
 use super::flags::{Section, one_of};
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Mask, Plane};
+use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
 use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
@@ -34,6 +35,17 @@ pub(crate) struct MapArgs {
     /// Bits of a grey sample in PNG and TIFF.
     #[arg(long, value_name = "8|16", default_value = "16", value_parser = ["8", "16"], help_heading = "Maps")]
     bits: String,
+    /// Axes of the normals that are written: opengl is x right, y up, z toward the viewer; directx has y down, opencv y down
+    /// and z away, stablenormal x to the left; world takes a camera, and xy leaves z out.
+    #[arg(
+        hide_short_help = true,
+        long = "as",
+        value_name = "AXES",
+        default_value = "opengl",
+        value_parser = one_of(Axes::ALL),
+        help_heading = "Maps"
+    )]
+    axes: Axes,
     /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
     #[arg(
         hide_short_help = true,
@@ -46,7 +58,7 @@ pub(crate) struct MapArgs {
     sum: Vec<f32>,
 }
 
-/// A grey map.
+/// A map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Map {
     /// Mapped curvature: 0.5 is flat, brighter convex, darker concave.
@@ -63,6 +75,8 @@ enum Map {
     Occlusion,
     /// Where the height cannot follow the normals, since no surface has them: the change per pixel that is missed.
     Residual,
+    /// The normals that all commands use; see --as.
+    Normals,
 }
 
 /// One map that is made.
@@ -106,18 +120,35 @@ pub(crate) struct Samples {
 
 /// A map as it is computed, and the values shown in black and white.
 pub(crate) struct Made {
-    pub(crate) plane: Plane,
+    /// One, or the components of normals.
+    planes: Vec<Plane>,
     range: [f32; 2],
 }
 
 impl Made {
+    /// Its planes by their names: its own, or those of the components of normals.
+    pub(crate) fn named(self, name: &str) -> Vec<(String, Plane)> {
+        let is_one = self.planes.len() == 1;
+        let components = self.planes.into_iter().zip(["x", "y", "z"]);
+        let name = |axis: &str| match is_one {
+            true => name.to_string(),
+            false => format!("normal.{axis}"),
+        };
+        components
+            .map(|(plane, axis)| (name(axis), plane))
+            .collect()
+    }
+
     /// What its grey does not tell: the values shown in black and white, and how much is missed.
     pub(crate) fn in_words(&self, part: &Part, mask: &Mask) -> Option<String> {
         let [black, white] = self.range;
         match part.map {
             Map::Height => Some(format!("height {black:.3} is black, {white:.3} white")),
             Map::Residual => {
-                let runs = |y: usize| mask.runs(y).flat_map(move |run| &self.plane.row(y)[run]);
+                let runs = |y: usize| {
+                    mask.runs(y)
+                        .flat_map(move |run| &self.planes[0].row(y)[run])
+                };
                 let squares = (0..mask.height()).flat_map(runs).map(|&v| f64::from(v * v));
                 let mean = squares.sum::<f64>() / mask.count().max(1) as f64;
                 let missed = mean.sqrt();
@@ -129,27 +160,54 @@ impl Made {
         }
     }
 
-    /// In grey, 0..1; what is no surface is flat or black.
-    pub(crate) fn grey(mut self, mask: &Mask) -> Plane {
+    /// In grey, or normals in colours, 0..1; what is no surface is flat or black.
+    pub(crate) fn picture(self, mask: &Mask) -> ColorPlanes {
         let [black, white] = self.range;
         let scale = 1.0 / (white - black);
-        let outside = if black < 0.0 && white == -black {
+        let middle = if black < 0.0 && white == -black {
             0.5
         } else {
             0.0
         };
-        self.plane.each_row(|y, row| {
-            for (v, &covered) in row.iter_mut().zip(mask.row(y)) {
-                let grey = ((*v - black) * scale).clamp(0.0, 1.0);
-                *v = if covered { grey } else { outside };
-            }
-        });
-        self.plane
+        let facing = [middle, middle, 1.0];
+        let outside = if self.planes.len() == 1 {
+            [middle; 3]
+        } else {
+            facing
+        };
+        let shown = |(mut plane, outside): (Plane, f32)| {
+            plane.each_row(|y, row| {
+                for (v, &covered) in row.iter_mut().zip(mask.row(y)) {
+                    let grey = ((*v - black) * scale).clamp(0.0, 1.0);
+                    *v = if covered { grey } else { outside };
+                }
+            });
+            plane
+        };
+        let mut planes = self.planes.into_iter().zip(outside).map(shown);
+        let blank = || Plane::filled(mask.width(), mask.height(), 0.0);
+        let r = planes.next().unwrap_or_else(blank);
+        match planes.next() {
+            None => ColorPlanes {
+                r,
+                ..ColorPlanes::default()
+            },
+            Some(g) => ColorPlanes {
+                r,
+                g,
+                b: planes.next().unwrap_or_else(blank),
+            },
+        }
+    }
+
+    /// Whether its picture is grey.
+    pub(crate) fn is_grey(&self) -> bool {
+        self.planes.len() == 1
     }
 }
 
 impl Map {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Curvature,
         Self::Convex,
         Self::Concave,
@@ -157,6 +215,7 @@ impl Map {
         Self::Height,
         Self::Occlusion,
         Self::Residual,
+        Self::Normals,
     ];
 
     fn name(self) -> &'static str {
@@ -168,6 +227,7 @@ impl Map {
             Self::Height => "height",
             Self::Residual => "residual",
             Self::Occlusion => "occlusion",
+            Self::Normals => "normals",
         }
     }
 
@@ -184,6 +244,11 @@ const NO_CREASES: SoftThreshold = SoftThreshold {
 };
 
 impl MapArgs {
+    /// Whether this plane of a map is a component of normals.
+    pub(crate) fn is_of_normals(&self, plane: &str) -> bool {
+        self.maps.contains(&Map::Normals) && plane.starts_with("normal.")
+    }
+
     /// Bits of a grey sample.
     pub(crate) fn bits(&self) -> u8 {
         if self.bits == "8" { 8 } else { 16 }
@@ -319,34 +384,44 @@ impl MapArgs {
         Ok(passes)
     }
 
-    /// One of the maps.
-    pub(crate) fn made(&self, part: &Part, samples: &Samples, mask: &Mask) -> Made {
-        let (plane, range) = match part.map {
-            Map::Curvature => (self.kappa(part, samples), [-1.0, 1.0]),
+    /// One of the maps of a frame.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] for normals in world space without a camera.
+    pub(crate) fn made(&self, part: &Part, samples: &Samples, frame: &Frame) -> Result<Made> {
+        let one = |plane: Plane, range: [f32; 2]| Made {
+            planes: vec![plane],
+            range,
+        };
+        Ok(match part.map {
+            Map::Curvature => one(self.kappa(part, samples), [-1.0, 1.0]),
             Map::Convex => {
                 let kappa = self.kappa(part, samples);
-                (kappa.map(|kappa| kappa.max(0.0)), [0.0, 1.0])
+                one(kappa.map(|kappa| kappa.max(0.0)), [0.0, 1.0])
             }
             Map::Concave => {
                 let kappa = self.kappa(part, samples);
-                (kappa.map(|kappa| (-kappa).max(0.0)), [0.0, 1.0])
+                one(kappa.map(|kappa| (-kappa).max(0.0)), [0.0, 1.0])
             }
             Map::Edges => {
                 let edges = samples.edges.clone();
-                (edges.expect("a pass makes edges"), [0.0, 1.0])
+                one(edges.expect("a pass makes edges"), [0.0, 1.0])
             }
             Map::Height => {
                 let height = samples.height.clone().expect("a pass makes the height");
-                let range = range_of(&height, mask);
-                (height, range)
+                let range = range_of(&height, &frame.mask);
+                one(height, range)
             }
-            Map::Occlusion => (samples.sky[part.scale.unwrap_or(0)].clone(), [0.0, 1.0]),
+            Map::Occlusion => one(samples.sky[part.scale.unwrap_or(0)].clone(), [0.0, 1.0]),
             Map::Residual => {
                 let residual = samples.residual.clone();
-                (residual.expect("a pass makes the residual"), [0.0, 1.0])
+                one(residual.expect("a pass makes the residual"), [0.0, 1.0])
             }
-        };
-        Made { plane, range }
+            Map::Normals => Made {
+                planes: self.axes.of_view(frame)?,
+                range: [-1.0, 1.0],
+            },
+        })
     }
 
     /// Mapped curvature at one scale, or the weighted mean over all.

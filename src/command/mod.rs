@@ -1,6 +1,7 @@
 //! Arguments and recipes, and the plans they make for a frame.
 
 pub(crate) mod args;
+pub(crate) mod axes;
 pub(crate) mod batch;
 pub(crate) mod chosen;
 pub(crate) mod commands;

@@ -41,7 +41,7 @@ impl Source {
         };
         let ((inputs, needs), specular) = match command {
             Command::Shape(args) => (args.work.reading(args.work.goal()?, frame), None),
-            Command::Map(args) => (args.reading(frame), None),
+            Command::Map(args) | Command::Normals(args) => (args.reading(frame), None),
             Command::Enhance(args) => (args.reading(frame), None),
             Command::Relight(args) => {
                 let needs = needs(&args.params(), light);
@@ -166,7 +166,7 @@ pub(crate) fn work_of(command: &Command) -> &WorkArgs {
         Command::Enhance(args) => &args.work,
         Command::Relight(args) => &args.work,
         Command::Hatch(args) => &args.relight.work,
-        Command::Map(args) => &args.work,
+        Command::Map(args) | Command::Normals(args) => &args.work,
         _ => unreachable!("{A_COMMAND}"),
     }
 }
@@ -178,7 +178,7 @@ pub(crate) fn params_of(command: &mut Command) -> &mut Params {
         Command::Enhance(args) => &mut args.work,
         Command::Relight(args) => &mut args.work,
         Command::Hatch(args) => &mut args.relight.work,
-        Command::Map(args) => &mut args.work,
+        Command::Map(args) | Command::Normals(args) => &mut args.work,
         _ => unreachable!("{A_COMMAND}"),
     };
     &mut work.flags.params

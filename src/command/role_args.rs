@@ -29,6 +29,18 @@ pub(crate) struct RoleArgs {
     /// Depth: a layer of IN or a file; none leaves it out.
     #[arg(long, value_name = "NAME|FILE|none")]
     depth: Option<String>,
+    /// Heights of the surface, seen from above, in place of normals and depth: a layer of IN or a file.
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE", conflicts_with_all = ["depth", "normal", "depth_kind"])]
+    height: Option<String>,
+    /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
+    /// pictures of integers.
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "PIXELS",
+        requires = "height"
+    )]
+    height_scale: Option<f32>,
     /// World-space positions: a layer of IN or a file; none leaves it out.
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE|none")]
     position: Option<String>,
@@ -165,7 +177,7 @@ impl RoleArgs {
             layer: self.layer.clone(),
             color: self.color.clone(),
             normal: self.normal.clone(),
-            depth: self.depth.clone(),
+            depth: self.height.clone().or_else(|| self.depth.clone()),
             position: self.position.clone(),
             occlusion: self.occlusion.clone(),
             albedo: None,
@@ -179,7 +191,11 @@ impl RoleArgs {
             normal_space: self.normal_space.0,
             normal_encoding: self.normal_encoding.0,
             normal_flip: self.normal_flip.0,
-            depth_kind: self.depth_kind.0,
+            depth_kind: match self.height {
+                Some(_) => Some(StoredDepth::Height),
+                None => self.depth_kind.0,
+            },
+            height_scale: self.height_scale,
             colorspace: self.colorspace.0,
             light: None,
             wrap: self.wrap,
@@ -193,6 +209,7 @@ impl RoleArgs {
         let named = [
             &mut self.normal,
             &mut self.depth,
+            &mut self.height,
             &mut self.position,
             &mut self.color,
             &mut self.occlusion,
@@ -215,6 +232,7 @@ impl RoleArgs {
         let named = [
             &self.normal,
             &self.depth,
+            &self.height,
             &self.position,
             &self.color,
             &self.occlusion,

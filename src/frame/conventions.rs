@@ -71,17 +71,20 @@ pub enum StoredDepth {
     WhiteFar,
     /// The same reversed, white near and black far.
     NormalizedNearIsOne,
+    /// Height toward the viewer, in pixels, seen along parallel lines: 0 and less are heights too.
+    Height,
 }
 
 impl StoredDepth {
     /// All kinds, with their names in `--depth-kind`.
-    pub const ALL: [(Self, &'static str); 6] = [
+    pub const ALL: [(Self, &'static str); 7] = [
         (Self::Planar, "z"),
         (Self::Ray, "distance"),
         (Self::Inverse, "inverse"),
         (Self::Relative, "relative"),
         (Self::WhiteFar, "white-far"),
         (Self::NormalizedNearIsOne, "white-near"),
+        (Self::Height, "height"),
     ];
 
     /// Its name in `--depth-kind`.
@@ -93,7 +96,7 @@ impl StoredDepth {
     /// The kind of a frame's depth after decoding.
     pub fn kind(self) -> DepthKind {
         match self {
-            Self::Planar | Self::Inverse => DepthKind::Planar,
+            Self::Planar | Self::Inverse | Self::Height => DepthKind::Planar,
             Self::Ray => DepthKind::Ray,
             Self::Relative | Self::WhiteFar | Self::NormalizedNearIsOne => DepthKind::Relative,
         }
@@ -109,7 +112,10 @@ impl StoredDepth {
 
     /// Whether the layer marks where nothing was seen.
     pub(crate) fn shows_coverage(self) -> bool {
-        !matches!(self, Self::WhiteFar | Self::NormalizedNearIsOne)
+        !matches!(
+            self,
+            Self::WhiteFar | Self::NormalizedNearIsOne | Self::Height
+        )
     }
 }
 
@@ -120,6 +126,7 @@ impl std::fmt::Display for StoredDepth {
             Self::Inverse => f.write_str("one over the depth along the view axis"),
             Self::WhiteFar => f.write_str("relative depth, white far"),
             Self::NormalizedNearIsOne => f.write_str("relative depth, white near"),
+            Self::Height => f.write_str("height toward the viewer"),
         }
     }
 }

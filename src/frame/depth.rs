@@ -38,6 +38,12 @@ pub(crate) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
         true => 0.0,
         false => from + toward * d.clamp(0.0, 1.0),
     };
+    let most = depth
+        .samples()
+        .iter()
+        .copied()
+        .filter(|d| d.is_finite())
+        .fold(0.0, f32::max);
     for d in depth.samples_mut() {
         *d = match stored {
             StoredDepth::Planar | StoredDepth::Ray | StoredDepth::Relative => return,
@@ -45,6 +51,9 @@ pub(crate) fn to_distances(depth: &mut Plane, stored: StoredDepth) {
             StoredDepth::Inverse => 0.0,
             StoredDepth::WhiteFar => normalized(*d, 1.0, 1.0),
             StoredDepth::NormalizedNearIsOne => normalized(*d, 2.0, -1.0),
+            // The highest a pixel away.
+            StoredDepth::Height if d.is_finite() => 1.0 + (most - *d),
+            StoredDepth::Height => 0.0,
         };
     }
 }

@@ -6,6 +6,7 @@ mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
 mod enlarged;
+pub(crate) mod from_depth;
 mod holes;
 mod light_layers;
 mod mask;
@@ -17,6 +18,7 @@ mod ray;
 mod reduced;
 pub(crate) mod sampling;
 mod sight;
+mod slopes;
 mod space;
 mod specular;
 mod squares;
@@ -66,6 +68,18 @@ use std::collections::BTreeMap;
 
 /// The focal length where none is known, in longer sides of the picture.
 const FOCAL_SIDES: f64 = 1.25;
+
+/// The projection of a picture whose camera is not known: a perspective 44 degrees across, about its middle.
+pub(crate) fn likely_projection(display_window: Window, pixel_aspect: f32) -> Projection {
+    let focal = FOCAL_SIDES * display_window.width().max(display_window.height()) as f64;
+    let center = display_window.center();
+    Projection::Perspective {
+        fx: focal,
+        fy: focal * f64::from(pixel_aspect),
+        cx: center.x,
+        cy: center.y,
+    }
+}
 
 /// A surface seen from one viewpoint, with the picture made of it.
 ///
@@ -143,18 +157,10 @@ impl Frame {
         self.source.luminance_weights.unwrap_or(REC709_LUMINANCE)
     }
 
-    /// The camera's projection; where it is not known a perspective 44 degrees across, about the middle of the picture.
+    /// The camera's projection, or else the likely one.
     pub(crate) fn likely_projection(&self) -> Projection {
-        let window = self.display_window;
-        let focal = FOCAL_SIDES * window.width().max(window.height()) as f64;
-        let center = window.center();
-        let assumed = Projection::Perspective {
-            fx: focal,
-            fy: focal * f64::from(self.pixel_aspect),
-            cx: center.x,
-            cy: center.y,
-        };
-        self.camera.map_or(assumed, |camera| camera.projection)
+        let assumed = || likely_projection(self.display_window, self.pixel_aspect);
+        self.camera.map_or_else(assumed, |camera| camera.projection)
     }
 
     /// A frame with view-space unit normals only, within `mask`: square pixels, all of them shown.

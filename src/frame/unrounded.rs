@@ -79,6 +79,12 @@ pub(super) fn unwritten(stored: &Vector3Planes) -> Vec<usize> {
     unwritten.map(|(i, _)| i).collect()
 }
 
+/// [`unround`] of one plane of values, all of them written.
+pub(crate) fn unround_values(values: &mut Plane, half_step: f32) {
+    let (codes, mut steps) = (values.clone(), values.clone());
+    unround_plane(values, &codes, &mut steps, half_step);
+}
+
 fn unround_plane(field: &mut Plane, codes: &Plane, steps: &mut Plane, half_step: f32) {
     if field.samples().is_empty() {
         return;

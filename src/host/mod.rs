@@ -33,7 +33,6 @@ mod work;
 /// The most threads that an engine may have.
 pub const MOST_THREADS: u16 = crate::command::args::MOST_THREADS;
 
-pub use crate::command::recipe::COMMANDS;
 pub use crate::command::setting::{Kind, Setting, settings_of};
 pub use fault::without_fault;
 pub use given::Given;
@@ -43,3 +42,6 @@ pub use scene::{File, Scene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;
 pub use work::Work;
+
+/// The commands that make something of a frame. `normals` is not among them: it is `map` of the map called so.
+pub const COMMANDS: &[&str] = crate::command::recipe::COMMANDS.split_at(5).0;

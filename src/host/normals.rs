@@ -2,10 +2,9 @@
 
 use super::work::Work;
 use crate::error::{Error, Result};
-use crate::frame::depth::to_distances;
+use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::{DepthKind, Plane, Samples, StoredDepth, Window};
 use crate::io::camera::camera_of_text;
-use crate::io::normals_of_points::normals_of_depth;
 
 /// Unit normals in view space of the surface that a depth shows, as planes of x, y and z; 0 where no surface is, or no
 /// neighbour along one axis. Depth is read by the settings of `work`, without any along the view axis; the camera is the
@@ -33,8 +32,8 @@ pub fn normals_of(
     }
     let window = Window::from_size(size[0], size[1]);
     let camera = camera_of_text(camera, window, pixel_aspect)?;
-    let mut depth = depth.plane("depth", size)?;
-    to_distances(&mut depth, stored);
-    let normals = normals_of_depth(&depth, kind, camera.projection, window);
+    let depth = depth.plane("depth", size)?;
+    let seen = (camera.projection, window);
+    let normals = normals_of_depth(&depth, stored, seen, |_, _| true, Precision::Float);
     Ok([normals.x, normals.y, normals.z])
 }

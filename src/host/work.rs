@@ -119,7 +119,7 @@ impl Work {
         flags.validate()?;
         match &command {
             Command::Shape(_) => {}
-            Command::Map(args) => args.check()?,
+            Command::Map(args) | Command::Normals(args) => args.check()?,
             Command::Hatch(args) => args.looks().map(|_| ())?,
             _ => flags.refuse_more_scales()?,
         }

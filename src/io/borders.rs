@@ -14,7 +14,7 @@ const FEWEST: usize = 16;
 
 /// How much vectors change across opposite borders, as a multiple of the change beside them: left to right, and top to
 /// bottom. `None` where too few pixels are written.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Borders([Option<f64>; 2]);
 
 impl Borders {

@@ -2,7 +2,7 @@
 
 use super::borders::Borders;
 use super::colorspace::ColorSpace;
-use super::inputs::{Inputs, NONE, Needs};
+use super::inputs::{Inputs, NONE, Needs, StoredDepth};
 use super::light_layers::LightSources;
 #[cfg(feature = "cli")]
 use super::motion::means_motion;
@@ -25,7 +25,7 @@ pub(super) fn only_occlusion(inputs: &Inputs) -> bool {
 
 /// The sources of all roles that this run reads.
 pub(super) struct FrameSources {
-    /// Normals first.
+    /// Normals first, where there are any.
     pub(super) roles: Vec<RoleSource>,
 }
 
@@ -42,13 +42,14 @@ impl FrameSources {
             Some(_) => None,
         };
         let is_map = map.is_some();
+        let are_heights = inputs.depth_kind == Some(StoredDepth::Height);
         let normal = match map {
+            _ if are_heights => None,
             Some(map) => Some(map),
             None => find(Role::Normal, &inputs.normal)?,
         };
-        let normal =
-            normal.ok_or_else(|| missing(main, Role::Normal, "--normal LAYER or --normal FILE"))?;
-        let mut roles = vec![normal.described(inputs)];
+        let has_normals = normal.is_some();
+        let mut roles = Vec::from_iter(normal.map(|normal| normal.described(inputs)));
         let depth = if only_occlusion(inputs) {
             None
         } else {
@@ -60,6 +61,11 @@ impl FrameSources {
         roles.extend(depth);
         if inputs.camera.is_none() || roles.iter().all(|s| s.role != Role::Depth) {
             roles.extend(find(Role::Position, &inputs.position)?);
+        }
+        let shows_surface =
+            |source: &RoleSource| matches!(source.role, Role::Depth | Role::Position);
+        if !has_normals && !roles.iter().any(shows_surface) {
+            return Err(missing_normals(main));
         }
         // A normal map is no picture.
         let color = match &inputs.color {
@@ -118,7 +124,9 @@ impl FrameSources {
     pub(super) fn common_window(&self, light: &LightSources) -> Result<Window> {
         let expected = self.get(Role::Color).unwrap_or(&self.roles[0]);
         let window = expected.window();
-        refuse_unlike_orientations(&self.roles[0], expected)?;
+        if let Some(normal) = self.get(Role::Normal) {
+            refuse_unlike_orientations(normal, expected)?;
+        }
         for source in self.roles.iter().chain(light.sources()) {
             let overlaps = source.display() == expected.display()
                 && source.window().common(&window).is_some()
@@ -177,6 +185,12 @@ impl FrameSources {
     pub(super) fn get(&self, role: Role) -> Option<&RoleSource> {
         self.roles.iter().find(|s| s.role == role)
     }
+}
+
+/// The error of a picture without anything that shows its surface.
+pub(super) fn missing_normals(main: &Opened) -> Error {
+    let flags = "--normal LAYER or --normal FILE, or depth with --depth LAYER|FILE";
+    missing(main, Role::Normal, flags)
 }
 
 /// Refuses normals whose orientation may differ from the picture's: those without the orientation tag of a photo that

@@ -5,8 +5,9 @@ use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, Selection};
+use super::roles::Role;
 use super::sources::{RoleSource, has_coded_vectors};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
 use std::rc::Rc;
 
@@ -69,10 +70,17 @@ impl InputFiles {
     /// Size of the frame of `inputs`.
     ///
     /// # Errors
-    /// As [`load`], except errors that only pixels reveal.
+    /// As [`load`], except errors that only pixels reveal; [`Error::Unsupported`] where normals are made from depth.
     pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
         let light = LightSources::resolve(inputs, &self.main)?;
         let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
+        if sources.get(Role::Normal).is_none() {
+            return Err(Error::Unsupported {
+                path: inputs.picture.clone(),
+                found: "has no normals, and those of its depth take it whole".into(),
+                remedy: "allow more with --max-memory".into(),
+            });
+        }
         let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
         photos.extend(light.sources().iter().filter_map(RoleSource::photo));
         photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
@@ -83,7 +91,7 @@ impl InputFiles {
                 .into_iter()
                 .map(|photo| photo.header.bytes())
                 .sum::<u64>()
-                + mending_bytes(&sources.roles[0]),
+                + sources.get(Role::Normal).map_or(0, mending_bytes),
         })
     }
 

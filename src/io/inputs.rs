@@ -14,7 +14,8 @@ pub const NONE: &str = "none";
 /// Files and layers of a frame, and how to read them.
 ///
 /// A role that is `None` is found by its layer's name or numbers; a name refers to a layer of the picture or, if there
-/// is no such layer, to another file; [`NONE`] leaves the role out, which normals do not allow.
+/// is no such layer, to another file; [`NONE`] leaves the role out. Without normals they are
+/// those of depth or positions, and of heights, whatever else there is.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Inputs {
     /// The picture: an EXR with its layers, or a photo.
@@ -59,6 +60,8 @@ pub struct Inputs {
     pub normal_flip: Option<Flip>,
     /// Kind of depth in its layer; `None` decides from the data.
     pub depth_kind: Option<StoredDepth>,
+    /// Pixels that a height of 1 is high, where depth holds heights; `None` takes floats for pixels.
+    pub height_scale: Option<f32>,
     /// Colour space; `None` follows the files: photos are sRGB, EXR files linear.
     pub colorspace: Option<ColorSpace>,
     /// Whether the picture is a tile.

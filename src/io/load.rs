@@ -6,7 +6,8 @@ use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
-use super::frame_sources::{FrameSources, Planes, only_occlusion};
+use super::frame_sources::{FrameSources, Planes, missing_normals, only_occlusion};
+use super::from_depth;
 use super::gloss::LitPicture;
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
 use super::light_layers::LightSources;
@@ -24,13 +25,18 @@ use super::view::{View, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_rounding;
+use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::normals;
 use crate::frame::{
-    Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
-    strength_of,
+    Camera, DepthKind, Frame, Mask, Plane, Projection, Source, Vector3Planes, Window,
+    lift_out_of_fog, likely_projection, strength_of,
 };
+use glam::DAffine3;
 use std::ops::Range;
 use std::rc::Rc;
+
+/// The height of white over the longer side of a picture of heights, where it is not known.
+const HIGH: f32 = 0.1;
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -137,24 +143,26 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     };
 
     let stored_borders = planes.borders();
-    let mut normal = planes
-        .vector(Role::Normal)
-        .expect("normals are always resolved");
-    let borders = stored_borders.unwrap_or_else(|| Borders::of(&normal));
-    // Some rows of a picture do not tell its borders.
-    let is_whole = inputs.rows.is_none();
-    if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
-        notes.findings.extend(borders.finding());
-    }
-    let noise = sources.roles[0].noise();
-    if is_whole && noise > 0.0 {
-        notes.warnings.push(format!(
-            "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
-        ));
-    }
-    let encoding = notes.encoding(inputs, &sources, &normal)?;
     let given_flip = inputs.normal_flip.unwrap_or_default();
-    normals::decode(&mut normal, encoding, given_flip);
+    let mut stored_normal = planes.vector(Role::Normal);
+    let (mut borders, mut encoding) = (Borders::default(), NormalEncoding::Signed);
+    if let Some(normal) = &mut stored_normal {
+        borders = stored_borders.unwrap_or_else(|| Borders::of(normal));
+        // Some rows of a picture do not tell its borders.
+        let is_whole = inputs.rows.is_none();
+        if is_whole && (inputs.wrap != Wrap::None || main.is_normal_map()) {
+            notes.findings.extend(borders.finding());
+        }
+        let noise = sources.roles[0].noise();
+        if is_whole && noise > 0.0 {
+            notes.warnings.push(format!(
+                "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
+            ));
+        }
+        encoding = notes.encoding(inputs, &sources, normal)?;
+        normals::decode(normal, encoding, given_flip);
+    }
+    let are_filtered = stored_normal.is_some() && encoding == NormalEncoding::Signed;
     let mut layers = Layers::of(&mut planes);
     notes.warnings.append(&mut planes.warnings);
     let strength = source.strength(planes.scalar(Role::Mask))?;
@@ -169,7 +177,10 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         sense,
         depth_is_half,
         view,
-    } = source.seen_surface(normal, &mut layers, needs, &mut notes)?;
+    } = match stored_normal {
+        Some(normal) => source.seen_surface(normal, &mut layers, needs, &mut notes)?,
+        None => source.surface_of_depth(&mut layers, &mut notes)?,
+    };
 
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();
@@ -195,7 +206,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         data_window,
         display_window,
         pixel_aspect,
-        normal_length: (encoding == NormalEncoding::Signed).then_some(lengths),
+        normal_length: are_filtered.then_some(lengths),
         depth: layers.depth,
         occlusion,
         importance: planes.scalar(Role::Importance),
@@ -373,6 +384,107 @@ impl FrameSource<'_> {
             sense,
             depth_is_half,
             view,
+        })
+    }
+
+    /// The surface that depth shows, or positions in its place, where there are no normals.
+    fn surface_of_depth(&self, layers: &mut Layers, notes: &mut Notes) -> Result<SeenSurface> {
+        let depth_is_half = self.depth_is_half(layers);
+        let all = Mask::full(self.data_window.width(), self.data_window.height());
+        let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None))?;
+        let source = self.sources.get(Role::Depth);
+        let mut scale = 1.0;
+        let (stored, why) = match (&mut layers.depth, view.camera) {
+            (Some(height), _) if self.inputs.depth_kind == Some(StoredDepth::Height) => {
+                view.camera = Some(self.from_above());
+                scale = self.height_scale(source, &mut notes.warnings);
+                height.samples_mut().iter_mut().for_each(|h| *h *= scale);
+                (StoredDepth::Height, format!("{scale} pixels high at 1"))
+            }
+            (Some(depth), _) => {
+                let hint = source.map(RoleSource::hint).unwrap_or_default();
+                self.inputs.depth_kind.map_or_else(
+                    || from_depth::judged(depth, hint, &mut notes.warnings),
+                    |stored| (stored, "as given".into()),
+                )
+            }
+            (None, Some(camera)) => {
+                layers.depth = self.positions_for_depth(layers).map(|p| p.depth(&camera));
+                (StoredDepth::Planar, "of positions".into())
+            }
+            (None, None) => return Err(missing_normals(self.main)),
+        };
+        let depth = layers
+            .depth
+            .as_mut()
+            .ok_or_else(|| missing_normals(self.main))?;
+        let projection = view.camera.map_or_else(
+            || likely_projection(self.display_window, self.pixel_aspect),
+            |camera| camera.projection,
+        );
+        let alpha = layers.alpha.as_ref().filter(|_| !stored.shows_coverage());
+        let precision = match source {
+            _ if depth_is_half => Precision::Half,
+            Some(source) if source.rounding() > 0.0 => Precision::Codes(scale * source.rounding()),
+            _ => Precision::Float,
+        };
+        let mut normal = normals_of_depth(
+            depth,
+            stored,
+            (projection, self.data_window),
+            |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
+            precision,
+        );
+        let (from, bits) = match source {
+            Some(source) if stored == StoredDepth::Height => ("heights", source.precision()),
+            Some(source) => ("depth", source.precision()),
+            None => ("positions", String::new()),
+        };
+        notes.on_no_normals(from, &bits, view.camera.is_some());
+        notes.findings.append(&mut view.findings);
+        notes.warnings.append(&mut view.warnings);
+        let stored_depth = Some((depth, Some(stored)));
+        let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
+        let Covered { mask, lengths, .. } =
+            coverage::cover(&mut normal, stored_depth, alpha, covered);
+        notes.on_coverage(&mask);
+        Ok(SeenSurface {
+            normal,
+            mask,
+            lengths,
+            sense: Some((stored, why)),
+            depth_is_half,
+            view,
+        })
+    }
+
+    /// The camera of heights: a unit is a pixel.
+    fn from_above(&self) -> Camera {
+        let center = self.display_window.center();
+        Camera {
+            view_from_world: DAffine3::IDENTITY,
+            projection: Projection::Orthographic {
+                sx: 1.0,
+                sy: self.pixel_aspect.into(),
+                cx: center.x,
+                cy: center.y,
+            },
+        }
+    }
+
+    /// Pixels that a height of 1 is high: as given, else a unit in floats, and a share of the picture in integers.
+    fn height_scale(&self, source: Option<&RoleSource>, warnings: &mut Vec<String>) -> f32 {
+        self.inputs.height_scale.unwrap_or_else(|| {
+            let is_whole = source.and_then(RoleSource::photo).is_some_and(|photo| !photo.header.is_float);
+            let window = self.display_window;
+            let scale = match is_whole {
+                true => HIGH * window.width().max(window.height()) as f32,
+                false => 1.0,
+            };
+            warnings.push(format!(
+                "how high heights are is not known: 1 is taken for {scale} pixels; give --height-scale PIXELS"
+            ));
+            scale
         })
     }
 

@@ -15,6 +15,7 @@ mod finding;
 #[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
+mod from_depth;
 mod gloss;
 mod groups;
 #[cfg(feature = "cli")]
@@ -29,7 +30,7 @@ mod nearest;
 mod noise;
 mod normal_encoding;
 pub mod normal_space;
-pub(crate) mod normals_of_points;
+mod normals_of_points;
 mod notes;
 mod numbers;
 mod objects;

@@ -4,6 +4,7 @@ use super::photo::{Meaning, StoredPhoto};
 use super::sources::has_coded_vectors;
 use crate::frame::{Vector3Planes, Window, denoise, unround};
 use crate::quantile::quantile;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Blocks that are looked at, in rows and columns of so many.
@@ -25,7 +26,7 @@ pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
     if !has_coded_vectors(photo) {
         return 0.0;
     }
-    let mut medians = Vec::new();
+    let mut blocks = Vec::new();
     for rows in spread(header.height) {
         let size = Window::from_size(header.width, rows.len());
         let Ok(planes) = photo.planes(rows, Meaning::Stored) else {
@@ -34,19 +35,24 @@ pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
         for columns in spread(header.width) {
             let part = Window::at(columns.start as i32, 0, columns.len(), size.height());
             let block = planes[..3].iter().map(|plane| plane.crop(size, part));
-            let mut block = Vector3Planes::of(block.collect());
-            if header.bits == 8 {
-                unround(&mut block, header.coding_error());
-            }
-            let mut quiet = block.clone();
-            denoise(&mut quiet, [false; 2]);
-            let both = block.vectors().zip(quiet.vectors());
-            let mut removed: Vec<f32> = both
-                .map(|(code, quiet)| 2.0 * code.distance(quiet))
-                .collect();
-            medians.extend(quantile(&mut removed, 0.5, f32::total_cmp));
+            blocks.push(Vector3Planes::of(block.collect()));
         }
     }
+    let removed = |mut block: Vector3Planes| {
+        if header.bits == 8 {
+            unround(&mut block, header.coding_error());
+        }
+        let mut quiet = block.clone();
+        denoise(&mut quiet, [false; 2]);
+        let both = block.vectors().zip(quiet.vectors());
+        let mut removed: Vec<f32> = both
+            .map(|(code, quiet)| 2.0 * code.distance(quiet))
+            .collect();
+        quantile(&mut removed, 0.5, f32::total_cmp)
+    };
+    // Blocks side by side: their own rows are too few to share out.
+    let medians = blocks.into_par_iter().filter_map(removed);
+    let mut medians: Vec<f32> = medians.collect();
     // Half of all vectors of a deviation of 1 along x and along y are longer than sqrt(2 ln 2).
     let median = quantile(&mut medians, 1.0 - NOISY, f32::total_cmp).unwrap_or_default();
     let deviation = median / (2.0 * std::f32::consts::LN_2).sqrt();

@@ -1,7 +1,6 @@
 //! Normals where a file has none: from the points that neighbouring pixels show.
 
-use crate::frame::depth::is_distance;
-use crate::frame::{DepthKind, Plane, Projection, SightLines, Vector3Planes, Window, step_between};
+use crate::frame::{Vector3Planes, step_between};
 use glam::DVec3;
 
 /// Unit normals of the surface through `points`, facing `toward` the viewer; 0 without a point, or without a neighbour
@@ -30,26 +29,6 @@ pub(super) fn normals_of_points(
         })
     };
     Vector3Planes::from_fn(width, height, |x, y| normal(x, y).unwrap_or(DVec3::ZERO))
-}
-
-/// Unit normals in view space of the surface that `depth` shows in `window`, facing the viewer; 0 without a surface.
-pub(crate) fn normals_of_depth(
-    depth: &Plane,
-    kind: DepthKind,
-    projection: Projection,
-    window: Window,
-) -> Vector3Planes {
-    let sight = SightLines::new(projection);
-    let point = |x: usize, y: usize| {
-        let depth = depth.at(x, y);
-        let at = window.middle(x, y);
-        is_distance(depth).then(|| sight.point(at.x, at.y, depth.into(), kind))
-    };
-    let size = [depth.width(), depth.height()];
-    normals_of_points(size, false, point, |point| match projection {
-        Projection::Perspective { .. } => -point,
-        Projection::Orthographic { .. } => DVec3::Z,
-    })
 }
 
 #[cfg(test)]

@@ -118,6 +118,18 @@ impl Notes {
         }
     }
 
+    /// Says what normals are made from, and what of them is a guess.
+    pub(super) fn on_no_normals(&mut self, from: &str, precision: &str, camera_is_known: bool) {
+        let told =
+            format!("normals from {from}{precision}: no layer holds any; --normal names one");
+        self.warnings.push(told);
+        if !camera_is_known {
+            self.warnings.push(
+                "the camera is not known: slopes are those of a view 44 degrees across; compare with --camera FILE".into(),
+            );
+        }
+    }
+
     /// Reports the number of filled depth samples.
     pub(super) fn on_filled(&mut self, filled: usize, mask: &Mask) {
         let share = 100.0 * filled as f64 / mask.count().max(1) as f64;

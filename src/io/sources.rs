@@ -290,6 +290,17 @@ impl RoleSource {
             .all(|&channel| channels[channel].sample_type == SampleType::Half)
     }
 
+    /// How its samples are stored, in words.
+    pub(super) fn precision(&self) -> String {
+        match self.file.as_ref() {
+            Opened::Photo { photo, .. } if !photo.header.is_float => {
+                format!(" ({} bits)", photo.header.bits)
+            }
+            _ if self.is_half() => " (half floats)".into(),
+            _ => String::new(),
+        }
+    }
+
     /// Largest rounding error of its samples, of a quantity from -1 to 1: half a step between codes, or
     /// between half floats just below 1. 0 for floats.
     pub(super) fn rounding(&self) -> f32 {

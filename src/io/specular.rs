@@ -3,7 +3,6 @@
 
 use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
-use super::normals_of_points::normals_of_depth;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
@@ -12,10 +11,11 @@ use super::surroundings::read_surroundings;
 use crate::error::{Error, Result};
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::to_distances;
+use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
-    Camera, DepthKind, Frame, Mask, Plane, Source, SpecularScene, Surroundings, Vector3Planes,
-    Window,
+    Camera, DepthKind, Frame, Mask, Plane, Source, SpecularScene, StoredDepth, Surroundings,
+    Vector3Planes, Window,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -302,8 +302,14 @@ impl Layer<'_> {
 
     /// The same from depth alone.
     fn without_normals(&self, depth: &mut Plane, window: Window) -> (Mask, Vector3Planes) {
-        let kind = self.loaded.frame.source.depth_kind;
-        let normal = normals_of_depth(depth, kind, self.camera.projection, window);
+        // Depth has been turned to distances.
+        let stored = match self.loaded.frame.source.depth_kind {
+            DepthKind::Planar => StoredDepth::Planar,
+            DepthKind::Ray => StoredDepth::Ray,
+            DepthKind::Relative => StoredDepth::Relative,
+        };
+        let seen = (self.camera.projection, window);
+        let normal = normals_of_depth(depth, stored, seen, |_, _| true, Precision::Float);
         let mut mask = coverage::of_normals(&normal, None, None, None);
         coverage::narrow_to(&mut mask, depth);
         (mask, normal)

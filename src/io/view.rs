@@ -11,8 +11,8 @@ use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
 use crate::frame::normals;
-use crate::frame::{Camera, NormalSpace, Vector3Planes, Window};
-use glam::DMat3;
+use crate::frame::{Camera, Mask, NormalSpace, Vector3Planes, Window};
+use glam::{DMat3, DVec3};
 
 /// Share of normals that face the viewer in any space but one that is turned to the sight lines.
 const FACE: f64 = 0.98;
@@ -36,6 +36,24 @@ pub(super) struct View {
     pub(super) normals: NormalReading,
     pub(super) findings: Vec<Finding>,
     pub(super) warnings: Vec<String>,
+}
+
+impl View {
+    /// That of a frame without normals: the camera that a file, attributes or positions tell.
+    pub(super) fn of_camera(inputs: &Inputs, surface: &SurfaceSamples) -> Result<Self> {
+        let none = Vector3Planes::from_fn(0, 0, |_, _| DVec3::ZERO);
+        let mask = Mask::full(0, 0);
+        let mut search = CameraSearch::new(inputs, surface);
+        let camera = search.placed(&NormalSamples::new(&none, &mask, None, None))?;
+        Ok(Self {
+            is_placed: camera.is_some(),
+            is_recovered: search.has_recovered,
+            camera: camera.or(inputs.known_camera.map(|known| known.camera)),
+            normals: NormalReading::VIEW,
+            findings: search.findings,
+            warnings: Vec::new(),
+        })
+    }
 }
 
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn

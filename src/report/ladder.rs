@@ -76,7 +76,7 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
             "1024",
         ));
     }
-    if let Command::Map(args) = &subject.command {
+    if let Command::Map(args) | Command::Normals(args) = &subject.command {
         let parts = args.parts();
         let makes = |name: &str| parts.iter().any(|part| part.name.starts_with(name));
         if makes("height") {

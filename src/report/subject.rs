@@ -300,7 +300,7 @@ impl Subject {
             moves: false,
             is_specular: self.specular.is_some(),
         };
-        let is_map = matches!(command, Command::Map(_));
+        let is_map = matches!(command, Command::Map(_) | Command::Normals(_));
         let plan = (!is_map).then(|| plan_of(command, &self.frame, self.light.clone(), drawn))?;
         plan.ok().map(|(plan, _)| plan)
     }

@@ -267,3 +267,37 @@ fn what_cannot_be_made_is_refused_in_a_line() {
     let line = relievo(desk.path(), "enhance in.png -o out.png").refused(1);
     assert!(line.contains("--color"), "{line}");
 }
+
+/// Normals come out as they went in, in the axes asked for: y is the other way round for DirectX. An EXR of them is read
+/// again, but for the rounding of their lengths.
+#[test]
+fn normals_are_written_in_the_axes_asked_for() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    write_normals(&here.join("ball.png"), cap);
+    relievo(here, "normals ball.png -o ball.exr -q").done();
+    relievo(here, "normals ball.exr -o again.exr --layers results -q").done();
+    relievo(here, "map ball.png --map normals --as directx -o dx.png -q").done();
+    let of = |file: &str| {
+        ["x", "y", "z"].map(|axis| channel(&here.join(file), &format!("normal.{axis}")))
+    };
+    let [first, again] = ["ball.exr", "again.exr"].map(of);
+    let pairs = first.iter().zip(&again);
+    let pairs = pairs.flat_map(|(a, b)| a.samples().iter().zip(b.samples()));
+    assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 2e-7);
+    let stored = ["ball.png", "dx.png"].map(|file| Photo::read(&here.join(file)).unwrap());
+    for (x, y) in [(3, 5), (90, 20), (48, 48)] {
+        let [gl, dx] = stored
+            .each_ref()
+            .map(|photo| [0, 1, 2].map(|i| photo.channels[i].at(x, y)));
+        // A code of 16 bits is 1.5e-5, and vectors of unit length are off by one.
+        let off = [gl[0] - dx[0], gl[1] + dx[1] - 1.0, gl[2] - dx[2]];
+        assert!(
+            off.iter().all(|off| off.abs() < 4e-5),
+            "({x}, {y}): {off:?}"
+        );
+        assert!((first[1].at(x, y) - (2.0 * gl[1] - 1.0)).abs() < 1e-4);
+    }
+    let world = relievo(here, "normals ball.png --as world -o w.png");
+    assert!(world.error(2).contains("--camera FILE"));
+}

@@ -173,7 +173,10 @@ fn the_schema_knows_every_setting() {
         .iter()
         .map(|c| c["title"].as_str().unwrap())
         .collect();
-    assert_eq!(titles, ["shape", "enhance", "relight", "hatch", "map"]);
+    assert_eq!(
+        titles,
+        ["shape", "enhance", "relight", "hatch", "map", "normals"]
+    );
     let relight = &commands[2]["properties"];
     assert_eq!(relight["ior"]["type"], "number");
     assert_eq!(relight["ior"]["default"], "1.5");

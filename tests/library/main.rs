@@ -11,6 +11,7 @@ mod conventions;
 mod engine;
 mod environments;
 mod exr;
+mod from_depth;
 mod groups;
 mod hatch;
 mod invariance;

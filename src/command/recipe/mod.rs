@@ -27,7 +27,7 @@ pub(crate) const KEEP_LEVELS: &str = "--keep-levels";
 pub(crate) const SAMPLE_FRAMES: &str = "sample-frames";
 
 /// Commands that a recipe can run.
-pub const COMMANDS: [&str; 5] = ["shape", "enhance", "relight", "hatch", "map"];
+pub const COMMANDS: [&str; 6] = ["shape", "enhance", "relight", "hatch", "map", "normals"];
 
 /// Names of the presets.
 pub(super) fn presets() -> String {

@@ -1,0 +1,131 @@
+//! How noisy values are.
+
+use super::Rounding;
+use crate::frame::{Mask, Plane};
+use crate::quantile::quantile;
+
+/// Number of pixels that noise is estimated from: to 2 %.
+const PIXELS: usize = 4096;
+
+/// Orders of the differences that it is estimated from, and the sums of their squared coefficients. Low orders take
+/// curvature for noise, high ones need a long run of samples.
+const ORDERS: [(usize, f32); 4] = [(2, 6.0), (4, 70.0), (6, 924.0), (8, 12870.0)];
+
+/// Samples that the highest order reads, and those before the middle one.
+const LINE: usize = 9;
+const BEFORE: usize = LINE / 2;
+
+/// The median of a normal distribution's absolute values, over its standard deviation.
+const NORMAL_MEDIAN: f32 = 0.6745;
+
+/// The standard deviation of rounding errors where codes are 1 apart: the root of 1/12.
+pub(super) const STEP_DEVIATION: f32 = 0.288_675_13;
+
+/// The noise of values.
+pub(super) struct Noise {
+    /// Standard deviation of white noise.
+    pub(super) white: f32,
+    /// The median size of values.
+    pub(super) size: f32,
+    /// The distance of codes around every value; one row if it is the same in all rows.
+    steps: Plane,
+    has_steps: bool,
+}
+
+impl Noise {
+    pub(super) fn of(values: &Plane, valid: &Mask, rounding: &Rounding) -> Self {
+        let (white, size) = white_noise(values, valid);
+        let step = |step: f32| {
+            if step > 0.0 {
+                step.min(super::TOO_LARGE)
+            } else {
+                0.0
+            }
+        };
+        let steps = match rounding {
+            Rounding::Step(constant) => Plane::filled(values.width(), 1, step(*constant)),
+            Rounding::Of(of) => {
+                let mut steps = values.clone();
+                steps.each_row(|_, row| row.iter_mut().for_each(|v| *v = step(of(*v))));
+                steps
+            }
+        };
+        let has_steps = steps.samples().iter().any(|&step| step > 0.0);
+        Self {
+            white,
+            size,
+            steps,
+            has_steps,
+        }
+    }
+
+    /// The distance of codes around the values of row `y`.
+    pub(super) fn steps(&self, y: usize) -> &[f32] {
+        self.steps.row(y.min(self.steps.height() - 1))
+    }
+
+    /// Standard deviation of noise and rounding where codes have this distance.
+    #[inline(always)]
+    pub(super) fn deviation(&self, step: f32) -> f32 {
+        self.white.max(step * STEP_DEVIATION)
+    }
+
+    /// Whether values are rounded to codes.
+    pub(super) fn has_steps(&self) -> bool {
+        self.has_steps
+    }
+
+    /// Whether noise and rounding are below this share of the values' median size everywhere.
+    pub(super) fn is_below(&self, share: f32) -> bool {
+        let most = self
+            .steps
+            .samples()
+            .iter()
+            .fold(0.0_f32, |most, &step| most.max(step));
+        self.deviation(most) <= share * self.size
+    }
+}
+
+/// Standard deviation of white noise, the least that differences along rows and columns show, and the median size of
+/// values; 0 where nothing is known.
+fn white_noise(values: &Plane, valid: &Mask) -> (f32, f32) {
+    let mut sizes = Vec::with_capacity(PIXELS);
+    let mut differences: [[Vec<f32>; ORDERS.len()]; 2] = Default::default();
+    for (x, y) in valid.sample(PIXELS) {
+        let value = |x: Option<usize>, y: Option<usize>| {
+            let (x, y) = (
+                x.filter(|&x| x < values.width())?,
+                y.filter(|&y| y < values.height())?,
+            );
+            Some(values.at(x, y))
+        };
+        let lines: [[Option<f32>; LINE]; 2] = [
+            std::array::from_fn(|i| value((x + i).checked_sub(BEFORE), Some(y))),
+            std::array::from_fn(|i| value(Some(x), (y + i).checked_sub(BEFORE))),
+        ];
+        sizes.extend(Some(values.at(x, y).abs()).filter(|size| size.is_finite()));
+        for (line, differences) in lines.into_iter().zip(&mut differences) {
+            let mut line = line.map(|value| value.unwrap_or(f32::NAN));
+            let mut order = 0;
+            for (differences, (wanted, _)) in differences.iter_mut().zip(ORDERS) {
+                while order < wanted {
+                    order += 1;
+                    (0..LINE - order).for_each(|i| line[i] = line[i + 1] - line[i]);
+                }
+                let middle = line[BEFORE - order / 2].abs();
+                differences.extend(Some(middle).filter(|d| d.is_finite()));
+            }
+        }
+    }
+    let median = |values: &mut Vec<f32>| quantile(values, 0.5, f32::total_cmp);
+    let noise = differences
+        .iter_mut()
+        .flat_map(|orders| orders.iter_mut().zip(ORDERS));
+    let noise = noise.filter_map(|(differences, (_, squares))| {
+        Some(median(differences)? / (NORMAL_MEDIAN * squares.sqrt()))
+    });
+    (
+        noise.reduce(f32::min).unwrap_or(0.0),
+        median(&mut sizes).unwrap_or(0.0),
+    )
+}

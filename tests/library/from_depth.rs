@@ -1,0 +1,161 @@
+//! Frames without normals: those of depth, positions, or heights take their place.
+
+use crate::common::exr::Part;
+use glam::DVec3;
+use relievo::frame::{Camera, Frame, Plane, Projection, StoredDepth};
+use relievo::io::inputs::{Inputs, KnownCamera};
+use relievo::io::{Loaded, Needs, load};
+use relievo::scenes::{ExactScene, Surface};
+use std::path::Path;
+
+const SIZE: [usize; 2] = [96, 80];
+
+fn seen(surface: Surface) -> Frame {
+    let exact = ExactScene::orthographic(surface, 48.0, 40.0).in_perspective();
+    exact.frame(SIZE[0], SIZE[1])
+}
+
+/// Writes planes as channels of an EXR, and reads it without anything else but a camera.
+fn read(
+    channels: &[(&str, &Plane)],
+    camera: Option<Camera>,
+    change: impl Fn(&mut Inputs),
+) -> relievo::Result<Loaded> {
+    let desk = tempfile::tempdir().unwrap();
+    let path = desk.path().join("in.exr");
+    Part::of(channels.iter().copied()).write(&path);
+    load(&inputs(&path, camera, change), Needs::default())
+}
+
+fn inputs(path: &Path, camera: Option<Camera>, change: impl Fn(&mut Inputs)) -> Inputs {
+    let mut inputs = Inputs {
+        picture: path.into(),
+        known_camera: camera.map(|camera| KnownCamera {
+            camera,
+            is_placed: true,
+        }),
+        ..Inputs::default()
+    };
+    change(&mut inputs);
+    inputs
+}
+
+/// The largest angle, in degrees, between two frames' normals, of pixels that `counts`; all these are covered.
+fn worst_deg(found: &Frame, exact: &Frame, counts: impl Fn(usize, usize) -> bool) -> f64 {
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+    let off = pixels.filter(|&(x, y)| counts(x, y)).map(|(x, y)| {
+        assert!(found.mask.at(x, y), "({x}, {y})");
+        found
+            .normal
+            .at(x, y)
+            .angle_between(exact.normal.at(x, y))
+            .to_degrees()
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// One over the depth is affine on planes in perspective: slopes are exact but for the rounding of depth, 6e-8 of it,
+/// which the focal length of some 1000 pixels makes 6e-5: .004 degrees.
+#[test]
+fn planes_are_exact_and_balls_nearly() {
+    let plane = seen(Surface::plane(DVec3::new(0.5, -0.3, 0.8)));
+    let depth = plane.depth.as_ref().unwrap();
+    let found = read(&[("Z", depth)], plane.camera, |_| ()).unwrap().frame;
+    let off = worst_deg(&found, &plane, |_, _| true);
+    assert!(off < 0.01, "{off}");
+    // At 3/4 of the radius R = 30 central differences of sqrt(R^2 - r^2) miss 3 R^2 r / (6 (R^2 - r^2)^2.5) = .0033 of
+    // the slope 1.13, which turns the normal by .0033 / (1 + 1.13^2) = .083 degrees.
+    let ball = seen(Surface::ball(30.0));
+    let depth = ball.depth.as_ref().unwrap();
+    let found = read(&[("Z", depth)], ball.camera, |_| ()).unwrap();
+    let inner = |x: usize, y: usize| (x as f64 - 47.5).hypot(y as f64 - 39.5) < 0.75 * 30.0;
+    let off = worst_deg(&found.frame, &ball, inner);
+    assert!(off < 0.12, "{off}");
+    assert!(
+        found
+            .warnings
+            .iter()
+            .any(|line| line.contains("normals from depth"))
+    );
+    // What is no surface stays none.
+    assert!(!found.frame.mask.at(2, 2) && found.frame.normal_length.is_none());
+}
+
+/// Positions are those of the same points.
+#[test]
+fn positions_serve_as_depth_does() {
+    let ball = seen(Surface::ball(30.0));
+    let exact = ExactScene::orthographic(Surface::ball(30.0), 48.0, 40.0).in_perspective();
+    let position = [0, 1, 2].map(|axis| {
+        let place = |x, y| {
+            exact
+                .exact(x, y)
+                .map_or(0.0, |seen| seen.point[axis] as f32)
+        };
+        Plane::from_fn(SIZE[0], SIZE[1], place)
+    });
+    let [x, y, z] = &position;
+    let channels = [("Position.X", x), ("Position.Y", y), ("Position.Z", z)];
+    let found = read(&channels, ball.camera, |_| ()).unwrap();
+    let inner = |x: usize, y: usize| (x as f64 - 47.5).hypot(y as f64 - 39.5) < 0.75 * 30.0;
+    let off = worst_deg(&found.frame, &ball, inner);
+    assert!(off < 0.12, "{off}");
+    assert!(
+        found
+            .warnings
+            .iter()
+            .any(|line| line.contains("normals from positions"))
+    );
+}
+
+/// A height of .3 x - .2 y, x right and y down, leans by (-.3, -.2): 0 and less are heights too.
+#[test]
+fn heights_below_0_are_heights() {
+    let height = Plane::from_fn(SIZE[0], SIZE[1], |x, y| {
+        0.15 * x as f32 - 0.1 * y as f32 - 3.0
+    });
+    let found = read(&[("H", &height)], None, |inputs| {
+        inputs.depth = Some("H".into());
+        inputs.depth_kind = Some(StoredDepth::Height);
+        inputs.height_scale = Some(2.0);
+    });
+    let frame = found.unwrap().frame;
+    let expected = DVec3::new(-0.3, -0.2, 1.0).normalize();
+    for (x, y) in [(0, 0), (95, 79), (20, 60)] {
+        assert!(
+            frame.normal.at(x, y).distance(expected) < 1e-5,
+            "({x}, {y})"
+        );
+    }
+    assert_eq!(frame.mask.count(), SIZE[0] * SIZE[1]);
+    let projection = frame.camera.unwrap().projection;
+    assert!(matches!(
+        projection,
+        Projection::Orthographic { sx: 1.0, .. }
+    ));
+}
+
+/// What nothing says is told, and how to say it.
+#[test]
+fn guesses_are_told() {
+    let ramp = Plane::from_fn(SIZE[0], SIZE[1], |x, _| 0.2 + 0.005 * x as f32);
+    let found = read(&[("Z", &ramp)], None, |_| ()).unwrap();
+    for told in ["--depth-kind white-far", "--camera FILE"] {
+        assert!(
+            found.warnings.iter().any(|line| line.contains(told)),
+            "{told}"
+        );
+    }
+    // White is near: what rises to the right faces left.
+    assert!(found.frame.normal.at(40, 40).x < -0.05);
+    let far = read(&[("Z", &ramp)], None, |inputs| {
+        inputs.depth_kind = Some(StoredDepth::WhiteFar)
+    });
+    assert!(far.unwrap().frame.normal.at(40, 40).x > 0.05);
+    let grey = [("R", &ramp), ("G", &ramp), ("B", &ramp)];
+    let error = read(&grey, None, |_| ()).err().unwrap().to_string();
+    assert!(
+        error.contains("--normal FILE") && error.contains("--depth LAYER|FILE"),
+        "{error}"
+    );
+}
