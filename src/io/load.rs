@@ -137,6 +137,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     };
 
     let stored_borders = planes.borders();
+    let own_alpha = planes.take_alpha(Role::Normal);
     let mut normal = planes
         .vector(Role::Normal)
         .expect("normals are always resolved");
@@ -152,7 +153,9 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
             "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
         ));
     }
-    let encoding = notes.encoding(inputs, &sources, &normal)?;
+    let alphas = [own_alpha.as_ref(), planes.alpha(Role::Color)];
+    let encoding = notes.encoding(inputs, &sources, &normal, alphas)?;
+    drop(own_alpha);
     let given_flip = inputs.normal_flip.unwrap_or_default();
     normals::decode(&mut normal, encoding, given_flip);
     let mut layers = Layers::of(&mut planes);
