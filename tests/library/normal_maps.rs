@@ -122,7 +122,8 @@ fn z_is_rebuilt_where_blue_says_nothing() {
     save(&photo, |_, _| [200, 150, 120, 255]);
     // z of the bump, constants, and occlusion that darkens the bump's foot.
     let occlusion = |x, y| (255.0 - 2000.0 * (1.0 - bump(x, y).z)) as u8;
-    let blues: [(&dyn Fn(u32, u32) -> u8, bool); 5] = [
+    type Blue<'a> = (&'a dyn Fn(u32, u32) -> u8, bool);
+    let blues: [Blue; 5] = [
         (&|x, y| code(bump(x, y).z), false),
         (&|_, _| 0, true),
         (&|_, _| 128, true),
