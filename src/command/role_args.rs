@@ -68,10 +68,12 @@ pub(crate) struct RoleArgs {
     /// Space of the normals.
     #[arg(hide_short_help = true, long, value_name = "SPACE", default_value = "auto", value_parser = auto_or(NORMAL_SPACES))]
     normal_space: Given<NormalSpace>,
-    /// Encoding of the normals.
+    /// Encoding of the normals: signed (-1..1), unsigned (0..1), or two channels of which z is rebuilt: xy (red, green), ag
+    /// (x in alpha, y in green), oct (octahedral).
     #[arg(hide_short_help = true, long, value_name = "ENCODING", default_value = "auto", value_parser = auto_or(NORMAL_ENCODINGS))]
     normal_encoding: Given<NormalEncoding>,
-    /// Axes of the normals that point the wrong way: y for DirectX normal maps, none, or auto.
+    /// Axes of the normals that point the wrong way: as in y or xz, none, or auto; or who wrote them: opengl (none),
+    /// directx (y), opencv (yz), stablenormal, dsine or bae (x).
     #[arg(long, value_name = "AXES", default_value = "auto")]
     normal_flip: FlipArg,
     /// Quantity stored as depth.
@@ -107,9 +109,12 @@ const NORMAL_SPACES: [(NormalSpace, &str); 4] = [
     (NormalSpace::Sight, NormalSpace::Sight.name()),
 ];
 
-const NORMAL_ENCODINGS: [(NormalEncoding, &str); 2] = [
+const NORMAL_ENCODINGS: [(NormalEncoding, &str); 5] = [
     (NormalEncoding::Signed, "signed"),
     (NormalEncoding::Unsigned, "unsigned"),
+    (NormalEncoding::Xy, "xy"),
+    (NormalEncoding::Ag, "ag"),
+    (NormalEncoding::Oct, "oct"),
 ];
 
 /// Given axes, or `auto`.

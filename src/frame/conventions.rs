@@ -10,6 +10,13 @@ pub enum NormalEncoding {
     Signed,
     /// As (n + 1) / 2, 0..1.
     Unsigned,
+    /// x and y alone, unsigned in integers and else signed; z follows from the unit length, toward the viewer.
+    Xy,
+    /// The same with x in alpha and y in green, as in DXT5nm.
+    Ag,
+    /// Octahedral coordinates in the first two components, unsigned in integers and else signed. Cigolle et al., "A Survey
+    /// of Efficient Representations for Independent Unit Vectors", JCGT 3(2), 2014.
+    Oct,
 }
 
 /// Axes to negate, in the space the normals were stored in.
@@ -37,6 +44,17 @@ impl Flip {
         vector * DVec3::from_array(signs)
     }
 
+    /// Whose axes are reversed, by name, in view space with x right, y up and z toward the viewer.
+    const PRESETS: [(&str, &str); 7] = [
+        ("none", ""),
+        ("opengl", ""),
+        ("directx", "y"),
+        ("opencv", "yz"),
+        ("stablenormal", "x"),
+        ("dsine", "x"),
+        ("bae", "x"),
+    ];
+
     /// The composition of both flips.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -44,6 +62,13 @@ impl Flip {
             y: self.y ^ other.y,
             z: self.z ^ other.z,
         }
+    }
+}
+
+impl NormalEncoding {
+    /// Whether z is not stored.
+    pub(crate) fn is_pair(self) -> bool {
+        matches!(self, Self::Xy | Self::Ag | Self::Oct)
     }
 }
 
@@ -136,15 +161,21 @@ impl std::str::FromStr for Flip {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let mut flip = Self::default();
-        if text == "none" {
-            return Ok(flip);
-        }
-        for axis in text.chars().filter(|&c| c != ',') {
-            match axis.to_ascii_lowercase() {
+        let text = text.to_ascii_lowercase();
+        let preset = Self::PRESETS.iter().find(|(name, _)| *name == text);
+        let axes = preset.map_or(text.as_str(), |(_, axes)| axes);
+        for axis in axes.chars().filter(|&c| c != ',') {
+            match axis {
                 'x' => flip.x = true,
                 'y' => flip.y = true,
                 'z' => flip.z = true,
-                _ => return Err("expected axes out of x, y and z, as in y or xz".into()),
+                _ => {
+                    let names: Vec<_> = Self::PRESETS.iter().map(|(name, _)| *name).collect();
+                    return Err(format!(
+                        "expected axes out of x, y and z, as in y or xz, or one of {}",
+                        names.join(", ")
+                    ));
+                }
             }
         }
         Ok(flip)

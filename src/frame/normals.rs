@@ -23,7 +23,32 @@ pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip:
             },
         );
     }
+    match encoding {
+        NormalEncoding::Xy | NormalEncoding::Ag => with_rebuilt_z(stored),
+        NormalEncoding::Oct => stored.components_mut().for_each(unfold),
+        NormalEncoding::Signed | NormalEncoding::Unsigned => {}
+    }
     flip_axes(stored, flip);
+}
+
+/// Whether stored codes were written: black marks a pixel that was not, not the direction (-1, -1, -1).
+pub(crate) fn is_written(codes: [f32; 3]) -> bool {
+    codes != [0.0; 3]
+}
+
+/// Sets z to what x and y leave of unit length, toward the viewer; 0 where they are longer.
+pub(crate) fn with_rebuilt_z(normal: &mut Vector3Planes) {
+    for [x, y, z] in normal.components_mut() {
+        *z = (1.0 - *x * *x - *y * *y).max(0.0).sqrt();
+    }
+}
+
+/// The direction whose octahedral coordinates are x and y: on |x| + |y| + |z| = 1, whose lower half is folded outward.
+fn unfold([x, y, z]: [&mut f32; 3]) {
+    *z = 1.0 - x.abs() - y.abs();
+    let fold = (-*z).max(0.0);
+    *x -= fold.copysign(*x);
+    *y -= fold.copysign(*y);
 }
 
 /// Negates axes, in place.

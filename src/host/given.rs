@@ -91,15 +91,11 @@ impl<'a> Given<'a> {
             (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(self.normal, camera),
             _ => Normals::view(self.normal),
         };
-        let is_unsigned = inputs
-            .normal_encoding
-            .map_or(self.normal_is_unsigned, |encoding| {
-                encoding == NormalEncoding::Unsigned
-            });
-        let normals = match is_unsigned {
-            true => normals.unsigned(),
-            false => normals,
+        let own = match self.normal_is_unsigned {
+            true => NormalEncoding::Unsigned,
+            false => NormalEncoding::Signed,
         };
+        let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
         let normals = normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE));
         let stored = inputs.depth_kind.unwrap_or(StoredDepth::Planar);
         let builder = Frame::builder(width, height)

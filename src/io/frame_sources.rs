@@ -72,6 +72,7 @@ impl FrameSources {
             None if is_map => None,
             color => find(Role::Color, color)?,
         };
+        let color = color.filter(|color| inputs.color.is_some() || !color.is_layer_of(&roles[0]));
         if needs.color && color.is_none() {
             return Err(match is_map {
                 true => Error::MissingAov {
@@ -238,6 +239,18 @@ impl Planes {
 
     pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
         self.take(role).map(RolePlanes::into_vector)
+    }
+
+    /// Coverage stored with a role.
+    pub(super) fn alpha(&self, role: Role) -> Option<&Plane> {
+        let (_, read) = self.roles.iter().find(|(own, _)| *own == role)?;
+        read.alpha.as_ref()
+    }
+
+    /// The same, taken out.
+    pub(super) fn take_alpha(&mut self, role: Role) -> Option<Plane> {
+        let (_, read) = self.roles.iter_mut().find(|(own, _)| *own == role)?;
+        read.alpha.take()
     }
 
     /// The borders of normals that were stored in coarse codes.

@@ -144,6 +144,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
 
     let stored_borders = planes.borders();
     let given_flip = inputs.normal_flip.unwrap_or_default();
+    let own_alpha = planes.take_alpha(Role::Normal);
     let mut stored_normal = planes.vector(Role::Normal);
     let (mut borders, mut encoding) = (Borders::default(), NormalEncoding::Signed);
     if let Some(normal) = &mut stored_normal {
@@ -159,9 +160,11 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
                 "normals: noise of {noise:.3} in their slopes was removed: what is finer than it is lost"
             ));
         }
-        encoding = notes.encoding(inputs, &sources, normal)?;
+        let alphas = [own_alpha.as_ref(), planes.alpha(Role::Color)];
+        encoding = notes.encoding(inputs, &sources, normal, alphas)?;
         normals::decode(normal, encoding, given_flip);
     }
+    drop(own_alpha);
     let are_filtered = stored_normal.is_some() && encoding == NormalEncoding::Signed;
     let mut layers = Layers::of(&mut planes);
     notes.warnings.append(&mut planes.warnings);

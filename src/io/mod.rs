@@ -24,7 +24,9 @@ pub mod inputs;
 mod integrability;
 mod light_layers;
 mod load;
+mod map_codes;
 pub mod motion;
+
 mod names;
 mod nearest;
 mod noise;

@@ -3,9 +3,10 @@
 use super::inputs::NormalEncoding;
 use super::photo::{Meaning, StoredPhoto};
 use crate::error::{Error, Result};
-use crate::frame::Vector3Planes;
 use crate::frame::normals::MIN_LENGTH;
 use crate::frame::sampling::one_in;
+use crate::frame::{Plane, Vector3Planes};
+use crate::quantile::quantile;
 use glam::Vec3;
 use std::path::Path;
 
@@ -13,9 +14,13 @@ use std::path::Path;
 const WANTED: usize = 20_000;
 
 fn sample(stored: &Vector3Planes) -> impl Iterator<Item = Vec3> {
+    places(stored).map(|(x, y)| stored.at(x, y).as_vec3())
+}
+
+fn places(stored: &Vector3Planes) -> impl Iterator<Item = (usize, usize)> {
     let (width, height) = (stored.x.width(), stored.x.height());
     let area = (width * height) as f64 / WANTED as f64;
-    one_in(area, 0..width, 0..height).map(|(x, y)| stored.at(x, y).as_vec3())
+    one_in(area, 0..width, 0..height)
 }
 
 /// Distinguishes signed from unsigned components: unsigned ones hold no negatives, and have unit length only once decoded.
@@ -36,28 +41,35 @@ pub(super) fn judge_encoding(stored: &Vector3Planes) -> NormalEncoding {
 }
 
 /// A decoded vector is taken for a normal if its length is this near to 1: mipmaps and JPEG move it by less.
-const NEAR_UNIT: f32 = 0.15;
+pub(super) const NEAR_UNIT: f32 = 0.15;
 
 /// Smallest share of such vectors, among those written, in a normal map. On all normal maps tried it was 0.94 or more,
 /// on photographs and other pictures below 0.4.
 const FEWEST_UNIT: f64 = 0.5;
 
-/// The share of vectors of unit length in a picture of integers, once decoded, among those written; `None` of a blank
-/// one.
-fn share_of_unit(stored: &Vector3Planes) -> Option<f64> {
+/// The vectors of a picture of integers, decoded, that are written where all of the `alphas` cover.
+fn written(stored: &Vector3Planes, alphas: [Option<&Plane>; 2]) -> Vec<Vec3> {
     let is_written = |n: &Vec3| *n != Vec3::ZERO && *n != Vec3::ONE;
-    let decoded = sample(stored)
+    let covers = |x: usize, y: usize| alphas.iter().flatten().all(|alpha| alpha.at(x, y) > 0.5);
+    let covered = places(stored).filter(|&(x, y)| covers(x, y));
+    let decoded = covered
+        .map(|(x, y)| stored.at(x, y).as_vec3())
         .filter(is_written)
         .map(|n| 2.0 * n - Vec3::ONE);
-    let (mut count, mut unit) = (0_usize, 0_usize);
-    for length in decoded
-        .map(Vec3::length)
-        .filter(|length| *length > MIN_LENGTH)
-    {
-        count += 1;
-        unit += usize::from((length - 1.0).abs() < NEAR_UNIT);
-    }
-    (count > 0).then(|| unit as f64 / count as f64)
+    decoded.filter(|n| n.length() > MIN_LENGTH).collect()
+}
+
+/// The share of `vectors` for which this holds; `None` without any.
+fn share_of(vectors: &[Vec3], holds: impl Fn(Vec3) -> bool) -> Option<f64> {
+    let count = vectors.iter().filter(|v| holds(**v)).count();
+    (!vectors.is_empty()).then(|| count as f64 / vectors.len() as f64)
+}
+
+/// The share of `vectors` that are about so long.
+fn share_of_length(vectors: &[Vec3], length: f32) -> Option<f64> {
+    share_of(vectors, |v| {
+        (v.length() - length).abs() < NEAR_UNIT * length
+    })
 }
 
 /// The same share in a picture that is taken for a normal map though nobody says so.
@@ -77,30 +89,49 @@ pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
     let planes = photo.planes(first..first + rows, Meaning::Stored);
     planes.is_ok_and(|mut planes| {
         planes.truncate(3);
-        let share = share_of_unit(&Vector3Planes::of(planes));
+        let share = share_of_length(&written(&Vector3Planes::of(planes), [None; 2]), 1.0);
         share.is_some_and(|share| share >= FEWEST_UNIT_UNNAMED)
     })
 }
 
-/// Refuses a picture of integers that is no normal map.
+/// Vectors of one length that need not be 1: the least length, the share that has it, and the share that faces the viewer.
+const SHORT: (f32, f64, f64) = (0.3, 0.9, 0.98);
+
+/// Refuses a picture of integers that is no normal map, looked at where the `alphas` cover it; the length of the vectors of
+/// one that a user has named, where it is not 1.
 ///
 /// # Errors
 /// [`Error::Unsupported`] with the share of its vectors that could be normals.
-pub(super) fn refuse_pictures(stored: &Vector3Planes, path: &Path) -> Result<()> {
-    let share = share_of_unit(stored);
-    if share.is_none_or(|share| share >= FEWEST_UNIT) {
-        return Ok(());
+pub(super) fn refuse_pictures(
+    stored: &Vector3Planes,
+    alphas: [Option<&Plane>; 2],
+    is_named: bool,
+    path: &Path,
+) -> Result<Option<f32>> {
+    let vectors = written(stored, alphas);
+    let share = share_of_length(&vectors, 1.0);
+    let Some(share) = share.filter(|share| *share < FEWEST_UNIT) else {
+        return Ok(None);
+    };
+    let (least, fewest, facing) = SHORT;
+    let mut lengths: Vec<f32> = vectors.iter().map(|v| v.length()).collect();
+    let median = quantile(&mut lengths, 0.5, f32::total_cmp).unwrap_or_default();
+    let is_even = share_of_length(&vectors, median) >= Some(fewest);
+    let faces = share_of(&vectors, |v| v.z > 0.0) >= Some(facing);
+    if is_named && median >= least && is_even && faces {
+        return Ok(Some(median));
     }
-    let share = share.unwrap_or_default();
+    let or = match is_named {
+        true => "name another map",
+        false => "give the map of the picture with --normal",
+    };
     Err(Error::Unsupported {
         path: path.to_path_buf(),
         found: format!(
             "is no normal map: {:.0} % of its pixels hold a vector of unit length",
             100.0 * share
         ),
-        remedy:
-            "give the map of the picture with --normal, or --normal-encoding unsigned if it is one"
-                .into(),
+        remedy: format!("{or}, or --normal-encoding unsigned if it is one"),
     })
 }
 
@@ -142,21 +173,38 @@ mod tests {
             .iter()
             .map(|n| 0.5 * *n + Vec3::splat(0.5))
             .collect();
-        refuse_pictures(&planes(&encoded), path).unwrap();
+        let refuse = |normals: &[Vec3], is_named| {
+            refuse_pictures(&planes(normals), [None; 2], is_named, path)
+        };
+        assert_eq!(refuse(&encoded, true).unwrap(), None);
         // Half of it was never written, or is white.
         let blank = [Vec3::ZERO, Vec3::ONE].repeat(encoded.len());
-        refuse_pictures(&planes(&[&encoded[..], &blank].concat()), path).unwrap();
-        refuse_pictures(&planes(&blank), path).unwrap();
+        refuse(&[&encoded[..], &blank].concat(), false).unwrap();
+        refuse(&blank, false).unwrap();
         // Stone of the colour (0.56, 0.45, 0.33): 2c - 1 is (0.12, -0.1, -0.34), 0.37 long.
         let stone: Vec<_> = (0..9)
             .map(|i| (0.9 + 0.02 * i as f32) * Vec3::new(0.56, 0.45, 0.33))
             .collect();
-        let said = refuse_pictures(&planes(&stone), path)
-            .unwrap_err()
-            .to_string();
+        let said = refuse(&stone, true).unwrap_err().to_string();
         assert!(
             said.contains("map.png") && said.contains("is no normal map: 0 %"),
             "{said}"
         );
+    }
+    /// Vectors of length 0.65 are 0.65 long in the median too. Half of the pixels are stone, which alpha leaves out.
+    #[test]
+    fn named_vectors_of_one_length_are_normals_where_alpha_covers() {
+        let path = Path::new("map.png");
+        let short = slopes().into_iter().map(|n| 0.325 * n + Vec3::splat(0.5));
+        let half: Vec<_> = short
+            .flat_map(|n| [n, Vec3::new(0.56, 0.45, 0.33)])
+            .collect();
+        let alpha = Plane::from_fn(half.len(), 1, |x, _| (1 - x % 2) as f32);
+        let judge =
+            |alpha, is_named| refuse_pictures(&planes(&half), [None, alpha], is_named, path);
+        let length = judge(Some(&alpha), true).unwrap().unwrap();
+        assert!((length - 0.65).abs() < 1e-6, "{length}");
+        judge(Some(&alpha), false).unwrap_err();
+        judge(None, true).unwrap_err();
     }
 }

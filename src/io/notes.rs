@@ -162,27 +162,40 @@ impl Notes {
         }
     }
 
+    /// The encoding of `stored` normals, judged where the `alphas` of map and picture cover them.
     pub(super) fn encoding(
         &mut self,
         inputs: &Inputs,
         sources: &FrameSources,
         stored: &Vector3Planes,
+        alphas: [Option<&Plane>; 2],
     ) -> Result<NormalEncoding> {
-        let integers = sources.get(Role::Normal).is_some_and(
-            |source| matches!(source.file.as_ref(), Opened::Photo { photo, .. } if !photo.header.is_float),
-        );
-        let is_judged = integers && inputs.normal_encoding.is_none() && inputs.rows.is_none();
-        if let (true, Some(source)) = (is_judged, sources.get(Role::Normal)) {
-            refuse_pictures(stored, source.file.path())?;
+        let source = &sources.roles[0];
+        let integers = source.holds_codes();
+        let known = source.encoding();
+        if integers && known.is_none() && inputs.rows.is_none() {
+            let is_named = source.chosen.is_none();
+            let length = refuse_pictures(stored, alphas, is_named, source.file.path())?;
+            self.warnings.extend(length.map(|length| {
+                format!("normals: their vectors are {length:.2} long, and are brought to length 1")
+            }));
         }
-        let (encoding, evidence) = match inputs.normal_encoding {
-            Some(encoding) => (encoding, "as given"),
+        if let (true, None, Some((_, why))) = (integers, inputs.normal_encoding, known) {
+            self.warnings.push(format!(
+                "normals: {why}: z is rebuilt from x and y; --normal-encoding unsigned takes all three as they are"
+            ));
+        }
+        let (encoding, evidence) = match known {
+            Some(known) => known,
             None if integers => (NormalEncoding::Unsigned, "stored as integers"),
             None => (judge_encoding(stored), "from lengths and signs"),
         };
         let (conclusion, name) = match encoding {
             NormalEncoding::Signed => ("signed, -1..1", "signed"),
             NormalEncoding::Unsigned => ("unsigned, 0..1", "unsigned"),
+            NormalEncoding::Xy => ("x and y, z rebuilt", "xy"),
+            NormalEncoding::Ag => ("x in alpha and y in green, z rebuilt", "ag"),
+            NormalEncoding::Oct => ("octahedral", "oct"),
         };
         self.findings.push(Finding {
             subject: "normal encoding".into(),

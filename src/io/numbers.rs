@@ -16,6 +16,8 @@ const MOST_LAYERS: usize = 32;
 const UNIT: f64 = 0.025;
 /// Share of the covered pixels that must be unit vectors: filters shorten those at edges.
 const UNIT_SHARE: f64 = 0.5;
+/// The same of the bare channels that would be a picture.
+const MAP_SHARE: f64 = 0.9;
 /// Share of the covered pixels that may be longer: nothing lengthens normals but lossy compression.
 const LONGER_SHARE: f64 = 0.02;
 /// Length of the mean of unit vectors above which they are all alike and give no evidence.
@@ -81,10 +83,18 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     let is_picture = |layer: &Layer| picture.is_some() && layer.matched(Role::Color) == picture;
     let means_nothing = |layer: &Layer| !layer.means_something() && !layer.said().is_excluded;
     let named = roles::find(layers, Role::Normal);
+    // Bare channels may be normals themselves: X Y Z, or R G B of what would be the picture.
+    let may_be_normals = |layer: &Layer| {
+        let is_vector = layer.has(&["x", "y", "z"]) || is_picture(layer);
+        named.is_none() && layer.bare && is_vector
+    };
     let is_named = |layer: &Layer| named.is_some() && layer.matched(Role::Normal) == named;
     let open = layers
         .iter()
-        .filter(|layer| layer.is_letter() || means_nothing(layer) && !is_picture(layer))
+        .filter(|layer| {
+            let is_open = layer.is_letter() || means_nothing(layer) && !is_picture(layer);
+            is_open || may_be_normals(layer)
+        })
         .filter(|layer| is_float(layer) && !is_named(layer))
         .take(MOST_LAYERS);
     let (vectors, scalars): (Vec<_>, Vec<_>) =
@@ -108,6 +118,11 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     let (scalars, named_normals): (Vec<_>, Vec<_>) = rest
         .into_iter()
         .partition(|sampled| scalars.contains(&sampled.found));
+    // Of what would be a picture, nearly all pixels must be.
+    let is_other = |sampled: &Sampled| Some(&sampled.found) != picture.as_ref();
+    let is_map =
+        |sampled: &Sampled| encoding_of(sampled).is_some_and(|(_, share)| share >= MAP_SHARE);
+    vectors.retain(|sampled| is_other(sampled) || is_map(sampled));
     let mut roles = Vec::new();
     let normals = match named {
         Some(_) => {

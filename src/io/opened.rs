@@ -3,6 +3,7 @@
 use super::exr::{self, ChannelId, ExrFile, Limits};
 use super::groups::{self, Groups};
 use super::inputs::Inputs;
+use super::map_codes::MapCodes;
 use super::nearest;
 use super::normal_encoding::holds_normals;
 use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
@@ -36,6 +37,8 @@ pub(super) enum Opened {
         photo: StoredPhoto,
         /// Whether it is a normal map, found when first asked for.
         is_normal_map: OnceCell<bool>,
+        /// What its codes hold, if it is one, found likewise.
+        codes: OnceCell<MapCodes>,
         /// The noise of its slopes, if it is one, found likewise.
         noise: OnceCell<f32>,
         companions: Companions,
@@ -120,6 +123,7 @@ impl Opened {
             return Ok(Rc::new(Self::Photo {
                 photo,
                 is_normal_map: OnceCell::new(),
+                codes: OnceCell::new(),
                 noise: OnceCell::new(),
                 companions,
             }));
@@ -240,7 +244,18 @@ impl Opened {
                 photo,
                 is_normal_map,
                 ..
-            } => *is_normal_map.get_or_init(|| holds_normals(photo)),
+            } => *is_normal_map.get_or_init(|| {
+                let pair = || self.map_codes()?.pair;
+                holds_normals(photo) || pair().is_some_and(|pair| pair.is_sure)
+            }),
+        }
+    }
+
+    /// What the codes of a photo hold, as a normal map.
+    pub(super) fn map_codes(&self) -> Option<&MapCodes> {
+        match self {
+            Self::Exr { .. } => None,
+            Self::Photo { photo, codes, .. } => Some(codes.get_or_init(|| MapCodes::of(photo))),
         }
     }
 

@@ -7,6 +7,7 @@ use super::points::Points;
 use super::roles::{Match, Role};
 use super::srgb;
 use crate::frame::coverage::{sanitise, shares};
+use crate::frame::normals::is_written;
 use crate::frame::{ColorPlanes, Plane, Vector3Planes, Window};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -125,9 +126,24 @@ impl RolePlanes {
         self.is_finite &= outside == 0.0;
     }
 
-    /// A vector of three components; those of a single plane are equal.
+    /// Decodes the first two planes, of codes; NaN where nothing was written.
+    pub(super) fn decode_pair(&mut self) {
+        if let [x, y, ..] = &mut self.planes[..] {
+            for (x, y) in x.samples_mut().iter_mut().zip(y.samples_mut()) {
+                let is_written = is_written([*x, *y, 0.0]);
+                for v in [x, y] {
+                    *v = if is_written { 2.0 * *v - 1.0 } else { f32::NAN };
+                }
+            }
+        }
+    }
+
+    /// A vector of three components; those of a single plane are equal, and of two the third is 0.
     pub(super) fn into_vector(mut self) -> Vector3Planes {
         self.expand(&mut Vec::new());
+        if let [x, _] = &self.planes[..] {
+            self.planes.push(Plane::filled(x.width(), x.height(), 0.0));
+        }
         Vector3Planes::of(self.planes)
     }
 

@@ -47,7 +47,7 @@ pub(crate) struct Match {
     pub layer: String,
     /// The part the channels are in.
     pub part: usize,
-    /// One channel index for a scalar or grey layer, two for motion, else three.
+    /// One channel index for a scalar or grey layer, two for motion and for normals without z, else three.
     pub channels: Vec<usize>,
     /// The coverage channel of the layer.
     pub alpha: Option<usize>,
@@ -184,11 +184,16 @@ impl Layer {
         let one = |names: &[&str]| names.iter().find_map(|n| component(n)).map(|c| vec![c]);
         let alone = || (self.components.len() == 1).then(|| vec![self.components[0].1]);
         let channels = match role.arity() {
-            Arity::Vector => all(&["x", "y", "z"]).or_else(|| all(&["r", "g", "b"])),
+            Arity::Vector => all(&["x", "y", "z"])
+                .or_else(|| all(&["r", "g", "b"]))
+                .or_else(|| all(&["x", "y"]).filter(|_| role == Role::Normal)),
             Arity::Pair => [["x", "y"], ["u", "v"], ["r", "g"]]
                 .iter()
                 .find_map(|pair| all(pair)),
-            Arity::Color => all(&["r", "g", "b"]).or_else(|| one(&["y"])).or_else(alone),
+            // Beside x and z, y is no luminance.
+            Arity::Color => all(&["r", "g", "b"])
+                .or_else(|| one(&["y"]).filter(|_| component("x").is_none()))
+                .or_else(alone),
             Arity::Scalar => one(&["z", "v", "t", "", "r"]).or_else(alone),
         }?;
         let alpha = component("a").filter(|a| !channels.contains(a));
@@ -217,7 +222,7 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
                 .find_map(|layer| {
                     // A nameless layer is depth only by its component Z, never for being alone.
                     let bare_depth = role == Role::Depth && name.is_empty();
-                    let is_depth = !bare_depth || layer.has(&["z"]);
+                    let is_depth = !bare_depth || layer.has(&["z"]) && !layer.has(&["x", "y"]);
                     layer.matched(role).filter(|_| is_depth)
                 })
         })

@@ -3,7 +3,7 @@
 use super::borders::Borders;
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType, Wanted};
-use super::inputs::{Inputs, NONE, Wrap};
+use super::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use super::names::{self, Hint};
 use super::noise::noise_of;
 use super::opened::Opened;
@@ -14,7 +14,7 @@ use super::roles::{self, Layer, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
 use crate::frame::{
-    DENOISING_REACH, NormalSpace, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window,
+    DENOISING_REACH, NormalSpace, Plane, UNROUNDING_PHASE, UNROUNDING_REACH, Vector3Planes, Window,
     denoise, unround_wrapped,
 };
 use crate::untrusted::Untrusted;
@@ -31,6 +31,8 @@ pub(super) struct RoleSource {
     layer: Option<Match>,
     /// Whether it is a tile, where it holds normals.
     wrap: Wrap,
+    /// The encoding of its normals, where it is given.
+    encoding: Option<NormalEncoding>,
     /// Whether it holds normals along the axes of the picture: of others noise cannot be told.
     is_along_axes: bool,
     /// Why it was chosen, where neither the table of names nor a flag names it, and the other layers that could be.
@@ -92,6 +94,7 @@ impl RoleSource {
             file: file.clone(),
             layer,
             wrap: Wrap::None,
+            encoding: None,
             is_along_axes: false,
             chosen,
         }
@@ -152,6 +155,7 @@ impl RoleSource {
         let space = inputs.normal_space.unwrap_or(NormalSpace::View);
         Self {
             wrap: inputs.wrap,
+            encoding: inputs.normal_encoding,
             is_along_axes: inputs.camera.is_none() && space == NormalSpace::View,
             ..self
         }
@@ -160,11 +164,42 @@ impl RoleSource {
     /// The noise of slopes that is removed from normals in codes; 0 for none.
     pub(super) fn noise(&self) -> f32 {
         match self.file.as_ref() {
-            Opened::Photo { photo, noise, .. } if self.is_along_axes => {
+            Opened::Photo { photo, noise, .. } if self.is_along_axes && !self.is_pair() => {
                 *noise.get_or_init(|| noise_of(photo))
             }
             _ => 0.0,
         }
+    }
+
+    /// The encoding of its normals as far as it is known without their numbers, and why.
+    pub(super) fn encoding(&self) -> Option<(NormalEncoding, &'static str)> {
+        let given = self.encoding.map(|encoding| (encoding, "as given"));
+        if let Some(layer) = self
+            .layer
+            .as_ref()
+            .filter(|layer| layer.channels.len() == 2)
+        {
+            let is_octahedral = layer.layer.to_ascii_lowercase().contains("oct");
+            let found = match is_octahedral {
+                true => (NormalEncoding::Oct, "by its name, of two channels"),
+                false => (NormalEncoding::Xy, "it has x and y alone"),
+            };
+            return given
+                .filter(|(encoding, _)| encoding.is_pair())
+                .or(Some(found));
+        }
+        given.or_else(|| {
+            let pair = self.file.map_codes()?.pair?;
+            Some((pair.encoding, pair.why))
+        })
+    }
+
+    /// Whether its normals have two components stored.
+    fn is_pair(&self) -> bool {
+        self.role == Role::Normal
+            && self
+                .encoding()
+                .is_some_and(|(encoding, _)| encoding.is_pair())
     }
 
     /// The same without its coverage.
@@ -230,8 +265,39 @@ impl RoleSource {
                 let space = (self.role == Role::Normal).then(space).flatten();
                 names::hint(&layer.layer, space, file)
             }
+            // No other space can be meant where no camera could turn them.
+            (Opened::Photo { photo, .. }, _) if self.is_along_axes && !photo.header.is_float => {
+                let space = Some(NormalSpace::View);
+                let hint = Hint { space, depth: None };
+                (hint, "view, as in any picture of integers".into())
+            }
             _ => (Hint::default(), String::new()),
         }
+    }
+
+    /// Rows of a photo's planes, of normals with x in the first one.
+    fn planes_of(
+        &self,
+        photo: &StoredPhoto,
+        rows: Range<usize>,
+        meaning: Meaning,
+    ) -> Result<Vec<Plane>> {
+        let mut planes = photo.planes(rows, meaning)?;
+        let is_swapped = self.role == Role::Normal
+            && self
+                .encoding()
+                .is_some_and(|(encoding, _)| encoding == NormalEncoding::Ag);
+        if is_swapped {
+            if planes.len() != 4 {
+                return Err(Error::Unsupported {
+                    path: self.file.path().to_path_buf(),
+                    found: "has no alpha that could hold x of its normals".into(),
+                    remedy: "give another --normal-encoding".into(),
+                });
+            }
+            planes[0] = planes[3].clone();
+        }
+        Ok(planes)
     }
 
     /// The window of this source.
@@ -243,6 +309,11 @@ impl RoleSource {
                 Window::from_size(photo.header.width, photo.header.height)
             }
         }
+    }
+
+    /// Whether it is a photo whose samples are integers.
+    pub(super) fn holds_codes(&self) -> bool {
+        self.photo().is_some_and(|photo| !photo.header.is_float)
     }
 
     /// The photo it is, if it is one.
@@ -473,10 +544,13 @@ fn photo_planes(
     if role == Role::Normal && (is_coarse || source.noise() > 0.0) {
         return mended_vectors(photo, window, source);
     }
-    let planes = photo.planes(window.y0 as usize..window.y1 as usize, meaning)?;
+    let planes = source.planes_of(photo, window.y0 as usize..window.y1 as usize, meaning)?;
     let mut read = RolePlanes::of_photo(photo, planes, window);
     if role.is_color() {
         read.premultiply();
+    }
+    if source.is_pair() && source.holds_codes() {
+        read.decode_pair();
     }
     Ok(read)
 }
@@ -493,7 +567,7 @@ fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> R
     let [first, last] = [window.y0, window.y1].map(|y| y as usize);
     let first = first.saturating_sub(reach) / UNROUNDING_PHASE * UNROUNDING_PHASE;
     let last = (last + reach).min(photo.header.height);
-    let planes = photo.planes(first..last, Meaning::Stored)?;
+    let planes = source.planes_of(photo, first..last, Meaning::Stored)?;
     let taken = Window {
         y0: first as i32,
         y1: last as i32,
@@ -504,6 +578,9 @@ fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> R
     let borders = Borders::of(&vectors);
     let wraps = borders.wrapped(source.wrap);
     if photo.header.bits == 8 {
+        if let Some(flat) = source.file.map_codes().and_then(|codes| codes.flat) {
+            flatten(&mut vectors, flat);
+        }
         unround_wrapped(&mut vectors, photo.header.coding_error(), wraps);
     }
     if is_noisy {
@@ -511,6 +588,16 @@ fn mended_vectors(photo: &StoredPhoto, window: Window, source: &RoleSource) -> R
     }
     read.borders = Some(borders);
     read.planes = vec![vectors.x, vectors.y, vectors.z];
+    if source.is_pair() {
+        read.decode_pair();
+    }
     read.fit_to(Role::Normal, window);
     Ok(read)
+}
+
+/// Moves x and y of a flat surface, whose codes these are, to the middle between 127 and 128.
+fn flatten(stored: &mut Vector3Planes, flat: [f32; 2]) {
+    let vectors = stored.components_mut();
+    let flats = vectors.filter(|[x, y, _]| [**x, **y] == flat);
+    flats.for_each(|[x, y, _]| [*x, *y] = [0.5; 2]);
 }

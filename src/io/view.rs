@@ -86,7 +86,10 @@ pub(super) fn turn_to_view(
         (camera, reading) = aided_by_depth(&mut search, reading, normal, judge);
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
-    reading.take(hint);
+    let mut warnings = Vec::new();
+    if reading.take(hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
+        warnings.push(format!("normals: {}", reading.reason));
+    }
     reading.try_sight(inputs, surface, camera.as_ref(), normal);
     let is_recovered = search.has_recovered;
     let doubt = search.doubt.filter(|_| camera.is_some());
@@ -95,7 +98,6 @@ pub(super) fn turn_to_view(
     if normals.space != NormalSpace::View && camera.is_none() {
         return Err(no_camera(inputs, normals.space, &reading.reason, &findings));
     }
-    let mut warnings = Vec::new();
     warnings.extend(
         doubt.map(|doubt| format!("the camera is a guess: {doubt}; compare with --camera FILE")),
     );
@@ -280,18 +282,20 @@ impl Reading {
                 .is_some_and(|left| left < TURN_LEAVES * slope)
     }
 
-    /// Takes the reading implied by a name or the renderer, if the data leave it open.
-    fn take(&mut self, (hint, by): &(Hint, String)) {
+    /// Takes the reading implied by a name or the renderer, if the data leave it open; whether they did.
+    fn take(&mut self, (hint, by): &(Hint, String)) -> bool {
         let open = self.certain.is_none() && !self.by_elimination;
-        if let Some(space) = hint.space.filter(|_| open) {
-            let flip = Flip {
-                z: space == NormalSpace::View
-                    && self.evidence.facing_view_flipped > self.evidence.facing_view,
-                ..Flip::NONE
-            };
-            self.certain = Some(NormalReading { space, flip });
-            self.reason = format!("{by}; {}", self.reason);
-        }
+        let Some(space) = hint.space.filter(|_| open) else {
+            return false;
+        };
+        let flip = Flip {
+            z: space == NormalSpace::View
+                && self.evidence.facing_view_flipped > self.evidence.facing_view,
+            ..Flip::NONE
+        };
+        self.certain = Some(NormalReading { space, flip });
+        self.reason = format!("{by}; {}", self.reason);
+        true
     }
 
     /// Reads normals as V-Ray writes them where too many are averted otherwise, and surfaces then hang together.

@@ -58,10 +58,12 @@ impl<'a> Normals<'a> {
 
     /// Stored as `(n + 1) / 2`, 0..1, as in integer normal maps; black is no normal.
     pub fn unsigned(self) -> Self {
-        Self {
-            encoding: NormalEncoding::Unsigned,
-            ..self
-        }
+        self.encoded(NormalEncoding::Unsigned)
+    }
+
+    /// Stored in this way; of two components z is ignored, and they are signed.
+    pub(crate) fn encoded(self, encoding: NormalEncoding) -> Self {
+        Self { encoding, ..self }
     }
 
     /// Reversed axes: y in DirectX normal maps, z if it points away from the viewer.

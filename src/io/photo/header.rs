@@ -80,7 +80,7 @@ impl PhotoHeader {
         self.channels() - usize::from(self.has_alpha())
     }
 
-    pub(super) fn channels(&self) -> usize {
+    pub(in crate::io) fn channels(&self) -> usize {
         usize::from(self.color.channel_count())
     }
 

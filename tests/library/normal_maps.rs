@@ -1,0 +1,233 @@
+//! Normal maps in the ways that people have them: short, with a rim that faces away, without z, bare in an EXR.
+
+use crate::common::exr::Part;
+use glam::DVec3;
+use image::{Rgba, RgbaImage};
+use relievo::frame::{Flip, Plane};
+use relievo::io::inputs::{Inputs, NormalEncoding};
+use relievo::io::{Loaded, Needs, load};
+use std::path::Path;
+
+const SIDE: u32 = 128;
+const CENTER: f64 = 63.5;
+/// A code of 8 bits is 2 / 255 of a component. Code and truth round to the same code, so they are apart by no more.
+const CODE: f64 = 2.0 / 255.0;
+
+/// The normal of a bump h = 9 exp(-r^2 / 2 s^2), s = 16 pixels: dh/dx = -h x / s^2, up to 9 / 16 exp(-1/2) = .34. The ground
+/// around it is flat: at the border h < .004 and its slope < .001.
+fn bump(x: u32, y: u32) -> DVec3 {
+    let (x, y) = (f64::from(x) - CENTER, CENTER - f64::from(y));
+    let h = 9.0 * (-(x * x + y * y) / 512.0).exp();
+    DVec3::new(h * x / 256.0, h * y / 256.0, 1.0).normalize()
+}
+
+fn code(v: f64) -> u8 {
+    (127.5 + 127.5 * v).round() as u8
+}
+
+fn save(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 4]) {
+    let map = RgbaImage::from_fn(SIDE, SIDE, |x, y| Rgba(pixel(x, y)));
+    let is_opaque = map.pixels().all(|p| p[3] == 255);
+    let map = image::DynamicImage::ImageRgba8(map);
+    match is_opaque {
+        true => map.to_rgb8().save(path).unwrap(),
+        false => map.save(path).unwrap(),
+    }
+}
+
+fn inputs(picture: &Path, normal: Option<&Path>) -> Inputs {
+    Inputs {
+        picture: picture.into(),
+        normal: normal.map(|path| path.to_str().unwrap().into()),
+        ..Inputs::default()
+    }
+}
+
+/// The largest error of a component of the normals that are covered, which are `count`.
+fn error(loaded: &Loaded, count: usize, truth: impl Fn(u32, u32) -> DVec3) -> f64 {
+    let frame = &loaded.frame;
+    assert_eq!(frame.mask.count(), count);
+    let pixels = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    let covered = pixels.filter(|&(x, y)| frame.mask.at(x as usize, y as usize));
+    let errors = covered.map(|(x, y)| {
+        let off = frame.normal.at(x as usize, y as usize) - truth(x, y);
+        off.abs().max_element()
+    });
+    errors.fold(0.0, f64::max)
+}
+
+const ALL: usize = (SIDE * SIDE) as usize;
+
+#[test]
+fn short_vectors_are_used_where_alpha_covers_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let [photo, map] = ["photo.png", "map.png"].map(|name| folder.path().join(name));
+    let is_inside = |x: u32, y: u32| (f64::from(x) - CENTER).hypot(f64::from(y) - CENTER) < 50.0;
+    let alpha = |x, y| 255 * u8::from(is_inside(x, y));
+    // Outside of the sprite lies what no normal map holds.
+    save(&map, |x, y| match is_inside(x, y) {
+        true => {
+            let [r, g, b] = (0.65 * bump(x, y)).to_array().map(code);
+            [r, g, b, alpha(x, y)]
+        }
+        false => [143, 115, 84, 0],
+    });
+    save(&photo, |x, y| [200, 150, 120, alpha(x, y)]);
+    let inputs = inputs(&photo, Some(&map));
+    let needs = Needs {
+        color: true,
+        ..Needs::default()
+    };
+    let loaded = load(&inputs, needs).unwrap();
+    let inside = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
+    let count = inside.filter(|&(x, y)| is_inside(x, y)).count();
+    // Two components are off by a code each, of vectors .65 long; the third follows.
+    assert!(error(&loaded, count, bump) < 1.5 * CODE / 0.65);
+    let said = loaded.warnings.concat();
+    assert!(said.contains("0.65 long"), "{said}");
+}
+
+#[test]
+fn an_integer_picture_is_in_view_space_though_a_tenth_of_it_faces_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.png");
+    // Every n-th column leans over to z = -.28.
+    let map = |n: u32| {
+        save(&path, |x, y| {
+            let normal = match x % n {
+                0 => DVec3::new(0.96, 0.0, -0.28),
+                _ => bump(x, y),
+            };
+            let [r, g, b] = normal.to_array().map(code);
+            [r, g, b, 255]
+        });
+        load(&inputs(&path, None), Needs::default())
+    };
+    // 7 of 128 columns are 5.5 %, 26 are 20 %.
+    let loaded = map(20).unwrap();
+    assert!((loaded.frame.normal.z.at(20, 64) + 0.28).abs() < 0.01);
+    let said = loaded.warnings.concat();
+    assert!(
+        said.contains("view, as in any picture of integers"),
+        "{said}"
+    );
+    assert!(map(5).is_err());
+}
+
+#[test]
+fn z_is_rebuilt_where_blue_says_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.png");
+    let photo = folder.path().join("photo.png");
+    save(&photo, |_, _| [200, 150, 120, 255]);
+    // z of the bump, constants, and occlusion that darkens the bump's foot.
+    let occlusion = |x, y| (255.0 - 2000.0 * (1.0 - bump(x, y).z)) as u8;
+    type Blue<'a> = (&'a dyn Fn(u32, u32) -> u8, bool);
+    let blues: [Blue; 5] = [
+        (&|x, y| code(bump(x, y).z), false),
+        (&|_, _| 0, true),
+        (&|_, _| 128, true),
+        (&|_, _| 255, true),
+        (&occlusion, true),
+    ];
+    for (i, (blue, is_rebuilt)) in blues.into_iter().enumerate() {
+        save(&path, |x, y| {
+            let n = bump(x, y);
+            [code(n.x), code(n.y), blue(x, y), 255]
+        });
+        let loaded = load(&inputs(&photo, Some(&path)), Needs::default()).unwrap();
+        let error = error(&loaded, ALL, bump);
+        // z changes by x / z = .32 of x and y together.
+        assert!(error < 1.5 * CODE, "{i}: {error}");
+        let said = loaded.warnings.concat();
+        assert_eq!(said.contains("z is rebuilt"), is_rebuilt, "{i}: {said}");
+        let found = loaded.conventions.normal_encoding;
+        assert_eq!(found == NormalEncoding::Xy, is_rebuilt, "{i}");
+    }
+    // x in alpha, y in green, as DXT5nm: told without a flag, whether the map is named or the picture itself.
+    save(&path, |x, y| {
+        let n = bump(x, y);
+        [255, code(n.y), 255, code(n.x)]
+    });
+    for inputs in [inputs(&photo, Some(&path)), inputs(&path, None)] {
+        let loaded = load(&inputs, Needs::default()).unwrap();
+        assert!(error(&loaded, ALL, bump) < 1.5 * CODE);
+        assert_eq!(loaded.conventions.normal_encoding, NormalEncoding::Ag);
+    }
+    // A photograph of one colour is none.
+    assert!(load(&inputs(&photo, Some(&photo)), Needs::default()).is_err());
+}
+
+#[test]
+fn a_flat_code_of_128_is_flat() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.png");
+    // h = 4 (1 - r^2 / 20^2)^3 within r < 20, dh/dr = -24 r / 20^2 (1 - r^2 / 20^2)^2; flat around it.
+    let truth = |x: u32, y: u32| {
+        let (x, y) = (f64::from(x) - CENTER, CENTER - f64::from(y));
+        let inside = (1.0 - (x * x + y * y) / 400.0).max(0.0);
+        let steepness = 24.0 / 400.0 * inside * inside;
+        DVec3::new(steepness * x, steepness * y, 1.0).normalize()
+    };
+    // 127.5 rounds to 128 where it is flat: 128 / 127.5 - 1 = .0039 of slope, half a pixel of height over 128. Less than
+    // a tenth of it is left, 65 pixels from the bump.
+    save(&path, |x, y| {
+        let [r, g, b] = truth(x, y).to_array().map(code);
+        [r, g, b, 255]
+    });
+    let loaded = load(&inputs(&path, None), Needs::default()).unwrap();
+    assert!(error(&loaded, ALL, truth) < CODE);
+    for row in [3, 124] {
+        for column in [3, 124] {
+            let corner = loaded.frame.normal.at(column, row);
+            assert!(corner.truncate().abs().max_element() < 0.0004, "{corner}");
+        }
+    }
+}
+
+#[test]
+fn vectors_of_an_exr_need_neither_name_nor_z() {
+    let folder = tempfile::tempdir().unwrap();
+    let plane = |at: &dyn Fn(DVec3) -> f64| {
+        let side = SIDE as usize;
+        Plane::from_fn(side, side, |x, y| at(bump(x as u32, y as u32)) as f32)
+    };
+    let read = |name: &str, channels: &[(&str, &Plane)], more: Inputs| {
+        let picture = folder.path().join(name);
+        Part::of(channels.iter().copied()).write(&picture);
+        load(&Inputs { picture, ..more }, Needs::default()).unwrap()
+    };
+    let none = Inputs::default;
+    let [x, y, z] = [plane(&|n| n.x), plane(&|n| n.y), plane(&|n| n.z)];
+    let rgb = read("rgb.exr", &[("B", &z), ("G", &y), ("R", &x)], none());
+    assert!(error(&rgb, ALL, bump) < 1e-6);
+    let xyz = read("xyz.exr", &[("X", &x), ("Y", &y), ("Z", &z)], none());
+    assert_eq!(rgb.frame.normal, xyz.frame.normal);
+    assert!(xyz.frame.depth.is_none() && xyz.frame.color.is_none());
+    let pair = read("pair.exr", &[("N.X", &x), ("N.Y", &y)], none());
+    assert!(error(&pair, ALL, bump) < 1e-6);
+    assert_eq!(pair.conventions.normal_encoding, NormalEncoding::Xy);
+    // The octahedron |x| + |y| + |z| = 1 seen along z.
+    let sum = |n: DVec3| n.abs().element_sum();
+    let [u, v] = [plane(&|n| n.x / sum(n)), plane(&|n| n.y / sum(n))];
+    let octahedral = Inputs {
+        normal: Some("M".into()),
+        normal_encoding: Some(NormalEncoding::Oct),
+        ..none()
+    };
+    let loaded = read("oct.exr", &[("M.X", &u), ("M.Y", &v)], octahedral);
+    assert!(error(&loaded, ALL, bump) < 1e-6);
+}
+
+#[test]
+fn axes_have_the_names_of_those_who_reverse_them() {
+    for (name, [x, y, z]) in [
+        ("opengl", [false; 3]),
+        ("DirectX", [false, true, false]),
+        ("opencv", [false, true, true]),
+        ("stablenormal", [true, false, false]),
+    ] {
+        assert_eq!(name.parse(), Ok(Flip { x, y, z }), "{name}");
+    }
+    assert!("open".parse::<Flip>().is_err());
+}
