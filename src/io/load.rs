@@ -399,7 +399,7 @@ impl FrameSource<'_> {
         let mut scale = 1.0;
         let (stored, why) = match (&mut layers.depth, view.camera) {
             (Some(height), _) if self.inputs.depth_kind == Some(StoredDepth::Height) => {
-                view.camera = Some(self.from_above());
+                view.camera = Some(self.camera_above());
                 scale = self.height_scale(source, &mut notes.warnings);
                 height.samples_mut().iter_mut().for_each(|h| *h *= scale);
                 (StoredDepth::Height, format!("{scale} pixels high at 1"))
@@ -462,7 +462,7 @@ impl FrameSource<'_> {
     }
 
     /// The camera of heights: a unit is a pixel.
-    fn from_above(&self) -> Camera {
+    fn camera_above(&self) -> Camera {
         let center = self.display_window.center();
         Camera {
             view_from_world: DAffine3::IDENTITY,
