@@ -220,7 +220,7 @@ fn a_file_without_normals_names_the_nearest_layer() {
     let line = refused("object_nromal", SIZE, &noise);
     assert!(
         line.ends_with(
-            "has no normal layer (found object_nromal); did you mean object_nromal? name one with --normal LAYER or --normal FILE"
+            "has no normal layer (found object_nromal); did you mean object_nromal? name one with --normal LAYER or --normal FILE, or depth with --depth LAYER|FILE"
         ),
         "{line}"
     );
@@ -235,7 +235,7 @@ fn a_file_without_normals_names_the_nearest_layer() {
     ] {
         let line = refused("q", size, &|_, _, _| value);
         assert!(
-            line.ends_with("(found q); name one with --normal LAYER or --normal FILE"),
+            line.ends_with("(found q); name one with --normal LAYER or --normal FILE, or depth with --depth LAYER|FILE"),
             "{line}"
         );
     }
