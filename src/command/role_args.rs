@@ -30,7 +30,7 @@ pub(crate) struct RoleArgs {
     #[arg(long, value_name = "NAME|FILE|none")]
     depth: Option<String>,
     /// Heights of the surface, seen from above, in place of normals and depth: a layer of IN or a file.
-    #[arg(hide_short_help = true, long, value_name = "NAME|FILE", conflicts_with_all = ["depth", "normal", "depth_kind"])]
+    #[arg(hide_short_help = true, long, value_name = "NAME|FILE", conflicts_with_all = ["depth", "normal", "depth_kind", "camera"])]
     height: Option<String>,
     /// Pixels that a height of 1 is high. By default floats are pixels, and white is a tenth of the longer side in
     /// pictures of integers.

@@ -31,7 +31,7 @@ const ALIKE_DEG: f64 = 0.001;
 /// Samples of depth that are looked at, about.
 const WANTED: usize = 10_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.
-const ABOVE_ONE: f32 = 1e-3;
+pub(super) const ABOVE_ONE: f32 = 1e-3;
 
 /// The quantity that a layer holds instead of a plain distance, and why.
 pub(super) type Sense = Option<(StoredDepth, String)>;

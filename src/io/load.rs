@@ -6,8 +6,7 @@ use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
-use super::frame_sources::{FrameSources, Planes, missing_normals, only_occlusion};
-use super::from_depth;
+use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::gloss::LitPicture;
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
 use super::light_layers::LightSources;
@@ -25,18 +24,13 @@ use super::view::{View, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_rounding;
-use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::normals;
 use crate::frame::{
-    Camera, DepthKind, Frame, Mask, Plane, Projection, Source, Vector3Planes, Window,
-    lift_out_of_fog, likely_projection, strength_of,
+    Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
+    strength_of,
 };
-use glam::DAffine3;
 use std::ops::Range;
 use std::rc::Rc;
-
-/// The height of white over the longer side of a picture of heights, where it is not known.
-const HIGH: f32 = 0.1;
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -270,13 +264,13 @@ fn settle_depth_kind(
 }
 
 /// The layers that go into a frame beside its normals.
-struct Layers {
-    color: Option<RolePlanes>,
-    alpha: Option<Plane>,
-    albedo: Option<RolePlanes>,
-    depth: Option<Plane>,
-    position: Option<RolePlanes>,
-    coverage: Option<Plane>,
+pub(super) struct Layers {
+    pub(super) color: Option<RolePlanes>,
+    pub(super) alpha: Option<Plane>,
+    pub(super) albedo: Option<RolePlanes>,
+    pub(super) depth: Option<Plane>,
+    pub(super) position: Option<RolePlanes>,
+    pub(super) coverage: Option<Plane>,
 }
 
 impl Layers {
@@ -315,28 +309,28 @@ fn smaller(mut plane: Plane, other: &Plane) -> Plane {
 }
 
 /// Source of a frame, and the pixels to read.
-struct FrameSource<'a> {
-    inputs: &'a Inputs,
-    main: &'a Opened,
-    sources: &'a FrameSources,
-    data_window: Window,
-    display_window: Window,
-    pixel_aspect: f32,
+pub(super) struct FrameSource<'a> {
+    pub(super) inputs: &'a Inputs,
+    pub(super) main: &'a Opened,
+    pub(super) sources: &'a FrameSources,
+    pub(super) data_window: Window,
+    pub(super) display_window: Window,
+    pub(super) pixel_aspect: f32,
 }
 
 /// The surface of a frame in view space, and how its layers were read.
-struct SeenSurface {
-    normal: Vector3Planes,
-    mask: Mask,
+pub(super) struct SeenSurface {
+    pub(super) normal: Vector3Planes,
+    pub(super) mask: Mask,
     /// The lengths that the normals had.
-    lengths: Plane,
-    sense: Sense,
-    depth_is_half: bool,
-    view: View,
+    pub(super) lengths: Plane,
+    pub(super) sense: Sense,
+    pub(super) depth_is_half: bool,
+    pub(super) view: View,
 }
 
 impl FrameSource<'_> {
-    fn surface<'s>(
+    pub(super) fn surface<'s>(
         &'s self,
         mask: &'s Mask,
         layers: &'s Layers,
@@ -390,107 +384,6 @@ impl FrameSource<'_> {
         })
     }
 
-    /// The surface that depth shows, or positions in its place, where there are no normals.
-    fn surface_of_depth(&self, layers: &mut Layers, notes: &mut Notes) -> Result<SeenSurface> {
-        let depth_is_half = self.depth_is_half(layers);
-        let all = Mask::full(self.data_window.width(), self.data_window.height());
-        let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None))?;
-        let source = self.sources.get(Role::Depth);
-        let mut scale = 1.0;
-        let (stored, why) = match (&mut layers.depth, view.camera) {
-            (Some(height), _) if self.inputs.depth_kind == Some(StoredDepth::Height) => {
-                view.camera = Some(self.camera_above());
-                scale = self.height_scale(source, &mut notes.warnings);
-                height.samples_mut().iter_mut().for_each(|h| *h *= scale);
-                (StoredDepth::Height, format!("{scale} pixels high at 1"))
-            }
-            (Some(depth), _) => {
-                let hint = source.map(RoleSource::hint).unwrap_or_default();
-                self.inputs.depth_kind.map_or_else(
-                    || from_depth::judged(depth, hint, &mut notes.warnings),
-                    |stored| (stored, "as given".into()),
-                )
-            }
-            (None, Some(camera)) => {
-                layers.depth = self.positions_for_depth(layers).map(|p| p.depth(&camera));
-                (StoredDepth::Planar, "of positions".into())
-            }
-            (None, None) => return Err(missing_normals(self.main)),
-        };
-        let depth = layers
-            .depth
-            .as_mut()
-            .ok_or_else(|| missing_normals(self.main))?;
-        let projection = view.camera.map_or_else(
-            || likely_projection(self.display_window, self.pixel_aspect),
-            |camera| camera.projection,
-        );
-        let alpha = layers.alpha.as_ref().filter(|_| !stored.shows_coverage());
-        let precision = match source {
-            _ if depth_is_half => Precision::Half,
-            Some(source) if source.rounding() > 0.0 => Precision::Codes(scale * source.rounding()),
-            _ => Precision::Float,
-        };
-        let mut normal = normals_of_depth(
-            depth,
-            stored,
-            (projection, self.data_window),
-            |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
-            precision,
-        );
-        let (from, bits) = match source {
-            Some(source) if stored == StoredDepth::Height => ("heights", source.precision()),
-            Some(source) => ("depth", source.precision()),
-            None => ("positions", String::new()),
-        };
-        notes.on_no_normals(from, &bits, view.camera.is_some());
-        notes.findings.append(&mut view.findings);
-        notes.warnings.append(&mut view.warnings);
-        let stored_depth = Some((depth, Some(stored)));
-        let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
-        let Covered { mask, lengths, .. } =
-            coverage::cover(&mut normal, stored_depth, alpha, covered);
-        notes.on_coverage(&mask);
-        Ok(SeenSurface {
-            normal,
-            mask,
-            lengths,
-            sense: Some((stored, why)),
-            depth_is_half,
-            view,
-        })
-    }
-
-    /// The camera of heights: a unit is a pixel.
-    fn camera_above(&self) -> Camera {
-        let center = self.display_window.center();
-        Camera {
-            view_from_world: DAffine3::IDENTITY,
-            projection: Projection::Orthographic {
-                sx: 1.0,
-                sy: self.pixel_aspect.into(),
-                cx: center.x,
-                cy: center.y,
-            },
-        }
-    }
-
-    /// Pixels that a height of 1 is high: as given, else a unit in floats, and a share of the picture in integers.
-    fn height_scale(&self, source: Option<&RoleSource>, warnings: &mut Vec<String>) -> f32 {
-        self.inputs.height_scale.unwrap_or_else(|| {
-            let is_whole = source.and_then(RoleSource::photo).is_some_and(|photo| !photo.header.is_float);
-            let window = self.display_window;
-            let scale = match is_whole {
-                true => HIGH * window.width().max(window.height()) as f32,
-                false => 1.0,
-            };
-            warnings.push(format!(
-                "how high heights are is not known: 1 is taken for {scale} pixels; give --height-scale PIXELS"
-            ));
-            scale
-        })
-    }
-
     /// Strength of the effect, 0..1: the share of the chosen objects times the mask.
     fn strength(&self, mask: Option<Plane>) -> Result<Option<Plane>> {
         let chosen = &self.inputs.objects;
@@ -522,7 +415,7 @@ impl FrameSource<'_> {
     }
 
     /// Positions, where they replace depth: no depth is given, and occlusion was not chosen instead.
-    fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<Points<'s>> {
+    pub(super) fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<Points<'s>> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
         let position = layers.position.as_ref().filter(|_| is_wanted);
         position.map(RolePlanes::points)
@@ -555,7 +448,7 @@ impl FrameSource<'_> {
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.
-    fn depth_is_half(&self, layers: &Layers) -> bool {
+    pub(super) fn depth_is_half(&self, layers: &Layers) -> bool {
         let role = match &layers.depth {
             Some(_) => Role::Depth,
             None => Role::Position,

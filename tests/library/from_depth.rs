@@ -40,6 +40,15 @@ fn inputs(path: &Path, camera: Option<Camera>, change: impl Fn(&mut Inputs)) -> 
     inputs
 }
 
+fn tells(found: &Loaded, what: &str) -> bool {
+    found.warnings.iter().any(|line| line.contains(what))
+}
+
+/// Whether a pixel lies within 3/4 of the radius of a ball of 30 pixels.
+fn is_inner(x: usize, y: usize) -> bool {
+    (x as f64 - 47.5).hypot(y as f64 - 39.5) < 0.75 * 30.0
+}
+
 /// The largest angle, in degrees, between two frames' normals, of pixels that `counts`; all these are covered.
 fn worst_deg(found: &Frame, exact: &Frame, counts: impl Fn(usize, usize) -> bool) -> f64 {
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
@@ -68,15 +77,9 @@ fn planes_are_exact_and_balls_nearly() {
     let ball = seen(Surface::ball(30.0));
     let depth = ball.depth.as_ref().unwrap();
     let found = read(&[("Z", depth)], ball.camera, |_| ()).unwrap();
-    let inner = |x: usize, y: usize| (x as f64 - 47.5).hypot(y as f64 - 39.5) < 0.75 * 30.0;
-    let off = worst_deg(&found.frame, &ball, inner);
+    let off = worst_deg(&found.frame, &ball, is_inner);
     assert!(off < 0.12, "{off}");
-    assert!(
-        found
-            .warnings
-            .iter()
-            .any(|line| line.contains("normals from depth"))
-    );
+    assert!(tells(&found, "normals from depth"));
     // What is no surface stays none.
     assert!(!found.frame.mask.at(2, 2) && found.frame.normal_length.is_none());
 }
@@ -97,15 +100,9 @@ fn positions_serve_as_depth_does() {
     let [x, y, z] = &position;
     let channels = [("Position.X", x), ("Position.Y", y), ("Position.Z", z)];
     let found = read(&channels, ball.camera, |_| ()).unwrap();
-    let inner = |x: usize, y: usize| (x as f64 - 47.5).hypot(y as f64 - 39.5) < 0.75 * 30.0;
-    let off = worst_deg(&found.frame, &ball, inner);
+    let off = worst_deg(&found.frame, &ball, is_inner);
     assert!(off < 0.12, "{off}");
-    assert!(
-        found
-            .warnings
-            .iter()
-            .any(|line| line.contains("normals from positions"))
-    );
+    assert!(tells(&found, "normals from positions"));
 }
 
 /// A height of .3 x - .2 y, x right and y down, leans by (-.3, -.2): 0 and less are heights too.
@@ -141,10 +138,7 @@ fn guesses_are_told() {
     let ramp = Plane::from_fn(SIZE[0], SIZE[1], |x, _| 0.2 + 0.005 * x as f32);
     let found = read(&[("Z", &ramp)], None, |_| ()).unwrap();
     for told in ["--depth-kind white-far", "--camera FILE"] {
-        assert!(
-            found.warnings.iter().any(|line| line.contains(told)),
-            "{told}"
-        );
+        assert!(tells(&found, told), "{told}");
     }
     // White is near: what rises to the right faces left.
     assert!(found.frame.normal.at(40, 40).x < -0.05);
