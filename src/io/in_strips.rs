@@ -6,7 +6,7 @@ use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, Selection};
 use super::roles::Role;
-use super::sources::{RoleSource, has_coded_vectors};
+use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
 use std::rc::Rc;
@@ -112,7 +112,7 @@ impl InputFiles {
 /// Bytes for mending the vectors of `source` while rows of them are read.
 fn mending_bytes(source: &RoleSource) -> u64 {
     match source.file.as_ref() {
-        Opened::Photo { photo, .. } if has_coded_vectors(photo) => {
+        Opened::Photo { photo, .. } if photo.header.may_hold_coded_vectors() => {
             let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
             (rows * photo.header.width * MENDING_BYTES) as u64
         }

@@ -4,7 +4,6 @@ use super::inputs::NormalEncoding;
 use super::integrability::Curl;
 use super::normal_encoding::NEAR_UNIT;
 use super::photo::{Meaning, StoredPhoto};
-use super::sources::has_coded_vectors;
 use crate::frame::normals::{is_written, with_rebuilt_z};
 use crate::frame::{Mask, Plane, Vector3Planes};
 use crate::quantile::quantile;
@@ -49,7 +48,7 @@ pub(super) struct MapCodes {
 impl MapCodes {
     /// Looks at some rows of a photo; finds nothing in one that cannot be decoded, or holds no codes.
     pub(super) fn of(photo: &StoredPhoto) -> Self {
-        let planes = match has_coded_vectors(photo) {
+        let planes = match photo.header.may_hold_coded_vectors() {
             true => bands(photo),
             false => None,
         };

@@ -1,7 +1,6 @@
 //! Whether normals of a photo have noise: what removes it costs time, and nearly all maps have none.
 
 use super::photo::{Meaning, StoredPhoto};
-use super::sources::has_coded_vectors;
 use crate::frame::{Vector3Planes, Window, denoise, unround};
 use crate::quantile::quantile;
 use rayon::prelude::*;
@@ -23,7 +22,7 @@ const LEAST_NOISE: f32 = 0.002;
 /// by blocks of the whole, so that strips of it are treated alike.
 pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
     let header = &photo.header;
-    if !has_coded_vectors(photo) {
+    if !photo.header.may_hold_coded_vectors() {
         return 0.0;
     }
     let mut blocks = Vec::new();

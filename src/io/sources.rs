@@ -540,7 +540,7 @@ fn photo_planes(
         true => Meaning::Linear,
         false => Meaning::Stored,
     };
-    let is_coarse = photo.header.bits == 8 && has_coded_vectors(photo);
+    let is_coarse = photo.header.bits == 8 && photo.header.may_hold_coded_vectors();
     if role == Role::Normal && (is_coarse || source.noise() > 0.0) {
         return mended_vectors(photo, window, source);
     }
@@ -553,11 +553,6 @@ fn photo_planes(
         read.decode_pair();
     }
     Ok(read)
-}
-
-/// Whether a photo holds vectors in codes of integers.
-pub(super) fn has_coded_vectors(photo: &StoredPhoto) -> bool {
-    !photo.header.is_float && photo.header.color_channels() == 3
 }
 
 /// The vectors of a photo without the steps of coarse codes, and without noise.

@@ -1,5 +1,6 @@
 //! Opening a picture: reads its header, and refuses unsupported files.
 
+use super::faults::{MAX_BYTES, image_error, unsupported};
 use super::numbers::Numbers;
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
@@ -11,8 +12,6 @@ use std::path::Path;
 
 /// Longest side that is read, in pixels.
 const MAX_SIDE: u32 = 1 << 16;
-/// Most bytes for the samples of a picture, and as many again for its decoder.
-pub(super) const MAX_BYTES: u64 = 1 << 30;
 /// Most bytes for the profile of a PNG, which is inflated as its header is read, and all else beside its samples.
 const MAX_PNG_METADATA: u64 = 1 << 26;
 
@@ -97,37 +96,6 @@ fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<()> {
         )),
         false => Ok(()),
     }
-}
-
-pub(in crate::io) fn unsupported(path: &Path, found: &str) -> Error {
-    Error::Unsupported {
-        path: path.to_path_buf(),
-        found: found.into(),
-        remedy: "save it as PNG or OpenEXR".into(),
-    }
-}
-
-pub(super) fn image_error(path: &Path) -> impl Fn(ImageError) -> Error {
-    let damaged = |found: String| Error::Damaged {
-        path: path.to_path_buf(),
-        found,
-    };
-    move |error| match error {
-        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
-            damaged("the file ends too early".into())
-        }
-        ImageError::IoError(source) => Error::io(path, "read")(source),
-        ImageError::Decoding(e) => damaged(format!("is damaged ({})", one_line(&e.to_string()))),
-        ImageError::Limits(_) => unsupported(path, "is too large"),
-        other => unsupported(
-            path,
-            &format!("cannot be read ({})", one_line(&other.to_string())),
-        ),
-    }
-}
-
-pub(in crate::io) fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 pub(in crate::io) fn max_code(bits: u8) -> u32 {

@@ -1,6 +1,7 @@
 //! The header of a picture, and the samples of its rows.
 
-use super::decoder::{max_code, unsupported, with_decoder};
+use super::decoder::{max_code, with_decoder};
+use super::faults::unsupported;
 use crate::error::{Error, Result};
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
@@ -69,6 +70,11 @@ impl PhotoHeader {
                 color,
             })
         })
+    }
+
+    /// Whether its colours may be vectors in codes of integers.
+    pub(in crate::io) fn may_hold_coded_vectors(&self) -> bool {
+        !self.is_float && self.color_channels() == 3
     }
 
     pub(in crate::io) fn has_alpha(&self) -> bool {

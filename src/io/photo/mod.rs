@@ -9,13 +9,15 @@
 //! 8-bit sample.
 
 mod decoder;
+mod faults;
 mod header;
 mod metadata;
 mod numbers;
 mod rows;
 mod stored;
 
-pub(super) use decoder::{max_code, one_line, unsupported};
+pub(super) use decoder::max_code;
+pub(super) use faults::{one_line, unsupported};
 pub use metadata::PhotoMetadata;
 pub(super) use stored::{Meaning, StoredPhoto};
 

@@ -1,7 +1,7 @@
 //! Pictures of numbers, that decoders of pictures refuse: TIFF of further sample types, NumPy arrays and PFM. Their samples
 //! are the numbers as stored; grey is repeated, since there is no grey of floats.
 
-use super::decoder::{MAX_BYTES, one_line, unsupported};
+use super::faults::{MAX_BYTES, damaged, one_line, unsupported};
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
 use crate::untrusted::Untrusted;
@@ -315,13 +315,6 @@ fn floats(read: DecodingResult) -> Vec<f32> {
         DecodingResult::I16(numbers) => all(numbers, f32::from),
         DecodingResult::I32(numbers) => all(numbers, |number| number as f32),
         DecodingResult::I64(numbers) => all(numbers, |number| number as f32),
-    }
-}
-
-fn damaged(path: &Path, found: &dyn std::fmt::Display) -> Error {
-    Error::Damaged {
-        path: path.to_path_buf(),
-        found: format!("is damaged ({})", one_line(&found.to_string())),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Pictures row by row, for those too large to hold.
 
-use super::decoder::{image_error, one_line, within_fence};
+use super::decoder::within_fence;
+use super::faults::{image_error, one_line};
 use super::header::{PhotoHeader, Samples};
 use crate::error::{Error, Result};
 use crate::io::open::open_input;

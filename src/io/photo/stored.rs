@@ -1,6 +1,7 @@
 //! A picture whose header has been read, and its samples as stored.
 
-use super::decoder::{image_error, max_code, with_decoder};
+use super::decoder::{max_code, with_decoder};
+use super::faults::image_error;
 use super::header::{PhotoHeader, Samples, turned};
 use super::metadata::PhotoMetadata;
 use super::rows::each_row;
