@@ -193,6 +193,8 @@ struct Judged<'a> {
     range: f32,
 }
 
+const POINT_OUTWARD: &str = "the normals lean toward what is far, and point outward at outlines";
+
 impl Judged<'_> {
     fn surface<'a>(&'a self, depth: &'a Plane) -> SurfaceSamples<'a> {
         SurfaceSamples {
@@ -228,7 +230,12 @@ impl Judged<'_> {
         let off = |angle: f64| angle.min(180.0 - angle);
         let as_is = way_of(as_is).filter(|_| !is_reversed(off(as_is), off(y)));
         let leaning = "the normals lean toward what is far";
-        let mut view = as_is.map(|way| (way, leaning));
+        let both = |way: Way| {
+            self.shows_both_reversed(way)
+                .then_some((way, POINT_OUTWARD))
+        };
+        let other = implied.filter(|implied| as_is.is_some_and(|way| way != *implied));
+        let mut view = other.and_then(both).or(as_is.map(|way| (way, leaning)));
         if view.is_none() && faces {
             view = self.way_of_reversed(reversed, implied, leaning);
         }
@@ -276,19 +283,28 @@ impl Judged<'_> {
         if let Some(way) = implied.filter(|_| reversed.contains(&implied)) {
             return Some((way, leaning));
         }
-        let depth = Some((self.layers.raw, self.range));
-        let outlines = Silhouettes::of(self.layers.normal, &self.covered, depth);
+        let outlines = self.outlines();
         let shows = |way: Option<Way>, axes| {
             outlines
                 .agree(way? == Way::Away, axes)
                 .filter(|agree| *agree)
         };
-        let why = "the normals lean toward what is far, and point outward at outlines";
         match (shows(y, [false, true]), shows(x, [true, false])) {
-            (Some(_), None) => Some((y?, why)),
-            (None, Some(_)) => Some((x?, why)),
+            (Some(_), None) => Some((y?, POINT_OUTWARD)),
+            (None, Some(_)) => Some((x?, POINT_OUTWARD)),
             _ => Some((y.or(x)?, leaning)),
         }
+    }
+
+    /// Whether outlines show x and y of the normals reversed beside depth that goes this way. As stored, they lean as
+    /// beside depth that goes the other way.
+    fn shows_both_reversed(&self, way: Way) -> bool {
+        self.outlines().agree(way == Way::Away, [true, true]) == Some(true)
+    }
+
+    fn outlines(&self) -> Silhouettes {
+        let depth = Some((self.layers.raw, self.range));
+        Silhouettes::of(self.layers.normal, &self.covered, depth)
     }
 
     /// The layer as distances, if it holds what is `stored`.

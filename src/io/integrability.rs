@@ -36,10 +36,29 @@ pub(super) struct Curl {
 }
 
 impl Curl {
-    /// Measures unit normals of view space; either sign of z will do.
+    /// Measures unit normals of view space; either sign of z will do. Where edges and noise of single pixels hide which way y
+    /// points, larger blocks are looked at.
     pub(super) fn of(normal: &Vector3Planes, mask: &Mask) -> Self {
-        let pixels = mask.width() * mask.height();
-        let side = (pixels as f64 / BLOCKS as f64).sqrt().ceil().max(1.0) as usize;
+        let side = least_side(mask);
+        let finest = Self::finest(normal, mask);
+        let coarser = [2, 4].map(|factor| move || Self::of_blocks(normal, mask, factor * side));
+        let shows = |curl: &Self| curl.is_flat() || curl.y_points_down().is_some();
+        match shows(&finest) {
+            true => finest,
+            false => coarser
+                .iter()
+                .map(|curl| curl())
+                .find(|curl| !curl.is_flat() && shows(curl))
+                .unwrap_or(finest),
+        }
+    }
+
+    /// The same by the smallest blocks alone.
+    pub(super) fn finest(normal: &Vector3Planes, mask: &Mask) -> Self {
+        Self::of_blocks(normal, mask, least_side(mask))
+    }
+
+    fn of_blocks(normal: &Vector3Planes, mask: &Mask, side: usize) -> Self {
         let [columns, rows] = [mask.width(), mask.height()].map(|length| length / side);
         let [across, down] = [columns, rows].map(|blocks| blocks.saturating_sub(1));
         let wanted = (PIXELS / (4 * side * side)).max(1);
@@ -98,6 +117,12 @@ impl Curl {
         };
         format!("{verdict}: the curl of its slopes is {ratio:.3} times that with y turned")
     }
+}
+
+/// Side of the smallest blocks.
+fn least_side(mask: &Mask) -> usize {
+    let pixels = mask.width() * mask.height();
+    (pixels as f64 / BLOCKS as f64).sqrt().ceil().max(1.0) as usize
 }
 
 /// The mean normal of a block, z toward the viewer; `None` if it is not all covered or too steep.

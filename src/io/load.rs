@@ -10,6 +10,7 @@ use super::frame_sources::{FrameSources, Planes, only_occlusion};
 use super::gloss::LitPicture;
 use super::inputs::{Conventions, Inputs, KnownCamera, Needs, NormalEncoding, StoredDepth, Wrap};
 use super::light_layers::LightSources;
+use super::map_writers::MapWriter;
 use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
@@ -20,7 +21,7 @@ use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::surface::SurfaceSamples;
-use super::view::{View, turn_to_view};
+use super::view::{View, Written, turn_to_view};
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::depth_rounding;
@@ -443,8 +444,12 @@ impl FrameSource<'_> {
     ) -> Result<View> {
         let surface = self.surface(mask, layers, layers.depth.as_ref());
         let projection = needs.projection || self.positions_for_depth(layers).is_some();
-        let hint = self.sources.roles[0].hint();
-        turn_to_view(self.inputs, &surface, projection, &hint, normal)
+        let source = &self.sources.roles[0];
+        let written = Written {
+            hint: source.hint(),
+            writer: &|| MapWriter::of(source.file.path()),
+        };
+        turn_to_view(self.inputs, &surface, projection, &written, normal)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.

@@ -148,7 +148,7 @@ fn steep_and_fit((normal, mask): &(Vector3Planes, Mask), blue: &Plane) -> (f64, 
 
 /// Whether its slopes are those of a surface, one axis reversed or not.
 fn is_surface((normal, mask): &(Vector3Planes, Mask)) -> bool {
-    Curl::of(normal, mask).y_points_down().is_some()
+    Curl::finest(normal, mask).y_points_down().is_some()
 }
 
 fn is_constant(plane: &Plane) -> bool {

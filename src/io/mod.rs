@@ -1,6 +1,7 @@
 //! Files to frames, and planes to files.
 
 mod art_map;
+mod axes;
 mod borders;
 pub mod camera;
 pub mod colorspace;
@@ -25,6 +26,7 @@ mod integrability;
 mod light_layers;
 mod load;
 mod map_codes;
+mod map_writers;
 pub mod motion;
 
 mod names;
@@ -44,6 +46,7 @@ pub mod photo;
 pub mod picture;
 mod points;
 mod recombination;
+mod rims;
 mod role_planes;
 pub mod roles;
 mod samples_of_layers;

@@ -1,13 +1,13 @@
 //! The turn to view space: which space the normals were in, and why.
 
+use super::axes;
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
 use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
-use super::integrability::Curl;
+use super::map_writers::MapWriter;
 use super::names::Hint;
 use super::normal_space::{NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence};
 use super::sight_turned::{self, BY_SIGHT};
-use super::silhouettes::Silhouettes;
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
 use crate::frame::normals;
@@ -56,13 +56,21 @@ impl View {
     }
 }
 
+/// What is known of stored normals beside their numbers.
+pub(super) struct Written<'a> {
+    /// What their name implies, and why.
+    pub(super) hint: (Hint, String),
+    /// Finds the program that wrote them.
+    pub(super) writer: &'a dyn Fn() -> Option<MapWriter>,
+}
+
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
-/// normals, to know their space, or because the projection is asked for. `hint` is what their name implies.
+/// normals, to know their space, or because the projection is asked for.
 pub(super) fn turn_to_view(
     inputs: &Inputs,
     surface: &SurfaceSamples,
     projection: bool,
-    hint: &(Hint, String),
+    written: &Written,
     normal: &mut Vector3Planes,
 ) -> Result<View> {
     let samples = NormalSamples::new(normal, surface.mask, surface.position, surface.depth);
@@ -87,7 +95,7 @@ pub(super) fn turn_to_view(
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
     let mut warnings = Vec::new();
-    if reading.take(hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
+    if reading.take(&written.hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
         warnings.push(format!("normals: {}", reading.reason));
     }
     reading.try_sight(inputs, surface, camera.as_ref(), normal);
@@ -101,13 +109,12 @@ pub(super) fn turn_to_view(
     warnings.extend(
         doubt.map(|doubt| format!("the camera is a guess: {doubt}; compare with --camera FILE")),
     );
-    if reading.leaves_y_open(normals, inputs) && surface.mask.count() > 0 {
-        let outlines = Silhouettes::of(normal, surface.mask, None);
-        warnings.extend(reading.settle_axes(
-            &mut normals,
-            Curl::of(normal, surface.mask),
-            outlines.reversed(None),
-        ));
+    if reading.leaves_axes_open(normals, inputs) && surface.mask.count() > 0 {
+        let settled = axes::settle(normal, surface.mask, (written.writer)().as_ref());
+        normals.flip.x |= settled.flip.x;
+        normals.flip.y |= settled.flip.y;
+        reading.reason = format!("{}; {}", reading.reason, settled.reason);
+        warnings.extend(settled.warning);
     }
     findings.push(reading.finding(normals, inputs));
     normals.turn(normal, camera.as_ref(), surface.data_window);
@@ -357,53 +364,13 @@ impl Reading {
         })
     }
 
-    /// Whether neither flags nor depth nor positions show which way y points.
-    fn leaves_y_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
+    /// Whether neither flags nor depth nor positions show which way x and y point.
+    fn leaves_axes_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
         let evidence = &self.evidence;
         normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
             && !evidence.is_judged_by_depth()
             && !self.is_given
-    }
-
-    /// Turns axes round where the curl of the slopes, and outlines, show that they are reversed; a warning where neither
-    /// does, or where it is x, which is rare.
-    fn settle_axes(
-        &mut self,
-        normals: &mut NormalReading,
-        curl: Curl,
-        outlines: [Option<bool>; 2],
-    ) -> Option<String> {
-        let why = curl.reason();
-        self.reason = format!("{}; {why}", self.reason);
-        let points_down = curl.y_points_down();
-        let shown = shown_by(points_down, outlines);
-        let [x, y] = shown.unwrap_or([false, points_down == Some(true)]);
-        if shown.is_some() {
-            self.reason += "; at outlines ";
-            self.reason += match [x, y] {
-                [false, false] => "normals point outward",
-                [true, false] => "normals point outward with x reversed",
-                [false, true] => "normals point outward with y reversed",
-                [true, true] => "normals point outward with both reversed",
-            };
-        }
-        normals.flip.x |= x;
-        normals.flip.y |= y;
-        if x {
-            return Some(format!(
-                "normals: {}; a hollow form looks the same: say --normal-flip {} if it is one",
-                self.reason,
-                if y { "none" } else { "y" },
-            ));
-        }
-        let is_open = shown.is_none() && points_down.is_none() && !curl.is_flat();
-        is_open.then(|| {
-            format!(
-                "normals: {why}; taken to point up (OpenGL): say --normal-flip y if green points down (DirectX), else \
-                 --normal-flip none"
-            )
-        })
     }
 
     /// The finding on it.
@@ -424,16 +391,6 @@ impl Reading {
             flag,
         }
     }
-}
-
-/// Whether x and y are reversed, by `outlines`; `None` if they show too little or contradict the curl, which shows whether
-/// exactly one of the two is.
-fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Option<[bool; 2]> {
-    let [Some(x), Some(y)] = outlines else {
-        return None;
-    };
-    let agrees = one_is_reversed.is_none_or(|one| one == (x != y));
-    agrees.then_some([x, y])
 }
 
 /// Normals that no camera can turn; says what was tried to find a camera.

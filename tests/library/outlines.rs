@@ -149,3 +149,141 @@ fn without_depth_outlines_and_curl_tell_x_from_y() {
     let loaded = read(&flat, X, None);
     assert_eq!(loaded.conventions.normal_flip, Flip::NONE);
 }
+
+/// How a test stores normals.
+#[derive(Debug, Clone, Copy)]
+enum Form {
+    Floats,
+    /// Two of the three components.
+    Pair,
+    /// 8 bits in a PNG.
+    Codes,
+}
+
+/// A map of normals, read from a file, with depth in a file of its own where there is any.
+fn read_map(map: &Vector3Planes, form: Form, depth: Option<&Plane>) -> Loaded {
+    let desk = tempfile::tempdir().unwrap();
+    let (width, height) = (map.x.width(), map.x.height());
+    let path = desk.path().join(match form {
+        Form::Codes => "map.png",
+        _ => "map.exr",
+    });
+    let channels = [("N.X", &map.x), ("N.Y", &map.y), ("N.Z", &map.z)];
+    match form {
+        Form::Floats => Part::of(channels).write(&path),
+        Form::Pair => Part::of(channels.into_iter().take(2)).write(&path),
+        Form::Codes => image::RgbImage::from_fn(width as u32, height as u32, |x, y| {
+            let n = map.at(x as usize, y as usize).to_array();
+            image::Rgb(n.map(|n| (127.5 + 127.5 * n).round() as u8))
+        })
+        .save(&path)
+        .unwrap(),
+    }
+    let depth = depth.map(|depth| {
+        let path = desk.path().join("depth.exr");
+        Part::of([("Z", depth)]).write(&path);
+        path.to_str().unwrap().to_owned()
+    });
+    let inputs = Inputs {
+        picture: path,
+        depth,
+        ..Inputs::default()
+    };
+    load(&inputs, Needs::default()).unwrap()
+}
+
+/// The mean of blocks of `side` pixels, or a plane of noise with a deviation of 0.05 added to it.
+fn worse(plane: &Plane, side: usize, noise: u64) -> Plane {
+    let mut state = noise;
+    let mut uniform = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 40) as f32 / (1 << 24) as f32 - 0.5
+    };
+    let amplitude = if noise > 0 { 0.05 } else { 0.0 };
+    Plane::from_fn(plane.width() / side, plane.height() / side, |x, y| {
+        let samples = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
+        let sum: f32 = samples
+            .map(|(i, j)| plane.at(side * x + i, side * y + j))
+            .sum();
+        // The sum of twelve uniform numbers has a deviation of 1.
+        sum / (side * side) as f32 + amplitude * (0..12).map(|_| uniform()).sum::<f32>()
+    })
+}
+
+/// Eight conventions in three forms, with depth and without, clean, noisy and at half the resolution: small, so that rims are few.
+#[test]
+fn axes_are_right_or_in_doubt() {
+    let mut scene = bust();
+    let mask = scene.mask.clone();
+    // A wall behind it: nothing tells where the bust ends but its rims.
+    let wall = |x: usize, y: usize, n: f32, behind: f32| if mask.at(x, y) { n } else { behind };
+    let far = scene
+        .depth
+        .samples()
+        .iter()
+        .fold(0.0_f32, |far, d| far.max(*d));
+    let (width, height) = (mask.width(), mask.height());
+    scene.depth = Plane::from_fn(width, height, |x, y| {
+        wall(x, y, scene.depth.at(x, y), 2.0 * far)
+    });
+    let components = [&scene.normal.x, &scene.normal.y, &scene.normal.z];
+    let behind = [0.0, 0.3, 0.954];
+    let truth: Vec<_> = components
+        .into_iter()
+        .zip(behind)
+        .map(|(plane, behind)| {
+            Plane::from_fn(width, height, |x, y| wall(x, y, plane.at(x, y), behind))
+        })
+        .collect();
+    let (mut all, mut right) = (0, 0);
+    for (side, noise) in [(2, 0), (2, 7), (4, 0)] {
+        let planes = truth.iter().zip(1..);
+        let planes: Vec<_> = planes
+            .map(|(plane, i)| worse(plane, side, i * noise))
+            .collect();
+        let depth = worse(&scene.depth, side, 0);
+        for flip in (0..8).map(|bits| Flip {
+            x: bits & 1 > 0,
+            y: bits & 2 > 0,
+            z: bits & 4 > 0,
+        }) {
+            let turned = planes.iter().zip(axes(flip));
+            let turned: Vec<_> = turned
+                .map(|(plane, sign)| plane.map(|n| sign * n))
+                .collect();
+            let map = Vector3Planes {
+                x: turned[0].clone(),
+                y: turned[1].clone(),
+                z: turned[2].clone(),
+            };
+            for form in [Form::Floats, Form::Pair, Form::Codes] {
+                for depth in [None, Some(&depth)] {
+                    let loaded = read_map(&map, form, depth);
+                    let read = &loaded.frame.normal;
+                    let agree = |read: &Plane, own: &Plane| {
+                        let pairs = read.samples().iter().zip(own.samples());
+                        pairs.map(|(a, b)| a * b).sum::<f32>() > 0.0
+                    };
+                    let is_right = agree(&read.x, &planes[0]) && agree(&read.y, &planes[1]);
+                    let is_doubted = loaded
+                        .warnings
+                        .iter()
+                        .any(|text| text.contains("--normal-flip"));
+                    let what = (side, noise, flip, form, depth.is_some());
+                    assert!(
+                        is_right || is_doubted,
+                        "{what:?} {:?} {:?}",
+                        loaded.findings,
+                        loaded.warnings
+                    );
+                    all += 1;
+                    right += usize::from(is_right);
+                }
+            }
+        }
+    }
+    eprintln!("{right} of {all}");
+    assert!(3 * right >= 2 * all, "{right} of {all}");
+}

@@ -1,0 +1,127 @@
+//! Which of x and y are reversed in normals of view space, where neither flags nor depth nor positions tell.
+//!
+//! In the order of the evidence: the program that wrote the map, where the file records it; outlines and rims; the file's
+//! name; and the curl of slopes, which tells OpenGL from DirectX and nothing of x: with a warning.
+
+use super::integrability::Curl;
+use super::map_writers::{MapWriter, Told};
+use super::rims::Rims;
+use super::silhouettes::Silhouettes;
+use crate::frame::{Flip, Mask, Vector3Planes};
+
+/// Axes that are reversed, and why.
+pub(super) struct SettledAxes {
+    pub(super) flip: Flip,
+    pub(super) reason: String,
+    pub(super) warning: Option<String>,
+}
+
+impl SettledAxes {
+    fn new([x, y]: [bool; 2], reason: String) -> Self {
+        Self {
+            flip: Flip { x, y, z: false },
+            reason,
+            warning: None,
+        }
+    }
+
+    fn warned(self, warning: String) -> Self {
+        Self {
+            warning: Some(warning),
+            ..self
+        }
+    }
+}
+
+/// Settles the axes of unit normals of view space. `writer` is the program that wrote them, as far as it is known.
+pub(super) fn settle(
+    normal: &Vector3Planes,
+    mask: &Mask,
+    writer: Option<&MapWriter>,
+) -> SettledAxes {
+    let recorded = writer.filter(|writer| writer.told == Told::Recorded);
+    if let Some(writer) = recorded {
+        return SettledAxes::new(writer.reversed, writer.to_string());
+    }
+    let curl = Curl::of(normal, mask);
+    let one_is_reversed = curl.y_points_down();
+    let outlines = Silhouettes::of(normal, mask, None).reversed(None);
+    let why = curl.reason();
+    if let Some(axes) = shown_by(one_is_reversed, outlines) {
+        return shown(axes, format!("{why}; at outlines"), writer);
+    }
+    let rims = Rims::of(normal, mask);
+    if let Some(axes) = rims.show(one_is_reversed) {
+        let numbers = rims.numbers();
+        return shown(axes, format!("{why}; at rims ({numbers})"), writer);
+    }
+    let settled = SettledAxes::new([false, one_is_reversed == Some(true)], why.clone());
+    if let Some(writer) = writer {
+        let [x, y] = writer.reversed;
+        return match one_is_reversed {
+            Some(one) if one != (x != y) => settled.warned(format!(
+                "normals: {why}, though {writer}: compare with --normal-flip {}",
+                named(writer.reversed)
+            )),
+            _ => SettledAxes::new(writer.reversed, format!("{writer}; {why}")),
+        };
+    }
+    if curl.is_flat() {
+        return settled;
+    }
+    settled.warned(match one_is_reversed {
+        Some(true) => format!(
+            "normals: y was turned round (DirectX), as {why}; but nothing shows whether it is x that points the other way, \
+             as estimators write it (DSINE, NormalBAE, StableNormal): bumps would become hollows. Compare with \
+             --normal-flip stablenormal"
+        ),
+        Some(false) => format!(
+            "normals: taken as OpenGL, as {why}; but nothing shows that x points right: bumps would become hollows if \
+             both were reversed. Compare with --normal-flip xy"
+        ),
+        None => format!(
+            "normals: {why}; taken to point up (OpenGL): say --normal-flip y if green points down (DirectX), x if red \
+             points left (DSINE, NormalBAE, StableNormal), else none"
+        ),
+    })
+}
+
+/// Axes that outlines or rims show; a warning where x is reversed, which is rare, and where the file's name says otherwise.
+fn shown(axes: [bool; 2], at: String, writer: Option<&MapWriter>) -> SettledAxes {
+    let outward = match axes {
+        [false, false] => "normals point outward",
+        [true, false] => "normals point outward with x reversed",
+        [false, true] => "normals point outward with y reversed",
+        [true, true] => "normals point outward with both reversed",
+    };
+    let reason = format!("{at} {outward}");
+    let settled = SettledAxes::new(axes, reason.clone());
+    match writer {
+        Some(writer) if writer.reversed == axes => settled,
+        Some(writer) => settled.warned(format!(
+            "normals: {reason}, though {writer}: compare with --normal-flip {}",
+            named(writer.reversed)
+        )),
+        None if axes[0] => {
+            let other = named([false, !axes[1]]);
+            settled.warned(format!(
+                "normals: {reason}; a hollow form looks the same: say --normal-flip {other} if it is one"
+            ))
+        }
+        None => settled,
+    }
+}
+
+fn named([x, y]: [bool; 2]) -> Flip {
+    Flip { x, y, z: false }
+}
+
+/// Whether x and y are reversed, by `outlines`; `None` if they show too little or contradict the curl, which shows whether
+/// exactly one of the two is.
+fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Option<[bool; 2]> {
+    let [Some(x), Some(y)] = outlines else {
+        return None;
+    };
+    let agrees = one_is_reversed.is_none_or(|one| one == (x != y));
+    agrees.then_some([x, y])
+}
