@@ -6,8 +6,7 @@
 use super::depth::is_distance;
 use super::plane::each_row_of;
 use super::slopes::{Rounding, Slopes, slopes};
-use super::{Mask, Plane, Projection, StoredDepth, Vector3Planes, Window};
-use glam::DVec3;
+use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
 
 /// How many times farther than its nearest point depth without a scale is taken to reach.
 const FAR_TO_NEAR: f32 = 5.0;
@@ -25,35 +24,44 @@ pub(crate) fn normals_of_depth(
     depth: &Plane,
     stored: StoredDepth,
     (projection, window): (Projection, Window),
-    shown: impl Fn(usize, usize) -> bool,
+    shown: impl Fn(usize, usize) -> bool + Sync,
     precision: Precision,
 ) -> Vector3Planes {
-    let (width, height) = (depth.width(), depth.height());
     let is_perspective = matches!(projection, Projection::Perspective { .. });
     let sky = sky_of(depth, stored);
-    let value = |x: usize, y: usize| -> Option<f32> {
-        let d = depth.at(x, y);
+    let value = |x: usize, y: usize, d: f32| -> f32 {
         let range = d.clamp(0.0, 1.0);
-        if !shown(x, y) || d.is_nan() || sky == Some(range) {
-            return None;
-        }
+        let if_distance = |near: f32| if is_distance(d) { near } else { f32::NAN };
         let nearness = match stored {
-            StoredDepth::Height => return d.is_finite().then_some(d),
-            StoredDepth::Planar | StoredDepth::Relative => is_distance(d).then(|| 1.0 / d),
+            StoredDepth::Height => return d,
+            StoredDepth::Planar | StoredDepth::Relative => if_distance(1.0 / d),
             StoredDepth::Ray => {
                 let at = window.middle(x, y);
-                is_distance(d)
-                    .then(|| projection.to_eye(at.x, at.y).extend(1.0).length() as f32 / d)
+                if_distance(projection.to_eye(at.x, at.y).extend(1.0).length() as f32 / d)
             }
-            StoredDepth::Inverse => (d > 0.0 && d.is_finite()).then_some(d),
-            StoredDepth::WhiteFar => Some(1.0 / (1.0 + (FAR_TO_NEAR - 1.0) * range)),
-            StoredDepth::NormalizedNearIsOne if sky.is_some() => Some(range),
-            StoredDepth::NormalizedNearIsOne => Some(range + (1.0 - range) / FAR_TO_NEAR),
+            StoredDepth::Inverse if d > 0.0 => d,
+            StoredDepth::Inverse => f32::NAN,
+            _ if sky == Some(range) => f32::NAN,
+            StoredDepth::WhiteFar => 1.0 / (1.0 + (FAR_TO_NEAR - 1.0) * range),
+            StoredDepth::NormalizedNearIsOne if sky.is_some() => range,
+            StoredDepth::NormalizedNearIsOne => range + (1.0 - range) / FAR_TO_NEAR,
         };
-        nearness.map(|near| if is_perspective { near } else { -1.0 / near })
+        if is_perspective {
+            nearness
+        } else {
+            -1.0 / nearness
+        }
     };
-    let values = Plane::from_fn(width, height, |x, y| value(x, y).unwrap_or(0.0));
-    let valid = Mask::new(Plane::from_fn(width, height, |x, y| value(x, y).is_some()));
+    let mut values = depth.clone();
+    values.each_row(|y, row| {
+        for (x, d) in row.iter_mut().enumerate() {
+            *d = if shown(x, y) {
+                value(x, y, *d)
+            } else {
+                f32::NAN
+            };
+        }
+    });
     // Rounding of distances, as it is in their inverses: the derivative of 1/z is -1/z^2.
     let of_distance = |far: f32| {
         move |value: f32| match is_perspective {
@@ -82,8 +90,8 @@ pub(crate) fn normals_of_depth(
         (StoredDepth::WhiteFar | StoredDepth::NormalizedNearIsOne, _) => Rounding::Of(&mapped),
         _ => Rounding::Of(&plain),
     };
-    let found = slopes(values.clone(), &valid, &rounding);
-    normals(&values, &found, projection, window)
+    let found = slopes(&mut values, &rounding);
+    normals(&values, found, projection, window)
 }
 
 /// How finely depth was stored.
@@ -122,30 +130,61 @@ fn sky_of(depth: &Plane, stored: StoredDepth) -> Option<f32> {
 /// -nx X / fx + ny Y / fy + nz: its slopes are -nx / fx and ny / fy, and nz is what is left at X = Y = 0.
 fn normals(
     values: &Plane,
-    slopes: &Slopes,
+    slopes: Slopes,
     projection: Projection,
     window: Window,
 ) -> Vector3Planes {
-    let (width, height) = (values.width(), values.height());
-    let [mut x, mut y, mut z] = [(); 3].map(|()| Plane::filled(width, height, 0.0));
-    let normal = |column: usize, row: usize| {
-        let [across, down] =
-            [&slopes.across, &slopes.down].map(|plane| f64::from(plane.at(column, row)));
-        let at = window.middle(column, row);
-        match projection {
-            Projection::Perspective { fx, fy, cx, cy } => {
-                let value = f64::from(values.at(column, row));
-                let at_axis = value - (at.x - cx) * across - (at.y - cy) * down;
-                DVec3::new(-fx * across, fy * down, at_axis)
-            }
-            Projection::Orthographic { sx, sy, .. } => DVec3::new(-sx * across, sy * down, 1.0),
+    let Slopes {
+        across: mut x,
+        down: mut y,
+        found,
+    } = slopes;
+    let mut z = Plane::filled(values.width(), values.height(), 0.0);
+    let from_axis: Vec<f32> = match projection {
+        Projection::Perspective { cx, .. } => {
+            let columns = 0..values.width();
+            columns
+                .map(|column| (window.middle(column, 0).x - cx) as f32)
+                .collect()
         }
+        Projection::Orthographic { .. } => Vec::new(),
     };
     each_row_of([&mut x, &mut y, &mut z], |row, [x, y, z]| {
-        for column in (0..width).filter(|&column| slopes.found.at(column, row)) {
-            let n = normal(column, row).normalize_or_zero().as_vec3();
-            (x[column], y[column], z[column]) = (n.x, n.y, n.z);
+        let slopes = x.iter_mut().zip(y).zip(z);
+        let found = found.row(row).iter();
+        match projection {
+            Projection::Perspective { fx, fy, cy, .. } => {
+                let (fx, fy) = (fx as f32, fy as f32);
+                let down = (window.middle(0, row).y - cy) as f32;
+                let seen = values.row(row).iter().zip(&from_axis);
+                for ((((x, y), z), found), (value, right)) in slopes.zip(found).zip(seen) {
+                    let (p, q) = (*x, *y);
+                    let at_axis = value - right * p - down * q;
+                    [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
+                }
+            }
+            Projection::Orthographic { sx, sy, .. } => {
+                let (sx, sy) = (sx as f32, sy as f32);
+                for (((x, y), z), found) in slopes.zip(found) {
+                    [*x, *y, *z] = unit([-sx * *x, sy * *y, 1.0], *found);
+                }
+            }
         }
     });
     Vector3Planes { x, y, z }
+}
+
+/// A vector of length 1, or 0 where there is none.
+#[inline(always)]
+fn unit(vector: [f32; 3], is_found: bool) -> [f32; 3] {
+    // Divided by its size first: squares of very small and of very large numbers leave the range of floats.
+    let size = vector.iter().fold(0.0_f32, |sum, v| sum + v.abs());
+    let scale = if is_found & (size > 0.0) {
+        1.0 / size
+    } else {
+        0.0
+    };
+    let vector = vector.map(|v| if scale > 0.0 { v * scale } else { 0.0 });
+    let length = vector.iter().map(|v| v * v).sum::<f32>().sqrt();
+    vector.map(|v| if length > 0.0 { v / length } else { 0.0 })
 }

@@ -11,8 +11,8 @@ mod links;
 mod noise;
 mod smoothing;
 
+use crate::frame::Plane;
 use crate::frame::unrounded::unround_values;
-use crate::frame::{Mask, Plane};
 use links::Links;
 use noise::Noise;
 
@@ -45,8 +45,9 @@ const FINE: f32 = 1e-6;
 /// slopes can be smoothed.
 const FEW_CODES: f32 = 300.0;
 
-/// The slopes of `values`, affine in x and y on planes, within `valid`.
-pub(crate) fn slopes(mut values: Plane, valid: &Mask, rounding: &Rounding) -> Slopes {
+/// The slopes of `values`, affine in x and y on planes; NaN is no value, and neither is what is too large. Values in few
+/// codes are moved to the smoothest ones.
+pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
     let [width, height] = [values.width(), values.height()];
     if values.samples().is_empty() {
         let [across, down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
@@ -57,13 +58,22 @@ pub(crate) fn slopes(mut values: Plane, valid: &Mask, rounding: &Rounding) -> Sl
             found,
         };
     }
-    without_gaps(&mut values, valid);
-    let noise = Noise::of(&values, valid, rounding);
-    let links = Links::of(&values, &noise);
+    // NaN breaks all links.
+    values.each_row(|_, row| {
+        for value in row {
+            *value = if value.abs() < TOO_LARGE {
+                *value
+            } else {
+                f32::NAN
+            };
+        }
+    });
+    let noise = Noise::of(values, rounding);
+    let links = Links::of(values, &noise);
     if let Rounding::Step(step) = *rounding {
-        without_treads(&mut values, step);
+        without_treads(values, step);
     }
-    let (mut slopes, found) = links::differences(&values, &links);
+    let (mut slopes, found) = links::differences(values, &links);
     if !noise.is_below(FINE) {
         slopes = choice::choose(slopes, &links, &noise);
     }
@@ -73,19 +83,6 @@ pub(crate) fn slopes(mut values: Plane, valid: &Mask, rounding: &Rounding) -> Sl
         down,
         found,
     }
-}
-
-/// Marks what is no sample by NaN, which breaks all links.
-fn without_gaps(values: &mut Plane, valid: &Mask) {
-    values.each_row(|y, row| {
-        for (value, &valid) in row.iter_mut().zip(valid.row(y)) {
-            *value = if valid & (value.abs() < TOO_LARGE) {
-                *value
-            } else {
-                f32::NAN
-            };
-        }
-    });
 }
 
 /// Moves values in few codes to the smoothest ones that round to these. Links, found before, keep them apart at steps.
@@ -115,7 +112,23 @@ fn without_treads(values: &mut Plane, step: f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Mask;
     use std::f32::consts::TAU;
+
+    /// The slopes of the values within a mask.
+    fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Slopes {
+        let within = |x, y| {
+            if valid.at(x, y) {
+                values.at(x, y)
+            } else {
+                f32::NAN
+            }
+        };
+        slopes(
+            &mut Plane::from_fn(values.width(), values.height(), within),
+            rounding,
+        )
+    }
 
     /// Normally distributed numbers, to about four deviations, that depend on the place alone.
     fn noise_at(x: usize, y: usize) -> f32 {
@@ -154,7 +167,7 @@ mod tests {
         });
         let valid = Mask::new(Plane::from_fn(80, 80, |x, y| !is_gap(x, y)));
         for (step, limit) in [(0.0, 0.0), (1.0 / 64.0, 1e-6)] {
-            let found = slopes(values.clone(), &valid, &Rounding::Step(step));
+            let found = slopes_within(&values, &valid, &Rounding::Step(step));
             let error = worst(&found, |x, y| (!is_gap(x, y)).then_some([0.25, -0.5]));
             assert!(error <= limit, "{step} {error}");
             assert!(!found.found.at(20, 60) && found.across.at(20, 60) == 0.0);
@@ -177,7 +190,7 @@ mod tests {
         let within = |x, y, radius: f32| place(x, y)[0].hypot(place(x, y)[1]) < radius;
         let values = Plane::from_fn(141, 141, height);
         let valid = Mask::new(Plane::from_fn(141, 141, |x, y| within(x, y, 62.0)));
-        let found = slopes(values, &valid, &Rounding::Step(0.0));
+        let found = slopes_within(&values, &valid, &Rounding::Step(0.0));
         let exact = |x, y| within(x, y, 60.0).then(|| place(x, y).map(|a| -a / height(x, y)));
         let error = worst(&found, exact);
         assert!(error < 9.2e-5 + 3.8e-6, "{error}");
@@ -190,7 +203,7 @@ mod tests {
         let wave = |x: usize, shift: f32| TAU / 12.0 * x as f32 + shift;
         for shift in [0.0, 0.1, 0.26, 0.4] {
             let values = Plane::from_fn(96, 12, |x, _| 2.0 * wave(x, shift).sin());
-            let found = slopes(values, &Mask::full(96, 12), &Rounding::Step(0.0));
+            let found = slopes_within(&values, &Mask::full(96, 12), &Rounding::Step(0.0));
             let exact = |x, _| (3..93).contains(&x).then(|| [wave(x, shift).cos(), 0.0]);
             let exact = |x, y| exact(x, y).map(|[p, q]| [p * TAU / 6.0, q]);
             let error = worst(&found, exact);
@@ -206,7 +219,7 @@ mod tests {
         let values = Plane::from_fn(160, 160, |x, y| {
             ((0.31 * x as f32 + 0.13 * y as f32) / step).round() * step
         });
-        let found = slopes(values, &Mask::full(160, 160), &Rounding::Step(step));
+        let found = slopes_within(&values, &Mask::full(160, 160), &Rounding::Step(step));
         let inside = |x: usize| (30..130).contains(&x);
         let error = worst(&found, |x, y| {
             (inside(x) & inside(y)).then_some([0.31, 0.13])
@@ -222,11 +235,11 @@ mod tests {
         });
         // A median of 4,096 absolute values is known to 1.2 %, and the least of eight of them is 1.4 times that lower.
         let (whole, floats) = (Mask::full(160, 160), Rounding::Step(0.0));
-        let noise = Noise::of(&values, &whole, &floats).white;
+        let noise = Noise::of(&values, &floats).white;
         assert!((noise - 0.1).abs() < 0.005, "{noise}");
-        let found = slopes(values.clone(), &whole, &floats);
+        let found = slopes_within(&values, &whole, &floats);
         // Differences have a deviation of 0.071; codes that are as coarse as the noise change little.
-        let steps = slopes(values, &Mask::full(160, 160), &Rounding::Of(&|_| 0.1));
+        let steps = slopes_within(&values, &Mask::full(160, 160), &Rounding::Of(&|_| 0.1));
         for found in [found, steps] {
             let exact = |x: usize, y: usize| 0.3 * (x as f32 * 0.1).cos() * (y as f32 * 0.07).cos();
             let inside = (8..152).flat_map(|y| (8..152).map(move |x| (x, y)));
@@ -276,7 +289,7 @@ mod tests {
                     Rounding::Of(&|value| if value > 2.0 { f32::INFINITY } else { -1.0 }),
                 ];
                 for step in &steps {
-                    let slopes = slopes(values.clone(), &valid, step);
+                    let slopes = slopes_within(&values, &valid, step);
                     let mut all = slopes.across.samples().iter().chain(slopes.down.samples());
                     assert!(
                         all.all(|slope| slope.is_finite()),

@@ -33,8 +33,8 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    pub(super) fn of(values: &Plane, valid: &Mask, rounding: &Rounding) -> Self {
-        let (white, size) = white_noise(values, valid);
+    pub(super) fn of(values: &Plane, rounding: &Rounding) -> Self {
+        let (white, size) = white_noise(values);
         let step = |step: f32| {
             if step > 0.0 {
                 step.min(super::TOO_LARGE)
@@ -88,9 +88,10 @@ impl Noise {
 
 /// Standard deviation of white noise, the least that differences along rows and columns show, and the median size of
 /// values; 0 where nothing is known.
-fn white_noise(values: &Plane, valid: &Mask) -> (f32, f32) {
+fn white_noise(values: &Plane) -> (f32, f32) {
     let mut sizes = Vec::with_capacity(PIXELS);
     let mut differences: [[Vec<f32>; ORDERS.len()]; 2] = Default::default();
+    let valid = Mask::new(values.map(f32::is_finite));
     for (x, y) in valid.sample(PIXELS) {
         let value = |x: Option<usize>, y: Option<usize>| {
             let (x, y) = (
