@@ -45,6 +45,8 @@ pub struct Inputs {
     /// Objects the effect is limited to, by their Cryptomatte names, with `*` and `?` as wildcards, or by their
     /// numbers; a `!` before a name excludes an object. Empty means all.
     pub objects: Vec<String>,
+    /// The file that tells objects apart, by Cryptomatte or by index passes, if not the picture.
+    pub cryptomatte: Option<PathBuf>,
     /// Stroke angles of single objects, overriding curvature.
     pub object_angles: Vec<ObjectAngle>,
     /// Coverage: pixels above one half show a surface.

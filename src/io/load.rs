@@ -130,6 +130,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let source = FrameSource {
         inputs,
         main: &main,
+        objects: objects::file_of(inputs, &main, whole)?,
         sources: &sources,
         data_window,
         display_window,
@@ -208,7 +209,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         occlusion,
         importance: planes.scalar(Role::Importance),
         strength,
-        stroke_fallback: objects::fallbacks(&inputs.object_angles, &main, data_window)?,
+        stroke_fallback: objects::fallbacks(&inputs.object_angles, &source.objects, data_window)?,
         color,
         albedo,
         alpha: layers.alpha,
@@ -312,6 +313,8 @@ fn smaller(mut plane: Plane, other: &Plane) -> Plane {
 pub(super) struct FrameSource<'a> {
     pub(super) inputs: &'a Inputs,
     pub(super) main: &'a Opened,
+    /// The file that tells its objects apart.
+    pub(super) objects: Rc<Opened>,
     pub(super) sources: &'a FrameSources,
     pub(super) data_window: Window,
     pub(super) display_window: Window,
@@ -389,7 +392,7 @@ impl FrameSource<'_> {
         let chosen = &self.inputs.objects;
         let objects = match chosen.is_empty() {
             true => None,
-            false => Some(objects::covered(chosen, self.main, self.data_window)?),
+            false => Some(objects::covered(chosen, &self.objects, self.data_window)?),
         };
         Ok(strength_of(mask, objects))
     }
