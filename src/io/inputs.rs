@@ -92,6 +92,8 @@ pub struct Needs {
     pub motion: bool,
     /// Masks and objects as strengths of the change; else they are coverage.
     pub strength: bool,
+    /// The objects, for lines between them, if they are told apart.
+    pub objects: bool,
     /// The confidence that each pixel shows one surface alone; see [`Frame::confidence`].
     pub confidence: bool,
     /// The same only where it is below 1 anywhere.

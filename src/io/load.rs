@@ -180,6 +180,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         None => source.surface_of_depth(&mut layers, &mut notes)?,
     };
 
+    let objects = source.numbered(&mask, needs, &mut notes);
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();
     let mut spare = position.map_or_else(Vec::new, RolePlanes::into_planes);
@@ -209,6 +210,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         occlusion,
         importance: planes.scalar(Role::Importance),
         strength,
+        objects,
         stroke_fallback: objects::fallbacks(&inputs.object_angles, &source.objects, data_window)?,
         color,
         albedo,
@@ -385,6 +387,14 @@ impl FrameSource<'_> {
             depth_is_half,
             view,
         })
+    }
+
+    /// The objects, if they are needed and told apart.
+    fn numbered(&self, mask: &Mask, needs: Needs, notes: &mut Notes) -> Option<Plane> {
+        let found = needs
+            .objects
+            .then(|| objects::numbered(&self.objects, mask, self.data_window));
+        notes.objects(found?)
     }
 
     /// Strength of the effect, 0..1: the share of the chosen objects times the mask.

@@ -7,7 +7,8 @@ use super::nearest;
 use super::opened::Opened;
 use super::roles::{Layer, Match, Role, by_name};
 use crate::error::{Error, Result};
-use crate::frame::{Plane, Vector3Planes, Window};
+use crate::frame::objects::Objects;
+use crate::frame::{Mask, Plane, Vector3Planes, Window};
 use crate::params::{Fallback, ObjectAngle};
 use crate::untrusted::{Untrusted, listed, shown};
 use glam::{Vec2, Vec3};
@@ -18,6 +19,11 @@ use wildmatch::WildMatch;
 
 /// How many names a message lists.
 const LISTED: usize = 8;
+
+/// Ranks of passes that tell objects apart, the best first: Cryptomatte of objects, their index, other Cryptomatte, that of
+/// materials, their index.
+const INDEX_OF_OBJECTS: u8 = 1;
+const INDEX_OF_MATERIALS: u8 = 4;
 
 /// Most bytes of samples that are read for a survey.
 const MOST_SURVEYED: usize = 256 << 20;
@@ -200,6 +206,64 @@ pub(super) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<
             .for_each(|(share, without)| *share = share.min(1.0 - without));
     }
     Ok(covered)
+}
+
+/// The objects in each pixel of `mask`, by the first pass in which they differ; with its name. `None` where nothing tells them
+/// apart.
+///
+/// # Errors
+/// Any [`Error`] of reading.
+pub(super) fn numbered(
+    of: &Opened,
+    mask: &Mask,
+    window: Window,
+) -> Result<Option<(String, Objects)>> {
+    let Opened::Exr { file, layers, .. } = of else {
+        return Ok(None);
+    };
+    for (rank, name, channel) in passes(of, file, layers)? {
+        let stored = file.parts[channel.part].window;
+        let (planes, own) = read(file, &[channel], stored, window)?;
+        let mut numbers = planes[0].moved(own, window, 0.0);
+        if let INDEX_OF_OBJECTS | INDEX_OF_MATERIALS = rank {
+            // Lossy compression alters them a little.
+            numbers = numbers.map(f32::round);
+        }
+        let found = Objects::of(&numbers, mask);
+        if found != Objects::Alike {
+            return Ok(Some((name, found)));
+        }
+    }
+    Ok(None)
+}
+
+/// The passes that tell objects apart, by rank, with their names and the channels of numbers.
+fn passes(of: &Opened, file: &ExrFile, layers: &[Layer]) -> Result<Vec<(u8, String, ChannelId)>> {
+    let mut hashed = cryptomatte::layers(file)?;
+    hashed.retain(|layer| layer.spoilt(file).is_none() && !of.is_apart(layer.channels()[0]));
+    let hashed = hashed.into_iter().map(|layer| {
+        let name = layer.layer.to_lowercase();
+        let rank = match (name.contains("object"), name.contains("material")) {
+            (true, _) => INDEX_OF_OBJECTS - 1,
+            (false, false) => INDEX_OF_OBJECTS + 1,
+            (false, true) => INDEX_OF_MATERIALS - 1,
+        };
+        // The channel of the largest share.
+        let first = layer.channels()[0];
+        (rank, layer.layer, first)
+    });
+    let index = |role, rank| {
+        let found = by_name(layers, role)?;
+        let (part, channel) = (found.part, found.channels[0]);
+        Some((rank, found.layer, ChannelId { part, channel }))
+    };
+    let indices = [
+        index(Role::ObjectIndex, INDEX_OF_OBJECTS),
+        index(Role::MaterialIndex, INDEX_OF_MATERIALS),
+    ];
+    let mut passes: Vec<_> = hashed.chain(indices.into_iter().flatten()).collect();
+    passes.sort_by_key(|(rank, ..)| *rank);
+    Ok(passes)
 }
 
 /// Where strokes go on the objects that have a direction of their own, as [`crate::frame::Frame::stroke_fallback`] holds

@@ -440,3 +440,52 @@ fn objects_are_told_apart_by_a_file_of_their_own() {
     let line = refused("enhance beauty.exr -o out.exr --object leaf_x_b");
     assert!(line.contains("--cryptomatte FILE"), "{line}");
 }
+
+#[test]
+fn lines_between_objects_are_those_of_a_pass_unless_it_is_a_mesh() {
+    let desk = tempfile::tempdir().unwrap();
+    let plane = |sample: &dyn Fn(usize, usize) -> f32| Plane::from_fn(128, 96, sample);
+    let [zero, one] = [0.0, 1.0].map(|value| plane(&|_, _| value));
+    let wall = |index: &str, numbers: &Plane| {
+        let channels = [
+            ("N.X", &zero),
+            ("N.Y", &zero),
+            ("N.Z", &one),
+            (index, numbers),
+        ];
+        Part::of(
+            [("R", &one), ("G", &one), ("B", &one), ("Z", &one)]
+                .into_iter()
+                .chain(channels),
+        )
+    };
+    let halves = plane(&|x, _| if x < 64 { 1.0 } else { 2.0 });
+    // A number for each square of 8 pixels: sides along 2/8 of the pixels.
+    let squares = plane(&|x, y| (x / 8 + 100 * (y / 8)) as f32);
+    let at = |name: &str| desk.path().join(name);
+    wall("IndexOB.X", &halves).write(&at("halves.exr"));
+    wall("IndexMA.X", &squares).write(&at("squares.exr"));
+    wall("other.X", &halves).write(&at("bare.exr"));
+    let drawn = |input: &str, flags: &str| {
+        let words =
+            format!("hatch {input} --normal-space view --layers results -o out.exr {flags}");
+        let said = relievo(desk.path(), &words).done().stderr;
+        (channel(&at("out.exr"), "strokes.contours"), said)
+    };
+    let columns = |ink: &Plane| -> Vec<usize> {
+        let has_ink = |&x: &usize| (0..96).any(|y| ink.at(x, y) > 0.0);
+        (0..128).filter(has_ink).collect()
+    };
+    // A pixel wide, between columns 63 and 64.
+    let (line, said) = drawn("halves.exr", "-v");
+    assert_eq!(columns(&line), [63, 64]);
+    assert!(
+        said.contains("objects") && said.contains("IndexOB"),
+        "{said}"
+    );
+    assert_eq!(drawn("bare.exr", "--cryptomatte halves.exr").0, line);
+    assert!(columns(&drawn("halves.exr", "--object-lines off").0).is_empty());
+    let (none, said) = drawn("squares.exr", "");
+    assert!(columns(&none).is_empty());
+    assert!(said.contains("IndexMA: its objects are so small"), "{said}");
+}
