@@ -24,6 +24,7 @@ const EVERYTHING: Needs = Needs {
     projection: true,
     motion: false,
     strength: false,
+    objects: false,
     confidence: false,
     confidence_if_any: false,
 };

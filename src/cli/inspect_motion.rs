@@ -16,6 +16,7 @@ const NEEDS: Needs = Needs {
     projection: true,
     motion: true,
     strength: false,
+    objects: false,
     confidence: false,
     confidence_if_any: false,
 };

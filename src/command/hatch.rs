@@ -20,8 +20,8 @@ use crate::line::stippling::cpu::most_dots_per_px;
 use crate::line::streamlines::{Streamline, Tool};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Ink, LineParams, Material, RelightParams, ScalingParams, ShapeParams, SoftThreshold,
-    StrokeParams, StrokeScale, Style, ToneSource,
+    Ink, LineParams, Material, ObjectLines, RelightParams, ScalingParams, ShapeParams,
+    SoftThreshold, StrokeParams, StrokeScale, Style, ToneSource,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::Path;
@@ -109,6 +109,8 @@ impl HatchArgs {
         // Lines of an SVG are either there or not, so the mask is read as coverage.
         needs.strength = !is_svg(&self.relight.work);
         needs.confidence_if_any = false;
+        let contours = looks.line.contours.as_ref();
+        needs.objects = contours.is_some_and(|c| c.object_lines == ObjectLines::Auto);
         needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
         if looks
             .line

@@ -82,6 +82,7 @@ impl Source {
             ("coverage", inputs.coverage.is_some()),
             ("albedo", inputs.albedo.is_some() || light.albedo.is_some()),
             ("object", !inputs.objects.is_empty()),
+            ("cryptomatte", inputs.cryptomatte.is_some()),
             ("object-angle", !inputs.object_angles.is_empty()),
             ("camera", inputs.camera.is_some()),
             ("still-camera", inputs.known_camera.is_some()),

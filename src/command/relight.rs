@@ -114,6 +114,7 @@ pub(crate) fn needs(params: &RelightParams, illumination: &Illumination) -> Need
         projection: true,
         motion: false,
         strength: true,
+        objects: false,
         confidence: false,
         confidence_if_any: true,
     }

@@ -58,10 +58,13 @@ pub(crate) struct RoleArgs {
     /// half.
     #[arg(long, value_name = "NAME|FILE")]
     mask: Option<String>,
-    /// Only this object, by its name in Cryptomatte, * and ? for any letters, or its number in an index pass; !NAME
-    /// leaves one out. May be given several times.
+    /// Only this object, by its name in Cryptomatte, * and ? for any letters, its hash, as in 0x05777012, or its number in
+    /// an index pass; !NAME leaves one out. May be given several times.
     #[arg(long = "object", value_name = "NAME")]
     objects: Vec<String>,
+    /// File with the Cryptomatte or the index passes that tell objects apart, where IN has none; of the same size.
+    #[arg(long, value_name = "FILE")]
+    cryptomatte: Option<PathBuf>,
     /// Where a surface is seen, above one half: a layer of IN or a file. Normals elsewhere are ignored.
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
     coverage: Option<String>,
@@ -190,6 +193,7 @@ impl RoleArgs {
             motion: None,
             mask: self.mask.clone(),
             objects: self.objects.clone(),
+            cryptomatte: self.cryptomatte.clone(),
             object_angles: Vec::new(),
             coverage: self.coverage.clone(),
             camera: self.camera.clone(),
@@ -225,10 +229,13 @@ impl RoleArgs {
         for own in named.into_iter().flatten() {
             *own = name(own);
         }
-        if let Some(camera) = &mut self.camera
-            && let Some(own) = camera.to_str()
+        for path in [&mut self.camera, &mut self.cryptomatte]
+            .into_iter()
+            .flatten()
         {
-            *camera = name(own).into();
+            if let Some(own) = path.to_str() {
+                *path = name(own).into();
+            }
         }
     }
 
@@ -253,6 +260,7 @@ impl RoleArgs {
         std::iter::once(picture.to_path_buf())
             .chain(named)
             .chain(self.camera.clone())
+            .chain(self.cryptomatte.clone())
             .collect()
     }
 }

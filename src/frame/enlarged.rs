@@ -60,6 +60,11 @@ impl Frame {
             }),
             ..self.with_planes(mask, plane)
         };
+        frame.objects = self.objects.as_ref().map(|numbers| {
+            samples_while(width, height, goes_on, |x, y| {
+                around(x, y).map_or(0.0, |around| heaviest(numbers, &around))
+            })
+        });
         if let Some(is_mixed) = self.beside_jumps() {
             let unmixed = |mixed: &Plane| plane(&self.of_one_surface(mixed, &is_mixed));
             let Vector3Planes { x, y, z } = &self.normal;
@@ -225,6 +230,12 @@ fn mean(plane: &Plane, around: &Around) -> f32 {
         .iter()
         .map(|&([x, y], weight)| weight * plane.at(x, y));
     weighted.sum()
+}
+
+/// The sample with most weight.
+fn heaviest(plane: &Plane, around: &Around) -> f32 {
+    let most = around.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    most.map_or(0.0, |&([x, y], _)| plane.at(x, y))
 }
 
 /// Whether samples at these depths belong to one surface.

@@ -13,6 +13,7 @@ mod mask;
 mod motion;
 mod noise;
 pub(crate) mod normals;
+pub(crate) mod objects;
 mod plane;
 mod ray;
 mod reduced;
@@ -114,6 +115,8 @@ pub struct Frame {
     /// Strength of the effect, 0..1. Engines weight by it what they choose a gain from; the command line blends results
     /// with the frame's own picture by it.
     pub strength: Option<Plane>,
+    /// Numbers of objects, from 1, for lines between those that touch; 0 where a piece is too small for lines around it.
+    pub objects: Option<Plane>,
     /// Stroke directions where curvature gives none, for objects with a direction of their own: x and y are the unit
     /// vector at twice its angle, z is 1 for upright on the surface; all 0 for the drawing's general direction.
     pub stroke_fallback: Option<Vector3Planes>,
@@ -178,6 +181,7 @@ impl Frame {
             occlusion: None,
             importance: None,
             strength: None,
+            objects: None,
             stroke_fallback: None,
             color: None,
             albedo: None,
@@ -245,6 +249,7 @@ impl Frame {
             occlusion: self.occlusion.as_ref().map(plane),
             importance: self.importance.as_ref().map(plane),
             strength: self.strength.as_ref().map(plane),
+            objects: self.objects.as_ref().map(plane),
             stroke_fallback: self.stroke_fallback.as_ref().map(vectors),
             color: self.color.as_ref().map(colors),
             albedo: self.albedo.as_ref().map(colors),

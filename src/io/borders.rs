@@ -5,15 +5,16 @@ use super::inputs::Wrap;
 use crate::frame::Vector3Planes;
 use glam::Vec3;
 
-/// Across the border of a tile vectors change at most this many times as much as beside it. Scanned tiles in JPEG reach
-/// 1.24, crops of them 2.1 and more.
-const MOST_ACROSS: f64 = 1.4;
+/// Across the border of a tile vectors change at most this many times as much as beside it, on the side where they change
+/// less: beside a busy border a calm one would pass for its continuation. Scanned tiles in JPEG reach 1.39; of 1600 crops
+/// of them all but 3 exceed 1.7.
+const MOST_ACROSS: f64 = 1.5;
 
 /// Fewer pixels along a border tell nothing.
 const FEWEST: usize = 16;
 
-/// How much vectors change across opposite borders, as a multiple of the change beside them: left to right, and top to
-/// bottom. `None` where too few pixels are written.
+/// How much vectors change across opposite borders, as a multiple of the change beside the calmer one: left to right, and
+/// top to bottom. `None` where too few pixels are written.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Borders([Option<f64>; 2]);
 
@@ -76,12 +77,13 @@ pub(crate) fn wrapped(normal: &Vector3Planes, wrap: Wrap) -> [bool; 2] {
     }
 }
 
-/// The mean change from the last to the first vector of each line of `length`, divided by that next to them.
+/// The mean change from the last to the first vector of each line of `length`, divided by that next to them on the calmer
+/// side.
 fn change(length: usize, lines: impl Iterator<Item = impl Fn(usize) -> Vec3>) -> Option<f64> {
     if length < FEWEST {
         return None;
     }
-    let (mut across, mut beside, mut count) = (0.0, 0.0, 0);
+    let (mut across, mut beside, mut count) = (0.0, [0.0; 2], 0);
     for line in lines {
         let four = [length - 2, length - 1, 0, 1].map(&line);
         let is_written = |v: &Vec3| v.is_finite() && *v != Vec3::ZERO;
@@ -90,12 +92,13 @@ fn change(length: usize, lines: impl Iterator<Item = impl Fn(usize) -> Vec3>) ->
         }
         let [before, last, first, after] = four;
         across += f64::from(last.distance(first));
-        beside += 0.5 * f64::from(before.distance(last) + first.distance(after));
+        beside[0] += f64::from(before.distance(last));
+        beside[1] += f64::from(first.distance(after));
         count += 1;
     }
     match count {
         ..FEWEST => None,
         _ if across == 0.0 => Some(0.0),
-        _ => Some(across / beside),
+        _ => Some(across / beside[0].min(beside[1])),
     }
 }

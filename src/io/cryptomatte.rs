@@ -164,7 +164,14 @@ fn murmur3(bytes: &[u8]) -> u32 {
     hash ^ (hash >> 16)
 }
 
-pub(super) fn parsed(hex: &str) -> Option<u32> {
+/// The number that a user gives for an object: `#05777012`, `0x05777012`, or the eight digits of manifests alone.
+pub(super) fn number(given: &str) -> Option<u32> {
+    let marks = ["#", "0x", "0X"].into_iter();
+    let marked = marks.filter_map(|mark| given.strip_prefix(mark)).next();
+    parsed(marked.or_else(|| (given.len() == 8).then_some(given))?)
+}
+
+fn parsed(hex: &str) -> Option<u32> {
     u32::from_str_radix(hex, 16).ok()
 }
 

@@ -45,6 +45,8 @@ pub struct Inputs {
     /// Objects the effect is limited to, by their Cryptomatte names, with `*` and `?` as wildcards, or by their
     /// numbers; a `!` before a name excludes an object. Empty means all.
     pub objects: Vec<String>,
+    /// The file that tells objects apart, by Cryptomatte or by index passes, if not the picture.
+    pub cryptomatte: Option<PathBuf>,
     /// Stroke angles of single objects, overriding curvature.
     pub object_angles: Vec<ObjectAngle>,
     /// Coverage: pixels above one half show a surface.
@@ -90,6 +92,8 @@ pub struct Needs {
     pub motion: bool,
     /// Masks and objects as strengths of the change; else they are coverage.
     pub strength: bool,
+    /// The objects, for lines between them, if they are told apart.
+    pub objects: bool,
     /// The confidence that each pixel shows one surface alone; see [`Frame::confidence`].
     pub confidence: bool,
     /// The same only where it is below 1 anywhere.

@@ -131,6 +131,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     let source = FrameSource {
         inputs,
         main: &main,
+        objects: objects::file_of(inputs, &main, whole)?,
         sources: &sources,
         data_window,
         display_window,
@@ -180,6 +181,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         None => source.surface_of_depth(&mut layers, &mut notes)?,
     };
 
+    let objects = source.numbered(&mask, needs, &mut notes);
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();
     let mut spare = position.map_or_else(Vec::new, RolePlanes::into_planes);
@@ -209,7 +211,8 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         occlusion,
         importance: planes.scalar(Role::Importance),
         strength,
-        stroke_fallback: objects::fallbacks(&inputs.object_angles, &main, data_window)?,
+        objects,
+        stroke_fallback: objects::fallbacks(&inputs.object_angles, &source.objects, data_window)?,
         color,
         albedo,
         alpha: layers.alpha,
@@ -313,6 +316,8 @@ fn smaller(mut plane: Plane, other: &Plane) -> Plane {
 pub(super) struct FrameSource<'a> {
     pub(super) inputs: &'a Inputs,
     pub(super) main: &'a Opened,
+    /// The file that tells its objects apart.
+    pub(super) objects: Rc<Opened>,
     pub(super) sources: &'a FrameSources,
     pub(super) data_window: Window,
     pub(super) display_window: Window,
@@ -385,12 +390,20 @@ impl FrameSource<'_> {
         })
     }
 
+    /// The objects, if they are needed and told apart.
+    fn numbered(&self, mask: &Mask, needs: Needs, notes: &mut Notes) -> Option<Plane> {
+        let found = needs
+            .objects
+            .then(|| objects::numbered(&self.objects, mask, self.data_window));
+        notes.objects(found?)
+    }
+
     /// Strength of the effect, 0..1: the share of the chosen objects times the mask.
     fn strength(&self, mask: Option<Plane>) -> Result<Option<Plane>> {
         let chosen = &self.inputs.objects;
         let objects = match chosen.is_empty() {
             true => None,
-            false => Some(objects::covered(chosen, self.main, self.data_window)?),
+            false => Some(objects::covered(chosen, &self.objects, self.data_window)?),
         };
         Ok(strength_of(mask, objects))
     }

@@ -110,8 +110,9 @@ roles! {
     Motion: Pair = "vector" "motion" "backward";
     Mist: Scalar = "mist";
     TextureCoordinates: Vector = "uv" "st";
-    ObjectIndex: Scalar = "objectindex" "indexob";
-    MaterialIndex: Scalar = "materialindex" "indexma";
+    ObjectIndex: Scalar = "objectindex" "indexob" "objectid" "vrayobjectid" "nodeid" "vraynodeid";
+    MaterialIndex: Scalar = "materialindex" "indexma" "materialid" "mtlid" "vraymtlid"
+        "vraymaterialid";
 }
 
 impl Role {

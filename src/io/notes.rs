@@ -8,8 +8,9 @@ use super::opened::Opened;
 use super::roles::Role;
 use super::sources::Chosen;
 use crate::error::Result;
+use crate::frame::objects::Objects;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
-use crate::untrusted::shown;
+use crate::untrusted::{Untrusted, shown};
 use std::rc::Rc;
 
 /// Conclusions and warnings gathered while loading.
@@ -159,6 +160,34 @@ impl Notes {
         if !is_part && strength.samples().iter().all(|&share| share == 0.0) {
             self.warnings
                 .push("nothing of what is chosen is in the picture: it stays as it is".into());
+        }
+    }
+
+    /// The objects that were found, for lines between them, and what is said of them.
+    pub(super) fn objects(&mut self, found: Result<Option<(String, Objects)>>) -> Option<Plane> {
+        const LEFT_OUT: &str = "no lines are drawn between objects";
+        match found {
+            Ok(None | Some((_, Objects::Alike))) => None,
+            Ok(Some((layer, Objects::Apart(count, numbers)))) => {
+                self.findings.push(Finding {
+                    subject: "objects".into(),
+                    conclusion: format!("{count}, with lines between those that touch"),
+                    evidence: format!("by {}", Untrusted(&layer)),
+                    flag: "--object-lines auto".into(),
+                });
+                Some(numbers)
+            }
+            Ok(Some((layer, Objects::Mesh))) => {
+                self.warnings.push(format!(
+                    "{}: its objects are so small that lines would fill the picture: {LEFT_OUT}, as by --object-lines off",
+                    Untrusted(&layer)
+                ));
+                None
+            }
+            Err(error) => {
+                self.warnings.push(format!("{error}: {LEFT_OUT}"));
+                None
+            }
         }
     }
 

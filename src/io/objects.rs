@@ -2,20 +2,28 @@
 
 use super::cryptomatte::{self, Cryptomatte, coverage};
 use super::exr::{ChannelId, ExrFile};
+use super::inputs::Inputs;
 use super::nearest;
 use super::opened::Opened;
 use super::roles::{Layer, Match, Role, by_name};
 use crate::error::{Error, Result};
-use crate::frame::{Plane, Vector3Planes, Window};
+use crate::frame::objects::Objects;
+use crate::frame::{Mask, Plane, Vector3Planes, Window};
 use crate::params::{Fallback, ObjectAngle};
-use crate::untrusted::{Untrusted, listed};
+use crate::untrusted::{Untrusted, listed, shown};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::path::Path;
+use std::rc::Rc;
 use wildmatch::WildMatch;
 
 /// How many names a message lists.
 const LISTED: usize = 8;
+
+/// Ranks of passes that tell objects apart, the best first: Cryptomatte of objects, their index, other Cryptomatte, that of
+/// materials, their index.
+const INDEX_OF_OBJECTS: u8 = 1;
+const INDEX_OF_MATERIALS: u8 = 4;
 
 /// Most bytes of samples that are read for a survey.
 const MOST_SURVEYED: usize = 256 << 20;
@@ -114,17 +122,67 @@ pub(super) fn refuse_numbers(name: &str, main: &Opened) -> Result<()> {
     }
 }
 
+/// The file named to tell the objects of `main` apart, if one is.
+///
+/// # Errors
+/// Any [`Error`] of opening it; [`Error::MissingAov`] for a file that tells none apart.
+pub(super) fn named(inputs: &Inputs, main: &Opened) -> Result<Option<Rc<Opened>>> {
+    let Some(path) = &inputs.cryptomatte else {
+        return Ok(None);
+    };
+    let named = main.open_companion(path)?;
+    let tells = match named.as_ref() {
+        Opened::Exr { file, layers, .. } => {
+            index_pass(layers).is_some() || !cryptomatte::layers(file)?.is_empty()
+        }
+        Opened::Photo { .. } => false,
+    };
+    match tells {
+        true => Ok(Some(named)),
+        false => Err(untold(path)),
+    }
+}
+
+/// The file that tells the objects of `main` apart, whose frame has this window: itself, or the one that is named.
+///
+/// # Errors
+/// As [`named`]; [`Error::SizeMismatch`] for a file of other pixels.
+pub(super) fn file_of(inputs: &Inputs, main: &Rc<Opened>, whole: Window) -> Result<Rc<Opened>> {
+    let Some(named) = named(inputs, main)? else {
+        return Ok(main.clone());
+    };
+    let (display, _) = main.shown(whole);
+    let Opened::Exr { file, .. } = named.as_ref() else {
+        return Ok(named);
+    };
+    let mut stored = file.parts.iter().map(|part| part.window);
+    match file.display_window == display || stored.all(|stored| stored == whole) {
+        true => Ok(named),
+        false => Err(Error::SizeMismatch {
+            path: file.path.clone(),
+            found: format!("{} (--cryptomatte)", file.display_window),
+            expected: format!("{} has {display}", shown(main.path())),
+        }),
+    }
+}
+
+/// The pass that holds a number for each pixel: of its object, or else of its material.
+fn index_pass(layers: &[Layer]) -> Option<Match> {
+    let mut roles = [Role::ObjectIndex, Role::MaterialIndex].into_iter();
+    roles.find_map(|role| by_name(layers, role))
+}
+
 /// How much of each pixel of `window` the objects cover that are chosen, 0..1.
 ///
 /// # Errors
 /// Any [`Error`] of reading; [`Error::MissingAov`] for a picture that tells no objects apart, or has none of this name.
-pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Result<Plane> {
+pub(super) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<Plane> {
     let choice = Choice::of(chosen);
-    let Opened::Exr { file, layers, .. } = main else {
-        return Err(untold(main.path()));
+    let Opened::Exr { file, layers, .. } = of else {
+        return Err(untold(of.path()));
     };
     let mut hashed = cryptomatte::layers(file)?;
-    hashed.retain(|layer| !layer.channels().into_iter().any(|id| main.is_apart(id)));
+    hashed.retain(|layer| !layer.channels().into_iter().any(|id| of.is_apart(id)));
     let find = |names: &[&str]| -> Result<Vec<Vec<ObjectSource>>> {
         let found = names
             .iter()
@@ -150,6 +208,64 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
     Ok(covered)
 }
 
+/// The objects in each pixel of `mask`, by the first pass in which they differ; with its name. `None` where nothing tells them
+/// apart.
+///
+/// # Errors
+/// Any [`Error`] of reading.
+pub(super) fn numbered(
+    of: &Opened,
+    mask: &Mask,
+    window: Window,
+) -> Result<Option<(String, Objects)>> {
+    let Opened::Exr { file, layers, .. } = of else {
+        return Ok(None);
+    };
+    for (rank, name, channel) in passes(of, file, layers)? {
+        let stored = file.parts[channel.part].window;
+        let (planes, own) = read(file, &[channel], stored, window)?;
+        let mut numbers = planes[0].moved(own, window, 0.0);
+        if let INDEX_OF_OBJECTS | INDEX_OF_MATERIALS = rank {
+            // Lossy compression alters them a little.
+            numbers = numbers.map(f32::round);
+        }
+        let found = Objects::of(&numbers, mask);
+        if found != Objects::Alike {
+            return Ok(Some((name, found)));
+        }
+    }
+    Ok(None)
+}
+
+/// The passes that tell objects apart, by rank, with their names and the channels of numbers.
+fn passes(of: &Opened, file: &ExrFile, layers: &[Layer]) -> Result<Vec<(u8, String, ChannelId)>> {
+    let mut hashed = cryptomatte::layers(file)?;
+    hashed.retain(|layer| layer.spoilt(file).is_none() && !of.is_apart(layer.channels()[0]));
+    let hashed = hashed.into_iter().map(|layer| {
+        let name = layer.layer.to_lowercase();
+        let rank = match (name.contains("object"), name.contains("material")) {
+            (true, _) => INDEX_OF_OBJECTS - 1,
+            (false, false) => INDEX_OF_OBJECTS + 1,
+            (false, true) => INDEX_OF_MATERIALS - 1,
+        };
+        // The channel of the largest share.
+        let first = layer.channels()[0];
+        (rank, layer.layer, first)
+    });
+    let index = |role, rank| {
+        let found = by_name(layers, role)?;
+        let (part, channel) = (found.part, found.channels[0]);
+        Some((rank, found.layer, ChannelId { part, channel }))
+    };
+    let indices = [
+        index(Role::ObjectIndex, INDEX_OF_OBJECTS),
+        index(Role::MaterialIndex, INDEX_OF_MATERIALS),
+    ];
+    let mut passes: Vec<_> = hashed.chain(indices.into_iter().flatten()).collect();
+    passes.sort_by_key(|(rank, ..)| *rank);
+    Ok(passes)
+}
+
 /// Where strokes go on the objects that have a direction of their own, as [`crate::frame::Frame::stroke_fallback`] holds
 /// it: where an object covers more than half of a pixel. Of several that do, the last one counts. `None` where there are
 /// no `angles`.
@@ -158,7 +274,7 @@ pub(super) fn covered(chosen: &[String], main: &Opened, window: Window) -> Resul
 /// As [`covered`].
 pub(super) fn fallbacks(
     angles: &[ObjectAngle],
-    main: &Opened,
+    of: &Opened,
     window: Window,
 ) -> Result<Option<Vector3Planes>> {
     if angles.is_empty() {
@@ -168,7 +284,7 @@ pub(super) fn fallbacks(
     let (x, y, z) = (zero(), zero(), zero());
     let mut found = Vector3Planes { x, y, z };
     for ObjectAngle { name, fallback } in angles {
-        let covered = covered(std::slice::from_ref(name), main, window)?;
+        let covered = covered(std::slice::from_ref(name), of, window)?;
         let own = match fallback {
             Fallback::Surface => Vec3::Z,
             Fallback::Angle(degrees) => {
@@ -206,14 +322,20 @@ fn sources<'a>(
     layers: &[Layer],
     hashed: &'a [Cryptomatte],
 ) -> Result<Vec<ObjectSource<'a>>> {
+    // The name of an object is no pattern and no number, whatever its letters.
+    let is_exact = hashed.iter().any(|layer| layer.manifest.contains_key(name));
     let pattern = WildMatch::new(name);
-    let by_number = name.strip_prefix('#').and_then(cryptomatte::parsed);
+    let is_called = |own: &str| match is_exact {
+        true => own == name,
+        false => pattern.matches(own),
+    };
+    let by_number = cryptomatte::number(name).filter(|_| !is_exact);
     // Objects missing from the manifest are found by the hash of their name.
     let is_plain = !name.contains(['*', '?', '#']);
     let names = hashed.iter().filter_map(|layer| {
         let objects = layer.manifest.iter();
         let mut numbers: Vec<u32> = objects
-            .filter(|(name, _)| pattern.matches(name))
+            .filter(|(name, _)| is_called(name))
             .map(|(_, number)| *number)
             .chain(by_number)
             .collect();
@@ -224,13 +346,9 @@ fn sources<'a>(
     });
     let mut found: Vec<ObjectSource> = names.collect();
     if let Ok(number) = name.parse::<u16>()
-        && hashed
-            .iter()
-            .all(|layer| !layer.manifest.contains_key(name))
+        && !is_exact
     {
-        let index = by_name(layers, Role::ObjectIndex);
-        let index = index.or_else(|| by_name(layers, Role::MaterialIndex));
-        found.extend(index.map(|index| ObjectSource::Index(index, number.into())));
+        found.extend(index_pass(layers).map(|index| ObjectSource::Index(index, number.into())));
     }
     match found.is_empty() {
         true => Err(unknown(name, file, layers, hashed)),
@@ -321,7 +439,8 @@ fn untold(path: &Path) -> Error {
     Error::MissingAov {
         path: path.to_path_buf(),
         found: "has no Cryptomatte and no pass of object indices".into(),
-        remedy: "render either of them, or name a mask with --mask LAYER or --mask FILE".into(),
+        remedy: "render either of them, name a file that has them with --cryptomatte FILE, or a mask with --mask LAYER|FILE"
+            .into(),
     }
 }
 
@@ -330,8 +449,7 @@ fn unknown(name: &str, file: &ExrFile, layers: &[Layer], hashed: &[Cryptomatte])
         .iter()
         .flat_map(|layer| layer.manifest.keys().map(String::as_str))
         .collect();
-    let index = [Role::ObjectIndex, Role::MaterialIndex];
-    let has_index = index.iter().any(|&role| by_name(layers, role).is_some());
+    let has_index = index_pass(layers).is_some();
     if hashed.is_empty() && !has_index {
         return untold(&file.path);
     }

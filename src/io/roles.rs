@@ -122,6 +122,15 @@ impl Layer {
         self.is_listed() || self.said().role.is_some()
     }
 
+    /// Whether its name means this role.
+    fn means(&self, role: Role) -> bool {
+        let key = self.meaning().key.as_str();
+        match self.is_listed() {
+            true => role.names().contains(&key),
+            false => self.said().role == Some(role),
+        }
+    }
+
     /// Whether its name is a single letter, which is ambiguous: some use `c` for a picture.
     pub(super) fn is_letter(&self) -> bool {
         self.meaning().key.len() == 1
@@ -190,10 +199,10 @@ impl Layer {
             Arity::Pair => [["x", "y"], ["u", "v"], ["r", "g"]]
                 .iter()
                 .find_map(|pair| all(pair)),
-            // Beside x and z, y is no luminance.
+            // Beside x and z, y is no luminance; alpha alone is no colour.
             Arity::Color => all(&["r", "g", "b"])
                 .or_else(|| one(&["y"]).filter(|_| component("x").is_none()))
-                .or_else(alone),
+                .or_else(|| alone().filter(|_| !role.is_color() || component("a").is_none())),
             Arity::Scalar => one(&["z", "v", "t", "", "r"]).or_else(alone),
         }?;
         let alpha = component("a").filter(|a| !channels.contains(a));
@@ -227,6 +236,21 @@ pub(crate) fn by_name(layers: &[Layer], role: Role) -> Option<Match> {
                 })
         })
         .or_else(|| in_first_part(layers, role))
+        .map(|found| match role {
+            Role::Color => with_alpha_apart(found, layers),
+            _ => found,
+        })
+}
+
+/// A picture with the alpha of its part, where that is a layer by itself: RenderMan writes `A` beside `Ci`.
+fn with_alpha_apart(mut picture: Match, layers: &[Layer]) -> Match {
+    let mut of_part = layers.iter().filter(|layer| layer.part == picture.part);
+    let apart = of_part.find_map(|layer| match &layer.components[..] {
+        [(component, channel)] if layer.bare && component == "a" => Some(*channel),
+        _ => None,
+    });
+    picture.alpha = picture.alpha.or(apart);
+    picture
 }
 
 /// The layers given `role` by their words if their names are not in the table, the best first.
@@ -241,19 +265,23 @@ pub(crate) fn by_words(layers: &[Layer], role: Role) -> Vec<Match> {
 }
 
 /// Colour or depth of a first part with any name ("main", "subimage00") whose channels have no layer names of their
-/// own: read like nameless channels, unless the part's name means something else. The first part of a group counts too.
+/// own: read like nameless channels, unless the part's name means something else. The first part of a group counts too,
+/// and Z beside the R, G and B of any part called a picture.
 fn in_first_part(layers: &[Layer], role: Role) -> Option<Match> {
     let first = layers.first()?.part;
-    let bare = layers.iter().filter(|layer| layer.bare);
-    let mut of_first = bare.filter(|layer| [first, 0].contains(&layer.part));
-    of_first.find_map(|layer| {
+    let mut bare = layers.iter().filter(|layer| layer.bare);
+    bare.find_map(|layer| {
+        let has_picture = layer.has(&["r", "g", "b"]);
         let plays = match role {
-            Role::Color => layer.has(&["r", "g", "b"]),
+            Role::Color => has_picture,
             Role::Depth => layer.has(&["z"]) && !layer.has(&["x"]),
             _ => false,
         };
-        let is_other = layer.means_something();
-        layer.matched(role).filter(|_| plays && !is_other)
+        let may = match layer.means_something() {
+            true => role == Role::Depth && has_picture && layer.means(Role::Color),
+            false => [first, 0].contains(&layer.part),
+        };
+        layer.matched(role).filter(|_| plays && may)
     })
 }
 
@@ -325,6 +353,16 @@ mod tests {
                 find(&parts(name), Role::Normal).unwrap().channels,
                 [3, 4, 5]
             );
+        }
+        // Z beside a picture is depth, whatever part it is.
+        for name in ["rgba", "beauty", "Beauty_main"] {
+            let picture = (Some(name), vec!["A", "B", "G", "R", "Z"]);
+            let normals = (Some("N"), vec!["X", "Y", "Z"]);
+            let depth = |parts: Vec<(Option<&'static str>, Vec<&'static str>)>| {
+                find(&layers(parts.into_iter()), Role::Depth).map(|found| found.part)
+            };
+            assert_eq!(depth(vec![picture.clone(), normals.clone()]), Some(0));
+            assert_eq!(depth(vec![normals, picture]), Some(1));
         }
         // A name that means something else is believed, and a later part's is no picture.
         assert_eq!(find(&parts("albedo"), Role::Color), None);
@@ -409,6 +447,20 @@ mod tests {
     #[test]
     fn bare_color_is_not_depth() {
         assert_eq!(find(&single_part(&["B", "G", "R"]), Role::Depth), None);
+    }
+
+    #[test]
+    fn alpha_alone_is_no_picture() {
+        let apart = single_part(&["A", "Ci.b", "Ci.g", "Ci.r", "N.x", "N.y", "N.z"]);
+        let color = find(&apart, Role::Color).unwrap();
+        assert_eq!(
+            (color.layer.as_str(), color.channels),
+            ("Ci", vec![3, 2, 1])
+        );
+        assert_eq!(color.alpha, Some(0));
+        assert_eq!(find(&single_part(&["A", "Z"]), Role::Color), None);
+        // As a mask it can be named.
+        assert_eq!(named(&apart, "A", Role::Mask).unwrap().channels, [0]);
     }
 
     #[test]

@@ -77,7 +77,7 @@ pub struct RoleSurvey {
 /// Any [`crate::Error`] of opening it.
 pub fn survey(inputs: &Inputs) -> Result<Survey> {
     let opened = Opened::open_picture(inputs)?;
-    Ok(match opened.as_ref() {
+    let mut survey = match opened.as_ref() {
         Opened::Exr {
             file,
             layers,
@@ -109,7 +109,11 @@ pub fn survey(inputs: &Inputs) -> Result<Survey> {
             },
         },
         Opened::Photo { photo, .. } => photo_survey(photo),
-    })
+    };
+    if let Some(Opened::Exr { file, .. }) = objects::named(inputs, &opened)?.as_deref() {
+        survey.objects = objects::surveyed(file)?;
+    }
+    Ok(survey)
 }
 
 /// The layers of an EXR, from its header alone; none of a photo.

@@ -36,8 +36,8 @@ pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub(crate) use line::MM_PER_INCH;
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
-    Levels, LineLevels, LineParams, ObjectAngle, PaperSize, Plotter, Stroke, StrokeDirections,
-    StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
+    Levels, LineLevels, LineParams, ObjectAngle, ObjectLines, PaperSize, Plotter, Stroke,
+    StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
 pub(crate) use range::in_range;
 pub(crate) use relight::AUTO_SAMPLES;

@@ -2,7 +2,7 @@
 
 use crate::common::exr::{Part, channel};
 use crate::common::program::{fixture, relievo};
-use relievo::frame::Plane;
+use relievo::frame::{Plane, Window};
 use std::path::Path;
 
 /// Red, in half floats, of `relievo enhance` on the hazy render, or on `input`.
@@ -297,6 +297,8 @@ fn what_no_manifest_names_is_found_by_the_hash_of_its_name() {
     for flags in [
         "--object Head",
         "--object #05777012",
+        "--object 0x05777012",
+        "--object 05777012",
         "--object #05777012 --object !Ring",
     ] {
         assert!(red(desk.path(), "bare.exr", flags) == named, "{flags}");
@@ -318,4 +320,172 @@ fn what_no_manifest_names_is_found_by_the_hash_of_its_name() {
         "{}",
         ran.stderr
     );
+}
+
+/// Bands of a picture, each of one object; the last one is of no name, so that its hash is none in the manifest.
+const BANDS: [(&str, u32); 4] = [
+    ("leaf_*_a", 0x3f11_1111),
+    ("leaf_x_a", 0x3f22_2222),
+    ("leaf_x_b", 0x3f33_3333),
+    ("", 0x3f44_4444),
+];
+
+/// The Cryptomatte of bands that are 16 pixels wide.
+fn bands() -> Part {
+    let plane = |sample: &dyn Fn(usize) -> f32| Plane::from_fn(64, 48, |x, _| sample(x / 16));
+    let number = plane(&|band| f32::from_bits(BANDS[band].1));
+    let (whole, none) = (plane(&|_| 1.0), plane(&|_| 0.0));
+    let named = BANDS.iter().filter(|(name, _)| !name.is_empty());
+    let manifest: Vec<String> = named
+        .map(|(name, hash)| format!("\"{name}\":\"{hash:08x}\""))
+        .collect();
+    let [number, share, more] = [("R", &number), ("G", &whole), ("B", &none)];
+    let channels = [number, share, more, ("A", &none)];
+    Part::of(channels.map(|(component, plane)| (format!("CryptoObject00.{component}"), plane)))
+        .text("cryptomatte/28322e9/name", "CryptoObject")
+        .text("cryptomatte/28322e9/hash", "MurmurHash3_32")
+        .text("cryptomatte/28322e9/conversion", "uint32_to_float32")
+        .text(
+            "cryptomatte/28322e9/manifest",
+            &format!("{{{}}}", manifest.join(",")),
+        )
+}
+
+/// A grey picture of waves with normals, at this place.
+fn waves(window: Window) -> Part {
+    let plane = |sample: &dyn Fn(f32) -> f32| {
+        Plane::from_fn(window.width(), window.height(), |x, _| {
+            sample((x as f32).sin())
+        })
+    };
+    let channels = [
+        ("R", plane(&|_| 0.4)),
+        ("G", plane(&|_| 0.4)),
+        ("B", plane(&|_| 0.4)),
+        ("N.X", plane(&|wave| 0.3 * wave)),
+        ("N.Y", plane(&|_| 0.0)),
+        ("N.Z", plane(&|wave| (1.0 - 0.09 * wave * wave).sqrt())),
+    ];
+    let part = Part::of(channels.iter().map(|(name, plane)| (*name, plane)));
+    Part { window, ..part }
+}
+
+#[test]
+fn objects_are_told_apart_by_a_file_of_their_own() {
+    let desk = tempfile::tempdir().unwrap();
+    let at = |name: &str| desk.path().join(name);
+    bands().write(&at("crypto.exr"));
+    waves(Window::from_size(64, 48)).write(&at("beauty.exr"));
+    waves(Window::from_size(48, 48)).write(&at("small.exr"));
+    let grey = image::RgbImage::from_pixel(64, 48, image::Rgb([128; 3]));
+    grey.save(at("photo.png")).unwrap();
+    let flags = "--normal-space view --gain 8 --curvature-gain 1";
+    let plain = red(desk.path(), "beauty.exr", &format!("{flags} --mix 0"));
+    // Which bands change.
+    let changed = |input: &str, object: &str, plain: &Plane| {
+        let objects = format!("--cryptomatte crypto.exr --object {object}");
+        let made = red(desk.path(), input, &format!("{flags} {objects}"));
+        let rows = 0..48;
+        [0, 1, 2, 3].map(|band| {
+            let columns = 16 * band..16 * (band + 1);
+            rows.clone()
+                .any(|y| made.row(y)[columns.clone()] != plain.row(y)[columns.clone()])
+        })
+    };
+    let bands_of = |object: &str| changed("beauty.exr", object, &plain);
+    // An exact name is no pattern; a pattern takes all that it fits, and what no name is known of has a hash.
+    assert_eq!(bands_of("leaf_*_a"), [true, false, false, false]);
+    assert_eq!(bands_of("leaf_?_a"), [true, true, false, false]);
+    assert_eq!(bands_of("leaf_x_*"), [false, true, true, false]);
+    assert_eq!(bands_of("!leaf_*_a"), [false, true, true, true]);
+    assert_eq!(bands_of("0x3f444444"), [false, false, false, true]);
+    assert_eq!(bands_of("3f333333"), [false, false, true, false]);
+    // Of a photo too.
+    let of_photo = format!("{flags} --normal beauty.exr");
+    let photo = |more: &str| red(desk.path(), "photo.png", &format!("{of_photo} {more}"));
+    let objects = "--cryptomatte crypto.exr --object leaf_x_b";
+    let (none, one) = (photo("--mix 0"), photo(objects));
+    assert!(none.row(9)[..32] == one.row(9)[..32] && none.row(9)[32..48] != one.row(9)[32..48]);
+
+    for command in ["shape", "enhance", "relight", "hatch"] {
+        let words = format!("{command} beauty.exr --normal-space view -o out.exr {objects}");
+        relievo(desk.path(), &words).done();
+    }
+    // Of a sequence each frame has its own file.
+    for frame in 1..=2 {
+        let copy = |name: &str| {
+            std::fs::copy(
+                at(&format!("{name}.exr")),
+                at(&format!("{name}.{frame}.exr")),
+            )
+        };
+        copy("beauty").and_then(|_| copy("crypto")).unwrap();
+    }
+    let numbered = "--cryptomatte crypto.#.exr --object leaf_x_b --frames 1-2";
+    relievo(
+        desk.path(),
+        &format!("enhance beauty.#.exr --normal-space view -o out.#.exr {numbered}"),
+    )
+    .done();
+    let listed = relievo(desk.path(), "inspect beauty.exr --cryptomatte crypto.exr").done();
+    assert!(listed.stdout.contains("leaf_x_b"), "{}", listed.stdout);
+    let refused = |words: &str| relievo(desk.path(), words).refused(1);
+    let line = refused(&format!("enhance small.exr -o out.exr {objects}"));
+    assert!(
+        line.contains("crypto.exr: is 64x48") && line.contains("small.exr has 48x48"),
+        "{line}"
+    );
+    let line = refused("enhance beauty.exr -o out.exr --cryptomatte photo.png");
+    assert!(line.contains("photo.png: has no Cryptomatte"), "{line}");
+    let line = refused("enhance beauty.exr -o out.exr --object leaf_x_b");
+    assert!(line.contains("--cryptomatte FILE"), "{line}");
+}
+
+#[test]
+fn lines_between_objects_are_those_of_a_pass_unless_it_is_a_mesh() {
+    let desk = tempfile::tempdir().unwrap();
+    let plane = |sample: &dyn Fn(usize, usize) -> f32| Plane::from_fn(128, 96, sample);
+    let [zero, one] = [0.0, 1.0].map(|value| plane(&|_, _| value));
+    let wall = |index: &str, numbers: &Plane| {
+        let channels = [
+            ("N.X", &zero),
+            ("N.Y", &zero),
+            ("N.Z", &one),
+            (index, numbers),
+        ];
+        Part::of(
+            [("R", &one), ("G", &one), ("B", &one), ("Z", &one)]
+                .into_iter()
+                .chain(channels),
+        )
+    };
+    let halves = plane(&|x, _| if x < 64 { 1.0 } else { 2.0 });
+    // A number for each square of 8 pixels: sides along 2/8 of the pixels.
+    let squares = plane(&|x, y| (x / 8 + 100 * (y / 8)) as f32);
+    let at = |name: &str| desk.path().join(name);
+    wall("IndexOB.X", &halves).write(&at("halves.exr"));
+    wall("IndexMA.X", &squares).write(&at("squares.exr"));
+    wall("other.X", &halves).write(&at("bare.exr"));
+    let drawn = |input: &str, flags: &str| {
+        let words =
+            format!("hatch {input} --normal-space view --layers results -o out.exr {flags}");
+        let said = relievo(desk.path(), &words).done().stderr;
+        (channel(&at("out.exr"), "strokes.contours"), said)
+    };
+    let columns = |ink: &Plane| -> Vec<usize> {
+        let has_ink = |&x: &usize| (0..96).any(|y| ink.at(x, y) > 0.0);
+        (0..128).filter(has_ink).collect()
+    };
+    // A pixel wide, between columns 63 and 64.
+    let (line, said) = drawn("halves.exr", "-v");
+    assert_eq!(columns(&line), [63, 64]);
+    assert!(
+        said.contains("objects") && said.contains("IndexOB"),
+        "{said}"
+    );
+    assert_eq!(drawn("bare.exr", "--cryptomatte halves.exr").0, line);
+    assert!(columns(&drawn("halves.exr", "--object-lines off").0).is_empty());
+    let (none, said) = drawn("squares.exr", "");
+    assert!(columns(&none).is_empty());
+    assert!(said.contains("IndexMA: its objects are so small"), "{said}");
 }

@@ -278,7 +278,8 @@ impl<P: Fn(usize, usize) -> (usize, usize), V: Fn(DVec3) -> DVec3> Rearranged<P,
             occlusion: frame.occlusion.as_ref().map(plane),
             importance: frame.importance.as_ref().map(plane),
             strength: frame.strength.as_ref().map(plane),
-            // No test scene has objects with directions of their own.
+            // No test scene has objects, with directions of their own or without.
+            objects: None,
             stroke_fallback: None,
             color: frame.color.as_ref().map(colors),
             albedo: frame.albedo.as_ref().map(colors),

@@ -318,6 +318,31 @@ fn borders_that_continue_each_other_are_found() {
     }
 }
 
+/// Waves of 2.5 pixels, each row at another phase, whose height falls from right to left: beside the right border they change
+/// by 2 sin 72 degrees = 1.9 of their height, and across to the calm left one by 1, which is 1.05 of the mean of both sides.
+#[test]
+fn a_calm_border_does_not_continue_a_busy_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let pixel = |x: u32, y: u32| {
+        let phase = TAU * (f64::from(x) / 2.5 + 0.618 * f64::from(y));
+        let slope = 0.3 * f64::from(x) / 95.0 * phase.sin();
+        let n = glam::DVec3::new(-slope, 0.0, 1.0).normalize();
+        image::Rgb(
+            n.to_array()
+                .map(|v| ((0.5 * v + 0.5) * 255.0).round() as u8),
+        )
+    };
+    let path = folder.path().join("calm.png");
+    image::RgbImage::from_fn(96, 64, pixel).save(&path).unwrap();
+    let files = Files {
+        picture: path,
+        wrap: Wrap::Auto,
+        ..Files::default()
+    };
+    let loaded = io::load(&files, Needs::default()).unwrap();
+    assert!(!loaded.frame.wraps[0]);
+}
+
 /// Steps between codes are removed on a tile as on its repetition: both are multiples of 16 pixels, at which the removal
 /// begins anew.
 #[test]

@@ -1,4 +1,4 @@
-//! Lines along silhouettes and creases: found, joined, and drawn.
+//! Lines along silhouettes and creases and between objects: found, joined, and drawn.
 
 use crate::frame::{Frame, Plane};
 use crate::line::contours::behind::Occluders;
@@ -6,8 +6,8 @@ use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_gap};
-use crate::line::contours::{creases, silhouettes};
-use crate::params::{ContourParams, ShapeParams};
+use crate::line::contours::{creases, objects, silhouettes};
+use crate::params::{ContourParams, ObjectLines, ShapeParams};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ const CREASE_LENGTHS: f32 = 2.0;
 /// The weight that a crease must have somewhere.
 const PLAIN_CREASE: f32 = 0.5;
 
-/// The contours of a frame with these edges, silhouettes first. Independent of the number of threads.
+/// The contours of a frame with these edges: silhouettes, then creases, then borders between objects. Independent of the number of threads.
 pub(crate) fn contours(
     weights: &Weights,
     frame: &Frame,
@@ -95,10 +95,15 @@ pub(crate) fn contours(
         };
         Ground::new(&creases, frame, params).join_ends(&mut creases, onto_creases);
     }
-    for line in silhouettes.iter_mut().chain(&mut creases) {
+    let mut borders = between_objects(silhouettes.iter().chain(&creases), frame, params);
+    for line in silhouettes
+        .iter_mut()
+        .chain(&mut creases)
+        .chain(&mut borders)
+    {
         run_off(line, params.width_px);
     }
-    let depths = DepthRange::of(silhouettes.iter().chain(&creases));
+    let depths = DepthRange::of(silhouettes.iter().chain(&creases).chain(&borders));
     let drawn = |lines: &[Line], kind| -> Vec<Contour> {
         lines
             .par_iter()
@@ -107,7 +112,38 @@ pub(crate) fn contours(
     };
     let mut contours = drawn(&silhouettes, ContourKind::Silhouette);
     contours.extend(drawn(&creases, ContourKind::Crease));
+    contours.extend(drawn(&borders, ContourKind::Object));
     contours
+}
+
+/// The lines between objects where none of the `drawn` ones runs, which they end at.
+fn between_objects<'a>(
+    drawn: impl Iterator<Item = &'a Line>,
+    frame: &Frame,
+    params: &ContourParams,
+) -> Vec<Line> {
+    let numbers = frame.objects.as_ref();
+    let Some(numbers) = numbers.filter(|_| params.object_lines == ObjectLines::Auto) else {
+        return Vec::new();
+    };
+    let ground = Ground::new(drawn, frame, params);
+    let mut lines = objects::lines(numbers, &ground, frame, params);
+    close_gaps(&mut lines, GAP_PX, Some(&ground));
+    let least = Least {
+        length_px: CREASE_LENGTHS * params.shortest_px,
+        twig_px: params.shortest_px,
+        strength: 0.0,
+        by_strength: false,
+    };
+    drop_short(&mut lines, least);
+    let onto_drawn = Onward {
+        ahead: GAP_PX,
+        aside: ground.beside_px(),
+        straight: AHEAD,
+        are_own: false,
+    };
+    ground.join_ends(&mut lines, onto_drawn);
+    lines
 }
 
 /// Distance from the picture's border within which the end of a line counts as continuing beyond it.

@@ -50,7 +50,11 @@ pub(crate) struct Onward {
 }
 
 impl Ground {
-    pub(crate) fn new(lines: &[Line], frame: &Frame, params: &ContourParams) -> Self {
+    pub(crate) fn new<'a>(
+        lines: impl IntoIterator<Item = &'a Line>,
+        frame: &Frame,
+        params: &ContourParams,
+    ) -> Self {
         let size = [frame.mask.width(), frame.mask.height()];
         let room = (0.5 * params.width_px + 1.5).clamp(2.0, 6.0) as usize;
         let points = |line: &Line| -> Vec<Vec2> {
@@ -61,7 +65,7 @@ impl Ground {
                 .map(|spot| spot.at)
                 .collect()
         };
-        let lines: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
+        let lines: Vec<Vec<Vec2>> = lines.into_iter().map(points).collect();
         Self::of_points(lines.iter().map(Vec::as_slice), size, room)
     }
 

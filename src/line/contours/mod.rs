@@ -1,4 +1,4 @@
-//! Contours: silhouettes and creases as lines whose width shows depth.
+//! Contours: silhouettes, creases and borders between objects as lines whose width shows depth.
 //!
 //! Theory: [LA] section 6 draws silhouettes and creases last, over the hatching, by an enhancement of edges per pixel.
 //! Changes: they are lines with a position, a length and a width, as a draughtsman's are: one to an edge, heavier
@@ -14,6 +14,7 @@ pub(crate) mod cracks;
 pub(crate) mod creases;
 pub(crate) mod ground;
 pub(crate) mod medium;
+pub(crate) mod objects;
 pub(crate) mod silhouettes;
 pub(crate) mod stage;
 
@@ -41,6 +42,8 @@ pub enum ContourKind {
     Silhouette,
     /// The surface turns sharply.
     Crease,
+    /// Another object begins, in the same plane.
+    Object,
     /// The surface is folded inward: a line inside it.
     Valley,
     /// The surface is folded outward: a line inside it.

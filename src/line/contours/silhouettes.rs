@@ -24,16 +24,23 @@ pub(crate) fn lines(
     if cracks.is_empty() {
         return Vec::new();
     }
-    let (width, height) = (frame.mask.width() + 1, frame.mask.height() + 1);
-    let lattice_of =
-        |cracks: &[Crack]| Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)));
-    let mut lattice = lattice_of(&cracks);
-    let risers = finder.risers(&lattice);
+    let risers = finder.risers(&lattice(&cracks, frame));
     if !risers.is_empty() {
         cracks.extend(risers);
         cracks.sort_unstable_by_key(|c| (c.corner, c.step));
-        lattice = lattice_of(&cracks);
     }
+    along(&cracks, frame, params)
+}
+
+/// The lattice of pixel corners with these cracks for links.
+fn lattice(cracks: &[Crack], frame: &Frame) -> Lattice {
+    let (width, height) = (frame.mask.width() + 1, frame.mask.height() + 1);
+    Lattice::new(width, height, cracks.iter().map(|c| (c.corner, c.step)))
+}
+
+/// The lines along cracks, which are in order.
+pub(crate) fn along(cracks: &[Crack], frame: &Frame, params: &ContourParams) -> Vec<Line> {
+    let lattice = lattice(cracks, frame);
     let place = |corner: u32| {
         let [x, y] = lattice.place(corner);
         Vec2::new(x as f32, y as f32)

@@ -114,6 +114,7 @@ fn as_it_appears(frame: &Frame, sight: &SightLines, pixels: &[SeenPixel]) -> Fra
         normal_length: lengths,
         depth,
         occlusion: frame.occlusion.clone(),
+        objects: frame.objects.clone(),
         alpha: frame.alpha.clone(),
         camera: frame.camera,
         source: frame.source.clone(),

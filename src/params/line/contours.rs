@@ -9,6 +9,16 @@ const SHARES: RangeInclusive<f32> = 0.0..=1.0;
 /// Lengths in pixels.
 const LENGTHS: RangeInclusive<f32> = 0.0..=1e6;
 
+choices! {
+    /// Whether lines are drawn between objects.
+    pub enum ObjectLines {
+        /// Where Cryptomatte or an index pass tells objects apart and no silhouette or crease runs.
+        Auto = "auto",
+        /// No.
+        Off = "off",
+    }
+}
+
 /// Distance along a line over which steps are smoothed, in pixels.
 const SMOOTHINGS: RangeInclusive<f32> = 0.0..=100.0;
 
@@ -25,6 +35,8 @@ params! {
         ///
         /// 1 makes them as heavy as silhouettes.
         crease_share: f32 = 0.6, flag: "--crease-width", form: "SHARE", valid: SHARES, useful: even(0.0, 1.0);
+        /// Lines between objects that touch in one plane, as wide as those of middling jumps of depth.
+        object_lines: ObjectLines = ObjectLines::Auto, flag: "--object-lines", form: "WHEN";
         /// Share of its width that the line around the farthest object loses.
         ///
         /// At 0 line width does not depend on depth; at 1 the farthest lines vanish.

@@ -13,7 +13,7 @@ mod print;
 mod strokes;
 mod tone;
 
-pub use contours::ContourParams;
+pub use contours::{ContourParams, ObjectLines};
 pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub use levels::{Levels, LineLevels, ToneLevels};

@@ -51,6 +51,7 @@ fn cards(window: Window, tone: f32, depth: impl Fn(usize, usize) -> Option<f32>)
         occlusion: None,
         importance: None,
         strength: None,
+        objects: None,
         stroke_fallback: None,
         color: Some(ColorPlanes {
             r: flat(tone),

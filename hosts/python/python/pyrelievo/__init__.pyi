@@ -396,6 +396,7 @@ def hatch(
     contours: bool | Literal["on", "off"] | Sequence[str] | None = "on",
     contour_width: float | Sequence[float] | None = 2,
     crease_width: float | Sequence[float] | None = 0.6,
+    object_lines: Literal["auto", "off"] | Sequence[str] | None = "auto",
     depth_emphasis: float | Sequence[float] | None = 0.4,
     jump_emphasis: _Value | None = 0.5,
     shortest_contour: _Value | None = 12,
