@@ -10,7 +10,7 @@ import pyrelievo
 from pyrelievo._commands import default_engine
 from pyrelievo._settings import rows, typed
 
-from .pixels import arrays, displayed, linear, tensor_of
+from .pixels import arrays, codes, displayed, linear, tensor_of
 from .widgets import given, settings, widgets
 
 #: Layers by the names of their sockets: the layer of a frame, its type and how many channels it has.
@@ -26,9 +26,9 @@ TOOLTIPS = {
     "image": "The picture, in sRGB.",
     "normal": (
         "Normal map: red right, green up, blue toward the viewer, each from 0 to 1 (OpenGL). Black is no surface. "
-        "normal_flip takes maps with other directions."
+        "normal_flip takes maps with other directions. Without one normals are those of the depth map."
     ),
-    "depth": "Depth map, for silhouettes: depth_kind says what it holds.",
+    "depth": "Depth map: for silhouettes, and in the place of a normal map. depth_kind says what it holds.",
     "albedo": "The surface's own colour, in sRGB. Estimated from the image if not given.",
     "normal_flip": "Axes of the normal map that point the wrong way: y if green is down (DirectX), x if red is left.",
 }
@@ -104,12 +104,13 @@ class Node:
                 batches[layer] = arrays(values[name], channels)
                 if name in ("image", "albedo"):
                     batches[layer] = linear(batches[layer])
-        count = max(len(batch) for batch in batches.values())
+        count = max((len(batch) for batch in batches.values()), default=1)
         for layer, batch in batches.items():
             if len(batch) not in (1, count):
                 raise ValueError(f"{layer} has {len(batch)} images, others have {count}; give as many, or one for all")
         roles = {"normal_encoding": "unsigned", "normal_flip": values.get("normal_flip", FLIPS[0])}
         if "depth" in batches:
+            batches["depth"] = codes(batches["depth"])
             roles["depth_kind"] = values.get("depth_kind", "white-near")
         texts = typed(self.COMMAND, given(self.COMMAND, values))
 
@@ -158,19 +159,19 @@ def node(command: str) -> Any:
 
 @node("enhance")
 class Enhance(Node):
-    REQUIRED, OPTIONAL = ("image", "normal"), ("depth", "mask")
+    REQUIRED, OPTIONAL = ("image",), ("normal", "depth", "mask")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE",), ("image",)
 
 
 @node("relight")
 class Relight(Node):
-    REQUIRED, OPTIONAL = ("normal",), ("image", "albedo", "depth", "mask")
+    REQUIRED, OPTIONAL = (), ("normal", "image", "albedo", "depth", "mask")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE",), ("image",)
 
 
 @node("shape")
 class Shape(Node):
-    REQUIRED, OPTIONAL = ("normal",), ("depth", "mask")
+    REQUIRED, OPTIONAL = (), ("normal", "depth", "mask")
     RETURN_TYPES = ("IMAGE", "MASK", "MASK", "MASK", "MASK")
     RETURN_NAMES = ("curvature", "convex", "concave", "silhouettes", "creases")
     OUTPUT_TOOLTIPS = (
@@ -189,7 +190,7 @@ class Shape(Node):
 
 @node("hatch")
 class Hatch(Node):
-    REQUIRED, OPTIONAL = ("normal",), ("image", "depth", "mask")
+    REQUIRED, OPTIONAL = (), ("normal", "image", "depth", "mask")
     RETURN_TYPES, RETURN_NAMES = ("IMAGE", "MASK"), ("drawing", "ink")
     OUTPUT_TOOLTIPS = ("The drawing on white paper.", "1 where ink is, 0 for bare paper.")
 

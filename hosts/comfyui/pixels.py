@@ -23,6 +23,12 @@ def tensor_of(batch: list[np.ndarray]) -> torch.Tensor:
     return torch.from_numpy(np.ascontiguousarray(np.stack(batch), dtype=np.float32))
 
 
+def codes(batch: np.ndarray) -> np.ndarray:
+    """A batch of 8 bits as such, as images of files are: then its steps are known to be rounding, not relief."""
+    nearest = np.round(np.clip(batch, 0, 1) * 255)
+    return nearest.astype(np.uint8) if np.abs(batch * 255 - nearest).max(initial=0) < 1e-3 else batch
+
+
 def linear(shown: np.ndarray) -> np.ndarray:
     """sRGB as linear light (IEC 61966-2-1)."""
     shown = np.maximum(shown, 0)

@@ -47,6 +47,7 @@ class Frame:
         *,
         camera: Mapping[str, Any] | _Path | None = None,
         pixel_aspect: float = 1.0,
+        height_scale: float | None = None,
         **layers: Any,
     ) -> None: ...
     @property
@@ -75,9 +76,9 @@ class Frame:
 def load(path: _Path, *, frame: int | None = None, **roles: Any) -> Frame: ...
 def normals(
     depth: ArrayLike,
-    camera: Mapping[str, Any] | _Path,
+    camera: Mapping[str, Any] | _Path | None = None,
     *,
-    depth_kind: str | None = None,
+    depth_kind: str | None = "z",
     pixel_aspect: float = 1.0,
 ) -> _Floats: ...
 
@@ -143,6 +144,7 @@ RETURNS = {
 OTHERS = dict.fromkeys(LAYERS, "ArrayLike | str | None") | {
     "camera": "Mapping[str, Any] | _Path | None",
     "pixel_aspect": "float",
+    "height_scale": "float | None",
     "out": "_Floats | None",
     "dtype": "Any",
     "engine": "Engine | None",
@@ -170,7 +172,8 @@ def type_of(row):
 def function(command):
     """The declaration of a function."""
     leading = LEADING[command]
-    lines = [f"    {leading[0]}: ArrayLike | Frame | _Path,"]
+    is_optional = " | None = None" if leading[0] == "normal" else ""
+    lines = [f"    {leading[0]}: ArrayLike | Frame | _Path{is_optional},"]
     lines += [f"    {name}: ArrayLike | None = None," for name in leading[1:]]
     lines.append("    *,")
     own = {name: row for name, row in rows(command).items() if is_own(row)}

@@ -106,6 +106,23 @@ pub(crate) enum Precision {
 }
 
 impl Precision {
+    /// That of half floats, or of codes this far apart from 0 to 1; of floats where that is 0.
+    pub(crate) fn of(is_half: bool, rounding: f32) -> Self {
+        match (is_half, rounding > 0.0) {
+            (true, _) => Self::Half,
+            (false, true) => Self::Codes(rounding),
+            (false, false) => Self::Float,
+        }
+    }
+
+    /// That of the samples times `scale`.
+    pub(crate) fn scaled(self, scale: f32) -> Self {
+        match self {
+            Self::Codes(step) => Self::Codes(step * scale.abs()),
+            other => other,
+        }
+    }
+
     /// The distance of what can be stored around a value.
     fn step(self, value: f32) -> f32 {
         match self {

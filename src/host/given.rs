@@ -1,26 +1,32 @@
 //! Scenes from arrays.
 
+use super::from_depth::{OfDepth, Seen, check_heights};
 use super::scene::Scene;
 use super::work::Work;
 use crate::error::{Error, Result};
 use crate::frame::{
-    Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window, strength_of,
+    Camera, Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window,
+    strength_of,
 };
 use crate::io::camera::camera_of_text;
-use crate::io::inputs::NormalEncoding;
+use crate::io::inputs::{Inputs, NormalEncoding};
 
 /// Layers of a frame in memory: see [`FrameBuilder`](crate::frame::FrameBuilder) for what each holds.
 pub struct Given<'a> {
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Normals, 3 or 4 channels.
-    pub normal: Samples<'a>,
+    /// Normals, 3 or 4 channels; without them those of the surface that depth, heights or positions show.
+    pub normal: Option<Samples<'a>>,
     /// Whether normals are stored as 0..1, unless a setting tells.
     pub normal_is_unsigned: bool,
     /// The picture, scene-linear, 1, 3 or 4 channels.
     pub color: Option<Samples<'a>>,
     /// Depth.
     pub depth: Option<Samples<'a>>,
+    /// Heights of the surface, seen from above, in the place of normals, depth and camera.
+    pub height: Option<Samples<'a>>,
+    /// Pixels that a height of 1 is high; by default floats are pixels, and white is a tenth of the longer side in integers.
+    pub height_scale: Option<f32>,
     /// World-space positions.
     pub position: Option<Samples<'a>>,
     /// Where and how far a picture is changed, 0..1; for commands that change none, where a surface is.
@@ -45,11 +51,21 @@ impl<'a> Given<'a> {
     /// Nothing but normals.
     pub fn of_normals(size: [usize; 2], normal: Samples<'a>) -> Self {
         Self {
+            normal: Some(normal),
+            ..Self::of_size(size)
+        }
+    }
+
+    /// Nothing yet.
+    pub fn of_size(size: [usize; 2]) -> Self {
+        Self {
             size,
-            normal,
+            normal: None,
             normal_is_unsigned: false,
             color: None,
             depth: None,
+            height: None,
+            height_scale: None,
             position: None,
             mask: None,
             object: None,
@@ -62,49 +78,49 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The scene, read by the settings of `work` for normals and depth. Nothing is concluded from the samples: without
-    /// settings normals are of view space, and depth lies along the view axis.
+    /// The scene, read by the settings of `work` for normals and depth. With normals nothing is concluded from the samples:
+    /// without settings these are of view space, and depth lies along the view axis. Without them depth is read as in files
+    /// that have none, and what has to be guessed is among the warnings.
     ///
     /// # Errors
     /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
     /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
-    pub fn scene(self, work: &Work) -> Result<Scene> {
+    pub fn scene(mut self, work: &Work) -> Result<Scene> {
         work.refuse_names()?;
         let inputs = work.inputs();
+        check_heights(&self, inputs.depth_kind)?;
         let [width, height] = self.size;
-        let camera = match self.camera {
-            Some(text) => {
-                let window = Window::from_size(width, height);
-                Some(camera_of_text(text, window, self.pixel_aspect)?)
+        let window = Window::from_size(width, height);
+        let camera = |text| camera_of_text(text, window, self.pixel_aspect);
+        let camera = self.camera.map(camera).transpose()?;
+        let (is_stored, mut warnings) = (self.normal.is_some(), Vec::new());
+        // Outlives the samples that are borrowed from it.
+        let of_depth;
+        let stored = inputs.depth_kind;
+        let Seen {
+            normals,
+            depth,
+            camera,
+        } = match self.normal.take() {
+            Some(normal) => Seen {
+                normals: as_stored(normal, self.normal_is_unsigned, &inputs, camera.as_ref())?,
+                depth: (self.depth.take()).map(|d| (d, stored.unwrap_or(StoredDepth::Planar))),
+                camera,
+            },
+            None => {
+                of_depth = OfDepth::of(&self, stored, camera, &mut warnings)?;
+                of_depth.seen(self.depth.take())
             }
-            None => None,
         };
-        let normals = match (inputs.normal_space, &camera) {
-            (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
-                return Err(Error::BadParameter {
-                    name: "camera",
-                    found: format!("is missing, and normals are of {} space", space.name()),
-                    remedy: "give one".into(),
-                });
-            }
-            (Some(NormalSpace::World), Some(camera)) => Normals::world(self.normal, camera),
-            (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(self.normal, camera),
-            _ => Normals::view(self.normal),
-        };
-        let own = match self.normal_is_unsigned {
-            true => NormalEncoding::Unsigned,
-            false => NormalEncoding::Signed,
-        };
-        let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
-        let normals = normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE));
-        let stored = inputs.depth_kind.unwrap_or(StoredDepth::Planar);
         let builder = Frame::builder(width, height)
             .normals(normals)
             .pixel_aspect(self.pixel_aspect)
             .with_confidence();
         let builder = with(builder, camera.as_ref(), FrameBuilder::camera);
         let builder = with(builder, self.color, FrameBuilder::color);
-        let builder = with(builder, self.depth, |b, samples| b.depth(samples, stored));
+        let builder = with(builder, depth, |b, (samples, stored)| {
+            b.depth(samples, stored)
+        });
         let builder = with(builder, self.position, FrameBuilder::position);
         let builder = with(builder, self.coverage, FrameBuilder::mask);
         let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
@@ -115,11 +131,42 @@ impl<'a> Given<'a> {
             plane.transpose()
         };
         let (mask, object) = (plane("mask", self.mask)?, plane("object", self.object)?);
+        let mut frame = builder.build()?;
+        // No filter has shortened normals of depth.
+        frame.normal_length = frame.normal_length.filter(|_| is_stored);
         Ok(Scene {
+            warnings,
             mask: strength_of(mask, object),
-            ..Scene::of_frame(builder.build()?)
+            ..Scene::of_frame(frame)
         })
     }
+}
+
+/// Normals as the settings tell that they are stored.
+fn as_stored<'a>(
+    samples: Samples<'a>,
+    is_unsigned: bool,
+    inputs: &Inputs,
+    camera: Option<&Camera>,
+) -> Result<Normals<'a>> {
+    let normals = match (inputs.normal_space, camera) {
+        (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
+            return Err(Error::BadParameter {
+                name: "camera",
+                found: format!("is missing, and normals are of {} space", space.name()),
+                remedy: "give one".into(),
+            });
+        }
+        (Some(NormalSpace::World), Some(camera)) => Normals::world(samples, camera),
+        (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(samples, camera),
+        _ => Normals::view(samples),
+    };
+    let own = match is_unsigned {
+        true => NormalEncoding::Unsigned,
+        false => NormalEncoding::Signed,
+    };
+    let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
+    Ok(normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE)))
 }
 
 /// Adds what there is to a builder.

@@ -14,7 +14,7 @@ pub struct Made {
     pub(super) made: making::Made,
     /// A drawing as the text of an SVG, if lines were asked for.
     pub svg: Option<String>,
-    /// Warnings about settings.
+    /// Warnings about inputs and settings.
     pub warnings: Vec<String>,
     /// The command that made it.
     pub(super) command: String,

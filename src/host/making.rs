@@ -50,7 +50,7 @@ impl Work {
         let fitted = self.fitted(scene);
         let frame = fitted.as_ref().unwrap_or(&scene.frame);
         let mut made = self.making(scene, frame).run(engine, run)?;
-        let mut warnings = self.warnings.clone();
+        let mut warnings = [&scene.warnings[..], &self.warnings].concat();
         if let Command::Enhance(args) = &self.command {
             let scaling = &args.work.flags.params.scaling;
             warnings.extend(idle_magnitudes(scaling, &frame.light));

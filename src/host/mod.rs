@@ -21,10 +21,10 @@
 //! ```
 
 mod fault;
+mod from_depth;
 mod given;
 mod made;
 mod making;
-mod normals;
 mod scene;
 mod sequence;
 mod thumbnail;
@@ -37,7 +37,6 @@ pub use crate::command::setting::{Kind, Setting, settings_of};
 pub use fault::without_fault;
 pub use given::Given;
 pub use made::{Layer, Made};
-pub use normals::normals_of;
 pub use scene::{File, Scene};
 pub use sequence::{chosen_for_all, frames_of};
 pub use thumbnail::thumbnail;

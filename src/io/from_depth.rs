@@ -3,16 +3,17 @@
 use super::depth_sense::ABOVE_ONE;
 use super::frame_sources::missing_normals;
 use super::load::{FrameSource, Layers, SeenSurface};
-use super::names::Hint;
 use super::notes::Notes;
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::view::View;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::is_distance;
 use crate::frame::from_depth::{Precision, normals_of_depth};
-use crate::frame::{Camera, Mask, Plane, Projection, StoredDepth, likely_projection};
+use crate::frame::{
+    Camera, Mask, Plane, Projection, StoredDepth, Vector3Planes, Window, likely_projection,
+};
 use glam::DAffine3;
 
 /// The height of white over the longer side of a picture of heights, where it is not known.
@@ -29,57 +30,43 @@ impl FrameSource<'_> {
         let all = Mask::full(self.data_window.width(), self.data_window.height());
         let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None))?;
         let source = self.sources.get(Role::Depth);
-        let mut scale = 1.0;
-        let (stored, why) = match (&mut layers.depth, view.camera) {
-            (Some(height), _) if self.inputs.depth_kind == Some(StoredDepth::Height) => {
-                view.camera = Some(self.camera_above());
-                scale = self.height_scale(source, &mut notes.warnings);
-                height.samples_mut().iter_mut().for_each(|h| *h *= scale);
-                (StoredDepth::Height, format!("{scale} pixels high at 1"))
-            }
-            (Some(depth), _) => {
-                let hint = source.map(RoleSource::hint).unwrap_or_default();
-                self.inputs.depth_kind.map_or_else(
-                    || judged(depth, hint, &mut notes.warnings),
-                    |stored| (stored, "as given".into()),
-                )
+        let known = match (&layers.depth, view.camera) {
+            (Some(_), _) => {
+                let (hint, by) = source.map(RoleSource::hint).unwrap_or_default();
+                let given = self.inputs.depth_kind.map(|kind| (kind, "as given".into()));
+                given.or_else(|| Some((hint.depth?, by)))
             }
             (None, Some(camera)) => {
                 layers.depth = self.positions_for_depth(layers).map(|p| p.depth(&camera));
-                (StoredDepth::Planar, "of positions".into())
+                Some((StoredDepth::Planar, "of positions".into()))
             }
-            (None, None) => return Err(missing_normals(self.main)),
+            (None, None) => None,
         };
-        let depth = layers
-            .depth
-            .as_mut()
-            .ok_or_else(|| missing_normals(self.main))?;
-        let projection = view.camera.map_or_else(
-            || likely_projection(self.display_window, self.pixel_aspect),
-            |camera| camera.projection,
-        );
-        let alpha = layers.alpha.as_ref().filter(|_| !stored.shows_coverage());
-        let precision = match source {
-            _ if depth_is_half => Precision::Half,
-            Some(source) if source.rounding() > 0.0 => Precision::Codes(scale * source.rounding()),
-            _ => Precision::Float,
+        let Some(depth) = layers.depth.as_mut() else {
+            return Err(missing_normals(self.main));
         };
-        let mut normal = normals_of_depth(
-            depth,
-            stored,
-            (projection, self.data_window),
-            |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
-            precision,
-        );
+        let alone = DepthAlone {
+            depth: &mut *depth,
+            known,
+            precision: Precision::of(depth_is_half, source.map_or(0.0, RoleSource::rounding)),
+            height_scale: self.inputs.height_scale,
+            camera: view.camera,
+            data_window: self.data_window,
+            display_window: self.display_window,
+            pixel_aspect: self.pixel_aspect,
+        };
+        let shown = alone.surface(layers.alpha.as_ref(), &mut notes.warnings)?;
+        view.camera = shown.camera;
         let (from, bits) = match source {
-            Some(source) if stored == StoredDepth::Height => ("heights", source.precision()),
+            Some(source) if shown.stored == StoredDepth::Height => ("heights", source.precision()),
             Some(source) => ("depth", source.precision()),
             None => ("positions", String::new()),
         };
-        notes.on_no_normals(from, &bits, view.camera.is_some());
+        notes.on_no_normals(from, &bits);
         notes.findings.append(&mut view.findings);
         notes.warnings.append(&mut view.warnings);
-        let stored_depth = Some((depth, Some(stored)));
+        let mut normal = shown.normal;
+        let stored_depth = Some((depth, Some(shown.stored)));
         let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());
         let Covered { mask, lengths, .. } =
             coverage::cover(&mut normal, stored_depth, alpha, covered);
@@ -88,9 +75,81 @@ impl FrameSource<'_> {
             normal,
             mask,
             lengths,
-            sense: Some((stored, why)),
+            sense: Some((shown.stored, shown.why)),
             depth_is_half,
             view,
+        })
+    }
+}
+
+/// Depth in the place of normals, as it was stored.
+pub(crate) struct DepthAlone<'a> {
+    /// Its samples. Heights are scaled to pixels.
+    pub(crate) depth: &'a mut Plane,
+    /// What it holds, and how that is known.
+    pub(crate) known: Option<(StoredDepth, String)>,
+    pub(crate) precision: Precision,
+    /// Pixels that a height of 1 is high, where it is known.
+    pub(crate) height_scale: Option<f32>,
+    pub(crate) camera: Option<Camera>,
+    pub(crate) data_window: Window,
+    pub(crate) display_window: Window,
+    pub(crate) pixel_aspect: f32,
+}
+
+/// The surface that depth shows, and how depth was read.
+pub(crate) struct ShownByDepth {
+    /// Unit normals in view space, 0 where none are found.
+    pub(crate) normal: Vector3Planes,
+    pub(crate) stored: StoredDepth,
+    /// Why it was read so.
+    pub(super) why: String,
+    /// The camera: as given, or that of heights.
+    pub(crate) camera: Option<Camera>,
+}
+
+impl DepthAlone<'_> {
+    /// The surface. What has to be guessed is warned of. Alpha tells where depth shows it that marks no coverage itself.
+    pub(crate) fn surface(
+        mut self,
+        alpha: Option<&Plane>,
+        warnings: &mut Vec<String>,
+    ) -> Result<ShownByDepth> {
+        let known = self.known.take();
+        let (stored, mut why) = known.unwrap_or_else(|| judged(self.depth, warnings));
+        if stored == StoredDepth::Height {
+            let scale = self.height_scale(warnings)?;
+            self.depth
+                .samples_mut()
+                .iter_mut()
+                .for_each(|h| *h *= scale);
+            self.precision = self.precision.scaled(scale);
+            self.camera = Some(self.camera_above());
+            why = format!("{scale} pixels high at 1");
+        }
+        let projection = self.camera.map_or_else(
+            || {
+                warnings.push(
+                    "the camera is not known: slopes are those of a view 44 degrees across; compare with --camera FILE"
+                        .into(),
+                );
+                likely_projection(self.display_window, self.pixel_aspect)
+            },
+            |camera| camera.projection,
+        );
+        let alpha = alpha.filter(|_| !stored.shows_coverage());
+        let normal = normals_of_depth(
+            self.depth,
+            stored,
+            (projection, self.data_window),
+            |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
+            self.precision,
+        );
+        Ok(ShownByDepth {
+            normal,
+            stored,
+            why,
+            camera: self.camera,
         })
     }
 
@@ -109,32 +168,32 @@ impl FrameSource<'_> {
     }
 
     /// Pixels that a height of 1 is high: as given, else a unit in floats, and a share of the picture in integers.
-    fn height_scale(&self, source: Option<&RoleSource>, warnings: &mut Vec<String>) -> f32 {
-        self.inputs.height_scale.unwrap_or_else(|| {
-            let is_whole = source.and_then(RoleSource::photo).is_some_and(|photo| !photo.header.is_float);
-            let window = self.display_window;
-            let scale = match is_whole {
-                true => HIGH * window.width().max(window.height()) as f32,
-                false => 1.0,
+    fn height_scale(&self, warnings: &mut Vec<String>) -> Result<f32> {
+        if let Some(scale) = self.height_scale {
+            return match scale.is_finite() {
+                true => Ok(scale),
+                false => Err(Error::BadParameter {
+                    name: "--height-scale",
+                    found: format!("is {scale}"),
+                    remedy: "give pixels".into(),
+                }),
             };
-            warnings.push(format!(
-                "how high heights are is not known: 1 is taken for {scale} pixels; give --height-scale PIXELS"
-            ));
-            scale
-        })
+        }
+        let window = self.display_window;
+        let scale = match self.precision {
+            Precision::Codes(_) => HIGH * window.width().max(window.height()) as f32,
+            _ => 1.0,
+        };
+        warnings.push(format!(
+            "how high heights are is not known: 1 is taken for {scale} pixels; give --height-scale PIXELS"
+        ));
+        Ok(scale)
     }
 }
 
-/// The quantity that a layer of depth holds, and why: what its name or the renderer implies, else distances where they
-/// exceed 1. From 0 to 1 white is taken for near, as estimators of depth write it, which is a guess and said to be.
-fn judged(
-    depth: &Plane,
-    (hint, by): (Hint, String),
-    warnings: &mut Vec<String>,
-) -> (StoredDepth, String) {
-    if let Some(stored) = hint.depth {
-        return (stored, by);
-    }
+/// The quantity that depth of unknown kind holds, and why: distances where they exceed 1. From 0 to 1 white is taken for
+/// near, as estimators of depth write it, which is a guess and said to be.
+fn judged(depth: &Plane, warnings: &mut Vec<String>) -> (StoredDepth, String) {
     let mut distances = depth.samples().iter().filter(|d| is_distance(d.abs()));
     let is_unit = distances.all(|d| (0.0..=1.0 + ABOVE_ONE).contains(d));
     if !is_unit {

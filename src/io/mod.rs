@@ -16,7 +16,7 @@ mod finding;
 #[cfg(feature = "cli")]
 mod footprint;
 mod frame_sources;
-mod from_depth;
+pub(crate) mod from_depth;
 mod gloss;
 mod groups;
 #[cfg(feature = "cli")]

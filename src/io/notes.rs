@@ -119,16 +119,11 @@ impl Notes {
         }
     }
 
-    /// Says what normals are made from, and what of them is a guess.
-    pub(super) fn on_no_normals(&mut self, from: &str, precision: &str, camera_is_known: bool) {
+    /// Says what normals are made from.
+    pub(super) fn on_no_normals(&mut self, from: &str, precision: &str) {
         let told =
             format!("normals from {from}{precision}: no layer holds any; --normal names one");
         self.warnings.push(told);
-        if !camera_is_known {
-            self.warnings.push(
-                "the camera is not known: slopes are those of a view 44 degrees across; compare with --camera FILE".into(),
-            );
-        }
     }
 
     /// Reports the number of filled depth samples.

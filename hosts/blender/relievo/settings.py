@@ -65,7 +65,7 @@ def unset_of(keyword: str) -> str:
 
 def label_of(row: Row) -> str:
     """The label of a setting."""
-    words = row.keyword.replace("_", " ")
+    words = row.name.replace("-", " ")
     return f"{words[0].upper()}{words[1:]}" + (f" ({row.unit})" if row.unit else "")
 
 
@@ -198,9 +198,10 @@ def apply_recipe(scene: bpy.types.Scene, recipe: Recipe) -> None:
     """
     texts: dict[str, list[str]] = {}
     known, numbers = shown_rows(recipe.command), sliders(recipe.command)
+    keywords = {row.name: keyword for keyword, row in known.items()}
     for name, value in recipe.settings:
-        if name.replace("-", "_") in known:
-            texts.setdefault(name.replace("-", "_"), []).append(value)
+        if name in keywords:
+            texts.setdefault(keywords[name], []).append(value)
     values = {}
     for keyword, row in known.items():
         if keyword in texts:

@@ -3,6 +3,7 @@
 import json
 import sys
 import types
+import warnings
 
 import numpy as np
 import pytest
@@ -127,6 +128,29 @@ def test_sockets(server, ball):
         assert edges[0, 30, 30:34].max() == 1 and edges[0, 30, :28].max() == 0
     with pytest.raises(ValueError, match=r"give an array .* of the frame's size"):
         server.call("RelievoEnhance", image=ball["image"], normal=ball["normal"][:, :32])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_depth_map_in_the_place_of_normals(server, ball, name, caplog):
+    """Its normals are those that the module finds; that the camera is a guess is logged."""
+    far = 1 - np.sqrt(np.maximum(1 - np.sum((2 * ball["normal"][..., :2] - 1) ** 2, axis=3, keepdims=True), 0))
+    depth = np.round(255 * (0.9 - 0.8 * far)).astype(np.uint8)
+    given = {"depth": (depth.repeat(3, axis=3) / np.float32(255)).astype(np.float32)}
+    given |= {"image": ball["image"]} if name in ("RelievoEnhance", "RelievoRelight") else {}
+    made = server.call(name, **given)[0][0]
+    assert any("the camera is not known" in record.message for record in caplog.records)
+    color = linear(ball["image"][0]) if "image" in given else None
+    # Images of 8 bits are taken as such: their steps are rounding, not relief.
+    frame = pyrelievo.Frame(color, depth=depth[0, ..., 0], depth_kind="white-near")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if name == "RelievoShape":
+            expected = 0.5 + 0.5 * pyrelievo.shape(frame).kappa[..., None]
+        else:
+            expected = getattr(pyrelievo, NAMES[name])(frame, dtype=np.uint8) / np.float32(255)
+    assert np.abs(made - expected).max() <= 0.51 / 255
+    with pytest.raises(ValueError, match="^normal is missing; give it, or what shows the surface: depth"):
+        server.call(name, **{key: value for key, value in given.items() if key == "image"})
 
 
 def test_a_batch_has_one_look(server, ball):

@@ -2,11 +2,11 @@
 
 use crate::arrays::{Borrowed, View, array_of};
 use crate::watched::detached;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use relievo::frame::Plane;
 use relievo::host::{File, Given, Scene, Work};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
@@ -34,76 +34,53 @@ enum Kind {
 impl Frame {
     /// A frame of arrays: layers by the names of their arguments.
     #[staticmethod]
-    #[pyo3(signature = (arrays, roles, camera = None, pixel_aspect = 1.0))]
+    #[pyo3(signature = (arrays, roles, camera = None, pixel_aspect = 1.0, height_scale = None))]
     fn of_arrays(
         py: Python<'_>,
         arrays: &Bound<'_, PyDict>,
         roles: Settings,
         camera: Option<String>,
         pixel_aspect: f32,
+        height_scale: Option<f32>,
     ) -> PyResult<Self> {
-        let get = |name: &str| -> PyResult<Option<Borrowed<'_>>> {
-            let array = arrays.get_item(name)?;
-            array.map(|array| Borrowed::of(name, &array)).transpose()
-        };
-        let normal = get("normal")?.ok_or_else(|| PyTypeError::new_err("normal is missing"))?;
-        let color = get("color")?;
-        let [depth, position, mask, object, coverage] = [
-            get("depth")?,
-            get("position")?,
-            get("mask")?,
-            get("object")?,
-            get("coverage")?,
-        ];
-        let [occlusion, importance, albedo] =
-            [get("occlusion")?, get("importance")?, get("albedo")?];
-        let size = normal.size();
-        fn view<'a>(array: &'a Option<Borrowed<'_>>) -> Option<View<'a>> {
-            array.as_ref().map(Borrowed::view)
+        let mut borrowed = Vec::new();
+        for (name, array) in arrays {
+            let name: String = name.extract()?;
+            let array = Borrowed::of(&name, &array)?;
+            borrowed.push((name, array));
         }
-        let normal = normal.view();
-        let views = [
-            view(&color),
-            view(&depth),
-            view(&position),
-            view(&mask),
-            view(&object),
-            view(&coverage),
-            view(&occlusion),
-            view(&importance),
-            view(&albedo),
-        ];
+        let sizes = |wanted: &str| {
+            let named = borrowed.iter().find(|(name, _)| name == wanted);
+            named.map(|(_, array)| array.size())
+        };
+        // Without any of these there is no surface, and that is said.
+        let shown_by = ["normal", "height", "depth", "position"];
+        let size = shown_by.into_iter().find_map(sizes).unwrap_or([0, 0]);
+        let views: HashMap<_, _> = borrowed
+            .iter()
+            .map(|(name, array)| (&name[..], array.view()))
+            .collect();
         let scene = detached(py, || {
-            let [
-                color,
-                depth,
-                position,
-                mask,
-                object,
-                coverage,
-                occlusion,
-                importance,
-                albedo,
-            ] = &views;
-            fn samples<'a>(view: &'a Option<View<'a>>) -> Option<relievo::frame::Samples<'a>> {
-                view.as_ref().map(View::samples)
-            }
-            let linear = |view: &Option<View<'_>>| view.as_ref().and_then(View::linear);
-            let (linear_color, linear_albedo) = (linear(color), linear(albedo));
+            let samples = |name| views.get(name).map(View::samples);
+            let linear = |name| views.get(name).and_then(View::linear);
+            let (color, albedo) = (linear("color"), linear("albedo"));
             let given = Given {
-                normal_is_unsigned: normal.is_integer(),
-                color: linear_color.as_ref().map(Into::into).or(samples(color)),
-                depth: samples(depth),
-                position: samples(position),
-                mask: samples(mask),
-                object: samples(object),
-                coverage: samples(coverage),
-                occlusion: samples(occlusion),
-                importance: samples(importance),
-                albedo: linear_albedo.as_ref().map(Into::into).or(samples(albedo)),
+                normal: samples("normal"),
+                normal_is_unsigned: views.get("normal").is_some_and(View::is_integer),
+                color: color.as_ref().map(Into::into).or(samples("color")),
+                depth: samples("depth"),
+                height: samples("height"),
+                height_scale,
+                position: samples("position"),
+                mask: samples("mask"),
+                object: samples("object"),
+                coverage: samples("coverage"),
+                occlusion: samples("occlusion"),
+                importance: samples("importance"),
+                albedo: albedo.as_ref().map(Into::into).or(samples("albedo")),
                 camera: camera.as_deref(),
                 pixel_aspect,
-                ..Given::of_normals(size, normal.samples())
+                ..Given::of_size(size)
             };
             given.scene(&Work::new("shape", &roles, None)?)
         });

@@ -10,14 +10,13 @@ mod process;
 mod threads;
 mod watched;
 
-use crate::arrays::{Borrowed, array_of};
 use crate::errors::caught;
 use crate::watched::detached;
 use numpy::PyReadonlyArray3;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use relievo::host::{Kind, Work, frames_of, normals_of, settings_of, thumbnail};
+use relievo::host::{Kind, Work, frames_of, settings_of, thumbnail};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -92,8 +91,8 @@ mod _relievo {
     use super::process::forked;
     #[pymodule_export]
     use super::{
-        commands, frames_on_disk, normals, png, read_recipe, recipe, recipe_settings,
-        run_command_line, settings,
+        commands, frames_on_disk, png, read_recipe, recipe, recipe_settings, run_command_line,
+        settings,
     };
 }
 
@@ -126,25 +125,6 @@ fn recipe_settings(py: Python<'_>, path: PathBuf, text: String) -> PyResult<fram
         let work = Work::of_recipe(&recipe, &[], None)?;
         Ok(work.settings().to_vec())
     })
-}
-
-/// Normals of the surface that a depth shows, rows by columns by 3. Settings tell how depth is read; the camera is the
-/// text of a camera file.
-#[pyfunction]
-fn normals<'py>(
-    py: Python<'py>,
-    depth: &Bound<'py, PyAny>,
-    roles: frame::Settings,
-    camera: String,
-    pixel_aspect: f32,
-) -> PyResult<Bound<'py, PyAny>> {
-    let depth = Borrowed::of("depth", depth)?;
-    let (size, view) = (depth.size(), depth.view());
-    let made = detached(py, || {
-        let work = Work::new("shape", &roles, None)?;
-        normals_of(size, &view.samples(), &camera, pixel_aspect, &work)
-    })?;
-    array_of(py, &made.each_ref(), None)
 }
 
 /// A small picture of an array of rows, columns and 3 channels, as a PNG: of linear light, or of values as they are.

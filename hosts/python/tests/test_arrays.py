@@ -159,10 +159,10 @@ def test_normals_of_depth():
     np.testing.assert_allclose(made, expected, atol=4e-5)
     distance = depth * np.linalg.norm(rays, axis=2)
     np.testing.assert_allclose(pyrelievo.normals(distance, camera, depth_kind="distance"), expected, atol=4e-5)
-    with pytest.raises(ValueError, match="^depth is .*, which shows no slopes; give distances"):
-        pyrelievo.normals(depth, camera, depth_kind="white-far")
-    with pytest.raises(ValueError, match="^camera is missing"):
-        pyrelievo.normals(depth, None)
+    # Without a camera it is one 1.25 of the longer side away: told, since slopes follow from it.
+    with pytest.warns(UserWarning, match="^the camera is not known"):
+        guessed = pyrelievo.normals(depth)
+    np.testing.assert_array_equal(guessed, pyrelievo.normals(depth, {"focal_px": 1.25 * 64}))
     with pytest.raises(ValueError, match="^depth has 3 channels; give 1"):
         pyrelievo.normals(expected, camera)
 

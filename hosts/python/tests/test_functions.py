@@ -26,7 +26,7 @@ def test_examples_run(ball):
 def test_every_setting_is_an_argument(function):
     parameters = inspect.signature(function).parameters
     for row in _relievo.settings(function.__name__):
-        keyword = row["name"].replace("-", "_")
+        keyword = {"as": "as_"}.get(row["name"], row["name"].replace("-", "_"))
         if row["group"] in ("Inputs", "Output", "Sequence") or row["name"] == "bits":
             continue
         assert keyword in parameters, keyword

@@ -15,6 +15,8 @@ assert_type(pyrelievo.hatch("render.exr", interior=True).svg(), str)
 pyrelievo.relight(normal, light=(135, 40), method="warp", mask=normal[..., 0])
 pyrelievo.enhance(pyrelievo.load("render.exr", normal="N"), curvature_gain="auto", scaling=1.5)
 assert_type(pyrelievo.normals(normal[..., 0], {"focal_px": 900}), NDArray[np.float32])
+pyrelievo.enhance(normal, depth=normal[..., 0])
+pyrelievo.shape(height=normal[..., 0], height_scale=20)
 pyrelievo.enhance(normal, normal, object=normal[..., 0] > 0.5)
 pyrelievo.enhance(normal, normal, solver="magic")  # pyright: ignore[reportArgumentType]
 pyrelievo.enhance(normal, normal, curvature=1)  # pyright: ignore[reportCallIssue]

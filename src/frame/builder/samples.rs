@@ -79,7 +79,7 @@ mod stored {
 pub struct Samples<'a> {
     channels: Box<dyn Channels + 'a>,
     /// Largest rounding error of a value in -1..1.
-    pub(super) rounding: f32,
+    pub(crate) rounding: f32,
     is_integer: bool,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Samples<'a> {
 
     /// One plane per channel of the layer that messages call `name`; `accepted` lists the permitted numbers of
     /// channels.
-    pub(super) fn planes(&self, name: Name, size: Size, accepted: &[usize]) -> Result<Vec<Plane>> {
+    pub(crate) fn planes(&self, name: Name, size: Size, accepted: &[usize]) -> Result<Vec<Plane>> {
         let channels = self.channels.count(name, size, accepted)?;
         let planes = (0..channels).map(|channel| self.channels.plane(size, channels, channel));
         Ok(planes.collect())

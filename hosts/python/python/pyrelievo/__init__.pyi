@@ -29,6 +29,7 @@ class Frame:
         *,
         camera: Mapping[str, Any] | _Path | None = None,
         pixel_aspect: float = 1.0,
+        height_scale: float | None = None,
         **layers: Any,
     ) -> None: ...
     @property
@@ -57,9 +58,9 @@ class Frame:
 def load(path: _Path, *, frame: int | None = None, **roles: Any) -> Frame: ...
 def normals(
     depth: ArrayLike,
-    camera: Mapping[str, Any] | _Path,
+    camera: Mapping[str, Any] | _Path | None = None,
     *,
-    depth_kind: str | None = None,
+    depth_kind: str | None = "z",
     pixel_aspect: float = 1.0,
 ) -> _Floats: ...
 
@@ -112,10 +113,11 @@ def process(
     **settings: Any,
 ) -> Iterator[tuple[int, Any]]: ...
 def shape(
-    normal: ArrayLike | Frame | _Path,
+    normal: ArrayLike | Frame | _Path | None = None,
     *,
     color: ArrayLike | str | None = None,
     depth: ArrayLike | str | None = None,
+    height: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
     object: ArrayLike | str | None = None,
@@ -125,6 +127,7 @@ def shape(
     albedo: ArrayLike | str | None = None,
     camera: Mapping[str, Any] | _Path | None = None,
     pixel_aspect: float = 1.0,
+    height_scale: float | None = None,
     normal_space: str | None = None,
     normal_encoding: str | None = None,
     normal_flip: str | None = None,
@@ -156,6 +159,7 @@ def enhance(
     normal: ArrayLike | None = None,
     *,
     depth: ArrayLike | str | None = None,
+    height: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
     object: ArrayLike | str | None = None,
@@ -165,6 +169,7 @@ def enhance(
     albedo: ArrayLike | str | None = None,
     camera: Mapping[str, Any] | _Path | None = None,
     pixel_aspect: float = 1.0,
+    height_scale: float | None = None,
     normal_space: str | None = None,
     normal_encoding: str | None = None,
     normal_flip: str | None = None,
@@ -204,10 +209,11 @@ def enhance(
     highlights: Literal["compress", "clip"] | Sequence[str] | None = "compress",
 ) -> NDArray[Any]: ...
 def relight(
-    normal: ArrayLike | Frame | _Path,
+    normal: ArrayLike | Frame | _Path | None = None,
     *,
     color: ArrayLike | str | None = None,
     depth: ArrayLike | str | None = None,
+    height: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
     object: ArrayLike | str | None = None,
@@ -217,6 +223,7 @@ def relight(
     albedo: ArrayLike | str | None = None,
     camera: Mapping[str, Any] | _Path | None = None,
     pixel_aspect: float = 1.0,
+    height_scale: float | None = None,
     normal_space: str | None = None,
     normal_encoding: str | None = None,
     normal_flip: str | None = None,
@@ -286,10 +293,11 @@ def relight(
     highlights: Literal["compress", "clip"] | Sequence[str] | None = "compress",
 ) -> NDArray[Any]: ...
 def hatch(
-    normal: ArrayLike | Frame | _Path,
+    normal: ArrayLike | Frame | _Path | None = None,
     *,
     color: ArrayLike | str | None = None,
     depth: ArrayLike | str | None = None,
+    height: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
     object: ArrayLike | str | None = None,
@@ -299,6 +307,7 @@ def hatch(
     albedo: ArrayLike | str | None = None,
     camera: Mapping[str, Any] | _Path | None = None,
     pixel_aspect: float = 1.0,
+    height_scale: float | None = None,
     normal_space: str | None = None,
     normal_encoding: str | None = None,
     normal_flip: str | None = None,
@@ -416,10 +425,11 @@ def hatch(
     object_angle: _Value | None = None,
 ) -> Drawing: ...
 def map(
-    normal: ArrayLike | Frame | _Path,
+    normal: ArrayLike | Frame | _Path | None = None,
     *,
     color: ArrayLike | str | None = None,
     depth: ArrayLike | str | None = None,
+    height: ArrayLike | str | None = None,
     position: ArrayLike | str | None = None,
     mask: ArrayLike | str | None = None,
     object: ArrayLike | str | None = None,
@@ -429,6 +439,7 @@ def map(
     albedo: ArrayLike | str | None = None,
     camera: Mapping[str, Any] | _Path | None = None,
     pixel_aspect: float = 1.0,
+    height_scale: float | None = None,
     normal_space: str | None = None,
     normal_encoding: str | None = None,
     normal_flip: str | None = None,
@@ -452,7 +463,8 @@ def map(
     height_detail: float | Sequence[float] | None = 32,
     occlusion_radius: float | Sequence[float] | None = 32,
     occlusion_slices: float | Sequence[float] | None = 8,
-    map: Literal["curvature", "convex", "concave", "edges", "height", "occlusion", "residual"] | Sequence[str] | None = "curvature",
+    map: Literal["curvature", "convex", "concave", "edges", "height", "occlusion", "residual", "normals"] | Sequence[str] | None = "curvature",
+    as_: Literal["opengl", "directx", "opencv", "stablenormal", "world", "xy"] | Sequence[str] | None = "opengl",
     sum: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "auto",
     crease: _Value | None = "15,45",

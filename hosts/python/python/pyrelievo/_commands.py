@@ -17,7 +17,7 @@ from ._results import Drawing, Shape, views
 from ._settings import INPUTS, Row, rows, typed
 
 #: What a frame of arrays takes beside its layers.
-FRAME = ("camera", "pixel_aspect", "normal_space", "normal_encoding", "normal_flip", "depth_kind")
+FRAME = ("camera", "pixel_aspect", "height_scale", "normal_space", "normal_encoding", "normal_flip", "depth_kind")
 
 #: What every function takes beside layers and settings.
 OPTIONS = ("out", "dtype", "engine", "progress")
@@ -79,7 +79,8 @@ def frame_of(
         if value is not None:
             (layers if is_layer or name in FRAME else settings)[name] = value
     if not layers:
-        raise TypeError(f"{command}() is called without anything; give {' and '.join(names)}, or a frame")
+        wanted = f"{' and '.join(names)}, depth or height, or a frame"
+        raise TypeError(f"{command}() is called without anything; give {wanted}")
     first = next(iter(layers.values()))
     if isinstance(first, (Frame, str, os.PathLike)):
         if len(layers) > 1:
@@ -156,7 +157,7 @@ def signature_of(command: str) -> Signature:
     """The arguments of a command: layers, then its settings."""
     names = LEADING[command]
     given = [
-        Parameter(name, Parameter.POSITIONAL_OR_KEYWORD, default=Parameter.empty if name == names[0] else None)
+        Parameter(name, Parameter.POSITIONAL_OR_KEYWORD, default=Parameter.empty if name == "color" else None)
         for name in names
     ]
     layers = [name for name in LAYERS if name not in names]
@@ -178,7 +179,7 @@ def doc_of(command: str) -> str:
         sentence,
         "",
         f"Takes {names} as arrays of rows x columns x 3, with further layers by name; or, in the place of arrays, a Frame",
-        "or the path of a file. See Frame for layers and what they hold.",
+        "or the path of a file. Without normal, depth or height show the surface. See Frame for layers and what they hold.",
         "",
         f"    {example}",
         "",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ LAYERS = (
     "color",
     "normal",
     "depth",
+    "height",
     "position",
     "mask",
     "object",
@@ -85,8 +87,14 @@ class Frame:
     multiplied. Integers count as sRGB. ``normal`` is rows x columns x 3 in view space: x right, y up, z toward the
     viewer; integers count as 0..1. ``depth`` lies along the view axis. ``mask`` tells where and how far a picture is
     changed, 0..1, ``object`` how much of each pixel the chosen objects cover, as ``ids == 7``, and ``coverage`` where a
-    surface is, above one half. ``camera`` is a dict or a file, as for ``relievo --camera``. Other settings tell how layers are read, as on the command line: ``normal_space="world"``,
-    ``normal_flip="y"``, ``depth_kind="white-far"``. Nothing is guessed.
+    surface is, above one half. ``camera`` is a dict or a file, as for ``relievo --camera``. Other settings tell how layers
+    are read, as on the command line: ``normal_space="world"``, ``normal_flip="y"``, ``depth_kind="white-far"``. Nothing is
+    guessed where there are normals.
+
+    Without them normals are those of the surface that ``depth`` shows, or ``position`` with a camera, or ``height``, seen
+    from above: ``height_scale`` pixels high at 1. As on the command line, depth from 0 to 1 of no ``depth_kind`` is taken
+    for white-near, and a camera that is missing for one 44 degrees across. What is guessed so is in ``warnings``, and
+    every function that uses the frame warns of it.
     """
 
     def __init__(
@@ -96,10 +104,9 @@ class Frame:
         *,
         camera: Any = None,
         pixel_aspect: float = 1.0,
+        height_scale: float | None = None,
         **layers: Any,
     ):
-        if normal is None:
-            raise TypeError("normal is missing; give an array of rows, columns and 3 channels")
         layers |= {"color": color, "normal": normal}
         given = {name: layers.pop(name, None) for name in LAYERS}
         for name, layer in given.items():
@@ -109,7 +116,7 @@ class Frame:
         if "object" in arrays:
             refuse_numbers(arrays["object"])
         self._frame = _relievo.Frame.of_arrays(
-            arrays, roles_of(layers), camera_text(camera), pixel_aspect
+            arrays, roles_of(layers), camera_text(camera), pixel_aspect, height_scale
         )
 
     @classmethod
@@ -160,7 +167,7 @@ class Frame:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings about the layers of a file."""
+        """Warnings about the layers; functions that use them warn likewise."""
         return self._frame.warnings
 
     @property
@@ -215,22 +222,22 @@ def load(path: str | os.PathLike[str], *, frame: int | None = None, **roles: Any
 
 def normals(
     depth: Any,
-    camera: Mapping[str, Any] | str | os.PathLike[str],
+    camera: Mapping[str, Any] | str | os.PathLike[str] | None = None,
     *,
-    depth_kind: str | None = None,
+    depth_kind: str | None = "z",
     pixel_aspect: float = 1.0,
 ) -> np.ndarray:
     """Normals of the surface that a depth shows: rows x columns x 3, view space, 0 where no surface is.
 
     ``depth`` is rows x columns of distances, along the view axis unless ``depth_kind`` tells otherwise, and 0 where
-    nothing is. ``camera`` is a dict or a file, as for Frame. Normals follow the steps between neighbouring pixels, so
-    they show the facets of a mesh; a step that leads to another surface is no slope.
+    nothing is. ``camera`` is a dict or a file, as for Frame; one that is missing is guessed, with a warning. Normals
+    follow the steps between neighbouring pixels, so they show the facets of a mesh; a step that leads to another surface
+    is no slope.
 
     >>> pyrelievo.normals(np.full((4, 4), 2.0), {"focal_px": 100})[1, 1].tolist()
     [0.0, 0.0, 1.0]
     """
-    text = camera_text(camera)
-    if text is None:
-        raise ValueError("camera is missing; give one, without which depth shows no slopes")
-    array = array_of("depth", depth)
-    return _relievo.normals(array, roles_of({"depth_kind": depth_kind}), text, pixel_aspect)
+    frame = Frame(depth=depth, camera=camera, depth_kind=depth_kind, pixel_aspect=pixel_aspect)
+    for said in frame.warnings:
+        warnings.warn(said, stacklevel=2)
+    return frame.normal

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from keyword import iskeyword
 from typing import Any
 
 from . import _relievo
@@ -30,7 +31,8 @@ class Row:
 
     def __init__(self, row: dict[str, Any]):
         self.name: str = row["name"]
-        self.keyword = self.name.replace("-", "_")
+        # As with_ for with.
+        self.keyword = self.name.replace("-", "_") + "_" * iskeyword(self.name)
         self.group: str = row["group"]
         self.help: str = FLAG.sub(lambda flag: flag[1].replace("-", "_"), row["help"])
         self.common: bool = row["common"]
