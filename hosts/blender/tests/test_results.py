@@ -60,6 +60,17 @@ def test_pictures(made):
     assert np.ptp(planes[0]) > 0.1
 
 
+def test_without_normals_depth_shows_the_surface(made, rendered, capfd):
+    for layer in rendered.view_layers:
+        layer.use_pass_normal = False
+    bpy.ops.render.render(scene=rendered.name)
+    planes = made("relight", ["--light=135,40"], "RGB", light="135,40")
+    image = bpy.data.images["relievo.relight"]
+    for at, plane in enumerate(planes):
+        np.testing.assert_array_equal(pixels_of(image)[..., at], plane)
+    assert "Warning: Normals from depth: no layer holds any" in capfd.readouterr().out
+
+
 def test_relit_pictures(made):
     flags = ["--light=135,40", "--light=20,30,1,0,0", "--method=warp"]
     planes = made("relight", flags, "RGB", light="135,40; 20,30,1,0,0", method="warp")
@@ -168,7 +179,7 @@ def test_formats_are_restored(rendered, formats):
 
 def test_formats_are_restored_after_errors(rendered, formats):
     for layer in rendered.view_layers:
-        layer.use_pass_normal = False
+        layer.use_pass_normal = layer.use_pass_z = layer.use_pass_position = False
     bpy.ops.render.render(scene=rendered.name)
     with pytest.raises(RuntimeError) as raised:
         bpy.ops.relievo.bring_out()
