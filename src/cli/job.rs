@@ -389,8 +389,7 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
         let (frame, args) = (&loaded.frame, &self.work.output);
-        let mut timings = Timings::of(frame);
-        timings.add("read", read);
+        let mut timings = Timings::of(loaded, read);
         timings.add_all(&layers.outcome);
         self.write_output(&chosen, |output| {
             let mut writing = Duration::ZERO;
@@ -461,8 +460,7 @@ impl<'a> Job<'a> {
         chosen: Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<Chosen> {
-        let mut timings = Timings::of(&done.loaded.frame);
-        timings.add("read", done.read);
+        let mut timings = Timings::of(&done.loaded, done.read);
         timings.add_all(&done.outcome);
         self.write_output(&chosen, |output| {
             let start = Instant::now();

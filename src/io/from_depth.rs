@@ -14,6 +14,7 @@ use crate::frame::depth::is_distance;
 use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::{Camera, Mask, Plane, Projection, StoredDepth, likely_projection};
 use glam::DAffine3;
+use std::time::Instant;
 
 /// The height of white over the longer side of a picture of heights, where it is not known.
 const HIGH: f32 = 0.1;
@@ -64,6 +65,7 @@ impl FrameSource<'_> {
             Some(source) if source.rounding() > 0.0 => Precision::Codes(scale * source.rounding()),
             _ => Precision::Float,
         };
+        let start = Instant::now();
         let mut normal = normals_of_depth(
             depth,
             stored,
@@ -71,6 +73,7 @@ impl FrameSource<'_> {
             |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
             precision,
         );
+        let took = start.elapsed();
         let (from, bits) = match source {
             Some(source) if stored == StoredDepth::Height => ("heights", source.precision()),
             Some(source) => ("depth", source.precision()),
@@ -91,6 +94,7 @@ impl FrameSource<'_> {
             sense: Some((stored, why)),
             depth_is_half,
             view,
+            made: Some(took),
         })
     }
 

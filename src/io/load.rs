@@ -32,6 +32,7 @@ use crate::frame::{
 };
 use std::ops::Range;
 use std::rc::Rc;
+use std::time::Duration;
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -55,6 +56,8 @@ pub struct Loaded {
     pub camera_is_recovered: bool,
     /// Median distance of the surface, where its depth has been looked at.
     pub distance: Option<f32>,
+    /// How long it took to make normals, where the files hold none.
+    pub normals_made: Option<Duration>,
     /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
@@ -176,6 +179,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         sense,
         depth_is_half,
         view,
+        made,
     } = match stored_normal {
         Some(normal) => source.seen_surface(normal, &mut layers, needs, &mut notes)?,
         None => source.surface_of_depth(&mut layers, &mut notes)?,
@@ -238,6 +242,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
         distance: None,
+        normals_made: made,
         conventions: Conventions {
             normal_space: view.normals.space,
             normal_encoding: encoding,
@@ -333,6 +338,8 @@ pub(super) struct SeenSurface {
     pub(super) sense: Sense,
     pub(super) depth_is_half: bool,
     pub(super) view: View,
+    /// How long normals took to make, of depth.
+    pub(super) made: Option<Duration>,
 }
 
 impl FrameSource<'_> {
@@ -387,6 +394,7 @@ impl FrameSource<'_> {
             sense,
             depth_is_half,
             view,
+            made: None,
         })
     }
 
