@@ -81,7 +81,7 @@ const ROWS: usize = 256;
 /// Whether a photo is a normal map, by the rows in its middle. One that cannot be decoded is none.
 pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
     let header = &photo.header;
-    if header.is_float || header.color_channels() != 3 {
+    if header.color_channels() != 3 {
         return false;
     }
     let rows = ROWS.min(header.height);
@@ -89,7 +89,14 @@ pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
     let planes = photo.planes(first..first + rows, Meaning::Stored);
     planes.is_ok_and(|mut planes| {
         planes.truncate(3);
-        let share = share_of_length(&written(&Vector3Planes::of(planes), [None; 2]), 1.0);
+        let stored = Vector3Planes::of(planes);
+        let vectors = match header.is_float {
+            true => sample(&stored)
+                .filter(|n| n.length() > MIN_LENGTH)
+                .collect(),
+            false => written(&stored, [None; 2]),
+        };
+        let share = share_of_length(&vectors, 1.0);
         share.is_some_and(|share| share >= FEWEST_UNIT_UNNAMED)
     })
 }
