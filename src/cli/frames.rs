@@ -153,7 +153,11 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
     let mut works = Vec::new();
     for (command, frame) in pictures {
         let folder = command.folder();
-        folder.into_iter().for_each(|path| known.reads_all_in(path));
+        let of_files = Some(command.work().input.as_path()).filter(|input| input.is_dir());
+        folder
+            .into_iter()
+            .chain(of_files)
+            .for_each(|path| known.reads_all_in(path));
         let work = match frame {
             Some(number) => command.work().of_frame(number),
             None => command.work().clone(),

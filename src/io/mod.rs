@@ -2,6 +2,7 @@
 
 mod art_map;
 mod borders;
+mod bundle;
 pub mod camera;
 pub mod colorspace;
 mod cryptomatte;
