@@ -1,7 +1,7 @@
 //! Folders and archives as estimators of normals and depth write them, and maps as numbers.
 
 use super::inputs::write_planes;
-use crate::common::exr::channel;
+use crate::common::exr::{Part, channel};
 use crate::common::program::{fixture, relievo};
 use glam::DVec3;
 use relievo::frame::Plane;
@@ -23,6 +23,11 @@ fn ball(x: usize, y: usize) -> (DVec3, DVec3) {
     let along = ray.dot(middle);
     let t = (along - (along * along - square * (81.0 - 36.0)).sqrt()) / square;
     (t * ray, (t * ray - middle) / 6.0)
+}
+
+/// y up and z toward the viewer.
+fn to_gl() -> DVec3 {
+    DVec3::new(1.0, -1.0, -1.0)
 }
 
 fn planes(value: impl Fn(usize, usize) -> DVec3) -> [Plane; 3] {
@@ -52,10 +57,9 @@ fn write_npy(path: &Path, planes: &[Plane]) {
 fn write_folder(folder: &Path) {
     fs::create_dir(folder).unwrap();
     let at = |name: &str| folder.join(name);
-    let to_gl = DVec3::new(1.0, -1.0, -1.0);
     let lit = planes(|x, y| DVec3::splat(0.2 + 0.6 * -ball(x, y).1.z));
     write_planes(&at("image.png"), lit, None, 8, ViewTransform::Srgb);
-    let coded = planes(|x, y| 0.5 * (to_gl * ball(x, y).1 + DVec3::ONE));
+    let coded = planes(|x, y| 0.5 * (to_gl() * ball(x, y).1 + DVec3::ONE));
     write_planes(&at("normal.png"), coded, None, 16, ViewTransform::None);
     let [_, _, depth] = planes(|x, y| ball(x, y).0);
     write_npy(&at("depth.npy"), &[depth]);
@@ -84,7 +88,7 @@ fn error(path: &Path) -> f64 {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let errors = pixels.map(|(x, y)| {
         let found = [0, 1, 2].map(|i| f64::from(photo.channels[i].at(x, y)));
-        let expected = ball(x, y).1 * DVec3::new(1.0, -1.0, -1.0);
+        let expected = ball(x, y).1 * to_gl();
         (DVec3::from(found) - expected).abs().max_element()
     });
     errors.fold(0.0, f64::max)
@@ -123,12 +127,31 @@ fn a_folder_of_an_estimator_stands_where_a_file_does() {
     assert!(line.contains("normal.png, normal_2.png"), "{line}");
     run("normals moge/image.png --normal moge/normal_2.png -o n.npy -q").done();
     fs::remove_file(at("normal_2.png")).unwrap();
+    // OpenCV calls the one channel of an EXR Y. Of two files of one name that of floats is taken.
+    let [_, _, depth] = planes(|x, y| ball(x, y).0);
+    fs::remove_file(at("depth.npy")).unwrap();
+    Part::of([("Y", &depth)]).write(&at("depth.exr"));
+    let [x, y, z] = planes(|x, y| to_gl() * ball(x, y).1);
+    Part::of([("R", &x), ("G", &y), ("B", &z)]).write(&at("normal.exr"));
+    let said = run("normals moge -o n.npy").done().stderr;
+    assert!(
+        said.contains("normal.exr as normals") && said.contains("depth.exr as depth"),
+        "{said}"
+    );
+    assert!(error(&here.join("n.npy")) < 1e-5);
+    fs::remove_file(at("normal.exr")).unwrap();
+    // A folder for each frame.
+    fs::create_dir(here.join("shot")).unwrap();
+    fs::rename(here.join("moge"), here.join("shot/0002")).unwrap();
+    run("normals shot/#### --frames 2 -o n.####.npy -q").done();
+    assert!(error(&here.join("n.0002.npy")) < 1e-4);
+    fs::rename(here.join("shot/0002"), here.join("moge")).unwrap();
     // Axes as in OpenCV are found by the depth; so are normals where there are none but points.
     fs::remove_file(at("normal.png")).unwrap();
     write_npy(&at("normals.npy"), &planes(|x, y| ball(x, y).1));
     run("normals moge -o n.npy -q").done();
     assert!(error(&here.join("n.npy")) < 1e-5);
-    for name in ["normals.npy", "depth.npy", "image.png"] {
+    for name in ["normals.npy", "depth.exr", "image.png"] {
         fs::remove_file(at(name)).unwrap();
     }
     run("normals moge -o n.npy -q").done();
@@ -178,8 +201,7 @@ fn an_archive_is_read_by_the_names_of_its_arrays() {
 fn maps_are_written_as_numbers() {
     let desk = tempfile::tempdir().unwrap();
     let here = desk.path();
-    let to_gl = DVec3::new(1.0, -1.0, -1.0);
-    let coded = planes(|x, y| 0.5 * (to_gl * ball(x, y).1 + DVec3::ONE));
+    let coded = planes(|x, y| 0.5 * (to_gl() * ball(x, y).1 + DVec3::ONE));
     write_planes(&here.join("in.png"), coded, None, 16, ViewTransform::None);
     let run = |words: &str| relievo(here, &format!("{words} --backend cpu -q"));
     let bits =

@@ -23,7 +23,8 @@ pub(crate) enum ArrayFormat {
 pub(crate) struct Array {
     size: [usize; 2],
     channels: usize,
-    samples: Vec<f32>,
+    /// In native byte order.
+    samples: Vec<[u8; 4]>,
 }
 
 /// Bytes of the start of a NumPy file, of which its header is a multiple.
@@ -43,7 +44,7 @@ impl Array {
     pub(crate) fn push(&mut self, planes: &[&Plane], rows: Range<usize>) {
         for y in rows {
             let rows: Vec<_> = planes.iter().map(|plane| plane.row(y)).collect();
-            let pixel = |x: usize| rows.iter().map(move |row| row[x]);
+            let pixel = |x: usize| rows.iter().map(move |row| row[x].to_ne_bytes());
             self.samples.extend((0..self.size[0]).flat_map(pixel));
         }
     }
@@ -86,7 +87,8 @@ impl Array {
         w.write_all(&(length as u16).to_le_bytes())?;
         writeln!(w, "{header:<0$}", length - 1)?;
         for row in self.samples.chunks((width * channels).max(1)) {
-            let bytes: Vec<u8> = row.iter().flat_map(|v| v.to_le_bytes()).collect();
+            let samples = row.iter().map(|&v| f32::from_ne_bytes(v));
+            let bytes: Vec<u8> = samples.flat_map(f32::to_le_bytes).collect();
             w.write_all(&bytes)?;
         }
         Ok(())
@@ -97,14 +99,13 @@ impl Array {
         w: &mut (impl Write + Seek),
         encoding: &Encoding,
     ) -> image::ImageResult<()> {
-        let samples: Vec<[u8; 4]> = self.samples.iter().map(|v| v.to_ne_bytes()).collect();
         let stored = Stored {
             size: self.size.map(|side| side as u32),
             channels: self.channels,
             bits: 32,
             dpi: encoding.dpi(self.size[0]),
             profile: None,
-            samples: samples.as_flattened(),
+            samples: self.samples.as_flattened(),
         };
         write_tiff(w, &stored, encoding)
     }
