@@ -195,7 +195,7 @@ impl OutputArgs {
             return of("--quality", "JPEG", ".jpg");
         }
         if !self.write.is_empty() && !holds_layers {
-            return of("--write", "layers", ".exr, .tif or .npy");
+            return of("--write", "EXR, NPY and TIFF", ".exr");
         }
         Ok(())
     }

@@ -23,13 +23,13 @@ pub(super) struct Bundle {
 
 /// Roles by the words of names. A name with several is the first of these: `image_depth` is depth.
 const NAMES: [(Role, &[&str]); 5] = [
+    (Role::Coverage, &["mask", "valid"]),
     (Role::Normal, &["normal", "normals"]),
     (Role::Depth, &["depth"]),
     (
         Role::Position,
         &["points", "point", "pts", "pts3d", "position", "positions"],
     ),
-    (Role::Coverage, &["mask", "valid"]),
     (
         Role::Color,
         &[
@@ -186,8 +186,17 @@ impl Bundle {
 
     /// What is taken for what, in one line.
     pub(super) fn note(&self, inputs: &Inputs) -> String {
-        let is_used = |role: &Role| *role != Role::Position || inputs.position.is_some();
-        let members = self.members.iter().filter(|(role, _)| is_used(role));
+        let is_used = |(role, file): &&(Role, PathBuf)| {
+            let named = match role {
+                Role::Normal => &inputs.normal,
+                Role::Depth => &inputs.depth,
+                Role::Position => &inputs.position,
+                Role::Coverage => &inputs.coverage,
+                _ => return inputs.color.is_none(),
+            };
+            named.as_deref().map(Path::new) == Some(file)
+        };
+        let members = self.members.iter().filter(is_used);
         let taken =
             members.map(|(role, file)| format!("{} as {}", shown_name(file), called(*role)));
         let camera = self
@@ -196,7 +205,7 @@ impl Bundle {
             .filter(|own| inputs.camera.as_ref() == Some(*own));
         let taken = taken.chain(camera.map(|file| format!("{} as camera", shown_name(file))));
         let taken = taken.collect::<Vec<_>>().join(", ");
-        let unused = self.members.iter().filter(|(role, _)| !is_used(role));
+        let unused = self.members.iter().filter(|member| !is_used(member));
         let unused = unused.map(|(_, file)| file).chain(&self.left_out);
         let unused: Vec<_> = unused.map(|file| shown_name(file)).collect();
         match unused.is_empty() {

@@ -113,6 +113,9 @@ fn a_folder_of_an_estimator_stands_where_a_file_does() {
     }
     // A code of 16 bits is 3e-5, and vectors of unit length are off by two.
     assert!(error(&here.join("n.npy")) < 1e-4);
+    // Flags overrule it.
+    let said = run("normals moge --depth none -o n.npy").done().stderr;
+    assert!(said.contains("left out: depth.npy, points.npy"), "{said}");
     // The picture is the image, and {name} the folder's.
     run("enhance moge -o {name}_e.png --backend cpu -q").done();
     assert_eq!(Photo::read(&here.join("moge_e.png")).unwrap().width, 96);

@@ -279,7 +279,10 @@ fn of_the_results_those_are_written_that_are_picked() {
     let line = desk
         .run("shape", &gears, "none.png", &["--write", "kappa"])
         .refused(2);
-    assert!(line.contains("--write is of EXR alone"), "{line}");
+    assert!(
+        line.contains("--write is of EXR, NPY and TIFF alone"),
+        "{line}"
+    );
 }
 
 #[test]
