@@ -153,15 +153,14 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
     let mut works = Vec::new();
     for (command, frame) in pictures {
         let folder = command.folder();
-        let of_files = Some(command.work().input.as_path()).filter(|input| input.is_dir());
-        folder
-            .into_iter()
-            .chain(of_files)
-            .for_each(|path| known.reads_all_in(path));
+        folder.into_iter().for_each(|path| known.reads_all_in(path));
         let work = match frame {
             Some(number) => command.work().of_frame(number),
             None => command.work().clone(),
         };
+        if work.input.is_dir() {
+            known.reads_all_in(&work.input);
+        }
         let of_command = command.files(frame);
         for path in work.roles.files(&work.input).iter().chain(&of_command) {
             known.reads(path);

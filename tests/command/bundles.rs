@@ -148,6 +148,8 @@ fn a_folder_of_an_estimator_stands_where_a_file_does() {
     fs::rename(here.join("moge"), here.join("shot/0002")).unwrap();
     run("normals shot/#### --frames 2 -o n.####.npy -q").done();
     assert!(error(&here.join("n.0002.npy")) < 1e-4);
+    let line = run("normals shot/#### --frames 2 -o shot/####/n.npy").refused(2);
+    assert!(line.contains("all of which is read"), "{line}");
     fs::rename(here.join("shot/0002"), here.join("moge")).unwrap();
     // Axes as in OpenCV are found by the depth; so are normals where there are none but points.
     fs::remove_file(at("normal.png")).unwrap();
