@@ -1,6 +1,7 @@
 //! From files to a frame: reads the inputs a run needs, and converts everything to view space once.
 
 use super::borders::Borders;
+use super::bundle::gathered;
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
@@ -115,8 +116,11 @@ impl Loaded {
 /// wanted; [`crate::Error::SizeMismatch`] for inputs of unlike windows; [`crate::Error::Undetermined`] where
 /// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    let main = Opened::open_picture(inputs)?;
-    load_from(main, inputs, needs)
+    let (inputs, note) = gathered(inputs)?;
+    let main = Opened::open_picture(&inputs)?;
+    let mut loaded = load_from(main, &inputs, needs)?;
+    loaded.warnings.splice(..0, note);
+    Ok(loaded)
 }
 
 /// Reads the frame, or the rows of it named by `inputs`, from its opened picture.

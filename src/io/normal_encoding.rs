@@ -93,7 +93,9 @@ pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
         // Pictures of light hold no negatives.
         let is_signed = || sample(&stored).any(|n| n.min_element() < -0.01);
         let vectors = match header.is_float && is_signed() {
-            true => sample(&stored).filter(|n| n.length() > 0.0).collect(),
+            true => sample(&stored)
+                .filter(|n| n.length() > MIN_LENGTH)
+                .collect(),
             false => written(&stored, [None; 2]),
         };
         let share = share_of_length(&vectors, 1.0);
