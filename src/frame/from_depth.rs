@@ -176,15 +176,20 @@ fn normals(
 
 /// A vector of length 1, or 0 where there is none.
 #[inline(always)]
-fn unit(vector: [f32; 3], is_found: bool) -> [f32; 3] {
+fn unit([x, y, z]: [f32; 3], is_found: bool) -> [f32; 3] {
     // Divided by its size first: squares of very small and of very large numbers leave the range of floats.
-    let size = vector.iter().fold(0.0_f32, |sum, v| sum + v.abs());
+    let size = x.abs() + y.abs() + z.abs();
     let scale = if is_found & (size > 0.0) {
         1.0 / size
     } else {
         0.0
     };
-    let vector = vector.map(|v| if scale > 0.0 { v * scale } else { 0.0 });
-    let length = vector.iter().map(|v| v * v).sum::<f32>().sqrt();
-    vector.map(|v| if length > 0.0 { v / length } else { 0.0 })
+    let [x, y, z] = [x * scale, y * scale, z * scale];
+    let square = x * x + y * y + z * z;
+    let share = if square > 0.0 {
+        1.0 / square.sqrt()
+    } else {
+        0.0
+    };
+    [x * share, y * share, z * share]
 }
