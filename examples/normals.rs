@@ -162,7 +162,7 @@ impl Scene {
         glam::DVec3::new(-right, down, 1.0).normalize()
     }
 
-    /// Values as stored, and the pixels that a value of 1 is high; of codes, the largest is 1.
+    /// Values as stored, and the pixels that a value of 1 is high.
     fn stored(&self, storage: Storage) -> (Vec<f64>, f64) {
         let heights: Vec<f64> = self.pixels().map(|(x, y)| self.at(x, y)[0]).collect();
         let low = heights.iter().copied().fold(f64::MAX, f64::min);
@@ -170,11 +170,14 @@ impl Scene {
         let share = |h: &f64| (h - low) / range;
         match storage {
             Storage::Float => (heights, 1.0),
-            Storage::Half => (heights.iter().map(|h| 2.0 + share(h)).collect(), range),
+            Storage::Half => {
+                let half = |h: &f64| f16::from_f64(2.0 + share(h)).to_f64();
+                (heights.iter().map(half).collect(), range)
+            }
             Storage::Codes(most) => {
                 let most = f64::from(most);
-                let codes = heights.iter().map(|h| (most * share(h)).round() / most);
-                (codes.collect(), range)
+                let codes = heights.iter().map(|h| (most * share(h)).round());
+                (codes.collect(), range / most)
             }
             Storage::Noisy(deviation) => {
                 let mut state = 1_u64;
@@ -218,7 +221,12 @@ impl Scene {
     fn angle(&self, found: impl Fn(usize, usize) -> glam::DVec3) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
         for (x, y) in self.counted() {
-            sum += found(x, y).angle_between(self.normal(x, y)).to_degrees();
+            let (found, exact) = (found(x, y), self.normal(x, y));
+            // 0 where none was found.
+            sum += match found == glam::DVec3::ZERO {
+                true => 90.0,
+                false => found.angle_between(exact).to_degrees(),
+            };
             count += 1;
         }
         sum / f64::from(count.max(1))
@@ -281,14 +289,14 @@ fn write_numbers(path: &Path, side: usize, storage: Storage, values: &[f64]) -> 
                 .flat_map(|&v| f16::from_f64(v).to_le_bytes())
                 .collect(),
         ),
-        Storage::Codes(255) => (
-            "|u1",
-            values.iter().map(|v| (255.0 * v).round() as u8).collect(),
+        Storage::Codes(255) => ("|u1", values.iter().map(|&v| v as u8).collect()),
+        Storage::Codes(_) => (
+            "<u2",
+            values
+                .iter()
+                .flat_map(|&v| (v as u16).to_le_bytes())
+                .collect(),
         ),
-        Storage::Codes(most) => {
-            let code = |v: &f64| ((f64::from(most) * v).round() as u16).to_le_bytes();
-            ("<u2", values.iter().flat_map(code).collect())
-        }
     };
     let header =
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({side}, {side}), }}");

@@ -7,6 +7,7 @@ use super::depth::is_distance;
 use super::plane::each_row_of;
 use super::slopes::{Rounding, Slopes, slopes};
 use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
+use half::f16;
 
 /// How many times farther than its nearest point depth without a scale is taken to reach.
 const FAR_TO_NEAR: f32 = 5.0;
@@ -106,6 +107,31 @@ pub(crate) enum Precision {
 }
 
 impl Precision {
+    /// That of numbers which nothing else is known of: whole ones are codes, and so are those that halves can hold.
+    pub(crate) fn of(numbers: &Plane) -> Self {
+        let all = |holds: fn(f32) -> bool| {
+            let mut finite = numbers.samples().iter().filter(|v| v.is_finite());
+            finite.all(|&v| holds(v))
+        };
+        if all(|v| v == 0.0) {
+            Self::Float
+        } else if all(|v| v.fract() == 0.0) {
+            Self::Codes(1.0)
+        } else if all(|v| f32::from(f16::from_f32(v)) == v) {
+            Self::Half
+        } else {
+            Self::Float
+        }
+    }
+
+    /// The same of numbers times `factor`.
+    pub(crate) fn times(self, factor: f32) -> Self {
+        match self {
+            Self::Codes(step) => Self::Codes(factor * step),
+            other => other,
+        }
+    }
+
     /// The distance of what can be stored around a value.
     fn step(self, value: f32) -> f32 {
         match self {
@@ -192,4 +218,26 @@ fn unit([x, y, z]: [f32; 3], is_found: bool) -> [f32; 3] {
         0.0
     };
     [x * share, y * share, z * share]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_tell_how_finely_they_were_stored() {
+        let of = |number: fn(f32) -> f32| {
+            Precision::of(&Plane::from_fn(9, 2, |x, y| number((x + 9 * y) as f32)))
+        };
+        assert_eq!(of(|i| 7.0 * i), Precision::Codes(1.0));
+        // 1 / 1024 is the distance of halves from 1 to 2; a third is none.
+        assert_eq!(of(|i| 1.0 + i / 1024.0), Precision::Half);
+        assert_eq!(of(|i| 1.0 + i / 3.0), Precision::Float);
+        assert_eq!(of(|_| 0.0), Precision::Float);
+        assert_eq!(
+            of(|i| if i > 3.0 { f32::NAN } else { i }),
+            Precision::Codes(1.0)
+        );
+        assert_eq!(Precision::Codes(1.0).times(0.5), Precision::Codes(0.5));
+    }
 }

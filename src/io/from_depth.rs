@@ -30,6 +30,14 @@ impl FrameSource<'_> {
         let all = Mask::full(self.data_window.width(), self.data_window.height());
         let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None))?;
         let source = self.sources.get(Role::Depth);
+        let precision = match source {
+            _ if depth_is_half => Precision::Half,
+            Some(source) if source.rounding() > 0.0 => Precision::Codes(source.rounding()),
+            _ => layers
+                .depth
+                .as_ref()
+                .map_or(Precision::Float, Precision::of),
+        };
         let mut scale = 1.0;
         let (stored, why) = match (&mut layers.depth, view.camera) {
             (Some(height), _) if self.inputs.depth_kind == Some(StoredDepth::Height) => {
@@ -60,18 +68,13 @@ impl FrameSource<'_> {
             |camera| camera.projection,
         );
         let alpha = layers.alpha.as_ref().filter(|_| !stored.shows_coverage());
-        let precision = match source {
-            _ if depth_is_half => Precision::Half,
-            Some(source) if source.rounding() > 0.0 => Precision::Codes(scale * source.rounding()),
-            _ => Precision::Float,
-        };
         let start = Instant::now();
         let mut normal = normals_of_depth(
             depth,
             stored,
             (projection, self.data_window),
             |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
-            precision,
+            precision.times(scale),
         );
         let took = start.elapsed();
         let (from, bits) = match source {

@@ -228,6 +228,11 @@ impl RoleSource {
         Rc::ptr_eq(&self.file, &other.file) && places[0].is_some() && places[0] == places[1]
     }
 
+    /// Whether it is a photo, this very file.
+    pub(super) fn is_photo_of(&self, file: &Rc<Opened>) -> bool {
+        self.layer.is_none() && self.file.path() == file.path()
+    }
+
     /// Name of this source in messages.
     pub(super) fn label(&self) -> &str {
         match &self.layer {
