@@ -15,7 +15,6 @@ use relievo::plan::{Available, Goal, Plan};
 use std::path::Path;
 use std::process::ExitCode;
 
-#[allow(dead_code, reason = "each example uses its part")]
 mod common;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
