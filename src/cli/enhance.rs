@@ -36,6 +36,7 @@ impl FrameCommand for EnhanceArgs {
 
     fn validate(&self) -> Result<()> {
         self.work.output.kind()?;
+        self.work.output.refuse_numbers()?;
         self.work.flags.refuse_more_scales()
     }
 

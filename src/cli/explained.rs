@@ -1,6 +1,7 @@
 //! What a frame went through: the passes that ran, with their time and their reason, what was chosen, what had nothing to do,
 //! and what was not made.
 
+use super::timings::NORMALS;
 use crate::command::chosen::Chosen;
 use crate::plan::Decision;
 use crate::plan::stages::stages;
@@ -59,6 +60,9 @@ fn reasons(pass: &str, ran: &[(&'static str, Duration)], decisions: &[Decision])
         let kept = decisions.iter().find(|d| d.kept && d.step == step);
         kept.map(|decision| &decision.reason)
     };
+    if pass == NORMALS {
+        return "the files hold none".into();
+    }
     if let Some(reason) = reason(pass) {
         return reason.clone();
     }

@@ -158,6 +158,9 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
             Some(number) => command.work().of_frame(number),
             None => command.work().clone(),
         };
+        if work.input.is_dir() {
+            known.reads_all_in(&work.input);
+        }
         let of_command = command.files(frame);
         for path in work.roles.files(&work.input).iter().chain(&of_command) {
             known.reads(path);

@@ -75,6 +75,7 @@ impl FrameCommand for HatchArgs {
     }
 
     fn validate(&self) -> Result<()> {
+        self.relight.work.output.refuse_numbers()?;
         self.looks().map(|_| ())
     }
 
@@ -285,6 +286,6 @@ impl HatchArgs {
                 sample_type,
             }));
         }
-        job.write_exr(done, channels)
+        job.write_channels(done, channels)
     }
 }

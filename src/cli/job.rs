@@ -286,7 +286,8 @@ impl<'a> Job<'a> {
     pub(super) fn write_color(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
         let loaded = &done.loaded;
         match self.work.output.kind()? {
-            Kind::Exr => self.write_exr(done, self.color_channels(loaded, made.color)),
+            Kind::Exr => self.write_channels(done, self.color_channels(loaded, made.color)),
+            Kind::Numbers(_) => unreachable!("pictures are refused before"),
             Kind::Picture(_) => {
                 let mask = &loaded.frame.mask;
                 let exposure = made.exposure(&self.work, mask);
@@ -357,8 +358,12 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// Writes planes to an EXR and ends the frame.
-    pub(super) fn write_exr(&self, done: &Done, channels: Vec<OutputChannel>) -> Result<Chosen> {
+    /// Writes planes to an EXR or as numbers, and ends the frame.
+    pub(super) fn write_channels(
+        &self,
+        done: &Done,
+        channels: Vec<OutputChannel>,
+    ) -> Result<Chosen> {
         let channels = self.work.output.picked(channels)?;
         self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
@@ -370,7 +375,7 @@ impl<'a> Job<'a> {
                 attributes(&self.work, loaded, recipe),
             );
             let part = args.part(loaded, window, &channels, attributes);
-            let said = args.write_exr(output, loaded, &part, |next| {
+            let said = args.write_part(output, loaded, &part, |next| {
                 next(&results, 0..window.height(), &mut || ())
             })?;
             self.say_all(&said);
@@ -378,7 +383,7 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// Makes the last of some layers of `loaded` and writes them to an EXR, a few rows at a time, and ends the frame.
+    /// Makes the last of some layers of `loaded` and writes them to an EXR or as numbers, a few rows at a time, and ends the frame.
     /// `channels` names those of some rows.
     pub(super) fn write_layers(
         &self,
@@ -389,8 +394,7 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
         let (frame, args) = (&loaded.frame, &self.work.output);
-        let mut timings = Timings::of(frame);
-        timings.add("read", read);
+        let mut timings = Timings::of(loaded, read);
         timings.add_all(&layers.outcome);
         self.write_output(&chosen, |output| {
             let mut writing = Duration::ZERO;
@@ -399,7 +403,7 @@ impl<'a> Job<'a> {
             let attributes = attributes(&self.work, loaded, self.recipe(&chosen));
             let named = args.picked(channels(&first))?;
             let part = args.part(loaded, frame.data_window, &named, attributes);
-            let said = args.write_exr(output, loaded, &part, |next| {
+            let said = args.write_part(output, loaded, &part, |next| {
                 let bands = Strips::of_rows(band_rows(), height, 0);
                 let mut bands = bands.each().map(|(rows, _)| rows);
                 let made = |rows: Range<usize>| {
@@ -461,8 +465,7 @@ impl<'a> Job<'a> {
         chosen: Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<Chosen> {
-        let mut timings = Timings::of(&done.loaded.frame);
-        timings.add("read", done.read);
+        let mut timings = Timings::of(&done.loaded, done.read);
         timings.add_all(&done.outcome);
         self.write_output(&chosen, |output| {
             let start = Instant::now();

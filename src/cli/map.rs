@@ -9,7 +9,7 @@ use crate::command::output::Kind;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::engine::{self, Engine};
 use crate::error::Result;
-use crate::frame::Plane;
+use crate::frame::{Plane, Vector3Planes};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::picture::{Picture, ViewTransform};
 use std::path::PathBuf;
@@ -28,11 +28,12 @@ impl FrameCommand for MapArgs {
     fn settled(mut self) -> Self {
         let parts = self.parts().into_iter();
         self.work.output.parts = parts.map(|part| part.name).collect();
+        self.work.output.tiff_holds_numbers = self.keeps_numbers();
         self
     }
 
     fn files(&self, _frame: Option<i32>) -> Vec<PathBuf> {
-        Vec::new()
+        self.detail.iter().cloned().collect()
     }
 
     fn validate(&self) -> Result<()> {
@@ -47,6 +48,10 @@ impl FrameCommand for MapArgs {
         job.work.refuse_too_large(&job.work.input)?;
         let (inputs, needs) = self.reading(job.frame);
         let (mut loaded, read) = job.load(&inputs, needs)?;
+        let detail = self.detail(&inputs, &loaded.frame)?;
+        for warning in detail.iter().flat_map(|detail| &detail.warnings) {
+            job.warn(&format!("--detail: {warning}"));
+        }
         let passes = self.passes(&loaded.frame)?;
         let (mut samples, mut all) = (Samples::default(), Outcome::default());
         let scales = passes
@@ -74,32 +79,42 @@ impl FrameCommand for MapArgs {
             outcome: all,
             read,
         };
-        self.write(job, &done, &samples)
+        let (normal, said) = self.normals(&done.loaded.frame, detail.as_ref().map(|d| &d.frame))?;
+        said.iter().for_each(|said| job.note(said));
+        self.write(job, &done, &samples, &normal)
     }
 }
 
 impl MapArgs {
     /// Writes each map to a file of its own, or all to one EXR.
-    fn write(&self, job: &Job, done: &Done, samples: &Samples) -> Result<Chosen> {
+    fn write(
+        &self,
+        job: &Job,
+        done: &Done,
+        samples: &Samples,
+        normal: &Vector3Planes,
+    ) -> Result<Chosen> {
         let (parts, frame) = (self.parts(), &done.loaded.frame);
-        let is_exr = job.work.output.kind()? == Kind::Exr;
-        if is_exr && !job.work.output.is_per_map() {
+        let kind = job.work.output.kind()?;
+        if kind == Kind::Exr && !job.work.output.is_per_map() {
             let mut made = Vec::new();
             for part in &parts {
-                made.extend(self.made(part, samples, frame)?.named(&part.name));
+                let of_part = self.made(part, samples, frame, normal)?;
+                made.extend(of_part.named(&part.name));
             }
-            return job.write_exr(done, self.channels(&made));
+            return job.write_channels(done, self.channels(&made));
         }
         let mut chosen = Chosen::default();
         for part in &parts {
-            let made = self.made(part, samples, frame)?;
-            if let Some(words) = made.in_words(part, &frame.mask) {
+            let made = self.made(part, samples, frame, normal)?;
+            let is_picture = matches!(kind, Kind::Picture(_));
+            if let Some(words) = made.in_words(part, &frame.mask, is_picture) {
                 job.note(&words);
             }
             let job = job.writing(&part.name);
-            chosen = match is_exr {
-                true => job.write_exr(done, self.channels(&made.named(&part.name)))?,
-                false => job.write_picture(
+            chosen = match is_picture {
+                false => job.write_channels(done, self.channels(&made.named(&part.name)))?,
+                true => job.write_picture(
                     done,
                     &Picture {
                         grey: made.is_grey(),

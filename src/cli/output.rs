@@ -2,21 +2,24 @@
 
 use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
 use crate::command::layer_names::names_of;
+use crate::command::output::{Kind, MOST_PLANES};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Plane, Window};
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter, X_DENSITY};
 use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
-use crate::io::picture::Encoding;
+use crate::io::picture::{Array, ArrayFormat, Encoding};
 use crate::params::{Params, PixelSize};
 use crate::product::PART;
-use crate::untrusted::Untrusted;
+use crate::untrusted::{Untrusted, shown};
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
 use wildmatch::WildMatch;
 
+/// The attribute that names the program.
+const SOFTWARE_ATTRIBUTE: &str = "software";
 /// The attribute that holds the recipe.
 const RECIPE_ATTRIBUTE: &str = "relievo.recipe";
 
@@ -42,7 +45,7 @@ pub(super) fn attributes(
     let density = printed.or(work.flags.params.pixel_size.map(of_pixels));
     let density = density.map(|density| (X_DENSITY.into(), density.to_string()));
     [
-        ("software".into(), software()),
+        (SOFTWARE_ATTRIBUTE.into(), software()),
         (RECIPE_ATTRIBUTE.into(), recipe),
     ]
     .into_iter()
@@ -185,15 +188,20 @@ impl OutputArgs {
         }
     }
 
-    /// Writes a part to an EXR, some rows at a time: `each` hands on the planes, one for each channel of the part, and
-    /// the rows of them that come next. Returns what is not as it was in the input.
-    pub(super) fn write_exr(
+    /// Writes a part to an EXR or its planes as numbers, some rows at a time: `each` hands on the planes, one for each
+    /// channel of the part, and the rows of them that come next. Returns what is not as it was in the input.
+    pub(super) fn write_part(
         &self,
-        ReadyOutput { path, replace }: ReadyOutput,
+        output: ReadyOutput,
         loaded: &Loaded,
         part: &PartDescription,
         each: impl FnOnce(&mut NextRows) -> Result<()>,
     ) -> Result<Vec<String>> {
+        if let Kind::Numbers(format) = self.kind()? {
+            write_numbers(output, format, part, each)?;
+            return Ok(Vec::new());
+        }
+        let ReadyOutput { path, replace } = output;
         let mut said = Vec::new();
         write_atomically(path, replace, |w| {
             let (mut writer, warnings) = self.part_writer(loaded, w, path, part)?;
@@ -222,6 +230,45 @@ impl OutputArgs {
             )
         })
     }
+}
+
+/// Writes the planes of a part as numbers. All are held until the last has come.
+fn write_numbers(
+    ReadyOutput { path, replace }: ReadyOutput,
+    format: ArrayFormat,
+    part: &PartDescription,
+    each: impl FnOnce(&mut NextRows) -> Result<()>,
+) -> Result<()> {
+    let count = part.channels.len();
+    if count > MOST_PLANES {
+        let names = part.channels.iter().map(|(name, _)| name.as_str());
+        return Err(Error::BadParameter {
+            name: "--write",
+            found: format!(
+                "names {count} planes for {} ({})",
+                shown(path),
+                names.collect::<Vec<_>>().join(", ")
+            ),
+            remedy: format!("name up to {MOST_PLANES}, or write an .exr"),
+        });
+    }
+    let window = part.data_window;
+    let mut array = Array::new([window.width(), window.height()], count);
+    each(&mut |planes, rows, beside| {
+        array.push(planes, rows);
+        beside();
+        Ok(())
+    })?;
+    let attribute = |name: &str| {
+        let mut named = part.attributes.iter();
+        named.find_map(|(own, text)| (own == name).then(|| text.clone()))
+    };
+    let encoding = Encoding {
+        software: attribute(SOFTWARE_ATTRIBUTE),
+        settings: attribute(RECIPE_ATTRIBUTE),
+        ..Encoding::default()
+    };
+    write_atomically(path, replace, |w| array.write(w, path, format, &encoding))
 }
 
 fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {

@@ -47,6 +47,7 @@ impl FrameCommand for RelightArgs {
     fn validate(&self) -> Result<()> {
         let work = &self.work;
         work.output.kind()?;
+        work.output.refuse_numbers()?;
         work.flags.refuse_more_scales()
     }
 

@@ -7,12 +7,13 @@ use super::strips::{self, Shown, StripWork};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::ShapeArgs;
+use crate::command::output::{Kind, MOST_PLANES};
 use crate::command::shape::display;
 use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::{Outcome, ScaleShape};
 use crate::engine::{self, Engine};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::exr::{OutputChannel, OutputType};
@@ -37,6 +38,14 @@ impl FrameCommand for ShapeArgs {
     }
 
     fn validate(&self) -> Result<()> {
+        let output = &self.work.output;
+        if matches!(output.kind()?, Kind::Numbers(_)) && output.write.is_empty() {
+            return Err(Error::BadParameter {
+                name: "-o",
+                found: format!("holds up to {MOST_PLANES} planes, and shape makes more"),
+                remedy: "choose them, as in --write curvature.mean, or write an .exr".into(),
+            });
+        }
         match self.work.goal()? {
             Goal::Display => self.work.flags.refuse_more_scales(),
             _ => Ok(()),

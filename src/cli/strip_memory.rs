@@ -3,7 +3,7 @@
 use super::job::Job;
 use crate::command::args::BackendArg;
 use crate::command::memory::MaxMemory;
-use crate::command::output::Kind;
+use crate::command::output::{Kind, MOST_PLANES};
 use crate::engine::tiles::Strips;
 use crate::error::{Error, Result};
 use crate::io::exr::encoding_bytes;
@@ -87,6 +87,15 @@ fn allowed(job: &Job) -> u64 {
     }
 }
 
+/// Bytes of planes that are written as numbers, of which all are held.
+fn array_bytes(job: &Job) -> u64 {
+    let pixels = || picture_size(&job.work.input).map_or(0, |size| size.pixels);
+    match job.work.output.kind() {
+        Ok(Kind::Numbers(_)) => pixels().saturating_mul((MOST_PLANES * size_of::<f32>()) as u64),
+        _ => 0,
+    }
+}
+
 /// Memory needed for a picture in strips, in bytes.
 #[derive(Clone, Copy)]
 pub(super) struct Cost {
@@ -115,7 +124,7 @@ impl Cost {
         let [samples, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
-            fixed: program_bytes() + samples + photo_bytes.max(encoding),
+            fixed: program_bytes() + samples + array_bytes(job) + photo_bytes.max(encoding),
             row,
             decoding: decoding_bytes(&job.work.input),
             is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),

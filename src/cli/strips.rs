@@ -195,7 +195,7 @@ pub(super) fn make<W: StripWork>(
                     .output
                     .picked(work.channels(job, &sample, &outcome))?;
                 let recipe = job.recipe(&chosen);
-                write_exr(&source, job, output, (&sample, &channels), recipe)?;
+                write_part(&source, job, output, (&sample, &channels), recipe)?;
                 Whites::default()
             }
         };
@@ -254,7 +254,7 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
     Ok(job.load_from(&sparing, inputs, needs)?.0)
 }
 
-/// Gathers the samples of a picture for a display; `None` for an EXR, and if nothing is written.
+/// Gathers the samples of a picture for a display; `None` for layers, and if nothing is written.
 fn gathered<W: StripWork>(
     work: &W,
     job: &Job,
@@ -302,8 +302,8 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
     Ok(search.found())
 }
 
-/// Makes the strips and writes them to a part of an EXR that is like `sample`, with the channels it has.
-fn write_exr<W: StripWork>(
+/// Makes the strips and writes them to a part of an EXR that is like `sample`, or as numbers, with the channels it has.
+fn write_part<W: StripWork>(
     source: &Source<W>,
     job: &Job,
     output: ReadyOutput,
@@ -313,7 +313,7 @@ fn write_exr<W: StripWork>(
     let args = &job.work.output;
     let attributes = attributes(&job.work, sample, recipe);
     let part = args.part(sample, source.whole, channels, attributes);
-    let warnings = args.write_exr(output, sample, &part, |next| {
+    let warnings = args.write_part(output, sample, &part, |next| {
         each_made(source, job, |(strip, outcome), rows| {
             let channels = args.picked(source.work.channels(job, strip, outcome))?;
             let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();

@@ -1,8 +1,12 @@
 //! How long the stages of a frame took, and --timings.
 
 use crate::engine::outcome::Outcome;
-use crate::frame::{Frame, Window};
+use crate::frame::Window;
+use crate::io::Loaded;
 use std::time::Duration;
+
+/// The making of normals where files hold none.
+pub(super) const NORMALS: &str = "normals";
 
 /// How long the stages of a frame took.
 pub(super) struct Timings {
@@ -16,11 +20,19 @@ pub(super) struct Timings {
 }
 
 impl Timings {
-    pub(super) fn of(frame: &Frame) -> Self {
-        Self {
+    /// Of a frame that took so long to read, with its normals where they were made.
+    pub(super) fn of(loaded: &Loaded, read: Duration) -> Self {
+        let frame = &loaded.frame;
+        let mut timings = Self {
             covered: frame.mask.count(),
             ..Self::of_window(frame.data_window)
+        };
+        let made = loaded.normals_made;
+        timings.add("read", read.saturating_sub(made.unwrap_or_default()));
+        if let Some(made) = made {
+            timings.add(NORMALS, made);
         }
+        timings
     }
 
     /// Of a frame that comes part by part.

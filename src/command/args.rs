@@ -22,7 +22,7 @@ pub(crate) const MOST_THREADS: u16 = 512;
 /// Arguments shared by all commands that make a picture.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct WorkArgs {
-    /// The render or photo.
+    /// The render or photo, or a folder as estimators of normals and depth write one.
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
     /// More inputs, each processed on its own, to the folder named by -o or to a name with {name}: there, and in the
@@ -128,7 +128,7 @@ impl WorkArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
-    /// File to write: .exr .png .jpg .tif .hdr, or a folder for a PNG of each input. Without it --save-recipe writes what would be done.
+    /// File to write: .exr .png .jpg .tif .hdr .npy, or a folder for a PNG of each input. Without it --save-recipe writes what would be done.
     #[arg(
         short = 'o',
         long,
@@ -139,6 +139,9 @@ pub(crate) struct OutputArgs {
     /// What {map} in its name stands for, each in a file of its own.
     #[arg(skip)]
     pub(crate) parts: Vec<String>,
+    /// Whether a TIFF holds numbers as they are, rather than a picture.
+    #[arg(skip)]
+    pub(crate) tiff_holds_numbers: bool,
     /// Its name as given, and what {name} in it stands for, where it has a place for that.
     #[arg(skip)]
     pub(crate) named: Option<(PathBuf, String)>,
@@ -156,7 +159,7 @@ pub(crate) struct OutputArgs {
     )]
     pub(crate) layer_names: LayerNames,
     /// EXR: write only these of our layers or channels, as in kappa,curvature.mean; * and ? match any letters. All by
-    /// default.
+    /// default. Of shape .npy and .tif hold up to four, as floats.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) write: Vec<String>,
     /// EXR: compression of the written part; auto is zip, in the way that suits the samples. --layers channels keeps that of

@@ -1,7 +1,7 @@
 //! The axes that normals are written in.
 
 use crate::error::{Error, Result};
-use crate::frame::{Frame, Plane};
+use crate::frame::{Frame, Plane, Vector3Planes};
 use glam::{DMat3, DVec3};
 
 /// Axes of normals, named by who writes them so.
@@ -31,11 +31,11 @@ impl Axes {
         (Self::Xy, "xy"),
     ];
 
-    /// The components of a frame's normals, 0 outside its mask.
+    /// The components of normals of a frame, 0 outside its mask.
     ///
     /// # Errors
     /// [`Error::BadParameter`] for the scene's axes where no camera tells them.
-    pub(crate) fn of_view(self, frame: &Frame) -> Result<Vec<Plane>> {
+    pub(crate) fn of_view(self, frame: &Frame, normal: &Vector3Planes) -> Result<Vec<Plane>> {
         let turn = match self {
             Self::OpenGl | Self::Xy => DMat3::IDENTITY,
             Self::DirectX => DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)),
@@ -50,7 +50,7 @@ impl Axes {
                 camera.view_from_world.matrix3.transpose()
             }
         };
-        let (mask, normal) = (&frame.mask, &frame.normal);
+        let mask = &frame.mask;
         let component = |axis: usize| {
             let row = turn.row(axis);
             Plane::from_fn(mask.width(), mask.height(), |x, y| match mask.at(x, y) {

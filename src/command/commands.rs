@@ -112,7 +112,9 @@ Examples:
   relievo normals render.exr -o normals.exr          in view space: x right, y up, z toward the viewer
   relievo normals depth.exr -o normals.png           of a depth alone
   relievo normals scan.png --height scan.png --height-scale 40 -o normals.png
-  relievo normals brick_gl.png -o brick_dx.png --as directx";
+  relievo normals brick_gl.png -o brick_dx.png --as directx
+  relievo normals moge_out -o normals.npy            a folder of an estimator; floats
+  relievo normals tablet.png -o relief.png --flatten --detail scratches.png";
 
 const RELIGHT_EXAMPLES: &str = "\
 Examples:
@@ -142,7 +144,8 @@ Examples:
   relievo map brick_normal.png -o wear.png --scale 1,4,16 --sum 1,2,4
   relievo map brick_normal.png -o brick_{map}.png --map height,occlusion
   relievo map rock_directx.png -o rock.png --normal-flip y --bits 8
-  relievo map render.exr -o maps.exr --map curvature,edges";
+  relievo map render.exr -o maps.exr --map curvature,edges
+  relievo map brick_normal.png -o brick_{map}.npy --map height,curvature    as floats";
 
 const RUN_EXAMPLES: &str = "\
 Examples:
@@ -276,7 +279,7 @@ pub(crate) struct EnhanceArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
-    /// The render or photo.
+    /// The render or photo, or a folder as estimators of normals and depth write one.
     #[arg(
         value_name = "IN",
         required_unless_present = "cases",

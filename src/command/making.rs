@@ -174,9 +174,13 @@ fn maps(args: &MapArgs, engine: &Engine, frame: &Frame, run: &Run) -> Result<Mad
         samples.take(&pass, &mut of_pass);
         engine.recycle(of_pass);
     }
+    let detail = args.detail(&args.reading(None).0, frame)?;
+    let detail = detail.as_ref().map(|loaded| &loaded.frame);
+    let (normal, _) = args.normals(frame, detail)?;
     let mut maps = Vec::new();
     for part in args.parts() {
-        maps.extend(args.made(&part, &samples, frame)?.named(&part.name));
+        let made = args.made(&part, &samples, frame, &normal)?;
+        maps.extend(made.named(&part.name));
     }
     Ok(Made {
         maps,

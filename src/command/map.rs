@@ -3,16 +3,19 @@
 use super::args::WorkArgs;
 use super::axes::Axes;
 use super::flags::{Section, one_of};
+use super::normals::{Bend, with_detail};
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane};
-use crate::io::Needs;
+use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::io::inputs::Inputs;
+use crate::io::{self, Loaded, Needs};
 use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 use clap::Args;
+use std::borrow::Cow;
+use std::path::PathBuf;
 
 /// The arguments of `map`.
 #[derive(Debug, Args)]
@@ -32,9 +35,10 @@ pub(crate) struct MapArgs {
         help_heading = "Maps"
     )]
     maps: Vec<Map>,
-    /// Bits of a grey sample in PNG and TIFF.
-    #[arg(long, value_name = "8|16", default_value = "16", value_parser = ["8", "16"], help_heading = "Maps")]
-    bits: String,
+    /// Bits of a sample: 8 or 16 in PNG and TIFF, 16 by default in PNG; 32 in TIFF, by default: the numbers themselves, as
+    /// in .npy.
+    #[arg(long, value_name = "8|16|32", value_parser = ["8", "16", "32"], help_heading = "Maps")]
+    bits: Option<String>,
     /// Axes of the normals that are written: opengl is x right, y up, z toward the viewer; directx has y down, opencv y down
     /// and z away, stablenormal x to the left; world takes a camera, and xy leaves z out.
     #[arg(
@@ -46,6 +50,18 @@ pub(crate) struct MapArgs {
         help_heading = "Maps"
     )]
     axes: Axes,
+    /// Normal map of a detail that is laid over the normals, turned with them: of one size with IN, and read as IN is.
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "FILE",
+        help_heading = "Maps"
+    )]
+    pub(crate) detail: Option<PathBuf>,
+    /// Subtract the bend of the whole surface from the normals, as of a tablet that lies askew or is curved: the quadratic
+    /// surface that most slopes below 30 degrees agree on.
+    #[arg(hide_short_help = true, long, help_heading = "Maps")]
+    flatten: bool,
     /// Adds the curvatures of all scales up to one map, by these weights: one for each, or one for all.
     #[arg(
         hide_short_help = true,
@@ -69,7 +85,7 @@ enum Map {
     Concave,
     /// Edges: 1 where the surface bends, either way, by the larger angle of --crease or more, or depth jumps.
     Edges,
-    /// Height: 0 is the lowest, 1 the highest, which are said; in an EXR in pixels, or as depth.
+    /// Height: 0 is the lowest, 1 the highest, which are said; as numbers in pixels, or as depth.
     Height,
     /// The share of the sky that is seen over the height: 1 is open, 0 hidden; see --occlusion-radius.
     Occlusion,
@@ -139,11 +155,13 @@ impl Made {
             .collect()
     }
 
-    /// What its grey does not tell: the values shown in black and white, and how much is missed.
-    pub(crate) fn in_words(&self, part: &Part, mask: &Mask) -> Option<String> {
+    /// What its grey does not tell: the values shown in black and white, of a picture, and how much is missed.
+    pub(crate) fn in_words(&self, part: &Part, mask: &Mask, is_picture: bool) -> Option<String> {
         let [black, white] = self.range;
         match part.map {
-            Map::Height => Some(format!("height {black:.3} is black, {white:.3} white")),
+            Map::Height if is_picture => {
+                Some(format!("height {black:.3} is black, {white:.3} white"))
+            }
             Map::Residual => {
                 let runs = |y: usize| {
                     mask.runs(y)
@@ -249,9 +267,17 @@ impl MapArgs {
         self.maps.contains(&Map::Normals) && plane.starts_with("normal.")
     }
 
-    /// Bits of a grey sample.
+    /// Bits of a sample of a picture.
     pub(crate) fn bits(&self) -> u8 {
-        if self.bits == "8" { 8 } else { 16 }
+        match self.bits.as_deref() {
+            Some("8") => 8,
+            _ => 16,
+        }
+    }
+
+    /// Whether a TIFF holds the numbers of maps, rather than codes.
+    pub(crate) fn keeps_numbers(&self) -> bool {
+        matches!(self.bits.as_deref(), None | Some("32"))
     }
 
     /// All scales in pixels, the first one included.
@@ -295,7 +321,7 @@ impl MapArgs {
         parts
     }
 
-    /// Refuses several maps for one picture, and weights that do not match the scales.
+    /// Refuses several maps for one file, bits that it does not have, and weights that do not match the scales.
     pub(crate) fn check(&self) -> Result<()> {
         let bad = |name, found: String, remedy: &str| {
             Err(Error::BadParameter {
@@ -309,8 +335,30 @@ impl MapArgs {
         let output = &self.work.output;
         let named = output.output.is_none() || output.is_per_map();
         if parts.len() > 1 && !named && kind != Kind::Exr {
-            let found = format!("is one picture for {} maps", parts.len());
+            let found = format!("is one file for {} maps", parts.len());
             return bad("-o", found, "put {map} into its name, or write an .exr");
+        }
+        match (kind, self.bits.as_deref()) {
+            (Kind::Picture(_), Some("32")) => {
+                let found = "is 32, which a picture does not hold".to_string();
+                return bad("--bits", found, "write a .tif, .npy or .exr");
+            }
+            (Kind::Numbers(_), Some(bits @ ("8" | "16"))) => {
+                let found = format!("is {bits}, and numbers are written as floats");
+                return bad("--bits", found, "leave it out, or write a .png or .tif");
+            }
+            _ => {}
+        }
+        let changes = [
+            ("--detail", self.detail.is_some()),
+            ("--flatten", self.flatten),
+        ];
+        let changes = changes.into_iter().find(|(_, is_given)| *is_given);
+        if let Some((name, _)) = changes
+            && !self.maps.contains(&Map::Normals)
+        {
+            let found = "is of normals, and they are not made".to_string();
+            return bad(name, found, "add --map normals");
         }
         if !self.sum.is_empty() {
             if ![1, sigmas.len()].contains(&self.sum.len()) {
@@ -334,6 +382,59 @@ impl MapArgs {
             ..Needs::default()
         };
         (self.work.inputs(frame), needs)
+    }
+
+    /// The detail that is laid over the normals of a frame, read as they are.
+    ///
+    /// # Errors
+    /// As [`io::load`]; [`Error::SizeMismatch`] where it is of another size.
+    pub(crate) fn detail(&self, inputs: &Inputs, frame: &Frame) -> Result<Option<Loaded>> {
+        let Some(path) = &self.detail else {
+            return Ok(None);
+        };
+        let own = Inputs {
+            picture: path.clone(),
+            normal_space: inputs.normal_space,
+            normal_encoding: inputs.normal_encoding,
+            normal_flip: inputs.normal_flip,
+            wrap: inputs.wrap,
+            ..Inputs::default()
+        };
+        let detail = io::load(&own, Needs::default())?;
+        let [size, expected] = [&detail.frame, frame].map(|f| (f.mask.width(), f.mask.height()));
+        match size == expected {
+            true => Ok(Some(detail)),
+            false => Err(Error::SizeMismatch {
+                path: path.clone(),
+                found: format!("{}x{}", size.0, size.1),
+                expected: format!("the normals are {}x{}", expected.0, expected.1),
+            }),
+        }
+    }
+
+    /// The normals of a frame with what was asked for, and what was subtracted from them, in words.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] where there is no bend to be found.
+    pub(crate) fn normals<'f>(
+        &self,
+        frame: &'f Frame,
+        detail: Option<&Frame>,
+    ) -> Result<(Cow<'f, Vector3Planes>, Option<String>)> {
+        let (mut normal, mut said) = (Cow::Borrowed(&frame.normal), None);
+        if self.flatten {
+            let bend = Bend::of(&normal, &frame.mask).ok_or_else(|| Error::BadParameter {
+                name: "--flatten",
+                found: "finds too few pixels that lean less than 30 degrees".into(),
+                remedy: "leave it out".into(),
+            })?;
+            normal = Cow::Owned(bend.subtract(&normal));
+            said = Some(bend.in_words());
+        }
+        if let Some(detail) = detail {
+            normal = Cow::Owned(with_detail(&normal, &detail.normal, &detail.mask));
+        }
+        Ok((normal, said))
     }
 
     /// The runs that all maps of a frame take: one for each scale, since each has a gain of its own.
@@ -384,11 +485,17 @@ impl MapArgs {
         Ok(passes)
     }
 
-    /// One of the maps of a frame.
+    /// One of the maps of a frame, whose normals are these.
     ///
     /// # Errors
     /// [`Error::BadParameter`] for normals in world space without a camera.
-    pub(crate) fn made(&self, part: &Part, samples: &Samples, frame: &Frame) -> Result<Made> {
+    pub(crate) fn made(
+        &self,
+        part: &Part,
+        samples: &Samples,
+        frame: &Frame,
+        normal: &Vector3Planes,
+    ) -> Result<Made> {
         let one = |plane: Plane, range: [f32; 2]| Made {
             planes: vec![plane],
             range,
@@ -418,7 +525,7 @@ impl MapArgs {
                 one(residual.expect("a pass makes the residual"), [0.0, 1.0])
             }
             Map::Normals => Made {
-                planes: self.axes.of_view(frame)?,
+                planes: self.axes.of_view(frame, normal)?,
                 range: [-1.0, 1.0],
             },
         })

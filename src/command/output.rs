@@ -6,7 +6,7 @@ use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::Chromaticities;
-use crate::io::picture::{Bright, Brightness, Display, Picture, PictureFormat};
+use crate::io::picture::{ArrayFormat, Bright, Brightness, Display, Picture, PictureFormat};
 use crate::light::mixing::mix;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use crate::untrusted::shown;
@@ -24,20 +24,24 @@ const MAP: &str = "{map}";
 pub(crate) enum Kind {
     Exr,
     Picture(PictureFormat),
+    /// Planes as numbers.
+    Numbers(ArrayFormat),
 }
 
 impl Kind {
     pub(crate) fn of(path: &Path) -> Result<Self> {
-        let is_exr = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let ends_in = |extension: &str| {
+            let own = path.extension();
+            own.is_some_and(|own| own.eq_ignore_ascii_case(extension))
+        };
         match PictureFormat::of_path(path) {
-            _ if is_exr => Ok(Self::Exr),
+            _ if ends_in("exr") => Ok(Self::Exr),
+            _ if ends_in("npy") => Ok(Self::Numbers(ArrayFormat::Npy)),
             Some(format) => Ok(Self::Picture(format)),
             None => Err(Error::BadParameter {
                 name: "-o",
                 found: format!("{} has no known extension", shown(path)),
-                remedy: "end it in .exr, .png, .jpg, .tif or .hdr".into(),
+                remedy: "end it in .exr, .png, .jpg, .tif, .hdr or .npy".into(),
             }),
         }
     }
@@ -112,12 +116,34 @@ impl Displayed<'_> {
 }
 
 impl OutputArgs {
-    /// The kind of the output; a picture if no output is given.
+    /// The kind of the output; a picture if no output is given. A TIFF of maps or of chosen layers holds their numbers.
     pub(crate) fn kind(&self) -> Result<Kind> {
-        match &self.output {
-            Some(path) => Kind::of(path),
+        let is_of_numbers = self.tiff_holds_numbers || !self.write.is_empty();
+        match self.output.as_deref().map(Kind::of).transpose()? {
+            Some(Kind::Picture(PictureFormat::Tiff)) if is_of_numbers => {
+                Ok(Kind::Numbers(ArrayFormat::Tiff))
+            }
+            Some(kind) => Ok(kind),
             None => Ok(Kind::Picture(PictureFormat::Png)),
         }
+    }
+
+    /// Refuses a file of numbers for a command that makes a picture.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] naming the output.
+    pub(crate) fn refuse_numbers(&self) -> Result<()> {
+        let (Ok(Kind::Numbers(_)), Some(path)) = (self.kind(), &self.output) else {
+            return Ok(());
+        };
+        Err(Error::BadParameter {
+            name: "-o",
+            found: format!(
+                "{} is to hold planes of numbers, and this command makes a picture",
+                shown(path)
+            ),
+            remedy: "write an .exr; normals, map and shape write numbers".into(),
+        })
     }
 
     /// The files it names: one, or one for each map.
@@ -148,7 +174,7 @@ impl OutputArgs {
         named.or(self.output.as_deref())
     }
 
-    /// Refuses --quality for files that are not JPEG, and a choice of channels for files that are not EXR.
+    /// Refuses --quality for files that are not JPEG, and a choice of channels for pictures.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the output.
@@ -157,7 +183,7 @@ impl OutputArgs {
             return Ok(());
         };
         let is_jpeg = PictureFormat::of_path(path) == Some(PictureFormat::Jpeg);
-        let is_exr = Kind::of(path).is_ok_and(|kind| kind == Kind::Exr);
+        let holds_layers = matches!(self.kind(), Ok(Kind::Exr | Kind::Numbers(_)));
         let of = |name, format: &str, extension: &str| {
             Err(Error::BadParameter {
                 name,
@@ -168,8 +194,8 @@ impl OutputArgs {
         if self.quality.is_some() && !is_jpeg {
             return of("--quality", "JPEG", ".jpg");
         }
-        if !self.write.is_empty() && !is_exr {
-            return of("--write", "EXR", ".exr");
+        if !self.write.is_empty() && !holds_layers {
+            return of("--write", "EXR, NPY and TIFF", ".exr");
         }
         Ok(())
     }
@@ -231,6 +257,9 @@ impl WorkArgs {
         }
     }
 }
+
+/// Most planes in a file of numbers, which are read again as a picture's channels.
+pub(crate) const MOST_PLANES: usize = 4;
 
 /// `pattern` with each placeholder replaced by its text, which may look like another one.
 fn filled(pattern: &str, texts: &[(&str, &str)]) -> String {

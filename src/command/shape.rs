@@ -84,7 +84,7 @@ impl WorkArgs {
     /// The result, by the kind of output: layers or a display.
     pub(crate) fn goal(&self) -> Result<Goal> {
         Ok(match self.output.kind()? {
-            Kind::Exr => Goal::Layers,
+            Kind::Exr | Kind::Numbers(_) => Goal::Layers,
             Kind::Picture(_) => Goal::Display,
         })
     }

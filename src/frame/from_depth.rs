@@ -7,6 +7,7 @@ use super::depth::is_distance;
 use super::plane::each_row_of;
 use super::slopes::{Rounding, Slopes, slopes};
 use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
+use half::f16;
 
 /// How many times farther than its nearest point depth without a scale is taken to reach.
 const FAR_TO_NEAR: f32 = 5.0;
@@ -106,19 +107,36 @@ pub(crate) enum Precision {
 }
 
 impl Precision {
-    /// That of half floats, or of codes this far apart from 0 to 1; of floats where that is 0.
-    pub(crate) fn of(is_half: bool, rounding: f32) -> Self {
+    /// That of samples of half floats, or of codes this far apart; where that is 0, what their numbers tell.
+    pub(crate) fn stored(is_half: bool, rounding: f32, numbers: &Plane) -> Self {
         match (is_half, rounding > 0.0) {
             (true, _) => Self::Half,
             (false, true) => Self::Codes(rounding),
-            (false, false) => Self::Float,
+            (false, false) => Self::of(numbers),
         }
     }
 
-    /// That of the samples times `scale`.
-    pub(crate) fn scaled(self, scale: f32) -> Self {
+    /// That of numbers which nothing else is known of: whole ones are codes, and so are those that halves can hold.
+    fn of(numbers: &Plane) -> Self {
+        let all = |holds: fn(f32) -> bool| {
+            let mut finite = numbers.samples().iter().filter(|v| v.is_finite());
+            finite.all(|&v| holds(v))
+        };
+        if all(|v| v == 0.0) {
+            Self::Float
+        } else if all(|v| v.fract() == 0.0) {
+            Self::Codes(1.0)
+        } else if all(|v| f32::from(f16::from_f32(v)) == v) {
+            Self::Half
+        } else {
+            Self::Float
+        }
+    }
+
+    /// The same of numbers times `factor`.
+    pub(crate) fn times(self, factor: f32) -> Self {
         match self {
-            Self::Codes(step) => Self::Codes(step * scale.abs()),
+            Self::Codes(step) => Self::Codes(factor.abs() * step),
             other => other,
         }
     }
@@ -193,15 +211,42 @@ fn normals(
 
 /// A vector of length 1, or 0 where there is none.
 #[inline(always)]
-fn unit(vector: [f32; 3], is_found: bool) -> [f32; 3] {
+fn unit([x, y, z]: [f32; 3], is_found: bool) -> [f32; 3] {
     // Divided by its size first: squares of very small and of very large numbers leave the range of floats.
-    let size = vector.iter().fold(0.0_f32, |sum, v| sum + v.abs());
+    let size = x.abs() + y.abs() + z.abs();
     let scale = if is_found & (size > 0.0) {
         1.0 / size
     } else {
         0.0
     };
-    let vector = vector.map(|v| if scale > 0.0 { v * scale } else { 0.0 });
-    let length = vector.iter().map(|v| v * v).sum::<f32>().sqrt();
-    vector.map(|v| if length > 0.0 { v / length } else { 0.0 })
+    let [x, y, z] = [x * scale, y * scale, z * scale];
+    let square = x * x + y * y + z * z;
+    let share = if square > 0.0 {
+        1.0 / square.sqrt()
+    } else {
+        0.0
+    };
+    [x * share, y * share, z * share]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_tell_how_finely_they_were_stored() {
+        let of = |number: fn(f32) -> f32| {
+            Precision::of(&Plane::from_fn(9, 2, |x, y| number((x + 9 * y) as f32)))
+        };
+        assert_eq!(of(|i| 7.0 * i), Precision::Codes(1.0));
+        // 1 / 1024 is the distance of halves from 1 to 2; a third is none.
+        assert_eq!(of(|i| 1.0 + i / 1024.0), Precision::Half);
+        assert_eq!(of(|i| 1.0 + i / 3.0), Precision::Float);
+        assert_eq!(of(|_| 0.0), Precision::Float);
+        assert_eq!(
+            of(|i| if i > 3.0 { f32::NAN } else { i }),
+            Precision::Codes(1.0)
+        );
+        assert_eq!(Precision::Codes(1.0).times(0.5), Precision::Codes(0.5));
+    }
 }

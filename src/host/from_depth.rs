@@ -3,7 +3,6 @@
 use super::given::Given;
 use crate::error::{Error, Result};
 use crate::frame::depth::depth_of_position;
-use crate::frame::from_depth::Precision;
 use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Vector3Planes, Window};
 use crate::io::from_depth::{DepthAlone, ShownByDepth};
 
@@ -56,7 +55,8 @@ impl OfDepth {
         let alone = DepthAlone {
             depth: &mut depth,
             known,
-            precision: Precision::of(samples.is_half(), samples.rounding),
+            is_half: samples.is_half(),
+            rounding: samples.rounding,
             height_scale: given.height_scale,
             camera,
             data_window: window,

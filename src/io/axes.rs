@@ -71,13 +71,11 @@ pub(super) fn settle(
     }
     settled.warned(match one_is_reversed {
         Some(true) => format!(
-            "normals: y was turned round (DirectX), as {why}; but nothing shows whether it is x that points the other way, \
-             as estimators write it (DSINE, NormalBAE, StableNormal): bumps would become hollows. Compare with \
-             --normal-flip stablenormal"
+            "normals: {why}; or x points left instead (as in DSINE, NormalBAE, StableNormal), which nothing shows: if bumps \
+             come out as hollows, give --normal-flip stablenormal"
         ),
         Some(false) => format!(
-            "normals: taken as OpenGL, as {why}; but nothing shows that x points right: bumps would become hollows if \
-             both were reversed. Compare with --normal-flip xy"
+            "normals: {why}; nothing shows that x points right: if bumps come out as hollows, give --normal-flip xy"
         ),
         None => format!(
             "normals: {why}; taken to point up (OpenGL): say --normal-flip y if green points down (DirectX), x if red \

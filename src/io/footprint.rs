@@ -1,5 +1,6 @@
 //! Memory needed for a frame, estimated from headers alone.
 
+use super::bundle::Bundle;
 use super::exr::{ExrFile, Limits};
 use super::opened::Opened;
 use super::photo::StoredPhoto;
@@ -79,6 +80,10 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
         let areas = windows.iter().map(|window| with_border(window, border));
         areas.max()
     };
+    // A folder is as large as the picture in it.
+    let bundle = Bundle::of(path).ok()?;
+    let inside = bundle.as_ref().and_then(Bundle::picture);
+    let path = inside.unwrap_or(path);
     let of_exr = || {
         let file = ExrFile::open(path, &Limits::default()).ok()?;
         let windows: Vec<Window> = file.parts.iter().map(|part| part.window).collect();

@@ -1,6 +1,8 @@
 //! The layers of a frame: their sources, and the planes read from them.
 
 use super::borders::Borders;
+#[cfg(feature = "cli")]
+use super::bundle::gathered;
 use super::colorspace::ColorSpace;
 use super::inputs::{Inputs, NONE, Needs, StoredDepth};
 use super::light_layers::LightSources;
@@ -73,6 +75,10 @@ impl FrameSources {
             color => find(Role::Color, color)?,
         };
         let color = color.filter(|color| inputs.color.is_some() || !color.is_layer_of(&roles[0]));
+        // Nor are heights or depth the colours of what is lit, though they can be enhanced.
+        let is_depth = |source: &RoleSource| source.role == Role::Depth && source.is_photo_of(main);
+        let is_lit = inputs.color.is_none() && !needs.color && roles.iter().any(is_depth);
+        let color = color.filter(|_| !is_lit);
         if needs.color && color.is_none() {
             return Err(match is_map {
                 true => Error::MissingAov {
@@ -292,12 +298,13 @@ impl Planes {
 /// Any [`crate::Error`] of reading a header.
 #[cfg(feature = "cli")]
 pub(crate) fn motion_layer_names(inputs: &Inputs) -> Result<(Vec<String>, bool)> {
-    let main = Opened::open_picture(inputs)?;
+    let (inputs, _) = gathered(inputs)?;
+    let main = Opened::open_picture(&inputs)?;
     let needs = Needs {
         motion: true,
         ..Needs::default()
     };
-    let sources = FrameSources::resolve(inputs, &main, needs, false)?;
+    let sources = FrameSources::resolve(&inputs, &main, needs, false)?;
     let roles = sources.roles.iter();
     let motion: Vec<_> = roles.filter(|s| s.role == Role::Motion).collect();
     let mean_motion = inputs.motion.is_some() || motion.iter().any(|source| means_motion(source));

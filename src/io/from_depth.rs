@@ -15,6 +15,7 @@ use crate::frame::{
     Camera, Mask, Plane, Projection, StoredDepth, Vector3Planes, Window, likely_projection,
 };
 use glam::DAffine3;
+use std::time::Instant;
 
 /// The height of white over the longer side of a picture of heights, where it is not known.
 const HIGH: f32 = 0.1;
@@ -48,14 +49,17 @@ impl FrameSource<'_> {
         let alone = DepthAlone {
             depth: &mut *depth,
             known,
-            precision: Precision::of(depth_is_half, source.map_or(0.0, RoleSource::rounding)),
+            is_half: depth_is_half,
+            rounding: source.map_or(0.0, RoleSource::rounding),
             height_scale: self.inputs.height_scale,
             camera: view.camera,
             data_window: self.data_window,
             display_window: self.display_window,
             pixel_aspect: self.pixel_aspect,
         };
+        let start = Instant::now();
         let shown = alone.surface(layers.alpha.as_ref(), &mut notes.warnings)?;
+        let took = start.elapsed();
         view.camera = shown.camera;
         let (from, bits) = match source {
             Some(source) if shown.stored == StoredDepth::Height => ("heights", source.precision()),
@@ -78,6 +82,7 @@ impl FrameSource<'_> {
             sense: Some((shown.stored, shown.why)),
             depth_is_half,
             view,
+            made: Some(took),
         })
     }
 }
@@ -88,7 +93,9 @@ pub(crate) struct DepthAlone<'a> {
     pub(crate) depth: &'a mut Plane,
     /// What it holds, and how that is known.
     pub(crate) known: Option<(StoredDepth, String)>,
-    pub(crate) precision: Precision,
+    pub(crate) is_half: bool,
+    /// The distance of integers, the largest of which is 1; of no account for half floats, and 0 for floats.
+    pub(crate) rounding: f32,
     /// Pixels that a height of 1 is high, where it is known.
     pub(crate) height_scale: Option<f32>,
     pub(crate) camera: Option<Camera>,
@@ -116,6 +123,7 @@ impl DepthAlone<'_> {
         warnings: &mut Vec<String>,
     ) -> Result<ShownByDepth> {
         let known = self.known.take();
+        let mut precision = Precision::stored(self.is_half, self.rounding, self.depth);
         let (stored, mut why) = known.unwrap_or_else(|| judged(self.depth, warnings));
         if stored == StoredDepth::Height {
             let scale = self.height_scale(warnings)?;
@@ -123,7 +131,7 @@ impl DepthAlone<'_> {
                 .samples_mut()
                 .iter_mut()
                 .for_each(|h| *h *= scale);
-            self.precision = self.precision.scaled(scale);
+            precision = precision.times(scale);
             self.camera = Some(self.camera_above());
             why = format!("{scale} pixels high at 1");
         }
@@ -143,7 +151,7 @@ impl DepthAlone<'_> {
             stored,
             (projection, self.data_window),
             |x, y| alpha.is_none_or(|alpha| alpha.at(x, y) > 0.5),
-            self.precision,
+            precision,
         );
         Ok(ShownByDepth {
             normal,
@@ -180,9 +188,10 @@ impl DepthAlone<'_> {
             };
         }
         let window = self.display_window;
-        let scale = match self.precision {
-            Precision::Codes(_) => HIGH * window.width().max(window.height()) as f32,
-            _ => 1.0,
+        let are_integers = self.rounding > 0.0 && !self.is_half;
+        let scale = match are_integers {
+            true => HIGH * window.width().max(window.height()) as f32,
+            false => 1.0,
         };
         warnings.push(format!(
             "how high heights are is not known: 1 is taken for {scale} pixels; give --height-scale PIXELS"

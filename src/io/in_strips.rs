@@ -1,5 +1,6 @@
 //! Reading a frame some rows at a time.
 
+use super::bundle::gathered;
 use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, Needs};
 use super::light_layers::LightSources;
@@ -63,7 +64,8 @@ impl InputFiles {
     }
 
     fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
-        let main = Opened::open_held(&inputs.picture, Selection::of(inputs), holding)?;
+        let (inputs, _) = gathered(inputs)?;
+        let main = Opened::open_held(&inputs.picture, Selection::of(&inputs), holding)?;
         Ok(Self { main })
     }
 
@@ -72,8 +74,9 @@ impl InputFiles {
     /// # Errors
     /// As [`load`], except errors that only pixels reveal; [`Error::Unsupported`] where normals are made from depth.
     pub(crate) fn extent(&self, inputs: &Inputs, needs: Needs) -> Result<Extent> {
-        let light = LightSources::resolve(inputs, &self.main)?;
-        let sources = FrameSources::resolve(inputs, &self.main, needs, !light.is_empty())?;
+        let (inputs, _) = gathered(inputs)?;
+        let light = LightSources::resolve(&inputs, &self.main)?;
+        let sources = FrameSources::resolve(&inputs, &self.main, needs, !light.is_empty())?;
         if sources.get(Role::Normal).is_none() {
             return Err(Error::Unsupported {
                 path: inputs.picture.clone(),
@@ -100,7 +103,10 @@ impl InputFiles {
     /// # Errors
     /// As [`load`].
     pub(crate) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-        load_from(self.main.clone(), inputs, needs)
+        let (inputs, note) = gathered(inputs)?;
+        let mut loaded = load_from(self.main.clone(), &inputs, needs)?;
+        loaded.warnings.splice(..0, note);
+        Ok(loaded)
     }
 
     /// Releases decoded photos.

@@ -1,6 +1,7 @@
 //! From files to a frame: reads the inputs a run needs, and converts everything to view space once.
 
 use super::borders::Borders;
+use super::bundle::gathered;
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
 use super::depth::{given_depth, judge_depth};
 use super::depth_sense::{self, Sense, judge_sense};
@@ -32,6 +33,7 @@ use crate::frame::{
 };
 use std::ops::Range;
 use std::rc::Rc;
+use std::time::Duration;
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -55,6 +57,8 @@ pub struct Loaded {
     pub camera_is_recovered: bool,
     /// Median distance of the surface, where its depth has been looked at.
     pub distance: Option<f32>,
+    /// How long it took to make normals, where the files hold none.
+    pub normals_made: Option<Duration>,
     /// Conventions by which the layers were read.
     pub conventions: Conventions,
     /// Primaries and white of the picture, where inputs or file name them; Rec. 709 otherwise.
@@ -112,8 +116,11 @@ impl Loaded {
 /// wanted; [`crate::Error::SizeMismatch`] for inputs of unlike windows; [`crate::Error::Undetermined`] where
 /// neither names nor data show the space of the normals.
 pub fn load(inputs: &Inputs, needs: Needs) -> Result<Loaded> {
-    let main = Opened::open_picture(inputs)?;
-    load_from(main, inputs, needs)
+    let (inputs, note) = gathered(inputs)?;
+    let main = Opened::open_picture(&inputs)?;
+    let mut loaded = load_from(main, &inputs, needs)?;
+    loaded.warnings.splice(..0, note);
+    Ok(loaded)
 }
 
 /// Reads the frame, or the rows of it named by `inputs`, from its opened picture.
@@ -176,6 +183,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         sense,
         depth_is_half,
         view,
+        made,
     } = match stored_normal {
         Some(normal) => source.seen_surface(normal, &mut layers, needs, &mut notes)?,
         None => source.surface_of_depth(&mut layers, &mut notes)?,
@@ -238,6 +246,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
         distance: None,
+        normals_made: made,
         conventions: Conventions {
             normal_space: view.normals.space,
             normal_encoding: encoding,
@@ -333,6 +342,8 @@ pub(super) struct SeenSurface {
     pub(super) sense: Sense,
     pub(super) depth_is_half: bool,
     pub(super) view: View,
+    /// How long normals took to make, of depth.
+    pub(super) made: Option<Duration>,
 }
 
 impl FrameSource<'_> {
@@ -387,6 +398,7 @@ impl FrameSource<'_> {
             sense,
             depth_is_half,
             view,
+            made: None,
         })
     }
 

@@ -48,6 +48,17 @@ pub(super) struct MapCodes {
 impl MapCodes {
     /// Looks at some rows of a photo; finds nothing in one that cannot be decoded, or holds no codes.
     pub(super) fn of(photo: &StoredPhoto) -> Self {
+        if photo.header.is_pair {
+            let pair = Pair {
+                encoding: NormalEncoding::Xy,
+                why: "it has x and y alone",
+                is_sure: true,
+            };
+            return Self {
+                pair: Some(pair),
+                flat: None,
+            };
+        }
         let planes = match photo.header.may_hold_coded_vectors() {
             true => bands(photo),
             false => None,

@@ -3,6 +3,7 @@
 mod art_map;
 mod axes;
 mod borders;
+mod bundle;
 pub mod camera;
 pub mod colorspace;
 mod cryptomatte;

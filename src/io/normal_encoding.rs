@@ -93,7 +93,9 @@ pub(super) fn holds_normals(photo: &StoredPhoto) -> bool {
         // Pictures of light hold no negatives.
         let is_signed = || sample(&stored).any(|n| n.min_element() < -0.01);
         let vectors = match header.is_float && is_signed() {
-            true => sample(&stored).filter(|n| n.length() > 0.0).collect(),
+            true => sample(&stored)
+                .filter(|n| n.length() > MIN_LENGTH)
+                .collect(),
             false => written(&stored, [None; 2]),
         };
         let share = share_of_length(&vectors, 1.0);
@@ -132,14 +134,42 @@ pub(super) fn refuse_pictures(
         true => "name another map",
         false => "give the map of the picture with --normal",
     };
-    Err(Error::Unsupported {
+    Err(no_normals(
+        share,
+        path,
+        &format!("{or}, or --normal-encoding unsigned if it is one"),
+    ))
+}
+
+/// Refuses numbers that are light: none is negative, and few vectors are of unit length, as stored or decoded.
+///
+/// # Errors
+/// [`Error::Unsupported`] with the share of its vectors that could be normals.
+pub(super) fn refuse_light(stored: &Vector3Planes, path: &Path) -> Result<()> {
+    let vectors: Vec<_> = sample(stored)
+        .filter(|n| n.is_finite() && *n != Vec3::ZERO)
+        .collect();
+    let is_unit = |n: Vec3| (n.length() - 1.0).abs() < NEAR_UNIT;
+    let share = share_of(&vectors, |n| is_unit(n) || is_unit(2.0 * n - Vec3::ONE));
+    let holds_negatives = vectors.iter().any(|n| n.min_element() < 0.0);
+    match share {
+        Some(share) if share < FEWEST_UNIT && !holds_negatives => {
+            let remedy = "name another layer, or --normal-encoding signed or unsigned if it is one";
+            Err(no_normals(share, path, remedy))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn no_normals(share: f64, path: &Path, remedy: &str) -> Error {
+    Error::Unsupported {
         path: path.to_path_buf(),
         found: format!(
             "is no normal map: {:.0} % of its pixels hold a vector of unit length",
             100.0 * share
         ),
-        remedy: format!("{or}, or --normal-encoding unsigned if it is one"),
-    })
+        remedy: remedy.into(),
+    }
 }
 
 #[cfg(test)]

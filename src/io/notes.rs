@@ -3,7 +3,7 @@
 use super::finding::Finding;
 use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, NormalEncoding};
-use super::normal_encoding::{judge_encoding, refuse_pictures};
+use super::normal_encoding::{judge_encoding, refuse_light, refuse_pictures};
 use super::opened::Opened;
 use super::roles::Role;
 use super::sources::Chosen;
@@ -203,6 +203,9 @@ impl Notes {
             self.warnings.extend(length.map(|length| {
                 format!("normals: their vectors are {length:.2} long, and are brought to length 1")
             }));
+        }
+        if !integers && known.is_none() && inputs.rows.is_none() {
+            refuse_light(stored, source.file.path())?;
         }
         if let (true, None, Some((_, why))) = (integers, inputs.normal_encoding, known) {
             self.warnings.push(format!(

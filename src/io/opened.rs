@@ -8,7 +8,7 @@ use super::nearest;
 use super::normal_encoding::holds_normals;
 use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
 use super::open::open_input;
-use super::photo::StoredPhoto;
+use super::photo::{StoredPhoto, is_inside};
 use super::roles::{self, Layer, Match, Role};
 use super::views;
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ impl Opened {
     /// The file with the layers that are wanted, and the policy for samples of photos.
     pub(super) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
         let companions = Companions::held(holding);
-        if !has_exr_magic(path)? {
+        if is_inside(path) || !has_exr_magic(path)? {
             groups::refuse(wanted.layer, path)?;
             let photo = StoredPhoto::open(path, holding.most_bytes)?;
             return Ok(Rc::new(Self::Photo {

@@ -1,13 +1,14 @@
 //! The file and layer of each role, and reading them.
 
 use super::borders::Borders;
+use super::bundle::Bundle;
 use super::colorspace::ColorSpace;
 use super::exr::{ChannelId, SampleType, Wanted};
 use super::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use super::names::{self, Hint};
 use super::noise::noise_of;
 use super::opened::Opened;
-use super::photo::{Meaning, StoredPhoto, max_code};
+use super::photo::{Meaning, StoredPhoto, is_inside, max_code};
 use super::picture::is_picture_name;
 use super::role_planes::RolePlanes;
 use super::roles::{self, Layer, Match, Role};
@@ -61,7 +62,12 @@ impl RoleSource {
             return Ok(Some(source));
         }
         let path = Path::new(name);
-        if !path.exists() {
+        if let Some(bundle) = Bundle::of(path)? {
+            let file = bundle.member(role).map(|file| main.open_companion(file));
+            let file = file.ok_or_else(|| bundle.without(role))??;
+            return Ok(Self::in_file(role, &file));
+        }
+        if !path.exists() && !is_inside(path) {
             if name == NONE && role != Role::Normal {
                 return Ok(None);
             }
@@ -220,6 +226,11 @@ impl RoleSource {
         let place = |layer: &Match| (layer.part, layer.channels.clone());
         let places = [self, other].map(|source| source.layer.as_ref().map(place));
         Rc::ptr_eq(&self.file, &other.file) && places[0].is_some() && places[0] == places[1]
+    }
+
+    /// Whether it is a photo, this very file.
+    pub(super) fn is_photo_of(&self, file: &Rc<Opened>) -> bool {
+        self.layer.is_none() && self.file.path() == file.path()
     }
 
     /// Name of this source in messages.

@@ -1,5 +1,6 @@
 //! Contents of a file, for `inspect`: headers and names, and pixels only where names give no roles or objects have no names.
 
+use super::bundle::gathered;
 use super::exr::{ExrFile, SampleType};
 use super::inputs::Inputs;
 use super::numbers::NUMBERED;
@@ -76,7 +77,7 @@ pub struct RoleSurvey {
 /// # Errors
 /// Any [`crate::Error`] of opening it.
 pub fn survey(inputs: &Inputs) -> Result<Survey> {
-    let opened = Opened::open_picture(inputs)?;
+    let opened = Opened::open_picture(&gathered(inputs)?.0)?;
     let mut survey = match opened.as_ref() {
         Opened::Exr {
             file,

@@ -279,7 +279,10 @@ fn of_the_results_those_are_written_that_are_picked() {
     let line = desk
         .run("shape", &gears, "none.png", &["--write", "kappa"])
         .refused(2);
-    assert!(line.contains("--write is of EXR alone"), "{line}");
+    assert!(
+        line.contains("--write is of EXR, NPY and TIFF alone"),
+        "{line}"
+    );
 }
 
 #[test]
@@ -688,6 +691,10 @@ fn timings_hold_every_stage_that_ran() {
     let usual = stages(&usual);
     assert_eq!(usual.first().unwrap(), "read");
     assert_eq!(usual.last().unwrap(), "write");
+    // They are read where the file holds them.
+    assert!(!usual.contains(&"normals".into()), "{usual:?}");
+    let of_depth = stages(&json("enhance", "d.png", &["--normal", "none"]));
+    assert_eq!(of_depth[..2], ["read", "normals"]);
     assert!(usual.iter().any(|s| s == "diffusion"), "{usual:?}");
     let fine = stages(&json("enhance", "b.png", &["--iterations", "0"]));
     assert!(!fine.iter().any(|s| s == "diffusion"), "{fine:?}");
@@ -901,7 +908,8 @@ fn what_cannot_be_done_is_one_line_and_exit_code_1() {
     let flags = ["--camera", not_a_camera.to_str().unwrap()];
     says(run(&bust, &flags), &["PROVENANCE.md"]);
     says(run(&not_a_camera, &[]), &["PROVENANCE.md"]);
-    says(run(desk.0.path(), &[]), &[]);
+    let empty = Desk::new();
+    says(run(empty.0.path(), &[]), &["holds no image"]);
 
     let small = image::RgbImage::from_pixel(128, 256, image::Rgb([128, 128, 255]));
     let inputs = Desk::new();

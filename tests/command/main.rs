@@ -5,6 +5,7 @@ mod common;
 
 mod blender;
 mod blur;
+mod bundles;
 mod cli;
 mod colors;
 mod conformance;

@@ -301,3 +301,44 @@ fn normals_are_written_in_the_axes_asked_for() {
     let world = relievo(here, "normals ball.png --as world -o w.png");
     assert!(world.error(2).contains("--camera FILE"));
 }
+
+/// A tilt by 20 degrees is subtracted, and a detail is turned onto what is left: on a flat surface it is the detail itself.
+#[test]
+fn a_bend_is_subtracted_and_a_detail_laid_over() {
+    let desk = tempfile::tempdir().unwrap();
+    let here = desk.path();
+    let lean = 20_f64.to_radians();
+    write_normals(&here.join("tilted.png"), |_, _| {
+        DVec3::new(lean.sin(), 0.0, lean.cos())
+    });
+    let wave = |x: f64, y: f64| DVec3::new(0.3 * (x / 4.0).sin(), 0.2 * (y / 5.0).cos(), 1.0);
+    write_normals(&here.join("detail.png"), wave);
+    let run = |words: &str| relievo(here, &format!("{words} -q")).done();
+    run("normals tilted.png --flatten -o flat.npy");
+    let at = |file: &str, x: usize, y: usize| {
+        let photo = Photo::read(&here.join(file)).unwrap();
+        DVec3::from([0, 1, 2].map(|i| f64::from(photo.channels[i].at(x, y))))
+    };
+    // A code of 16 bits is 1.5e-5 of a component.
+    assert!(at("flat.npy", 70, 9).distance(DVec3::Z) < 1e-4);
+    run("normals tilted.png --flatten --detail detail.png -o both.npy");
+    run("normals detail.png -o alone.npy");
+    for (x, y) in [(3, 90), (50, 40), (95, 0)] {
+        let off = at("both.npy", x, y).distance(at("alone.npy", x, y));
+        assert!(off < 2e-4, "({x}, {y}): {off}");
+    }
+    let refused = |words: &str, code: i32, names: &str| {
+        let line = relievo(here, words).refused(code);
+        assert!(line.contains(names), "{line}");
+    };
+    refused("map tilted.png --flatten -o c.png", 2, "--map normals");
+    let small = [0, 1, 2].map(|axis| Plane::filled(8, 8, if axis == 2 { 1.0 } else { 0.5 }));
+    write_planes(
+        &here.join("small.png"),
+        small,
+        None,
+        16,
+        ViewTransform::None,
+    );
+    refused("normals tilted.png --detail small.png -o n.png", 1, "8x8");
+}

@@ -153,3 +153,26 @@ fn guesses_are_told() {
         "{error}"
     );
 }
+
+/// A picture of heights is lit as a surface of one colour, and can be enhanced as the picture that it is.
+#[test]
+fn heights_are_no_colours_of_what_is_lit() {
+    let desk = tempfile::tempdir().unwrap();
+    let path = desk.path().join("heights.png");
+    image::GrayImage::from_fn(32, 24, |x, y| image::Luma([(4 * x + y) as u8]))
+        .save(&path)
+        .unwrap();
+    let inputs = inputs(&path, None, |inputs| {
+        inputs.depth = Some(path.to_str().unwrap().into());
+        inputs.depth_kind = Some(StoredDepth::Height);
+        inputs.height_scale = Some(9.0);
+    });
+    for (color, color_if_any) in [(false, true), (true, false)] {
+        let needs = Needs {
+            color,
+            color_if_any,
+            ..Needs::default()
+        };
+        assert_eq!(load(&inputs, needs).unwrap().frame.color.is_some(), color);
+    }
+}

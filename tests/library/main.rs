@@ -19,6 +19,7 @@ mod io;
 mod layer_names;
 mod light_layers;
 mod live;
+mod mutations;
 mod normal_maps;
 mod normal_rays;
 mod outlines;

@@ -231,3 +231,21 @@ fn axes_have_the_names_of_those_who_reverse_them() {
     }
     assert!("open".parse::<Flip>().is_err());
 }
+
+#[test]
+fn a_layer_of_light_is_no_normal_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("light.exr");
+    // From .1 to 9 in all channels: lengths from .17 to 16, of which few are near 1.
+    let light = Plane::from_fn(64, 64, |x, y| 0.1 + 0.14 * x.min(y) as f32);
+    Part::of(["L.R", "L.G", "L.B"].map(|name| (name, &light))).write(&path);
+    let found = load(
+        &Inputs {
+            normal: Some("L".into()),
+            ..inputs(&path, None)
+        },
+        Needs::default(),
+    );
+    let said = found.err().unwrap().to_string();
+    assert!(said.contains("is no normal map"), "{said}");
+}

@@ -33,6 +33,7 @@ const MOST_BYTES: u64 = 1 << 24;
 /// | `pixels_per_unit` | orthographic: pixel widths per unit of length |
 /// | `principal_point_px` | `[x, y]` of the view axis; absent: the centre of the display window |
 /// | `intrinsics_px` | `{fx, fy, cx, cy}` in place of the three above; for `camera_type` `"ORTHO"`, `fx` and `fy` are pixels per unit |
+/// | `fov_x`, `fov_y` | perspective: the angle across the picture or down it, in degrees, in place of `focal_px` |
 /// | `camera_type` | `"PERSP"` or `"ORTHO"`; absent: follows from the other keys |
 /// | `resolution` | `[width, height]` that the pixels refer to; absent: the display window |
 ///
@@ -399,23 +400,25 @@ impl Lens {
             Kind::Perspective => "focal_px",
             Kind::Orthographic => "pixels_per_unit",
         };
-        let Some(value) = present(json, key) else {
+        let focal = match (present(json, key), kind) {
+            (Some(value), _) => {
+                let fx = positive(number(value, key)?, key)?;
+                Some([fx, fx * aspect])
+            }
+            (None, Kind::Perspective) => focal_of_view(json, made_for, aspect)?,
+            (None, Kind::Orthographic) => None,
+        };
+        let Some([fx, fy]) = focal else {
             return Err(Rejected::new(
                 format!("has neither intrinsics_px nor {key}"),
-                "add focal_px (perspective) or pixels_per_unit (orthographic)",
+                "add focal_px or fov_x (perspective) or pixels_per_unit (orthographic)",
             ));
         };
-        let fx = positive(number(value, key)?, key)?;
         let [cx, cy] = match present(json, "principal_point_px") {
             Some(point) => numbers(point, "principal_point_px")?,
             None => made_for.map(|side| 0.5 * side),
         };
-        Ok(Self {
-            fx,
-            fy: fx * aspect,
-            cx,
-            cy,
-        })
+        Ok(Self { fx, fy, cx, cy })
     }
 
     /// The lens of a picture made in size `from`, for the same picture in size `to`.
@@ -469,6 +472,29 @@ impl Lens {
     }
 }
 
+/// Focal lengths of a picture of this size by its angle across it, down it, or both; `None` where neither is given.
+fn focal_of_view(json: &Value, size: [f64; 2], aspect: f64) -> Parsed<Option<[f64; 2]>> {
+    let focal = |key: &str, side: f64| -> Parsed<Option<f64>> {
+        let Some(value) = present(json, key) else {
+            return Ok(None);
+        };
+        let degrees = number(value, key)?;
+        match degrees > 0.0 && degrees < 180.0 {
+            true => Ok(Some(0.5 * side / (0.5 * degrees).to_radians().tan())),
+            false => Err(Rejected::new(
+                format!("{key} is {degrees}"),
+                "give an angle in degrees, above 0 and below 180",
+            )),
+        }
+    };
+    Ok(match (focal("fov_x", size[0])?, focal("fov_y", size[1])?) {
+        (Some(fx), Some(fy)) => Some([fx, fy]),
+        (Some(fx), None) => Some([fx, fx * aspect]),
+        (None, Some(fy)) => Some([fy / aspect, fy]),
+        (None, None) => None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -491,6 +517,22 @@ mod tests {
         assert_eq!(camera.view_from_world, DAffine3::IDENTITY);
         let centre = camera.pixel_of(DVec3::new(0.0, 0.0, -5.0)).unwrap();
         assert_eq!(centre, DVec2::new(320.0, 240.0));
+    }
+
+    /// 640 pixels across 90 degrees are 320 from the middle at a distance of 320, and so are 240 of 480.
+    #[test]
+    fn angles_of_view_tell_the_focal_length() {
+        for (text, expected) in [
+            (r#"{"fov_x": 90}"#, [320.0, 320.0]),
+            (r#"{"fov_y": 90}"#, [240.0, 240.0]),
+            (r#"{"fov_x": 90, "fov_y": 90}"#, [320.0, 240.0]),
+        ] {
+            let Projection::Perspective { fx, fy, .. } = parse(text).unwrap().projection else {
+                panic!("not a perspective")
+            };
+            assert!((fx - expected[0]).abs() < 1e-9 && (fy - expected[1]).abs() < 1e-9);
+        }
+        assert!(message(r#"{"fov_x": 180}"#).contains("fov_x is 180"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Opening a picture: reads its header, and refuses unsupported files.
 
 use super::faults::{MAX_BYTES, image_error, unsupported};
-use super::numbers::Numbers;
+use super::numbers::{Numbers, refuse_compression};
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
 use crate::io::open::open_input;
@@ -28,6 +28,9 @@ pub(super) fn with_decoder<T>(
             return read(Box::new(numbers), ImageFormat::Tiff);
         }
         let (reader, format) = open(path)?;
+        if format == ImageFormat::Tiff {
+            refuse_compression(path)?;
+        }
         match reader.into_decoder() {
             Ok(decoder) => {
                 check_size(path, &decoder)?;
@@ -56,6 +59,7 @@ fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
     let failed = |error| Error::io(path, "read")(error);
     let mut file = BufReader::new(open_input(path).map_err(failed)?);
     let start = file.fill_buf().map_err(failed)?;
+    refuse_textures(path, start)?;
     let is_big_tiff = start.starts_with(b"II\x2b\0") || start.starts_with(b"MM\0\x2b");
     let mut reader = ImageReader::new(file)
         .with_guessed_format()
@@ -79,6 +83,35 @@ fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
     });
     reader.limits(limits);
     Ok((reader, format))
+}
+
+/// Refuses files of textures for graphics devices, which have compressions of their own.
+fn refuse_textures(path: &Path, start: &[u8]) -> Result<()> {
+    let kinds: [(&[u8], &str, &str); 3] = [
+        (
+            b"DDS ",
+            "a DDS texture",
+            "texconv -ft png, or magick IN.dds OUT.png",
+        ),
+        (
+            b"\xabKTX 20\xbb",
+            "a KTX2 texture",
+            "ktx extract IN.ktx2 OUT.png",
+        ),
+        (
+            b"\xabKTX 11\xbb",
+            "a KTX texture",
+            "ktx2ktx2 IN.ktx, then ktx extract IN.ktx2 OUT.png",
+        ),
+    ];
+    let found = kinds.into_iter().find(|(mark, ..)| start.starts_with(mark));
+    found.map_or(Ok(()), |(_, kind, converter)| {
+        Err(Error::Unsupported {
+            path: path.to_path_buf(),
+            found: format!("is {kind}, which is not read"),
+            remedy: format!("convert it to PNG, as with {converter}"),
+        })
+    })
 }
 
 fn check_size(path: &Path, decoder: &impl ImageDecoder) -> Result<()> {

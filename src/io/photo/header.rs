@@ -2,6 +2,7 @@
 
 use super::decoder::{max_code, with_decoder};
 use super::faults::unsupported;
+use super::numbers::PAIR;
 use crate::error::{Error, Result};
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
@@ -20,6 +21,8 @@ pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) bits: u8,
     /// Whether samples are floating point, hence linear.
     pub(in crate::io) is_float: bool,
+    /// Whether it holds two channels of vectors, as red and green.
+    pub(in crate::io) is_pair: bool,
     pub(super) format: ImageFormat,
     pub(super) color: ColorType,
 }
@@ -66,6 +69,7 @@ impl PhotoHeader {
                 orientation,
                 bits,
                 is_float: bits == 32,
+                is_pair: decoder.original_color_type() == PAIR,
                 format,
                 color,
             })

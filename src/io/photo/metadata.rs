@@ -2,6 +2,7 @@
 
 use super::decoder::with_decoder;
 use super::header::PhotoHeader;
+use super::npz::is_inside;
 use crate::error::{Error, Result};
 use crate::io::exif::{Exif, SOUND_DPI};
 use crate::io::open::open_input;
@@ -43,7 +44,7 @@ impl PhotoMetadata {
         let dpi = match photo.format {
             ImageFormat::Jpeg => jfif_dpi(&photo.path)?,
             ImageFormat::Png => png_dpi(&photo.path)?,
-            ImageFormat::Tiff => tiff_dpi(&photo.path)?,
+            ImageFormat::Tiff if !is_inside(&photo.path) => tiff_dpi(&photo.path)?,
             _ => None,
         };
         let is_sound = |dpi: &[f32; 2]| dpi.iter().all(|dpi| SOUND_DPI.contains(dpi));

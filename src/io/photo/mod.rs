@@ -1,5 +1,5 @@
-//! Reading pictures of the everyday kinds: PNG, JPEG, TIFF, Radiance HDR, WebP, TGA, BMP and PNM; and numbers as NumPy arrays
-//! and PFM.
+//! Reading pictures of the everyday kinds: PNG, JPEG, TIFF, Radiance HDR, WebP, TGA, BMP and PNM; and numbers as NumPy arrays,
+//! alone or in archives, and PFM.
 //!
 //! A picture is read as its stored values, and made linear on request: photographs are, normal maps and masks are not.
 //! The orientation tag of cameras is obeyed: pixels are rotated while they are decoded, so everything else sees an
@@ -12,6 +12,8 @@ mod decoder;
 mod faults;
 mod header;
 mod metadata;
+mod npy;
+mod npz;
 mod numbers;
 mod rows;
 mod stored;
@@ -19,6 +21,7 @@ mod stored;
 pub(super) use decoder::max_code;
 pub(super) use faults::{one_line, unsupported};
 pub use metadata::PhotoMetadata;
+pub(super) use npz::{is_inside, pictures_in};
 pub(super) use stored::{Meaning, StoredPhoto};
 
 use crate::error::Result;

@@ -2,23 +2,27 @@
 //! are the numbers as stored; grey is repeated, since there is no grey of floats.
 
 use super::faults::{MAX_BYTES, damaged, one_line, unsupported};
+use super::npy::NpyHeader;
+use super::npz;
 use crate::error::{Error, Result};
 use crate::io::open::open_input;
-use crate::untrusted::Untrusted;
 use half::f16;
-use image::{ColorType, ImageDecoder, ImageError, ImageResult};
+use image::{ColorType, ExtendedColorType, ImageDecoder, ImageError, ImageResult};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+/// The type of two channels of vectors, which are read as red and green, and blue of 0.
+pub(super) const PAIR: ExtendedColorType = ExtendedColorType::Unknown(64);
+
 /// Where the samples are.
 enum Source {
     Tiff(Box<Decoder<BufReader<File>>>),
-    /// Numbers of a kind: `f`, `u` or `i`, and so many bytes.
+    /// Numbers of a kind: `f`, `u`, `i` or `b`, and so many bytes.
     Npy {
-        file: BufReader<File>,
+        file: Box<dyn Read>,
         kind: char,
         bytes: usize,
         is_little: bool,
@@ -35,18 +39,25 @@ pub(super) struct Numbers {
     size: [usize; 2],
     /// 1 to 4: grey or colour, with coverage or without.
     channels: usize,
+    /// Whether two channels are those of vectors, rather than grey and coverage.
+    is_pair: bool,
     /// How far apart neighbours along x, y and the channels are stored.
     strides: [usize; 3],
     source: Source,
 }
 
 impl Numbers {
-    /// The header of a NumPy array or a PFM; `None` for a file that is neither.
+    /// The header of a NumPy array, of the array of an archive, or of a PFM; `None` for another file.
     pub(super) fn read(path: &Path) -> Result<Option<Self>> {
+        if let Some((archive, name)) = npz::split(path) {
+            let array = npz::open(archive, Some(name))?;
+            return Self::npy(path, array)?.checked(path).map(Some);
+        }
         let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
         let start = file.fill_buf().map_err(Error::io(path, "read"))?;
         let found = match start {
-            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::npy(path, file),
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::npy(path, Box::new(file)),
+            [b'P', b'K', 3, 4, ..] => Self::npy(path, npz::open(path, None)?),
             [b'P', b'F' | b'f', b'\n' | b' ' | b'\r', ..] => Self::pfm(path, file),
             _ => return Ok(None),
         };
@@ -63,97 +74,37 @@ impl Numbers {
         let (width, height) = decoder.dimensions().map_err(failed)?;
         let channels = decoder.colortype().map_err(failed)?.num_samples().into();
         let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
-        if channels > 1 && planar.map_err(failed)? == Some(2) {
-            return Err(unsupported(path, "stores its channels apart"));
-        }
-        let width = width as usize;
+        let is_planar = planar.map_err(failed)? == Some(2);
+        let (width, height) = (width as usize, height as usize);
+        let extra = decoder.find_tag_unsigned::<u16>(Tag::ExtraSamples);
+        let is_alpha = matches!(extra.map_err(failed)?, Some(1 | 2));
         let found = Self {
-            size: [width, height as usize],
+            size: [width, height],
             channels,
-            strides: [channels, channels * width, 1],
+            is_pair: channels == 2 && !is_alpha,
+            strides: match is_planar {
+                true => [1, width, width.saturating_mul(height)],
+                false => [channels, channels * width, 1],
+            },
             source: Source::Tiff(Box::new(decoder)),
         };
         found.checked(path)
     }
 
-    /// A version, the length of what follows, and a dictionary in Python's form: `{'descr': '<f4', 'fortran_order': False,
-    /// 'shape': (480, 640), }`.
-    fn npy(path: &Path, mut file: BufReader<File>) -> Result<Self> {
-        let mut taken = |count: usize| -> Result<Vec<u8>> {
-            let mut bytes = vec![0; count];
-            file.read_exact(&mut bytes)
-                .map_err(|error| damaged(path, &error))?;
-            Ok(bytes)
-        };
-        let wide = taken(8)?[6] > 1;
-        let length = taken(if wide { 4 } else { 2 })?;
-        let length = length
-            .iter()
-            .rev()
-            .fold(0, |length, &byte| 256 * length + usize::from(byte));
-        let header = taken(length.min(1 << 16))?;
-        let header = String::from_utf8_lossy(&header);
-        let value = |key: &str| {
-            let (_, rest) = header.split_once(&format!("'{key}':"))?;
-            Some(rest.trim_start())
-        };
-        let no_header = || damaged(path, &"its header is none");
-        let descr = value("descr").and_then(|rest| rest.strip_prefix('\'')?.split('\'').next());
-        let shape = value("shape").and_then(|rest| rest.strip_prefix('(')?.split(')').next());
-        let (Some(descr), Some(shape)) = (descr, shape) else {
-            return Err(no_header());
-        };
-        let sizes = shape
-            .split(',')
-            .map(str::trim)
-            .filter(|size| !size.is_empty());
-        let sizes: Option<Vec<usize>> = sizes.map(|size| size.parse().ok()).collect();
-        let sizes = sizes.ok_or_else(no_header)?;
-        let mut letters = descr.chars();
-        let (order, kind) = (letters.next(), letters.next());
-        let bytes: Option<usize> = letters.as_str().parse().ok();
-        let ("<" | ">" | "|" | "=", Some(kind @ ('f' | 'u' | 'i')), Some(bytes @ (1 | 2 | 4 | 8))) =
-            (&descr[..order.map_or(0, char::len_utf8)], kind, bytes)
-        else {
-            return Err(unsupported(
-                path,
-                &format!("holds {} numbers", Untrusted(descr)),
-            ));
-        };
-        let is_rows_last = value("fortran_order").is_some_and(|rest| rest.starts_with("True"));
-        // Each size with how far apart its neighbours are.
-        let mut apart = 1_usize;
-        let mut axes: Vec<(usize, usize)> = vec![(0, 0); sizes.len()];
-        let count = sizes.len();
-        for i in (0..count).map(|i| if is_rows_last { i } else { count - 1 - i }) {
-            axes[i] = (sizes[i], apart);
-            apart = apart.saturating_mul(sizes[i]);
-        }
-        // One picture of a stack of one.
-        while axes.len() > 2 && axes[0].0 == 1 {
-            axes.remove(0);
-        }
-        let is_channels = |(size, _): (usize, usize)| (1..=4).contains(&size);
-        let [rows, columns, channels] = match axes[..] {
-            [rows, columns] => [rows, columns, (1, 0)],
-            [rows, columns, channels] if is_channels(channels) => [rows, columns, channels],
-            [channels, rows, columns] if is_channels(channels) => [rows, columns, channels],
-            _ => {
-                return Err(unsupported(
-                    path,
-                    &format!("is an array of {sizes:?}, and no picture"),
-                ));
-            }
-        };
+    /// A NumPy array of so many bytes at most, as far as that is known.
+    fn npy(path: &Path, mut file: Box<dyn Read>) -> Result<Self> {
+        let header = NpyHeader::read(path, &mut file)?;
+        let [rows, columns, channels] = header.picture().ok_or_else(|| header.no_picture(path))?;
         Ok(Self {
             size: [columns.0, rows.0],
             channels: channels.0,
+            is_pair: channels.0 == 2,
             strides: [columns.1, rows.1, channels.1],
             source: Source::Npy {
                 file,
-                kind,
-                bytes,
-                is_little: order != Some('>'),
+                kind: header.kind,
+                bytes: header.bytes,
+                is_little: header.is_little,
             },
         })
     }
@@ -184,6 +135,7 @@ impl Numbers {
         Ok(Self {
             size: [width, height],
             channels,
+            is_pair: false,
             strides: [channels, channels * width, 1],
             source: Source::Pfm {
                 file,
@@ -205,28 +157,32 @@ impl Numbers {
         }
     }
 
-    /// All numbers as stored.
+    /// All numbers, in their order.
     fn samples(&mut self) -> std::result::Result<Vec<f32>, String> {
         let count = self.size[0] * self.size[1] * self.channels;
         let said = |error: &dyn std::fmt::Display| one_line(&error.to_string());
         let samples = match &mut self.source {
-            Source::Tiff(decoder) => floats(decoder.read_image().map_err(|e| said(&e))?),
+            Source::Tiff(decoder) => {
+                let mut read = DecodingResult::U8(Vec::new());
+                decoder
+                    .read_image_to_buffer(&mut read)
+                    .map_err(|e| said(&e))?;
+                floats(read)
+            }
             Source::Npy {
                 file,
                 kind,
                 bytes,
                 is_little,
             } => {
-                let mut stored = vec![0; count * *bytes];
-                file.read_exact(&mut stored).map_err(|e| said(&e))?;
+                let stored = bytes_of(file, count * *bytes).map_err(|e| said(&e))?;
                 let number = |stored: &[u8]| number(stored, *kind, *is_little);
                 stored.chunks_exact(*bytes).map(number).collect()
             }
             Source::Pfm { file, is_little } => {
-                let mut bytes = vec![0; 4 * count];
-                file.read_exact(&mut bytes).map_err(|e| said(&e))?;
+                let stored = bytes_of(file, 4 * count).map_err(|e| said(&e))?;
                 let number = |bytes: &[u8]| number(bytes, 'f', *is_little);
-                let rows = bytes.chunks_exact(4 * self.strides[1]).rev();
+                let rows = stored.chunks_exact(4 * self.strides[1]).rev();
                 rows.flat_map(|row| row.chunks_exact(4).map(number))
                     .collect()
             }
@@ -247,7 +203,15 @@ impl ImageDecoder for Numbers {
     fn color_type(&self) -> ColorType {
         match self.channels {
             1 | 3 => ColorType::Rgb32F,
+            2 if self.is_pair => ColorType::Rgb32F,
             _ => ColorType::Rgba32F,
+        }
+    }
+
+    fn original_color_type(&self) -> ExtendedColorType {
+        match self.is_pair {
+            true => PAIR,
+            false => self.color_type().into(),
         }
     }
 
@@ -256,17 +220,23 @@ impl ImageDecoder for Numbers {
             ImageError::IoError(std::io::Error::new(std::io::ErrorKind::InvalidData, found))
         })?;
         let ([width, height], [across, down, between]) = (self.size, self.strides);
-        let grey = [0; 4];
-        let order = match self.channels {
-            1 => &grey[..3],
-            2 => &[0, 0, 0, 1],
-            3 => &[0, 1, 2],
-            _ => &[0, 1, 2, 3],
+        // Where a channel is read from; nowhere, it is 0.
+        let order: &[Option<usize>] = match self.channels {
+            1 => &[Some(0); 3],
+            2 if self.is_pair => &[Some(0), Some(1), None],
+            2 => &[Some(0), Some(0), Some(0), Some(1)],
+            3 => &[Some(0), Some(1), Some(2)],
+            _ => &[Some(0), Some(1), Some(2), Some(3)],
         };
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| y * down + x * across));
-        let numbers = pixels.flat_map(|at| order.iter().map(move |channel| at + channel * between));
+        let numbers = pixels.flat_map(|at| {
+            let place =
+                move |channel: &Option<usize>| channel.map(|channel| at + channel * between);
+            order.iter().map(place)
+        });
         for (bytes, at) in buffer.chunks_exact_mut(4).zip(numbers) {
-            bytes.copy_from_slice(&samples[at].to_ne_bytes());
+            let sample = at.map_or(0.0, |at| samples[at]);
+            bytes.copy_from_slice(&sample.to_ne_bytes());
         }
         Ok(())
     }
@@ -274,6 +244,36 @@ impl ImageDecoder for Numbers {
     fn read_image_boxed(self: Box<Self>, buffer: &mut [u8]) -> ImageResult<()> {
         (*self).read_image(buffer)
     }
+}
+
+/// Refuses a TIFF of a compression that is not read, by its name. Decoders come to it with the samples alone.
+pub(super) fn refuse_compression(path: &Path) -> Result<()> {
+    let file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+    let failed = |error: tiff::TiffError| damaged(path, &error);
+    let mut decoder = Decoder::new(file).map_err(failed)?;
+    let stored = decoder.find_tag_unsigned::<u16>(Tag::Compression);
+    let name = match stored.map_err(failed)? {
+        Some(50_000) => "ZSTD",
+        Some(50_001) => "WebP",
+        Some(34_887) => "LERC",
+        Some(34_925) => "LZMA",
+        Some(34_712 | 33_003 | 33_005) => "JPEG 2000",
+        Some(50_002 | 52_546) => "JPEG XL",
+        _ => return Ok(()),
+    };
+    Err(Error::Unsupported {
+        path: path.to_path_buf(),
+        found: format!("is compressed by {name}, which is not read"),
+        remedy: "save it with Deflate, as with gdal_translate -co COMPRESS=DEFLATE IN.tif OUT.tif, or tiffcp -c zip"
+            .into(),
+    })
+}
+
+/// So many bytes, or those that there are: room is made as they come, not as a header claims.
+fn bytes_of(file: &mut dyn Read, count: usize) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(count as u64).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// A number of 1 to 8 bytes.

@@ -1,6 +1,8 @@
 //! Writing pictures of the everyday kinds: PNG, JPEG, TIFF and Radiance HDR.
 
 mod agx;
+#[cfg(feature = "cli")]
+mod arrays;
 mod codes;
 mod display;
 mod encoding;
@@ -16,6 +18,8 @@ mod stored;
 #[cfg(feature = "cli")]
 mod whites;
 
+#[cfg(feature = "cli")]
+pub(crate) use arrays::{Array, ArrayFormat};
 pub use display::{Bright, Display};
 pub use encoding::Encoding;
 #[cfg(feature = "cli")]

@@ -10,22 +10,22 @@ use image::{ImageError, ImageFormat, ImageResult};
 use std::borrow::Cow;
 use std::io::{Seek, Write};
 use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
-use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, Tag};
+use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, SampleFormat, Tag};
 use tiff::{TiffError, TiffResult};
 
 /// A picture ready to be stored.
 pub(super) struct Stored<'a> {
     /// Columns and rows.
     pub(super) size: [u32; 2],
-    /// Samples of a pixel: 1, 3, or 4 with alpha.
+    /// Samples of a pixel: 1, 3, or 4 with alpha; of floats 2 too, and 4 of any meaning.
     pub(super) channels: usize,
-    /// Bits of a sample: 1, 8 or 16.
+    /// Bits of a sample: 1, 8 or 16, or 32 of a float, in TIFF.
     pub(super) bits: u8,
     /// Pixels per inch, across and down.
     pub(super) dpi: Option<[f32; 2]>,
     /// The ICC profile of its colours.
     pub(super) profile: Option<&'a [u8]>,
-    /// Samples: 16-bit ones in native byte order, 1-bit ones a byte each, with 1 as white.
+    /// Samples: those of several bytes in native byte order, 1-bit ones a byte each, with 1 as white.
     pub(super) samples: &'a [u8],
 }
 
@@ -122,7 +122,7 @@ pub(super) fn write_tiff(
         };
         let meaning = match (picture.bits, picture.channels) {
             (1, _) => PhotometricInterpretation::WhiteIsZero,
-            (_, 1) => PhotometricInterpretation::BlackIsZero,
+            (_, 1 | 2) => PhotometricInterpretation::BlackIsZero,
             _ => PhotometricInterpretation::RGB,
         };
         let strip = match rows == height {
@@ -145,8 +145,14 @@ pub(super) fn write_tiff(
         file.write_tag(Tag::SamplesPerPixel, picture.channels as u16)?;
         file.write_tag(Tag::RowsPerStrip, rows)?;
         file.write_tag(Tag::StripByteCounts, &lengths[..])?;
-        if picture.channels == 4 {
-            file.write_tag(Tag::ExtraSamples, STRAIGHT_ALPHA)?;
+        if picture.bits == 32 {
+            let floats = vec![SampleFormat::IEEEFP.to_u16(); picture.channels];
+            file.write_tag(Tag::SampleFormat, &floats[..])?;
+        }
+        match (picture.bits, picture.channels) {
+            (32, 2 | 4) => file.write_tag(Tag::ExtraSamples, UNSPECIFIED)?,
+            (_, 4) => file.write_tag(Tag::ExtraSamples, STRAIGHT_ALPHA)?,
+            _ => {}
         }
         write_tags(&mut file, picture, encoding)?;
         file.finish()
@@ -189,6 +195,8 @@ fn write_tags<W: Write + Seek>(
     Ok(())
 }
 
+/// The tag's word for a further sample of any meaning.
+const UNSPECIFIED: u16 = 0;
 /// The tag's word for alpha that colour is not multiplied by.
 const STRAIGHT_ALPHA: u16 = 2;
 

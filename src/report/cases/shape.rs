@@ -3,12 +3,14 @@
 use super::{Case, apart, worst};
 use crate::engine::{Engine, Outcome, Request, Run};
 use crate::error::Result;
-use crate::frame::{Frame, Normals, Plane, Vector3Planes};
+use crate::frame::from_depth::{Precision, normals_of_depth};
+use crate::frame::{Frame, Normals, Plane, StoredDepth, Vector3Planes};
 use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
 use crate::product::Product;
 use crate::scenes::frames::{masked, noise};
 use crate::scenes::{ExactScene, HEIGHT, Scene, Surface, WAVE, angle_deg, ball_trace};
 use glam::{DMat3, DQuat, DVec2, DVec3};
+use half::f16;
 
 fn described(frame: &Frame, shape: ShapeParams) -> Result<Outcome> {
     let request = Request::layers(shape, ScalingParams::default());
@@ -85,6 +87,42 @@ fn ball(radius: f64, foreshortening: f32, least_n_z: f64) -> Result<f64> {
         let exact = ball_trace(radius, n_z, foreshortening.into());
         is_seen.then(|| trace(&outcome, x, y) / exact - 1.0)
     }))
+}
+
+/// The normals that depth shows of a ball of 100 pixels, and their trace: the largest angle to the exact ones, in degrees, and
+/// the root mean square error of the trace, in relation to that of the exact ones.
+fn of_depth(precision: Precision) -> Result<[f64; 2]> {
+    let scene = ExactScene::orthographic(Surface::ball(100.0), 128.3, 127.6).in_perspective();
+    let frame = scene.frame(256, 256);
+    let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
+        return Ok([f64::NAN; 2]);
+    };
+    let mut depth = depth.clone();
+    if precision == Precision::Half {
+        depth.each_row(|_, row| row.iter_mut().for_each(|d| *d = f16::from_f32(*d).into()));
+    }
+    let seen = (camera.projection, frame.data_window);
+    let covers = |x: usize, y: usize| frame.mask.at(x, y);
+    let normal = normals_of_depth(&depth, StoredDepth::Planar, seen, covers, precision);
+    let made = Frame {
+        normal,
+        ..frame.clone()
+    };
+    let [found, exact] = [
+        described(&made, itself(0.0))?,
+        described(&frame, itself(0.0))?,
+    ];
+    let (mut off, mut error, mut size) = (0.0_f64, 0.0, 0.0);
+    for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
+        if scene.exact(x, y).is_some_and(|exact| exact.normal.z > 0.7) {
+            let [seen, normal] = [&made, &frame].map(|frame| frame.normal.at(x, y));
+            off = off.max(seen.angle_between(normal).to_degrees());
+            let [found, exact] = [&found, &exact].map(|outcome| trace(outcome, x, y));
+            error += (found - exact).powi(2);
+            size += exact * exact;
+        }
+    }
+    Ok([off, (error / size).sqrt()])
 }
 
 /// The Hessian of a height field against its second derivatives, in relation to the largest.
@@ -328,6 +366,25 @@ pub(super) fn cases() -> Vec<Case> {
             "trace -2/R, to 1e-4",
             1e-4,
             || ball(100.0, 0.0, 0.1),
+        ),
+        // Central differences lose a sixth of the third derivative of the depth.
+        Case::new(
+            "normals of a ball's depth",
+            "exact normals, in degrees",
+            0.01,
+            || Ok(of_depth(Precision::Float)?[0]),
+        ),
+        Case::new(
+            "curvature of a ball's depth",
+            "that of its exact normals",
+            0.01,
+            || Ok(of_depth(Precision::Float)?[1]),
+        ),
+        Case::new(
+            "normals of a ball's depth in halves",
+            "exact normals, in degrees",
+            1.0,
+            || Ok(of_depth(Precision::Half)?[0]),
         ),
         // Truncation is (1/R)^2 times a fourth derivative that grows as n_z^-4: 2 / (100^2 0.6^4).
         Case::new(

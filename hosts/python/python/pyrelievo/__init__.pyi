@@ -465,6 +465,8 @@ def map(
     occlusion_slices: float | Sequence[float] | None = 8,
     map: Literal["curvature", "convex", "concave", "edges", "height", "occlusion", "residual", "normals"] | Sequence[str] | None = "curvature",
     as_: Literal["opengl", "directx", "opencv", "stablenormal", "world", "xy"] | Sequence[str] | None = "opengl",
+    detail: _Value | None = None,
+    flatten: bool = False,
     sum: _Value | None = None,
     wrap: Literal["none", "x", "y", "xy", "auto"] | Sequence[str] | None = "auto",
     crease: _Value | None = "15,45",

@@ -1,0 +1,222 @@
+//! Normals changed before they are written: the bend of the whole surface subtracted, a detail laid over them.
+
+use crate::frame::sampling::one_in;
+use crate::frame::{Mask, Vector3Planes};
+use crate::quantile::quantile;
+use glam::{DVec2, DVec3};
+use nalgebra::{SMatrix, SVector};
+
+/// The slopes of a quadratic surface, `h = a x^2 + b x y + c y^2 + d x + e y`, x right and y up from the middle of the
+/// picture in halves of its longer side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bend {
+    /// a to e.
+    terms: [f64; 5],
+    middle: DVec2,
+    half: f64,
+}
+
+/// Pixels that lean more than this, in degrees, belong to the relief.
+const MOST_LEAN_DEG: f64 = 30.0;
+/// Slopes that the fit looks at, about, and the fewest that tell of a bend.
+const WANTED: f64 = 200_000.0;
+const FEWEST: usize = 100;
+/// Rounds of reweighting: 20 settle the fit to 1e-6 of slope.
+const ROUNDS: usize = 20;
+/// The median of lengths of errors over their standard deviation along an axis, of a normal distribution: sqrt(2 ln 2).
+const MEDIAN_LENGTH: f64 = 1.1774;
+/// Errors below this are rounding.
+const LEAST_ERROR: f64 = 1e-6;
+
+impl Bend {
+    /// The bend that most slopes agree on, by least squares with weights 1 / (1 + (error / sigma)^2), of which sigma is that
+    /// of the last round: what stands out weighs little. `None` where too little of the surface faces the viewer.
+    pub(crate) fn of(normal: &Vector3Planes, mask: &Mask) -> Option<Self> {
+        let (width, height) = (mask.width(), mask.height());
+        let longer = width.max(height) as f64;
+        let mut bend = Self {
+            terms: [0.0; 5],
+            middle: 0.5 * DVec2::new(width as f64, height as f64),
+            half: 0.5 * longer,
+        };
+        let area = (width * height) as f64 / WANTED;
+        let places = one_in(area, 0..width, 0..height).filter(|&(x, y)| mask.at(x, y));
+        let least_z = MOST_LEAN_DEG.to_radians().cos();
+        let slopes: Vec<(DVec2, DVec2)> = places
+            .map(|(x, y)| (bend.place(x, y), normal.at(x, y)))
+            .filter(|(_, n)| n.z >= least_z)
+            .map(|(place, n)| (place, -n.truncate() / n.z))
+            .collect();
+        if slopes.len() < FEWEST {
+            return None;
+        }
+        let mut sigma = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            bend.terms = bend.refitted(&slopes, sigma)?;
+            let errors = slopes
+                .iter()
+                .map(|(at, slope)| (*slope - bend.slope(*at)).length());
+            let mut errors: Vec<f64> = errors.collect();
+            let median = quantile(&mut errors, 0.5, f64::total_cmp)?;
+            sigma = (median / MEDIAN_LENGTH).max(LEAST_ERROR);
+        }
+        Some(bend)
+    }
+
+    fn place(&self, x: usize, y: usize) -> DVec2 {
+        let from = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - self.middle;
+        DVec2::new(from.x, -from.y) / self.half
+    }
+
+    /// Its slope along x and y.
+    fn slope(&self, at: DVec2) -> DVec2 {
+        let [a, b, c, d, e] = self.terms;
+        DVec2::new(2.0 * a * at.x + b * at.y + d, b * at.x + 2.0 * c * at.y + e)
+    }
+
+    /// The terms that fit best, by the weights of the last ones.
+    fn refitted(&self, slopes: &[(DVec2, DVec2)], sigma: f64) -> Option<[f64; 5]> {
+        let (mut left, mut right) = (SMatrix::<f64, 5, 5>::zeros(), SVector::<f64, 5>::zeros());
+        for &(at, slope) in slopes {
+            let error = (slope - self.slope(at)).length() / sigma;
+            let weight = 1.0 / (1.0 + error * error);
+            let rows = [
+                (SVector::from([2.0 * at.x, at.y, 0.0, 1.0, 0.0]), slope.x),
+                (SVector::from([0.0, at.x, 2.0 * at.y, 0.0, 1.0]), slope.y),
+            ];
+            for (row, slope) in rows {
+                left += weight * row * row.transpose();
+                right += weight * slope * row;
+            }
+        }
+        Some(left.cholesky()?.solve(&right).into())
+    }
+
+    /// Subtracts its slopes: of n, n_z times them is added to x and y, which is no division where n_z is 0.
+    pub(crate) fn subtract(&self, normal: &Vector3Planes) -> Vector3Planes {
+        changed(normal, |x, y, n| {
+            n + (n.z * self.slope(self.place(x, y))).extend(0.0)
+        })
+    }
+
+    /// How far it leans in the middle, and turns from there to the end of the longer side, in degrees.
+    pub(crate) fn in_words(&self) -> String {
+        let [a, b, c, d, e] = self.terms;
+        let lean = d.hypot(e).atan().to_degrees();
+        let turn = (2.0 * a)
+            .hypot(b)
+            .max((2.0 * c).hypot(b))
+            .atan()
+            .to_degrees();
+        format!(
+            "a surface that leans by {lean:.1} degrees and bends by {turn:.1} from its middle is subtracted"
+        )
+    }
+}
+
+/// Normals with those of `detail` turned onto them: reoriented normal mapping (Barre-Brisebois and Hill, "Blending in
+/// Detail", 2012). With t = n + (0, 0, 1) and u = (-x, -y, z) of the detail, t (t . u) / t_z - u. Detail outside its mask is
+/// flat, and so is what would be turned onto a normal that faces away.
+pub(crate) fn with_detail(
+    normal: &Vector3Planes,
+    detail: &Vector3Planes,
+    covered: &Mask,
+) -> Vector3Planes {
+    /// Of t_z: below it the detail would be turned by all but half a circle.
+    const LEAST_Z: f64 = 0.05;
+    changed(normal, |x, y, n| {
+        let t = n + DVec3::Z;
+        if !covered.at(x, y) || t.z < LEAST_Z {
+            return n;
+        }
+        let u = detail.at(x, y) * DVec3::new(-1.0, -1.0, 1.0);
+        t * (t.dot(u) / t.z) - u
+    })
+}
+
+/// Unit vectors of `change` of each normal; 0 stays, where there is none.
+fn changed(normal: &Vector3Planes, change: impl Fn(usize, usize, DVec3) -> DVec3) -> Vector3Planes {
+    let (width, height) = (normal.x.width(), normal.x.height());
+    Vector3Planes::from_fn(width, height, |x, y| match normal.at(x, y) {
+        DVec3::ZERO => DVec3::ZERO,
+        n => change(x, y, n).try_normalize().unwrap_or(n),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: usize = 64;
+
+    /// Normals of slopes at x and y in -1..1, y up.
+    fn of_slopes(slope: impl Fn(f64, f64) -> [f64; 2]) -> Vector3Planes {
+        Vector3Planes::from_fn(SIZE, SIZE, |x, y| {
+            let [x, y] = [x as f64 + 0.5, 63.5 - y as f64].map(|at| at / 32.0 - 1.0);
+            let [p, q] = slope(x, y);
+            DVec3::new(-p, -q, 1.0).normalize()
+        })
+    }
+
+    /// h = .05 x^2 - .1 x y + .02 y^2 + .1 x - .2 y has slopes .1 x - .1 y + .1 and -.1 x + .04 y - .2. Letters of slope .5, a
+    /// tenth of the surface, lean by 27 degrees: they are outweighed, and what is left is theirs. With all weights 1 they
+    /// would pull the fit by a tenth of .5.
+    #[test]
+    fn a_bend_is_subtracted_and_letters_stay() {
+        let is_letter = |x: f64, y: f64| (x * 10.0).rem_euclid(2.0) < 0.2 && y > -0.9;
+        let letter = |x, y| if is_letter(x, y) { 0.5 } else { 0.0 };
+        let bent = of_slopes(|x, y| {
+            let [p, q] = [0.1 * x - 0.1 * y + 0.1, -0.1 * x + 0.04 * y - 0.2];
+            [p + letter(x, y), q]
+        });
+        let mask = Mask::full(SIZE, SIZE);
+        let bend = Bend::of(&bent, &mask).unwrap();
+        let left = bend.subtract(&bent);
+        let flat = of_slopes(|x, y| [letter(x, y), 0.0]);
+        let off = left
+            .vectors()
+            .zip(flat.vectors())
+            .map(|(a, b)| a.distance(b));
+        let most = off.fold(0.0, f32::max);
+        assert!(most < 2e-3, "{most}");
+        // atan(.224) and atan(.141).
+        let said = bend.in_words();
+        assert!(said.contains("12.6") && said.contains("8.0"), "{said}");
+    }
+
+    #[test]
+    fn what_faces_away_tells_of_no_bend() {
+        let steep = of_slopes(|_, _| [2.0, 0.0]);
+        assert!(Bend::of(&steep, &Mask::full(SIZE, SIZE)).is_none());
+        assert!(Bend::of(&steep, &Mask::full(1, 1)).is_none());
+    }
+
+    /// A flat one of either leaves the other as it is. On a slope of 45 degrees toward x a detail that leans by the angle
+    /// t toward x leans by 45 degrees and t, and one that leans toward y keeps its part along y.
+    #[test]
+    fn detail_is_turned_onto_the_normals() {
+        let of = |n: DVec3| Vector3Planes::from_fn(1, 1, |_, _| n);
+        let blend =
+            |n: DVec3, detail: DVec3| with_detail(&of(n), &of(detail), &Mask::full(1, 1)).at(0, 0);
+        let lean = |degrees: f64| {
+            let angle = degrees.to_radians();
+            DVec3::new(angle.sin(), 0.0, angle.cos())
+        };
+        let tilted = DVec3::new(0.36, -0.48, 0.8);
+        for (n, detail, expected) in [
+            (tilted, DVec3::Z, tilted),
+            (DVec3::Z, tilted, tilted),
+            (lean(45.0), lean(20.0), lean(65.0)),
+            (lean(45.0), lean(-45.0), DVec3::Z),
+            (DVec3::NEG_Z, tilted, DVec3::NEG_Z),
+        ] {
+            let found = blend(n, detail);
+            assert!(found.distance(expected) < 1e-6, "{n} {detail}: {found}");
+        }
+        let across = blend(lean(45.0), DVec3::new(0.0, 0.6, 0.8));
+        assert!((across.y - 0.6).abs() < 1e-6, "{across}");
+        let nowhere = Mask::new(crate::frame::Plane::filled(1, 1, false));
+        let kept = with_detail(&of(lean(45.0)), &of(tilted), &nowhere);
+        assert!(kept.at(0, 0).distance(lean(45.0)) < 1e-6);
+    }
+}
