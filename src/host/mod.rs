@@ -20,6 +20,7 @@
 //! # }
 //! ```
 
+mod arrays;
 mod fault;
 mod from_depth;
 mod given;

@@ -1,0 +1,117 @@
+//! Scenes from arrays.
+
+use super::from_depth::{OfDepth, Seen, check_heights};
+use super::given::Given;
+use super::scene::Scene;
+use super::work::Work;
+use crate::error::{Error, Result};
+use crate::frame::{
+    Camera, Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window,
+    strength_of,
+};
+use crate::io::camera::camera_of_text;
+use crate::io::inputs::{Inputs, NormalEncoding};
+
+impl Given<'_> {
+    /// The scene, read by the settings of `work` for normals and depth. With normals nothing is concluded from the samples:
+    /// without settings these are of view space, and depth lies along the view axis. Without them depth is read as in files
+    /// that have none, and what has to be guessed is among the warnings.
+    ///
+    /// # Errors
+    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
+    /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
+    pub fn scene(mut self, work: &Work) -> Result<Scene> {
+        work.refuse_names()?;
+        let inputs = work.inputs();
+        check_heights(&self, inputs.depth_kind)?;
+        let [width, height] = self.size;
+        let window = Window::from_size(width, height);
+        let camera = |text| camera_of_text(text, window, self.pixel_aspect);
+        let camera = self.camera.map(camera).transpose()?;
+        let (is_stored, mut warnings) = (self.normal.is_some(), Vec::new());
+        // Outlives the samples that are borrowed from it.
+        let of_depth;
+        let stored = inputs.depth_kind;
+        let Seen {
+            normals,
+            depth,
+            camera,
+        } = match self.normal.take() {
+            Some(normal) => Seen {
+                normals: as_stored(normal, self.normal_is_unsigned, &inputs, camera.as_ref())?,
+                depth: (self.depth.take()).map(|d| (d, stored.unwrap_or(StoredDepth::Planar))),
+                camera,
+            },
+            None => {
+                of_depth = OfDepth::of(&self, stored, camera, &mut warnings)?;
+                of_depth.seen(self.depth.take())
+            }
+        };
+        let builder = Frame::builder(width, height)
+            .normals(normals)
+            .pixel_aspect(self.pixel_aspect)
+            .with_confidence();
+        let builder = with(builder, camera.as_ref(), FrameBuilder::camera);
+        let builder = with(builder, self.color, FrameBuilder::color);
+        let builder = with(builder, depth, |b, (samples, stored)| {
+            b.depth(samples, stored)
+        });
+        let builder = with(builder, self.position, FrameBuilder::position);
+        let builder = with(builder, self.coverage, FrameBuilder::mask);
+        let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
+        let builder = with(builder, self.importance, FrameBuilder::importance);
+        let builder = with(builder, self.albedo, FrameBuilder::albedo);
+        let plane = |name, samples: Option<Samples<'_>>| {
+            let plane = samples.map(|samples| samples.plane(name, self.size));
+            plane.transpose()
+        };
+        let (mask, object) = (plane("mask", self.mask)?, plane("object", self.object)?);
+        let mut frame = builder.build()?;
+        // No filter has shortened normals of depth.
+        frame.normal_length = frame.normal_length.filter(|_| is_stored);
+        Ok(Scene {
+            warnings,
+            mask: strength_of(mask, object),
+            ..Scene::of_frame(frame)
+        })
+    }
+}
+
+/// Normals as the settings tell that they are stored.
+fn as_stored<'a>(
+    samples: Samples<'a>,
+    is_unsigned: bool,
+    inputs: &Inputs,
+    camera: Option<&Camera>,
+) -> Result<Normals<'a>> {
+    let normals = match (inputs.normal_space, camera) {
+        (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
+            return Err(Error::BadParameter {
+                name: "camera",
+                found: format!("is missing, and normals are of {} space", space.name()),
+                remedy: "give one".into(),
+            });
+        }
+        (Some(NormalSpace::World), Some(camera)) => Normals::world(samples, camera),
+        (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(samples, camera),
+        _ => Normals::view(samples),
+    };
+    let own = match is_unsigned {
+        true => NormalEncoding::Unsigned,
+        false => NormalEncoding::Signed,
+    };
+    let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
+    Ok(normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE)))
+}
+
+/// Adds what there is to a builder.
+fn with<'a, T>(
+    builder: FrameBuilder<'a>,
+    given: Option<T>,
+    add: impl FnOnce(FrameBuilder<'a>, T) -> FrameBuilder<'a>,
+) -> FrameBuilder<'a> {
+    match given {
+        Some(given) => add(builder, given),
+        None => builder,
+    }
+}
