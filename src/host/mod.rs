@@ -26,7 +26,6 @@ mod from_depth;
 mod given;
 mod made;
 mod making;
-mod reading;
 mod scene;
 mod sequence;
 mod thumbnail;
