@@ -33,11 +33,13 @@ impl SettledAxes {
     }
 }
 
-/// Settles the axes of unit normals of view space. `writer` is the program that wrote them, as far as it is known.
+/// Settles the axes of unit normals of view space. `writer` is the program that wrote them, as far as it is known;
+/// `is_layer` tells those of an EXR, whose x renderers let point right.
 pub(super) fn settle(
     normal: &Vector3Planes,
     mask: &Mask,
     writer: Option<&MapWriter>,
+    is_layer: bool,
 ) -> SettledAxes {
     let recorded = writer.filter(|writer| writer.told == Told::Recorded);
     if let Some(writer) = recorded {
@@ -66,7 +68,7 @@ pub(super) fn settle(
             _ => SettledAxes::new(writer.reversed, format!("{writer}; {why}")),
         };
     }
-    if curl.is_flat() {
+    if curl.is_flat() || (is_layer && one_is_reversed == Some(false)) {
         return settled;
     }
     settled.warned(match one_is_reversed {

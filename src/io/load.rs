@@ -473,6 +473,7 @@ impl FrameSource<'_> {
         let written = Written {
             hint: source.hint(),
             writer: &|| MapWriter::of(source.file.path()),
+            is_layer: source.is_exr(),
         };
         turn_to_view(self.inputs, &surface, projection, &written, normal)
     }

@@ -62,6 +62,8 @@ pub(super) struct Written<'a> {
     pub(super) hint: (Hint, String),
     /// Finds the program that wrote them.
     pub(super) writer: &'a dyn Fn() -> Option<MapWriter>,
+    /// Whether they are a layer of an EXR.
+    pub(super) is_layer: bool,
 }
 
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
@@ -110,7 +112,12 @@ pub(super) fn turn_to_view(
         doubt.map(|doubt| format!("the camera is a guess: {doubt}; compare with --camera FILE")),
     );
     if reading.leaves_axes_open(normals, inputs) && surface.mask.count() > 0 {
-        let settled = axes::settle(normal, surface.mask, (written.writer)().as_ref());
+        let settled = axes::settle(
+            normal,
+            surface.mask,
+            (written.writer)().as_ref(),
+            written.is_layer,
+        );
         normals.flip.x |= settled.flip.x;
         normals.flip.y |= settled.flip.y;
         reading.reason = format!("{}; {}", reading.reason, settled.reason);

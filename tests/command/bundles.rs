@@ -260,7 +260,10 @@ fn maps_are_written_as_numbers() {
         ("map in.png -o m.npy --bits 8", "--bits"),
         ("map in.png -o m.png --bits 32", "--bits"),
         ("shape in.png -o s.npy", "--write"),
-        ("shape in.png -o s.npy --write *", "--write"),
+        (
+            "shape in.png --normal-flip none -o s.npy --write *",
+            "--write",
+        ),
         ("enhance in.png -o e.npy", ".exr"),
         ("hatch in.png -o e.npy", ".exr"),
     ] {

@@ -693,7 +693,7 @@ fn timings_hold_every_stage_that_ran() {
     assert_eq!(usual.last().unwrap(), "write");
     // They are read where the file holds them.
     assert!(!usual.contains(&"normals".into()), "{usual:?}");
-    let of_depth = stages(&json("enhance", "d.png", &["--normal", "none"]));
+    let of_depth = stages(&json("enhance", "d.png", &["--height", "ViewLayer.Depth"]));
     assert_eq!(of_depth[..2], ["read", "normals"]);
     assert!(usual.iter().any(|s| s == "diffusion"), "{usual:?}");
     let fine = stages(&json("enhance", "b.png", &["--iterations", "0"]));

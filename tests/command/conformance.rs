@@ -118,6 +118,8 @@ fn any_file_is_read_or_refused_with_one_line() {
             file.as_os_str(),
             "--normal-space".as_ref(),
             "view".as_ref(),
+            "--normal-encoding".as_ref(),
+            "signed".as_ref(),
         ];
         for (i, (name, flags)) in [("a.png", &[][..]), ("a.exr", &any_normals)]
             .into_iter()
