@@ -68,7 +68,8 @@ pub(super) fn settle(
             _ => SettledAxes::new(writer.reversed, format!("{writer}; {why}")),
         };
     }
-    if curl.is_flat() || (is_layer && one_is_reversed == Some(false)) {
+    let is_usual = is_layer && one_is_reversed == Some(false) && !rims.speak_against();
+    if curl.is_flat() || is_usual {
         return settled;
     }
     settled.warned(match one_is_reversed {

@@ -23,6 +23,8 @@ const LEAST_VOTE: f64 = 0.3;
 /// The same for an axis without the other one's support.
 const FEWEST_ALONE: usize = 200;
 const LEAST_VOTE_ALONE: f64 = 0.5;
+/// Fewest rims along an axis that are worth a doubt.
+const FEWEST_DOUBTS: usize = 20;
 /// So many rims that face one way do not contradict those that face the other.
 const FEWEST_OF_A_SIDE: usize = 30;
 
@@ -126,6 +128,12 @@ impl Rims {
             [None, Some(y)] => Some([y != one, y]),
             _ => None,
         }
+    }
+
+    /// Whether rims, too few to tell, speak against an axis as stored.
+    pub(super) fn speak_against(&self) -> bool {
+        let against = |axis| self.count(axis) >= FEWEST_DOUBTS && self.vote(axis) <= -LEAST_VOTE;
+        [0, 1].into_iter().any(against)
     }
 
     /// The votes, as the tail of a sentence.
