@@ -3,10 +3,11 @@
 use super::args::WorkArgs;
 use super::axes::Axes;
 use super::flags::{Section, one_of};
-use super::normals::{Bend, with_detail};
 use super::output::Kind;
 use crate::engine::outcome::Outcome;
 use crate::error::{Error, Result};
+use crate::frame::bend::Bend;
+use crate::frame::detail::with_detail;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs};

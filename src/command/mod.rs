@@ -20,7 +20,6 @@ pub(crate) mod making;
 pub(crate) mod map;
 pub(crate) mod memory;
 mod motion_arg;
-mod normals;
 pub(crate) mod output;
 pub(crate) mod reading;
 mod rec709;

@@ -1,10 +1,14 @@
 //! Data shared by all stages: planes, the mask, windows, the camera.
 
+#[cfg(feature = "cli")]
+pub(crate) mod bend;
 mod builder;
 mod confidence;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
+#[cfg(feature = "cli")]
+pub(crate) mod detail;
 mod enlarged;
 pub(crate) mod from_depth;
 mod holes;

@@ -135,6 +135,19 @@ fn write(components: [&mut f32; 3], vector: Vec3) {
     }
 }
 
+/// Unit vectors of `change` of each normal; 0 stays, where there is none.
+#[cfg(feature = "cli")]
+pub(super) fn changed(
+    normal: &Vector3Planes,
+    change: impl Fn(usize, usize, DVec3) -> DVec3,
+) -> Vector3Planes {
+    let (width, height) = (normal.x.width(), normal.x.height());
+    Vector3Planes::from_fn(width, height, |x, y| match normal.at(x, y) {
+        DVec3::ZERO => DVec3::ZERO,
+        n => change(x, y, n).try_normalize().unwrap_or(n),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -46,33 +46,33 @@ pub(super) fn settle(
         return SettledAxes::new(writer.reversed, writer.to_string());
     }
     let curl = Curl::of(normal, mask);
-    let one_is_reversed = curl.y_points_down();
     let outlines = Silhouettes::of(normal, mask, None).reversed(None);
     let why = curl.reason();
-    if let Some(axes) = shown_by(one_is_reversed, outlines) {
+    let by_outlines = both(outlines).filter(|axes| curl.allows(*axes));
+    if let Some(axes) = by_outlines {
         return shown(axes, format!("{why}; at outlines"), writer);
     }
     let rims = Rims::of(normal, mask);
-    if let Some(axes) = rims.show(one_is_reversed) {
+    if let Some(axes) = rims.show(&curl) {
         let numbers = rims.numbers();
         return shown(axes, format!("{why}; at rims ({numbers})"), writer);
     }
-    let settled = SettledAxes::new([false, one_is_reversed == Some(true)], why.clone());
+    let points_down = curl.y_points_down();
+    let settled = SettledAxes::new([false, points_down == Some(true)], why.clone());
     if let Some(writer) = writer {
-        let [x, y] = writer.reversed;
-        return match one_is_reversed {
-            Some(one) if one != (x != y) => settled.warned(format!(
+        return match curl.allows(writer.reversed) {
+            true => SettledAxes::new(writer.reversed, format!("{writer}; {why}")),
+            false => settled.warned(format!(
                 "normals: {why}, though {writer}: compare with --normal-flip {}",
                 named(writer.reversed)
             )),
-            _ => SettledAxes::new(writer.reversed, format!("{writer}; {why}")),
         };
     }
-    let is_usual = is_layer && one_is_reversed == Some(false) && !rims.speak_against();
+    let is_usual = is_layer && points_down == Some(false) && !rims.speak_against();
     if curl.is_flat() || is_usual {
         return settled;
     }
-    settled.warned(match one_is_reversed {
+    settled.warned(match points_down {
         Some(true) => format!(
             "normals: {why}; or x points left instead (as in DSINE, NormalBAE, StableNormal), which nothing shows: if bumps \
              come out as hollows, give --normal-flip stablenormal"
@@ -117,12 +117,8 @@ fn named([x, y]: [bool; 2]) -> Flip {
     Flip { x, y, z: false }
 }
 
-/// Whether x and y are reversed, by `outlines`; `None` if they show too little or contradict the curl, which shows whether
-/// exactly one of the two is.
-fn shown_by(one_is_reversed: Option<bool>, outlines: [Option<bool>; 2]) -> Option<[bool; 2]> {
-    let [Some(x), Some(y)] = outlines else {
-        return None;
-    };
-    let agrees = one_is_reversed.is_none_or(|one| one == (x != y));
-    agrees.then_some([x, y])
+/// Both, where both are known.
+fn both(axes: [Option<bool>; 2]) -> Option<[bool; 2]> {
+    let [x, y] = axes;
+    Some([x?, y?])
 }

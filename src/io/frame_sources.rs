@@ -77,8 +77,8 @@ impl FrameSources {
         let color = color.filter(|color| inputs.color.is_some() || !color.is_layer_of(&roles[0]));
         // Nor are heights or depth the colours of what is lit, though they can be enhanced.
         let is_depth = |source: &RoleSource| source.role == Role::Depth && source.is_photo_of(main);
-        let is_lit = inputs.color.is_none() && !needs.color && roles.iter().any(is_depth);
-        let color = color.filter(|_| !is_lit);
+        let is_only_depth = inputs.color.is_none() && !needs.color && roles.iter().any(is_depth);
+        let color = color.filter(|_| !is_only_depth);
         if needs.color && color.is_none() {
             return Err(match is_map {
                 true => Error::MissingAov {

@@ -66,6 +66,11 @@ impl FrameSource<'_> {
             Some(source) => ("depth", source.precision()),
             None => ("positions", String::new()),
         };
+        let bits = match shown.precision {
+            Precision::Codes(_) if bits.is_empty() => " (whole numbers)".into(),
+            Precision::Half if bits.is_empty() => " (as coarse as half floats)".into(),
+            _ => bits,
+        };
         notes.on_no_normals(from, &bits);
         notes.findings.append(&mut view.findings);
         notes.warnings.append(&mut view.warnings);
@@ -111,6 +116,7 @@ pub(crate) struct ShownByDepth {
     pub(crate) stored: StoredDepth,
     /// Why it was read so.
     pub(super) why: String,
+    precision: Precision,
     /// The camera: as given, or that of heights.
     pub(crate) camera: Option<Camera>,
 }
@@ -157,6 +163,7 @@ impl DepthAlone<'_> {
             normal,
             stored,
             why,
+            precision,
             camera: self.camera,
         })
     }

@@ -104,6 +104,11 @@ impl Curl {
         shows.then_some(self.y_turned < self.as_is)
     }
 
+    /// Whether x and y can be reversed so: the curl shows whether exactly one of them is, where it shows anything.
+    pub(super) fn allows(&self, [x, y]: [bool; 2]) -> bool {
+        self.y_points_down().is_none_or(|one| one == (x != y))
+    }
+
     /// The ratio of the two, as the tail of a sentence.
     pub(super) fn reason(&self) -> String {
         if self.is_flat() {

@@ -60,6 +60,9 @@ const NAMES: [(&str, &str, [bool; 2]); 10] = [
 /// Nodes of ComfyUI that store (n + 1) / 2 of estimators whose x points left (their `dsine` and `normalbae` modules).
 const NODES: [&str; 2] = ["DSINE-NormalMapPreprocessor", "BAE-NormalMapPreprocessor"];
 
+/// The longest workflow that is inflated, in bytes.
+const MOST_TEXT: usize = 1 << 22;
+
 /// Most nodes on the way from a saved picture to the one that made it.
 const MOST_NODES: usize = 64;
 
@@ -94,10 +97,9 @@ fn recorded(path: &Path) -> Option<MapWriter> {
         Some(text) => text.text.clone(),
         None => {
             let mut texts = info.utf8_text.iter();
-            texts
-                .find(|text| text.keyword == "prompt")?
-                .get_text()
-                .ok()?
+            let mut text = texts.find(|text| text.keyword == "prompt")?.clone();
+            text.decompress_text_with_limit(MOST_TEXT).ok()?;
+            text.get_text().ok()?
         }
     };
     let name = estimator(&serde_json::from_str(&text).ok()?)?;
@@ -108,7 +110,8 @@ fn recorded(path: &Path) -> Option<MapWriter> {
     })
 }
 
-/// The one of [`NODES`] whose picture is saved, on no way that changes it; of several saved pictures the normals are meant.
+/// The one of [`NODES`] whose picture is saved, on no way that changes it, where no other node makes normals that are saved; of
+/// several saved pictures these are meant.
 fn estimator(nodes: &Value) -> Option<&'static str> {
     let saved = nodes.as_object()?.values().filter(|node| {
         let class = node["class_type"].as_str().unwrap_or_default();
@@ -116,11 +119,15 @@ fn estimator(nodes: &Value) -> Option<&'static str> {
     });
     let found: BTreeSet<_> = saved.filter_map(|node| upstream(nodes, node)).collect();
     match found.len() {
-        1 => found.into_iter().next(),
+        1 => found.into_iter().next().filter(|name| *name != UNKNOWN),
         _ => None,
     }
 }
 
+/// Another node that makes normals.
+const UNKNOWN: &str = "";
+
+/// The node that made the normals of a saved picture.
 fn upstream(nodes: &Value, from: &Value) -> Option<&'static str> {
     let mut node = from;
     for _ in 0..MOST_NODES {
@@ -134,6 +141,9 @@ fn upstream(nodes: &Value, from: &Value) -> Option<&'static str> {
             return Some(known);
         }
         let class = class.to_ascii_lowercase();
+        if class.contains("normal") {
+            return Some(UNKNOWN);
+        }
         if ["invert", "flip", "rotate", "channel"]
             .iter()
             .any(|turns| class.contains(turns))
@@ -195,6 +205,34 @@ mod tests {
         ] {
             assert_eq!(workflow(saved, way), None, "{saved}, {way}");
         }
+        assert_eq!(workflow("3", "MarigoldNormals"), None);
         assert_eq!(estimator(&serde_json::json!([1, {"class_type": 2}])), None);
+    }
+
+    /// As text of a PNG, as it is or compressed; what would be longer than a workflow is not inflated.
+    #[test]
+    fn a_workflow_is_found_in_a_png() {
+        use png::text_metadata::{EncodableTextChunk, ITXtChunk, TEXtChunk};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fn told(path: &Path, chunk: &impl EncodableTextChunk) -> Option<(Told, [bool; 2])> {
+            let file = std::fs::File::create(path).unwrap();
+            let mut writer = png::Encoder::new(file, 1, 1).write_header().unwrap();
+            writer.write_text_chunk(chunk).unwrap();
+            writer.write_image_data(&[0]).unwrap();
+            drop(writer);
+            MapWriter::of(path).map(|writer| (writer.told, writer.reversed))
+        }
+        let nodes = r#"{"1": {"class_type": "DSINE-NormalMapPreprocessor", "inputs": {}},
+            "2": {"class_type": "SaveImage", "inputs": {"images": ["1", 0]}}}"#;
+        let recorded = Some((Told::Recorded, X_LEFT));
+        assert_eq!(told(&path, &TEXtChunk::new("prompt", nodes)), recorded);
+        let long = format!("{nodes}{}", " ".repeat(2 * MOST_TEXT));
+        for (text, expected) in [(nodes, recorded), (&long, None)] {
+            let mut chunk = ITXtChunk::new("prompt", text);
+            chunk.compressed = true;
+            chunk.compress_text().unwrap();
+            assert_eq!(told(&path, &chunk), expected);
+        }
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! Limits: hollow forms turn the other way, and maps enlarged from much smaller ones break off nowhere.
 
+use super::integrability::Curl;
 use crate::frame::{Mask, Vector3Planes};
 use glam::DVec3;
 
@@ -112,16 +113,14 @@ impl Rims {
         (shows && !self.0[axis].iter().any(contradicts)).then_some(vote < 0.0)
     }
 
-    /// Whether x and y are reversed; `None` where too little shows it, or it contradicts the curl, which shows whether
-    /// exactly one of the two is.
-    pub(super) fn show(&self, one_is_reversed: Option<bool>) -> Option<[bool; 2]> {
+    /// Whether x and y are reversed; `None` where too little shows it, or the curl contradicts it. Of one axis alone the other
+    /// follows by the curl.
+    pub(super) fn show(&self, curl: &Curl) -> Option<[bool; 2]> {
         let both = [0, 1].map(|axis| self.reversed(axis, FEWEST, LEAST_VOTE));
         if let [Some(x), Some(y)] = both {
-            return one_is_reversed
-                .is_none_or(|one| one == (x != y))
-                .then_some([x, y]);
+            return Some([x, y]).filter(|axes| curl.allows(*axes));
         }
-        let one = one_is_reversed?;
+        let one = curl.y_points_down()?;
         let alone = [0, 1].map(|axis| self.reversed(axis, FEWEST_ALONE, LEAST_VOTE_ALONE));
         match alone {
             [Some(x), None] => Some([x, x != one]),
