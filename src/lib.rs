@@ -87,17 +87,16 @@ pub mod cli;
 mod command;
 pub mod engine;
 pub mod error;
-pub(crate) mod fast_math;
 pub mod frame;
 #[cfg(feature = "host")]
 pub mod host;
 pub mod io;
+mod kernel;
 pub mod light;
 pub mod line;
 pub mod params;
 pub mod plan;
 pub mod product;
-mod quantile;
 #[cfg(feature = "cli")]
 mod report;
 #[cfg(any(test, feature = "scenes"))]

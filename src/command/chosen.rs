@@ -8,9 +8,9 @@ use crate::engine::outcome::Outcome;
 use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
+use crate::kernel::quantile::quantile;
 use crate::light::lights::LightChoice;
 use crate::params::{LineLevels, ToneLevels};
-use crate::quantile::quantile;
 
 /// Pixels looked at for the distance of a frame's surface.
 const WANTED_DISTANCES: usize = 4_000;

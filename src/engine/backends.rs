@@ -381,8 +381,9 @@ fn say_left_to_cpu(plan: &Plan, run: &Run) {
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
-    use crate::engine::watch::{CancelToken, Progress};
+    use crate::engine::watch::Progress;
     use crate::frame::{ColorPlanes, LightGroup, Plane};
+    use crate::kernel::cancel::CancelToken;
     use crate::params::{LineParams, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, ToneFrom};
     use crate::scenes::Scene;

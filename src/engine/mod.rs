@@ -24,5 +24,6 @@ pub use crate::engine::request::{Request, Tone};
 pub use crate::engine::run::Run;
 pub use crate::engine::session::Session;
 pub use crate::engine::target::Target;
-pub use crate::engine::watch::{CancelToken, Progress};
+pub use crate::engine::watch::Progress;
+pub use crate::kernel::cancel::CancelToken;
 pub use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};

@@ -2,9 +2,10 @@
 
 use crate::engine::outcome::Outcome;
 use crate::engine::target::Target;
-use crate::engine::watch::{CancelToken, Progress, Tell, Watch};
+use crate::engine::watch::{Progress, Tell, Watch};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Window};
+use crate::kernel::cancel::CancelToken;
 use crate::product::Product;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -1,8 +1,8 @@
-//! Observers of a run: progress, and the token that cancels it.
+//! Observers of a run.
 
 use crate::error::{Error, Result};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use crate::kernel::cancel::CancelToken;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Progress of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,27 +12,6 @@ pub struct Progress {
     pub stage: &'static str,
     /// Approximate share of the work completed, 0..1.
     pub done: f32,
-}
-
-/// Cancels runs from another thread. Clones share one state.
-#[derive(Debug, Clone, Default)]
-pub struct CancelToken(Arc<AtomicBool>);
-
-impl CancelToken {
-    /// A token that is not cancelled.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Cancels every run with this token: long passes stop within a few rows, short ones complete first.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether it was cancelled.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
 }
 
 /// Observes a run: reports progress and may cancel it.

@@ -3,7 +3,7 @@
 use super::normals::changed;
 use super::sampling::one_in;
 use super::{Mask, Vector3Planes};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use glam::DVec2;
 use nalgebra::{SMatrix, SVector};
 

@@ -16,7 +16,7 @@ use crate::frame::coverage::{self, has_direction};
 use crate::frame::depth::{is_distance, to_distances};
 use crate::frame::sampling::one_in;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use std::borrow::Cow;
 
 /// Mean angle, in degrees, between the slope of depth and the lean of normals up to which they agree.

@@ -13,7 +13,7 @@ use super::samples_of_layers::{Band, samples};
 use super::sources::RoleSource;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Gloss, Plane, each_row_of};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use crate::untrusted::{Untrusted, listed};
 use std::collections::HashMap;
 use std::rc::Rc;

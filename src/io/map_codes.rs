@@ -6,7 +6,7 @@ use super::normal_encoding::NEAR_UNIT;
 use super::photo::{Meaning, StoredPhoto};
 use crate::frame::normals::{is_written, with_rebuilt_z};
 use crate::frame::{Mask, Plane, Vector3Planes};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use glam::Vec3;
 use std::collections::HashMap;
 

@@ -2,7 +2,7 @@
 
 use super::photo::{Meaning, StoredPhoto};
 use crate::frame::{Vector3Planes, Window, denoise, unround};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::frame::normals::MIN_LENGTH;
 use crate::frame::sampling::one_in;
 use crate::frame::{Plane, Vector3Planes};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use glam::Vec3;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Whether light layers add up to their picture.
 
 use crate::frame::{ColorPlanes, LobeLayers, Mask};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 
 /// Pixels that the median is taken over, about.
 const WANTED: usize = 5_000;

@@ -6,7 +6,7 @@
 use super::batch::{BATCH, Lanes, Pixels};
 use super::cosines::{at_most_1, positive, scalar_product};
 use super::sum::exponent::Exponent;
-use crate::fast_math::{exp_to_normal, ln_of_normal};
+use crate::kernel::fast_math::{exp_to_normal, ln_of_normal};
 use crate::params::{Material, MaterialParams};
 
 /// The lobes of a material under lights.

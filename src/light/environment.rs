@@ -4,8 +4,8 @@
 //! There is no world space here that could orient it otherwise.
 
 use super::texels::{Texels, cell, mixed, rgb};
-use crate::fast_math::atan2;
 use crate::frame::ColorPlanes;
+use crate::kernel::fast_math::atan2;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 

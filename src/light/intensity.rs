@@ -5,10 +5,10 @@
 //! hollows glow. Most of the area has to lie above it, so such light is compared with its median m: `L / (L + m)`, which
 //! passes 1/4 at m/3. No sample is clipped, and a single bright one changes nothing elsewhere.
 
+use crate::kernel::quantile::quantile;
 use crate::light::environment::Environment;
 use crate::light::lit_sphere::LitSphere;
 use crate::params::Adaptive;
-use crate::quantile::quantile;
 
 /// Rows of pixels on the ball that the median is taken over.
 const BALL_PX: usize = 128;

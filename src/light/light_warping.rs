@@ -15,8 +15,8 @@
 //! from [`Warp::direction`] of h, with its intensity times [`Warp::jacobian`] at h. Half vectors of lights do not
 //! depend on the pixel.
 
-use crate::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI, rest_of_tangent};
-use crate::fast_math::{exp, ln, polynomial, select};
+use crate::kernel::fast_math::circular::{COT_EIGHTH_PI, TAN_EIGHTH_PI, rest_of_tangent};
+use crate::kernel::fast_math::{exp, ln, polynomial, select};
 
 /// The factor lambda, from 1/sqrt(3) to sqrt(3), by which a principal curvature `k` (concave positive)
 /// scales stereographic coordinates along its direction, at warping strength `alpha`.

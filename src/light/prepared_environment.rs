@@ -1,8 +1,8 @@
 //! An environment prepared for relighting: as lights, as maps prefiltered by the lobes, or unchanged; or a lit sphere
 //! in its place. Shared by all backends.
 
-use crate::engine::cpu::memory::Memory;
 use crate::frame::luminance;
+use crate::kernel::memory::Memory;
 use crate::light::brdf::{MIRROR_PEAK, mirrored, seen_in_glass};
 use crate::light::environment::Environment;
 use crate::light::glossy::GlossyFilter;

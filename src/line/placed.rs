@@ -1,6 +1,6 @@
 //! The points of lines placed so far, by cell.
 
-use crate::engine::cpu::simd::{Simd, widened};
+use crate::kernel::simd::{Simd, widened};
 use glam::Vec2;
 
 /// A point of a line.

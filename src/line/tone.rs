@@ -1,11 +1,11 @@
 //! From the luminance of a picture to the optical density of the drawing.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
-use crate::engine::cpu::simd::Simd;
-use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::kernel::memory::Memory;
+use crate::kernel::rows::map_rows;
+use crate::kernel::simd::Simd;
+use crate::kernel::simd::widened;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::BATCH;
 use crate::params::ToneParams;

@@ -3,7 +3,7 @@
 
 use super::clock::{Others, Spent};
 use crate::error::Result;
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 

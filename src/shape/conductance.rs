@@ -1,6 +1,6 @@
 //! Conductance: how freely the gradient diffuses through a pixel and across its faces.
 
-use crate::engine::cpu::simd::widened;
+use crate::kernel::simd::widened;
 
 /// Conductance of a pixel, 0..1, from its silhouette and crease weights ([LW] section 4.4).
 #[inline(always)]

@@ -5,8 +5,8 @@
 //! the opposite one, since a filter may spread an edge over a pixel; and a pixel with a short filtered normal contains
 //! a crease, since the mean of two unit normals at an angle t has length cos(t/2).
 
-use crate::engine::cpu::simd::widened;
 use crate::frame::Vector3Planes;
+use crate::kernel::simd::widened;
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns};
 use glam::Vec3;

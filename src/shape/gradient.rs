@@ -1,7 +1,7 @@
 //! The depth gradient: slope of the surface toward the viewer, from its normal.
 
-use crate::engine::cpu::simd::widened;
-use crate::fast_math::{exp, ln};
+use crate::kernel::fast_math::{exp, ln};
+use crate::kernel::simd::widened;
 use crate::params::ShapeParams;
 use glam::{Vec2, Vec3};
 

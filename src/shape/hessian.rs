@@ -5,7 +5,7 @@
 //! is read across an edge, where renderers mix the normals of two surfaces; away from edges the fit is Sobel's
 //! derivative itself. Practice: scaled by the pixel's own conductance, edges count as flat.
 
-use crate::engine::cpu::simd::widened;
+use crate::kernel::simd::widened;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 

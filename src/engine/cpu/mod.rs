@@ -1,15 +1,10 @@
 //! The CPU backend: rows in parallel by rayon, the same bits for any number of threads.
 
 pub(crate) mod frame_cache;
-pub(crate) mod lanes;
-pub(crate) mod memory;
-pub(crate) mod percentile;
 #[cfg(feature = "cli")]
 pub(crate) mod row_layers;
-pub(crate) mod rows;
 pub(crate) mod run;
 pub(crate) mod runner;
-pub(crate) mod simd;
 #[cfg(feature = "cli")]
 pub(crate) mod strips;
 

@@ -1,6 +1,5 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
-use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
@@ -8,6 +7,7 @@ use crate::engine::tiles::strip_of;
 use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::kernel::memory::Memory;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
 use crate::plan::stages::{SHAPE, stages};

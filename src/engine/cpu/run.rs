@@ -1,12 +1,12 @@
 //! One run of a plan: a frame on its way through the stages.
 
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::memory::Memory;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::slot::Slot;
 use crate::engine::watch::Watch;
 use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
+use crate::kernel::memory::Memory;
 use crate::light::prepared_environment::EnvironmentCache;
 use crate::line::canvas::Canvas;
 use crate::line::specular::map_directions::DirectionCache;

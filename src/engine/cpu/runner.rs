@@ -1,7 +1,6 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
@@ -9,6 +8,7 @@ use crate::engine::part::Part;
 use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes, Vector3Planes, Window};
+use crate::kernel::memory::Memory;
 use crate::line::direction_field::cpu as direction_field;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
@@ -313,9 +313,9 @@ impl Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::rows::map_covered;
-    use crate::engine::watch::CancelToken;
     use crate::frame::Mask;
+    use crate::kernel::cancel::CancelToken;
+    use crate::kernel::rows::map_covered;
     use crate::light::lights::{DirectionalLight, Illumination};
     use crate::params::{Adaptive, Method, RelightParams, RunOptions, ScalingParams, ShapeParams};
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};

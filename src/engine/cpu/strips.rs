@@ -1,11 +1,11 @@
 //! Automatic choices from a whole picture that is processed in strips.
 
-use crate::engine::cpu::percentile::Sample;
 use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Shape;
 use crate::error::Result;
 use crate::frame::{Extent, Frame, Window};
+use crate::kernel::percentile::Sample;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::enhancement::Subject;
 use crate::light::layers::white_search::add_to_searches;

@@ -44,7 +44,7 @@ impl Kernel {
         for (binding, declared) in (1..).zip(self.buffers) {
             source += &format!("@group(0) @binding({binding}) {declared}");
         }
-        source += include_str!("../../fast_math/fast_math.wgsl");
+        source += include_str!("../../kernel/fast_math/fast_math.wgsl");
         source += include_str!("index.wgsl");
         if source.contains("> covered:") {
             source += include_str!("coverage.wgsl");

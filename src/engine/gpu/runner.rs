@@ -1,7 +1,6 @@
 //! The GPU from the caller's side: plans run one after another, in memory kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run as HostRun;
 use crate::engine::cpu::runner::taken_by;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
@@ -18,6 +17,7 @@ use crate::engine::outcome::add_timings;
 use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
+use crate::kernel::memory::Memory;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::hatching::gpu_texture::TextureCache;

@@ -3,8 +3,8 @@
 use super::links::Links;
 use super::noise::Noise;
 use super::smoothing::smoothed;
-use crate::fast_math::exp_to_normal;
 use crate::frame::{MOST_ROWS_PER_TASK, Plane, parallel_rows};
+use crate::kernel::fast_math::exp_to_normal;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 

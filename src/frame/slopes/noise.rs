@@ -2,7 +2,7 @@
 
 use super::Rounding;
 use crate::frame::{Mask, Plane};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 
 /// Number of pixels that noise is estimated from: to 2 %.
 const PIXELS: usize = 4096;

@@ -195,7 +195,7 @@ fn frame_of(raw: &[(Vector3<f64>, Vector2<f64>)]) -> (Vector3<f64>, f64) {
 
 /// The `q` quantile of `values`; 0 for none. Reorders `values`.
 pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
-    crate::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
+    crate::kernel::quantile::quantile(values, q, f64::total_cmp).unwrap_or(0.0)
 }
 
 /// The median; `None` for fewer than `fewest` values, which decide nothing.

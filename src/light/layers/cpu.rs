@@ -1,10 +1,10 @@
 //! Radiance scaling of the light layers of a frame: all terms of a row in turn, rows in parallel.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::percentile::percentile;
-use crate::engine::cpu::rows::ROWS_PER_TASK;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_rows};
+use crate::kernel::memory::Memory;
+use crate::kernel::percentile::percentile;
+use crate::kernel::rows::ROWS_PER_TASK;
+use crate::kernel::simd::Simd;
 use crate::light::layers::terms::LightTerm;
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};

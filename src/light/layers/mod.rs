@@ -13,7 +13,7 @@ pub(crate) mod terms;
 pub(crate) mod white_search;
 
 use super::radiance_scaling::{scaled, scaling};
-use crate::engine::cpu::simd::widened;
+use crate::kernel::simd::widened;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 /// Largest radiance of a picture; the sum of a few of these, scaled by the largest [`scaling`], is still finite.

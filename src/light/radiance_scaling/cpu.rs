@@ -1,11 +1,11 @@
 //! Radiance scaling of a finished picture, row by row.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::ROWS_PER_TASK;
-use crate::engine::cpu::simd::Simd;
-use crate::engine::cpu::simd::widened;
 use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Mask, Plane, parallel_rows};
+use crate::kernel::memory::Memory;
+use crate::kernel::rows::ROWS_PER_TASK;
+use crate::kernel::simd::Simd;
+use crate::kernel::simd::widened;
 use crate::light::radiance_scaling::{scaled, scaling};
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;

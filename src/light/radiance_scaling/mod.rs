@@ -10,7 +10,7 @@ pub(crate) mod cpu;
 pub(crate) mod gpu;
 pub(crate) mod stage;
 
-use crate::fast_math::exp;
+use crate::kernel::fast_math::exp;
 
 /// Invariant points are clamped this far inside (0, 1), where the function is defined.
 pub(crate) const INVARIANT_MARGIN: f32 = 1e-4;

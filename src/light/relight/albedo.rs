@@ -1,13 +1,13 @@
 //! The albedo of a frame, estimated from its picture.
 
 #[cfg(feature = "gpu")]
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::percentile::percentile;
-#[cfg(feature = "gpu")]
-use crate::engine::cpu::rows::map_covered;
-#[cfg(feature = "gpu")]
 use crate::frame::ColorPlanes;
 use crate::frame::{Frame, Vector3Planes, luminance};
+#[cfg(feature = "gpu")]
+use crate::kernel::memory::Memory;
+use crate::kernel::percentile::percentile;
+#[cfg(feature = "gpu")]
+use crate::kernel::rows::map_covered;
 use crate::light::albedo::{AlbedoEstimate, FittedShading, ShadingFit};
 use crate::shape::auto_levels::cpu as statistics;
 use rayon::prelude::*;

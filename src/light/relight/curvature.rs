@@ -1,7 +1,7 @@
 //! Curvature of the rows being lit, computed where it is used: planes of it would be written and read once each.
 
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::kernel::simd::Simd;
 use crate::shape::Rows;
 
 /// The source of curvature: the required part of the Hessian, or that part precomputed.

@@ -1,10 +1,10 @@
 //! Lights and look-up maps on the device.
 
-use crate::engine::cpu::memory::Memory;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::Fault;
 use crate::engine::watch::Watch;
 use crate::frame::{ColorPlanes, Frame};
+use crate::kernel::memory::Memory;
 use crate::light::environment::Environment;
 use crate::light::intensity::Intensity;
 use crate::light::intensity::Map;

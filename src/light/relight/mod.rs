@@ -20,11 +20,11 @@ pub(crate) mod shade;
 pub(crate) mod stage;
 pub(crate) mod traced;
 
-use crate::engine::cpu::memory::Memory;
 use crate::engine::cpu::run::Run;
-use crate::engine::cpu::simd::Simd;
 use crate::engine::outcome::Shape;
 use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::simd::Simd;
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::{Batch, RowShape};

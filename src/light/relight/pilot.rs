@@ -5,8 +5,9 @@
 //! of each is decided by a pilot: pixels all over a ball, bent as the surface may be, in the light of every texel of the map
 //! and in that of each candidate. The ball is always the same, and so is the choice, in tiles, strips and all frames.
 
-use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::luminance;
+use crate::kernel::quantile::quantile;
+use crate::kernel::simd::{Simd, widened};
 use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::brdf::{Lobes, mirrored};
 use crate::light::cosines::{at_most_1, positive};
@@ -21,7 +22,6 @@ use crate::light::relight::samples::FilteredSamples;
 use crate::light::sum::{Directed, LightSum, Shading, Sums};
 use crate::params::{Material, MaterialParams};
 use crate::plan::ToError;
-use crate::quantile::quantile;
 use crate::srgb;
 use std::f64::consts::PI;
 use std::sync::Arc;

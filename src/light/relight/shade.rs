@@ -1,8 +1,8 @@
 //! Lighting of one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors of the
 //! machine.
 
-use crate::engine::cpu::simd::widened;
 use crate::frame::Gloss;
+use crate::kernel::simd::widened;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
 use crate::light::brdf::Lobes;

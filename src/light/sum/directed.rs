@@ -7,7 +7,7 @@ use super::exponent::Exponent;
 use super::shading::Shading;
 use super::terms::{HalfVector, Terms, Unwarped, arrive_unwarped, half_vector_lobe};
 use super::{GROUP, Sums};
-use crate::engine::cpu::lanes::multiply_add;
+use crate::kernel::lanes::multiply_add;
 use crate::light::batch::{BATCH, Pixels};
 use crate::light::brdf::Lobes;
 use crate::light::cosines::{positive, scalar_product};

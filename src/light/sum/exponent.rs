@@ -1,6 +1,6 @@
 //! Powers of cosines, for a batch of pixels.
 
-use crate::fast_math::{exp, ln};
+use crate::kernel::fast_math::{exp, ln};
 use crate::light::batch::Lanes;
 
 /// An exponent: small integers are computed by multiplication.

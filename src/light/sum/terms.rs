@@ -2,8 +2,8 @@
 
 use super::exponent::Exponent;
 use super::shading::{Scaled, Shading, TowardLight};
-use crate::engine::cpu::lanes::multiply_add;
-use crate::fast_math::exp_to_normal;
+use crate::kernel::fast_math::exp_to_normal;
+use crate::kernel::lanes::multiply_add;
 use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{
     AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, passed,

@@ -1,7 +1,7 @@
 //! The cracks between pixels that silhouettes pass.
 
-use crate::fast_math::ln;
 use crate::frame::{Frame, Plane};
+use crate::kernel::fast_math::ln;
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
 use crate::line::contours::lattice::Lattice;
 use crate::line::contours::network::Spot;

@@ -1,7 +1,7 @@
 //! Creases: the ridges of their weight, and the lines along these.
 
-use crate::fast_math::ln;
 use crate::frame::{Frame, Mask, Plane};
+use crate::kernel::fast_math::ln;
 use crate::line::contours::ground::Ground;
 use crate::line::contours::lattice::Path;
 use crate::line::contours::network;

@@ -26,8 +26,8 @@ pub(crate) mod polyline;
 pub(crate) mod ridge;
 pub(crate) mod round_stroke;
 
-use crate::fast_math::ln;
 use crate::frame::Frame;
+use crate::kernel::fast_math::ln;
 use crate::line::contours::network::{End, Line};
 use crate::line::contours::polyline::{evened, lengths};
 use crate::params::ContourParams;

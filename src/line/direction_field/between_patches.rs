@@ -1,8 +1,8 @@
 //! From patches to pixels: interpolates the directions of the patches around a pixel, never across an edge.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Mask, Vector2Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::simd::{Simd, widened};
 use crate::line::direction::fill::{Pixel, lacking_of_row};
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use glam::Vec2;

@@ -1,6 +1,6 @@
 //! Chains: patches in a line, each continuing in the next. Averages are taken along them.
 
-use crate::engine::cpu::simd::Simd;
+use crate::kernel::simd::Simd;
 use crate::line::direction_field::Weighted;
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use rayon::prelude::*;

@@ -1,9 +1,10 @@
 //! The field of stroke directions ([LA] section 6.1): curvature patch by patch, averaged over surfaces,
 //! and brought back to pixels.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Vector2Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::quantile::quantile;
+use crate::kernel::simd::Simd;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
@@ -16,7 +17,6 @@ use crate::line::direction_field::setting::{
 use crate::line::direction_field::{Weighted, doubled};
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
-use crate::quantile::quantile;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Directions of patches by their curvature, lane by lane.
 
-use crate::engine::cpu::simd::widened;
 use crate::frame::{direction_seen, line_of};
+use crate::kernel::simd::widened;
 use crate::line::direction_field::forms::LANES;
 use crate::line::direction_field::setting::{FACING, FALLBACK, FREE};
 use crate::line::direction_field::{CurvatureTensor, calm, doubled};

@@ -1,7 +1,7 @@
 //! Tensors of curvature of patches, lane by lane.
 
-use crate::engine::cpu::simd::widened;
 use crate::frame::{line_of, step_by_normals};
+use crate::kernel::simd::widened;
 use crate::line::normal_rays::{Local, NormalRay, Sides, Slopes, upright};
 use glam::DVec3;
 

@@ -18,7 +18,7 @@ pub(crate) mod patches;
 pub(crate) mod setting;
 pub(crate) mod stage;
 
-use crate::engine::cpu::simd::widened;
+use crate::kernel::simd::widened;
 use glam::{DVec2, Vec2};
 use std::ops::Range;
 

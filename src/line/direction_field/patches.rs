@@ -1,7 +1,7 @@
 //! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
-use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Frame, Plane};
+use crate::kernel::simd::{Simd, widened};
 use crate::line::direction_field::setting::OPEN;
 use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
 use glam::{DVec2, DVec3};

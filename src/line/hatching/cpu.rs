@@ -1,12 +1,12 @@
 //! Strokes over the frame, row by row.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
-use crate::engine::cpu::simd::Simd;
-use crate::engine::cpu::simd::widened;
-use crate::fast_math::atan2;
 use crate::frame::Plane;
 use crate::frame::{Frame, Vector2Planes};
+use crate::kernel::fast_math::atan2;
+use crate::kernel::memory::Memory;
+use crate::kernel::rows::map_rows;
+use crate::kernel::simd::Simd;
+use crate::kernel::simd::widened;
 use crate::line::hatching::{BATCH, Hatching, Pixels};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::{PlacedTexture, TexturePlacement};

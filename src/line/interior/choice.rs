@@ -2,11 +2,11 @@
 //! drawing bears.
 
 use crate::frame::{Mask, Plane};
+use crate::kernel::quantile::quantile;
 use crate::line::contours::ContourKind;
 use crate::line::contours::network::{End, Line};
 use crate::line::interior::fade::{by_budget, by_size};
 use crate::line::interior::sizes::Sizes;
-use crate::quantile::quantile;
 use glam::Vec2;
 
 /// A line inside a surface.

@@ -1,7 +1,7 @@
 //! Lines of forms whose lines are known.
 
-use crate::engine::cpu::memory::Memory;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
+use crate::kernel::memory::Memory;
 use crate::line::contours::{Contour, ContourKind};
 use crate::line::interior::cpu::interior;
 use crate::params::{InteriorParams, LineLevels, RunOptions};

@@ -1,7 +1,7 @@
 //! Directions of the larger curvature of a bundle of pixels, lane by lane.
 
-use crate::engine::cpu::simd::widened;
 use crate::frame::{DepthKind, direction_seen, line_of, point_on, step_by_normals};
+use crate::kernel::simd::widened;
 use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 

@@ -1,9 +1,9 @@
 //! Directions of the surface's own curvature, from its normal rays.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, PixelLines, Plane, SightLines, Vector2Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::rows::map_rows;
+use crate::kernel::simd::Simd;
 use crate::line::direction::fill::{Parts, fill};
 use crate::line::direction::fixed_direction;
 use crate::line::normal_rays::LocalShape;

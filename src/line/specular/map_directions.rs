@@ -1,7 +1,7 @@
 //! Directions of curvature on the surroundings, texel by texel.
 
-use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Plane, Surroundings, Vector3Planes, parallel_rows};
+use crate::kernel::simd::{Simd, widened};
 use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 use rayon::prelude::*;

@@ -8,8 +8,8 @@ pub(crate) mod tangents;
 
 pub(crate) use crate::line::specular::map_directions::DirectionCache;
 
-use crate::engine::cpu::memory::Memory;
 use crate::frame::{DepthKind, Frame, SightLines, SpecularScene, Vector2Planes};
+use crate::kernel::memory::Memory;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::specular::hit_points::hit_pixels;

@@ -5,8 +5,8 @@ use super::room::fitted;
 use super::settled::settled;
 use super::spread::{Field, places};
 use super::{Dot, LaidDot};
-use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Plane};
+use crate::kernel::memory::Memory;
 use crate::line::carried::Carrier;
 use crate::line::density::coverage_at;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
@@ -111,7 +111,7 @@ fn carried_on(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::watch::CancelToken;
+    use crate::kernel::cancel::CancelToken;
 
     fn dots(ink: &Plane, radius: f32, seed: u64, memory: &Memory) -> Vec<Dot> {
         let (_, dots) = laid_anew(&Field::new(ink, radius), seed, memory);

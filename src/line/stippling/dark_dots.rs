@@ -1,8 +1,8 @@
 //! Coverage of the paper by dots, and radii that match it to the tone.
 
 use super::Dot;
-use crate::engine::cpu::memory::Memory;
 use crate::frame::Plane;
+use crate::kernel::memory::Memory;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
 use rayon::prelude::*;

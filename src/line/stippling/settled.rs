@@ -3,8 +3,8 @@
 
 use super::LaidDot;
 use super::spread::{Field, diffused, spaced};
-use crate::engine::cpu::memory::Memory;
 use crate::frame::Mask;
+use crate::kernel::memory::Memory;
 use crate::line::placed::Placed;
 use glam::Vec2;
 

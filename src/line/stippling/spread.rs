@@ -1,8 +1,8 @@
 //! Dots distributed by tone, and spaced apart.
 
 use super::super::random::Random;
-use crate::engine::cpu::memory::Memory;
 use crate::frame::Plane;
+use crate::kernel::memory::Memory;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::f32::consts::PI;

@@ -6,8 +6,8 @@
 //! surface that merely shifts or rotates in the picture is never laid anew, no stroke is drawn far from its size, and
 //! maps take over smoothly in time and in the picture.
 
-use crate::engine::cpu::memory::Memory;
 use crate::frame::{Frame, Mask, Plane, Vector2Planes, Window};
+use crate::kernel::memory::Memory;
 use crate::line::stippling::LaidDot;
 use crate::line::streamlines::Seed;
 use crate::line::texture_coordinates::hidden::Hidden;

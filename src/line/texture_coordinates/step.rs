@@ -1,8 +1,9 @@
 //! From one frame to the next: the previous position of every pixel's surface, and its places there.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::map_rows;
 use crate::frame::{Frame, Plane, Vector2Planes, Window};
+use crate::kernel::memory::Memory;
+use crate::kernel::quantile::quantile;
+use crate::kernel::rows::map_rows;
 use crate::line::texture_coordinates::hidden::Hidden;
 use crate::line::texture_coordinates::is_one_depth;
 use crate::line::texture_coordinates::is_one_motion;
@@ -11,7 +12,6 @@ use crate::line::texture_coordinates::places::{
     MovingSurface, PlaceMap, calmed_at, jacobian_at, origin_in, place_at,
 };
 use crate::line::texture_coordinates::{extrapolated, is_joined};
-use crate::quantile::quantile;
 
 /// Rounds of averaging places with their neighbours in each frame. That removes a thousandth of a pixel from the
 /// curvature of a map, and most of its roughness up to eight pixels in size.

@@ -4,6 +4,7 @@ use super::{Case, apart, correlation, worst};
 use crate::engine::{Engine, Outcome, Request, Run, Tone};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::kernel::quantile::quantile;
 use crate::light::environment::Environment;
 use crate::light::lights::{DirectionalLight, Illumination, direction_of};
 use crate::light::radiance_scaling::scaling;
@@ -11,7 +12,6 @@ use crate::params::{
     Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
     ShapeParams, Solver, StrokeDirections, ToneParams,
 };
-use crate::quantile::quantile;
 use crate::scenes::frames::{grey, masked};
 use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma, white};
 use crate::scenes::{Scene, environment};

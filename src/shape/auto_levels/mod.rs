@@ -7,8 +7,8 @@ pub(crate) mod gain_search;
 pub(crate) mod gpu;
 pub(crate) mod stage;
 
+use crate::kernel::quantile::quantile;
 use crate::params::COARSE_ROUNDING;
-use crate::quantile::quantile;
 
 /// Mapped curvature where that is typical: clearly visible, far from saturated.
 const TYPICAL_KAPPA: f32 = 0.38;

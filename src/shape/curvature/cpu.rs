@@ -1,11 +1,11 @@
 //! Passes from the gradient to curvature and its directions.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::rows::{map_covered, map_rows};
-use crate::engine::cpu::simd::{Simd, widened};
-use crate::fast_math::select;
 use crate::frame::CurvaturePlanes;
 use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
+use crate::kernel::fast_math::select;
+use crate::kernel::memory::Memory;
+use crate::kernel::rows::{map_covered, map_rows};
+use crate::kernel::simd::{Simd, widened};
 use crate::shape::Rows;
 use crate::shape::curvature::{
     mapped_curvature as kappa, principal_curvatures, principal_direction,

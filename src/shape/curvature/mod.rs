@@ -6,7 +6,7 @@ pub(crate) mod cpu;
 pub(crate) mod gpu;
 pub(crate) mod stage;
 
-use crate::fast_math::{select, tanh};
+use crate::kernel::fast_math::{select, tanh};
 
 /// Principal curvatures `k_u >= k_v` per pixel of a symmetric Hessian [xx, xy, yy]. Concave is
 /// positive, convex negative: [LW]'s sign.

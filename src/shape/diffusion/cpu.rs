@@ -1,8 +1,8 @@
 //! Diffusion of the gradient, by explicit steps or by expansion, tile by tile.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::Vector2Planes;
+use crate::kernel::memory::Memory;
+use crate::kernel::simd::Simd;
 use crate::params::RunOptions;
 use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::still::Moving;

@@ -4,8 +4,8 @@
 //! through a face is computed once, for the pixels on both of its sides, which see the same number but for its sign;
 //! and of four rows that are swept together, the fluxes between them stay in registers.
 
-use crate::engine::cpu::lanes::{shifted_left, shifted_right};
-use crate::engine::cpu::simd::widened;
+use crate::kernel::lanes::{shifted_left, shifted_right};
+use crate::kernel::simd::widened;
 use crate::shape::diffusion::{Update, added, flux, through};
 
 /// Rows that can be swept together.

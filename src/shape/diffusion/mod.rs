@@ -5,8 +5,8 @@
 //! Practice: one row of the operator serves both solvers, the paper's explicit steps, stable up to a time step of 1/4,
 //! and [`super::chebyshev`].
 
-use crate::engine::cpu::lanes::multiply_add;
-use crate::engine::cpu::simd::widened;
+use crate::kernel::lanes::multiply_add;
+use crate::kernel::simd::widened;
 use kernel::{Chunk, Sum};
 
 pub(crate) mod cpu;

@@ -4,9 +4,9 @@
 //! g keep it, in any rounding: an explicit step leaves g, and term k of the expansion is (-1)^k g. Blocks of such pixels
 //! are left out of all sweeps, and the same bits are read out.
 
-use crate::engine::cpu::lanes::multiply_add;
-use crate::engine::cpu::simd::{Simd, widened};
 use crate::frame::{Plane, Vector2Planes};
+use crate::kernel::lanes::multiply_add;
+use crate::kernel::simd::{Simd, widened};
 use crate::shape::diffusion::medium::Medium;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -222,8 +222,8 @@ widened! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::memory::Memory;
     use crate::frame::Mask;
+    use crate::kernel::memory::Memory;
     use crate::params::{RunOptions, Scale, ShapeParams, Solver, TileSize};
     use crate::shape::diffusion::LEVELS;
     use crate::shape::diffusion::cpu::diffusion;

@@ -5,9 +5,9 @@
 //! the rows in flight, a few more than there are sweeps, the last two terms stay in the cache. A tile loses one pixel
 //! per sweep at its rim, and starts with that margin.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::simd::Simd;
 use crate::shape::diffusion::kernel::{Chunk, Lanes, Sum, Sweep, TOGETHER};
 use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::tiles::Tile;

@@ -1,8 +1,8 @@
 //! Silhouettes, creases, conductance and the depth gradient in one sweep over rows.
 
-use crate::engine::cpu::memory::Memory;
-use crate::engine::cpu::simd::Simd;
 use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
+use crate::kernel::memory::Memory;
+use crate::kernel::simd::Simd;
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;
 use crate::product::Product;

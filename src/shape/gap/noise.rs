@@ -3,7 +3,7 @@
 use crate::frame::Frame;
 #[cfg(feature = "gpu")]
 use crate::frame::Plane;
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 #[cfg(feature = "gpu")]
 use rayon::prelude::*;
 use std::sync::OnceLock;

@@ -1,6 +1,6 @@
 //! Gaps by rows: plain loops over pixels, compiled for the vectors of the machine.
 
-use crate::engine::cpu::simd::widened;
+use crate::kernel::simd::widened;
 use crate::shape::gap::pair::{Gap, Side};
 use crate::shape::gap::scale::GapScale;
 use crate::shape::gradient::facing;

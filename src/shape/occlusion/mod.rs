@@ -12,9 +12,9 @@
 mod cpu;
 pub(crate) mod stage;
 
-use crate::engine::cpu::simd::{Simd, widened};
-use crate::fast_math::atan;
 use crate::frame::{Mask, Plane, Vector3Planes, parallel_rows};
+use crate::kernel::fast_math::atan;
+use crate::kernel::simd::{Simd, widened};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Recycled planes of finished runs: fresh memory is mapped page by page, which costs more than many passes.
 
-use crate::engine::watch::CancelToken;
 use crate::frame::{Mask, Plane, Vector2Planes};
+use crate::kernel::cancel::CancelToken;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Planes for reuse, and the cancellation state of the run that uses them.

@@ -88,10 +88,10 @@ macro_rules! widened {
             unsafe_code,
             reason = "calling a function compiled for features that were just detected"
         )]
-        impl $crate::engine::cpu::simd::Simd {$(
+        impl $crate::kernel::simd::Simd {$(
             #[inline]
             pub(crate) fn $name$(<const $lanes: usize>)?(self, $($arg: $type),*) {
-                use $crate::engine::cpu::simd::Level;
+                use $crate::kernel::simd::Level;
                 #[cfg(target_arch = "x86_64")]
                 #[target_feature(enable = "avx2,fma")]
                 fn avx2$(<const $lanes: usize>)?($($arg: $type),*) {

@@ -6,7 +6,7 @@
 
 use crate::frame::sampling::{Lattice, finer_side};
 use crate::frame::{Extent, Mask};
-use crate::quantile::quantile;
+use crate::kernel::quantile::quantile;
 use rayon::prelude::*;
 use std::ops::Range;
 
