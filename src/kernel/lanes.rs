@@ -1,18 +1,20 @@
 //! What kernels do to the lanes of a vector in a way that depends on their [level](super::simd::Level).
 //!
-//! `HAS_FMA` is whether the level that the caller is compiled for has fused multiply-adds, as `widened` tells a kernel.
+//! `fma` is whether the level that the caller is compiled for has fused multiply-adds, as `wide` tells a kernel: a constant
+//! by then.
 //! Shifts take it to mean that there is AVX2, and must not be told so elsewhere.
 //!
 //! The loops over lanes are written so that the compiler makes shuffles of them: time any other form.
 
 /// The lanes one place to the right of those of `at`, behind the last one of `before`.
 #[inline(always)]
-pub(crate) fn shifted_right<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn shifted_right<const N: usize>(
+    fma: bool,
     before: &[f32; N],
     at: &[f32; N],
 ) -> [f32; N] {
     #[cfg(target_arch = "x86_64")]
-    if HAS_FMA && N == 8 {
+    if fma && N == 8 {
         return straddling_avx2::<N, 7>(before, at);
     }
     let mut shifted = [before[N - 1]; N];
@@ -24,12 +26,9 @@ pub(crate) fn shifted_right<const N: usize, const HAS_FMA: bool>(
 
 /// The lanes one place to the left of those of `at`, in front of the first one of `after`.
 #[inline(always)]
-pub(crate) fn shifted_left<const N: usize, const HAS_FMA: bool>(
-    at: &[f32; N],
-    after: &[f32; N],
-) -> [f32; N] {
+pub(crate) fn shifted_left<const N: usize>(fma: bool, at: &[f32; N], after: &[f32; N]) -> [f32; N] {
     #[cfg(target_arch = "x86_64")]
-    if HAS_FMA && N == 8 {
+    if fma && N == 8 {
         return straddling_avx2::<N, 1>(at, after);
     }
     let mut shifted = [after[0]; N];
@@ -63,8 +62,8 @@ fn straddling_avx2<const N: usize, const FROM: usize>(a: &[f32; N], b: &[f32; N]
 
 /// `a b + c`, rounded once where multiply-adds are fused.
 #[inline(always)]
-pub(crate) fn multiply_add<const HAS_FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
-    match HAS_FMA {
+pub(crate) fn multiply_add(fma: bool, a: f32, b: f32, c: f32) -> f32 {
+    match fma {
         true => a.mul_add(b, c),
         false => a * b + c,
     }

@@ -14,6 +14,8 @@ mod grid;
 pub mod hatching;
 mod ink_cells;
 pub(crate) mod interior;
+#[cfg(test)]
+mod levels;
 pub mod linear_camera;
 pub(crate) mod normal_rays;
 pub mod paper;

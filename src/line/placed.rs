@@ -1,6 +1,6 @@
 //! The points of lines placed so far, by cell.
 
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use glam::Vec2;
 
 /// A point of a line.
@@ -151,7 +151,6 @@ impl Placed {
             y,
             lines,
             starts,
-            simd: Simd::widest(),
         }
     }
 }
@@ -168,7 +167,6 @@ pub(super) struct PointsByCell<'a> {
     lines: Vec<u32>,
     /// The first point of every cell, and the number of points.
     starts: Vec<u32>,
-    simd: Simd,
 }
 
 /// A point of a line, and how near others are looked for on both sides.
@@ -223,15 +221,6 @@ pub(crate) fn nearest_beside(
     }
 }
 
-widened! {
-    fn nearest_beside(
-        squares: &mut [f32; 2],
-        points: [&[[f32; LANES]]; 2],
-        lines: &[[u32; LANES]],
-        beside: &Beside,
-    );
-}
-
 impl PointsByCell<'_> {
     /// Distances of the nearest other lines on both sides; `spacing` where there is none within half as much again.
     pub(super) fn room(&self, at: Vec2, along: Vec2, spacing: f32, line: u32) -> [f32; 2] {
@@ -256,8 +245,7 @@ impl PointsByCell<'_> {
             let to = from + (to - from).next_multiple_of(LANES);
             let [x, y] = [&self.x, &self.y].map(|axis| axis[from..to].as_chunks().0);
             let lines = self.lines[from..to].as_chunks().0;
-            self.simd
-                .nearest_beside(&mut squares, [x, y], lines, &beside);
+            wide!(nearest_beside(&mut squares, [x, y], lines, &beside));
             // No point farther than those found is nearer.
             beside.limit = beside.limit.min(squares[0].max(squares[1]));
             true

@@ -4,8 +4,7 @@ use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
-use crate::kernel::simd::Simd;
-use crate::kernel::simd::widened;
+use crate::kernel::simd::wide;
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::hatching::BATCH;
 use crate::params::ToneParams;
@@ -21,9 +20,9 @@ pub(crate) enum Densities<'a> {
 
 impl Densities<'_> {
     /// The densities of `columns` of row `y`, at most a batch.
-    pub(crate) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
+    pub(crate) fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>) {
         match self {
-            Self::OfPicture(densities) => densities.row(out, y, columns, simd),
+            Self::OfPicture(densities) => densities.row(out, y, columns),
             Self::Found(plane) => out.copy_from_slice(&plane.row(y)[columns]),
         }
     }
@@ -35,13 +34,12 @@ impl Densities<'_> {
         memory: &Memory,
         row: impl Fn(usize) -> Sample + Sync,
     ) -> Plane {
-        let simd = Simd::widest();
         let [mapped] = map_rows(&frame.mask, memory, |y, [out]| {
             let sample = row(y);
             for run in frame.mask.runs(y) {
                 for from in run.clone().step_by(BATCH) {
                     let columns = from..(from + BATCH).min(run.end);
-                    self.row(&mut out[columns.clone()], y, columns.clone(), simd);
+                    self.row(&mut out[columns.clone()], y, columns.clone());
                     let samples = columns.clone().zip(&mut out[columns]);
                     samples.for_each(|(x, density)| *density = sample(x, *density));
                 }
@@ -78,12 +76,12 @@ impl<'a> PictureDensities<'a> {
         }
     }
 
-    fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>, simd: Simd) {
+    fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>) {
         let ColorPlanes { r, g, b } = self.color;
         let color = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);
         let alpha = self.frame.alpha.as_ref();
         let alpha = alpha.map(|plane| &plane.row(y)[columns.clone()]);
-        simd.density_row(out, color, alpha, self);
+        wide!(density_row(out, color, alpha, self));
     }
 }
 
@@ -125,13 +123,4 @@ pub(crate) fn density_row(
         let (a, b) = (densities.table[step], densities.table[step + 1]);
         *out = a + share[i] * (b - a);
     }
-}
-
-widened! {
-    fn density_row(
-        out: &mut [f32],
-        color: [&[f32]; 3],
-        alpha: Option<&[f32]>,
-        densities: &PictureDensities,
-    );
 }

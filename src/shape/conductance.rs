@@ -1,7 +1,5 @@
 //! Conductance: how freely the gradient diffuses through a pixel and across its faces.
 
-use crate::kernel::simd::widened;
-
 /// Conductance of a pixel, 0..1, from its silhouette and crease weights ([LW] section 4.4).
 #[inline(always)]
 pub fn conductance(silhouette: f32, crease: f32) -> f32 {
@@ -24,10 +22,6 @@ pub(crate) fn conductance_row(
     }
 }
 
-widened! {
-    fn conductance_row(out: &mut [f32], silhouette: &[f32], crease: &[f32], covered: &[bool]);
-}
-
 /// Conductance of the face between two pixels: their harmonic mean, 0 where either is 0.
 ///
 /// Nothing leaks through a closed ring of zeros, and it is second order in space. The minimum is only first order, the
@@ -44,10 +38,6 @@ pub(crate) fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]) {
     for ((face, &a), &b) in faces.iter_mut().zip(a).zip(b) {
         *face = face_conductance(a, b);
     }
-}
-
-widened! {
-    fn face_conductance_row(faces: &mut [f32], a: &[f32], b: &[f32]);
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@
 //! a crease, since the mean of two unit normals at an angle t has length cos(t/2).
 
 use crate::frame::Vector3Planes;
-use crate::kernel::simd::widened;
 use crate::params::SoftThreshold;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns};
 use glam::Vec3;
@@ -175,15 +174,6 @@ pub(crate) fn least_cosine_row(
         }
         out[i] = least;
     }
-}
-
-widened! {
-    fn least_cosine_row(
-        out: &mut [f32],
-        normals: &NormalRows,
-        covered: &Rows<bool>,
-        columns: Range<usize>,
-    );
 }
 
 #[inline(always)]

@@ -1,7 +1,6 @@
 //! The depth gradient: slope of the surface toward the viewer, from its normal.
 
 use crate::kernel::fast_math::{exp, ln};
-use crate::kernel::simd::widened;
 use crate::params::ShapeParams;
 use glam::{Vec2, Vec3};
 
@@ -53,16 +52,6 @@ pub(crate) fn depth_gradient_row(
         out_x[x] = if covered[x] { g.x } else { 0.0 };
         out_y[x] = if covered[x] { g.y } else { 0.0 };
     }
-}
-
-widened! {
-    fn depth_gradient_row(
-        out: [&mut [f32]; 2],
-        normal: [&[f32]; 3],
-        covered: &[bool],
-        to_eye: (&[f32], f32),
-        params: &ShapeParams,
-    );
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 //! is read across an edge, where renderers mix the normals of two surfaces; away from edges the fit is Sobel's
 //! derivative itself. Practice: scaled by the pixel's own conductance, edges count as flat.
 
-use crate::kernel::simd::widened;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 
@@ -57,16 +56,6 @@ pub(crate) fn hessian_row(
     }
 }
 
-widened! {
-    fn hessian_row(
-        out: [&mut [f32]; 3],
-        gx: &Rows,
-        gy: &Rows,
-        conductance: &Rows,
-        columns: Range<usize>,
-    );
-}
-
 /// Only the trace of [`hessian`], for the pixels of a row in `columns`: all that isotropic scaling needs.
 #[inline(always)]
 pub(crate) fn trace_row(
@@ -98,16 +87,6 @@ pub(crate) fn trace_row(
             }
         }
     }
-}
-
-widened! {
-    fn trace_row(
-        trace: &mut [f32],
-        gx: &Rows,
-        gy: &Rows,
-        conductance: &Rows,
-        columns: Range<usize>,
-    );
 }
 
 /// Columns checked together: without edges around them they need no fit.

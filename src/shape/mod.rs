@@ -7,6 +7,8 @@ pub(crate) mod auto_levels;
 pub(crate) mod curvature_display;
 pub(crate) mod edges;
 pub(crate) mod height;
+#[cfg(test)]
+mod levels;
 pub(crate) mod occlusion;
 
 use std::ops::Range;

@@ -4,7 +4,6 @@
 //! surfaces, see [`super::gap`]; the border of coverage is always a silhouette. Practice: supply depth if available,
 //! else an occlusion map or alpha, whose jumps are found by Sobel's kernel.
 
-use crate::kernel::simd::widened;
 use crate::params::SoftThreshold;
 use crate::shape::gap::pair::larger;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
@@ -114,32 +113,12 @@ pub(crate) fn silhouettes_of_gaps_row(
     }
 }
 
-widened! {
-    fn silhouettes_of_gaps_row(
-        out: [&mut [f32]; 2],
-        weights: [&[f32]; 3],
-        covered: &Rows<bool>,
-        columns: Range<usize>,
-    );
-    fn silhouette_row(
-        weight: &mut [f32],
-        map: &Rows,
-        covered: &Rows<bool>,
-        columns: Range<usize>,
-        threshold: SoftThreshold,
-    );
-}
-
 /// 1 for the pixels of a row in `columns` that are [`on_border`], 0 for the others.
 #[inline(always)]
 pub(crate) fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>) {
     for x in columns {
         weight[x] = f32::from(on_border(covered, x));
     }
-}
-
-widened! {
-    fn border_row(weight: &mut [f32], covered: &Rows<bool>, columns: Range<usize>);
 }
 
 /// Whether the pixel at column `x` has an uncovered pixel among its eight neighbours.

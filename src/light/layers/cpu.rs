@@ -4,7 +4,8 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, SymmetricPlanes, parallel_ro
 use crate::kernel::memory::Memory;
 use crate::kernel::percentile::percentile;
 use crate::kernel::rows::ROWS_PER_TASK;
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
+use crate::light::layers;
 use crate::light::layers::terms::LightTerm;
 use crate::light::layers::{ColorRow, LobeRow, TermScaling};
 use crate::params::{Adaptive, ScalingParams};
@@ -91,7 +92,6 @@ pub(crate) fn scale_lobes(
     curvature: Curvature,
     memory: &Memory,
 ) -> ColorPlanes {
-    let simd = Simd::widest();
     let absent = Absent::new(frame.mask.width());
     let weights = frame.luminance_weights();
     let scalings: Vec<_> = terms
@@ -106,11 +106,16 @@ pub(crate) fn scale_lobes(
         .collect();
     changed(frame, memory, |y, scratch| {
         let trace = curvature.trace.row(y);
-        simd.kappa_row(&mut scratch.kappa, trace, curvature.gain);
+        wide!(layers::kappa_row(&mut scratch.kappa, trace, curvature.gain));
         for (term, by) in terms.iter().zip(&scalings) {
             let row = term.row(y, &absent);
-            simd.lobe_sigma_row(&mut scratch.sigma, &row, &scratch.kappa, by);
-            scratch.add_changes(simd, [row.direct, row.indirect, row.color]);
+            wide!(layers::lobe_sigma_row(
+                &mut scratch.sigma,
+                &row,
+                &scratch.kappa,
+                by
+            ));
+            scratch.add_changes([row.direct, row.indirect, row.color]);
         }
     })
 }
@@ -122,7 +127,6 @@ pub(crate) fn scale_groups(
     curvature: Curvature,
     memory: &Memory,
 ) -> ColorPlanes {
-    let simd = Simd::widest();
     let absent = Absent::new(frame.mask.width());
     let by = TermScaling {
         magnitude: params.magnitudes().diffuse,
@@ -134,7 +138,11 @@ pub(crate) fn scale_groups(
     changed(frame, memory, |y, scratch| {
         let normal = normal.map(|plane| plane.row(y));
         if curvature.hessian.is_none() {
-            simd.kappa_row(&mut scratch.kappa, curvature.trace.row(y), curvature.gain);
+            wide!(layers::kappa_row(
+                &mut scratch.kappa,
+                curvature.trace.row(y),
+                curvature.gain
+            ));
         }
         for group in &frame.light.groups {
             scratch.plain.fill(0.0);
@@ -144,15 +152,32 @@ pub(crate) fn scale_groups(
                     let hessian = [&hessian.xx, &hessian.xy, &hessian.yy].map(|plane| plane.row(y));
                     let l_xy = [to_light.x, to_light.y];
                     let kappa = &mut scratch.kappa;
-                    simd.kappa_toward_row(kappa, hessian, l_xy, curvature.gain, params.anisotropy);
+                    wide!(layers::kappa_toward_row(
+                        kappa,
+                        hessian,
+                        l_xy,
+                        curvature.gain,
+                        params.anisotropy
+                    ));
                 }
                 let (plain, scaled) = (&mut scratch.plain, &mut scratch.scaled);
                 let to_light = to_light.to_array();
-                simd.add_direction_row(plain, scaled, normal, to_light, &scratch.kappa, &by);
+                wide!(layers::add_direction_row(
+                    plain,
+                    scaled,
+                    normal,
+                    to_light,
+                    &scratch.kappa,
+                    &by
+                ));
             }
-            simd.group_sigma_row(&mut scratch.sigma, &scratch.plain, &scratch.scaled);
+            wide!(layers::group_sigma_row(
+                &mut scratch.sigma,
+                &scratch.plain,
+                &scratch.scaled
+            ));
             let (zeros, ones) = ([&absent.zeros[..]; 3], [&absent.ones[..]; 3]);
-            scratch.add_changes(simd, [color_row(&group.light, y), zeros, ones]);
+            scratch.add_changes([color_row(&group.light, y), zeros, ones]);
         }
     })
 }
@@ -165,14 +190,24 @@ pub(crate) fn scale_by_occlusion(
     curvature: Curvature,
     by: TermScaling,
 ) -> ColorPlanes {
-    let (width, simd) = (mask.width(), Simd::widest());
+    let width = mask.width();
     parallel_rows([&mut color.r, &mut color.g, &mut color.b])
         .with_min_len(ROWS_PER_TASK)
         .for_each_init(
             || vec![0.0; width],
             |kappa, (y, rows)| {
-                simd.kappa_row(kappa, curvature.trace.row(y), curvature.gain);
-                simd.occlude_row(rows, occlusion.row(y), kappa, mask.row(y), &by);
+                wide!(layers::kappa_row(
+                    kappa,
+                    curvature.trace.row(y),
+                    curvature.gain
+                ));
+                wide!(layers::occlude_row(
+                    rows,
+                    occlusion.row(y),
+                    kappa,
+                    mask.row(y),
+                    &by
+                ));
             },
         );
     color
@@ -204,9 +239,14 @@ impl Scratch {
     }
 
     /// Adds the change of a light by `sigma`: direct, indirect and the colour of both.
-    fn add_changes(&mut self, simd: Simd, light: [ColorRow; 3]) {
+    fn add_changes(&mut self, light: [ColorRow; 3]) {
         for (i, (change, layered)) in self.change.iter_mut().zip(&mut self.layered).enumerate() {
-            simd.add_change_row(change, layered, light.map(|row| row[i]), &self.sigma);
+            wide!(layers::add_change_row(
+                change,
+                layered,
+                light.map(|row| row[i]),
+                &self.sigma
+            ));
         }
     }
 }
@@ -217,7 +257,7 @@ fn changed(
     memory: &Memory,
     add: impl Fn(usize, &mut Scratch) + Sync,
 ) -> ColorPlanes {
-    let (mask, simd) = (&frame.mask, Simd::widest());
+    let mask = &frame.mask;
     let color = frame.color.as_ref().expect("scaling needs a picture");
     let [r, g, b] = [(); 3].map(|()| memory.plane(mask));
     let mut made = ColorPlanes { r, g, b };
@@ -239,7 +279,13 @@ fn changed(
                 add(y, scratch);
                 for (i, out) in rows.into_iter().enumerate() {
                     let (change, layered) = (&scratch.change[i], &scratch.layered[i]);
-                    simd.changed_row(out, from[i], change, layered, mask.row(y));
+                    wide!(layers::changed_row(
+                        out,
+                        from[i],
+                        change,
+                        layered,
+                        mask.row(y)
+                    ));
                 }
             },
         );

@@ -7,13 +7,14 @@
 //! end, so that light in no layer stays unchanged, and so does a picture without changes.
 
 pub(crate) mod cpu;
+#[cfg(test)]
+mod levels;
 pub(crate) mod stage;
 pub(crate) mod terms;
 #[cfg(feature = "cli")]
 pub(crate) mod white_search;
 
 use super::radiance_scaling::{scaled, scaling};
-use crate::kernel::simd::widened;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 /// Largest radiance of a picture; the sum of a few of these, scaled by the largest [`scaling`], is still finite.
@@ -99,10 +100,6 @@ pub(crate) fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32) {
     }
 }
 
-widened! {
-    fn kappa_row(kappa: &mut [f32], trace: &[f32], gain: f32);
-}
-
 /// A row of mapped curvature for light from `l_xy`, from a row of the Hessian [xx, xy, yy].
 #[inline(always)]
 pub(crate) fn kappa_toward_row(
@@ -120,16 +117,6 @@ pub(crate) fn kappa_toward_row(
     }
 }
 
-widened! {
-    fn kappa_toward_row(
-        kappa: &mut [f32],
-        hessian: [&[f32]; 3],
-        l_xy: [f32; 2],
-        gain: f32,
-        anisotropy: f32,
-    );
-}
-
 /// The scaling of a lobe: its intensity is its own light over the white level ([RS] section 5.3).
 #[inline(always)]
 pub(crate) fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling) {
@@ -139,10 +126,6 @@ pub(crate) fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], b
     for x in 0..width {
         sigma[x] = by.sigma(lobe.luminance(x, by.weights), kappa[x]);
     }
-}
-
-widened! {
-    fn lobe_sigma_row(sigma: &mut [f32], lobe: &LobeRow, kappa: &[f32], by: &TermScaling);
 }
 
 /// Adds one direction of a light group to two sums: of positive `n.l`, and of `n.l` scaled.
@@ -166,17 +149,6 @@ pub(crate) fn add_direction_row(
     }
 }
 
-widened! {
-    fn add_direction_row(
-        plain: &mut [f32],
-        scaled: &mut [f32],
-        normal: [&[f32]; 3],
-        to_light: [f32; 3],
-        kappa: &[f32],
-        by: &TermScaling,
-    );
-}
-
 /// The scaling of a light group: the mean over its directions, 1 where all are below the horizon. Shadows are in the
 /// group and not in the directions, so they keep their shape ([RS] section 5.4).
 #[inline(always)]
@@ -187,10 +159,6 @@ pub(crate) fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]) 
         let mean = scaled[x] / plain[x].max(f32::MIN_POSITIVE);
         sigma[x] = if plain[x] > 0.0 { mean } else { 1.0 };
     }
-}
-
-widened! {
-    fn group_sigma_row(sigma: &mut [f32], plain: &[f32], scaled: &[f32]);
 }
 
 /// Adds to one channel of two sums: the change of the radiance `(direct + indirect) * color` by `sigma`, and that
@@ -212,10 +180,6 @@ pub(crate) fn add_change_row(
     }
 }
 
-widened! {
-    fn add_change_row(change: &mut [f32], layered: &mut [f32], light: [&[f32]; 3], sigma: &[f32]);
-}
-
 /// One channel of the picture with the changes applied; its own bits where uncovered or unchanged.
 ///
 /// If layers hold more light than the picture, due to lossy compression or because they belong to another picture, the
@@ -235,10 +199,6 @@ pub(crate) fn changed_row(
         let changed = changed(from[x], change[x], layered[x]);
         out[x] = if covered[x] { changed } else { from[x] };
     }
-}
-
-widened! {
-    fn changed_row(out: &mut [f32], from: &[f32], change: &[f32], layered: &[f32], covered: &[bool]);
 }
 
 /// The channel `c` of a picture after `change`, computed for layers of radiance `layered`: the change is reduced to the
@@ -269,16 +229,6 @@ pub(crate) fn occlude_row(
         let shown = |c: f32| if changes { scaled(c, sigma) } else { c };
         (r[x], g[x], b[x]) = (shown(r[x]), shown(g[x]), shown(b[x]));
     }
-}
-
-widened! {
-    fn occlude_row(
-        color: [&mut [f32]; 3],
-        occlusion: &[f32],
-        kappa: &[f32],
-        covered: &[bool],
-        by: &TermScaling,
-    );
 }
 
 #[cfg(test)]

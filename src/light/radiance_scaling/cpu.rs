@@ -4,8 +4,7 @@ use crate::frame::luminance;
 use crate::frame::{ColorPlanes, Mask, Plane, parallel_rows};
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::ROWS_PER_TASK;
-use crate::kernel::simd::Simd;
-use crate::kernel::simd::widened;
+use crate::kernel::simd::wide;
 use crate::light::radiance_scaling::{scaled, scaling};
 use crate::params::ScalingParams;
 use crate::shape::curvature::mapped_curvature;
@@ -28,7 +27,6 @@ impl Scaler {
         mask: &Mask,
         memory: &Memory,
     ) -> ColorPlanes {
-        let simd = Simd::widest();
         let mut scaled = [(); 3].map(|()| memory.plane(mask));
         parallel_rows(scaled.each_mut())
             .with_min_len(ROWS_PER_TASK)
@@ -43,7 +41,7 @@ impl Scaler {
                 let (trace, covered) = (&trace.row(y)[span.clone()], &mask.row(y)[span.clone()]);
                 let to = to.map(|to| &mut to[span.clone()]);
                 let from = from.map(|from| &from[span.clone()]);
-                simd.scale_row(self, to, from, trace, covered);
+                wide!(scale_row(self, to, from, trace, covered));
             });
         let [r, g, b] = scaled;
         ColorPlanes { r, g, b }
@@ -81,14 +79,4 @@ pub(crate) fn scale_row(
         g[x] = shown(rgb[1]);
         b[x] = shown(rgb[2]);
     }
-}
-
-widened! {
-    fn scale_row(
-        scaler: &Scaler,
-        out: [&mut [f32]; 3],
-        from: [&[f32]; 3],
-        trace: &[f32],
-        covered: &[bool],
-    );
 }

@@ -1,8 +1,9 @@
 //! Curvature of the rows being lit, computed where it is used: planes of it would be written and read once each.
 
 use crate::frame::{Frame, Plane, Vector2Planes};
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
 use crate::shape::Rows;
+use crate::shape::hessian;
 
 /// The source of curvature: the required part of the Hessian, or that part precomputed.
 pub(crate) enum Curvature<'a> {
@@ -35,13 +36,7 @@ impl CurvatureRow {
     }
 
     /// Computes row `y`.
-    pub(crate) fn make<'a>(
-        &mut self,
-        curvature: &Curvature<'a>,
-        frame: &Frame,
-        y: usize,
-        simd: Simd,
-    ) {
+    pub(crate) fn make<'a>(&mut self, curvature: &Curvature<'a>, frame: &Frame, y: usize) {
         let columns = frame.mask.span(y);
         if columns.is_empty() {
             return;
@@ -58,12 +53,18 @@ impl CurvatureRow {
         let factor = match curvature {
             Curvature::Hessian(slopes) => {
                 let [gx, gy, c] = &around(slopes);
-                simd.hessian_row([first, second, third], gx, gy, c, columns.clone());
+                wide!(hessian::hessian_row(
+                    [first, second, third],
+                    gx,
+                    gy,
+                    c,
+                    columns.clone()
+                ));
                 slopes.factor
             }
             Curvature::Trace(slopes) => {
                 let [gx, gy, c] = &around(slopes);
-                simd.trace_row(first, gx, gy, c, columns.clone());
+                wide!(hessian::trace_row(first, gx, gy, c, columns.clone()));
                 slopes.factor
             }
             Curvature::Made(trace) => {

@@ -24,7 +24,7 @@ use crate::engine::cpu::run::Run;
 use crate::engine::outcome::Shape;
 use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
 use crate::kernel::memory::Memory;
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::{Batch, RowShape};
@@ -191,7 +191,10 @@ fn eye_directions(frame: &Frame) -> Option<[Vec<f32>; 2]> {
 fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorPlanes {
     let mask = scene.lit;
     let width = mask.width();
-    let simd = Simd::widest();
+    let light = |batch: &mut Batch, rows: &mut [&mut [f32]; 3], first| {
+        wide!(|fma| shade::light_batch(fma, batch, scene));
+        batch.scatter(rows, first, width);
+    };
     let is_in_place = normals.is_some();
     let mut planes = match normals {
         Some(Vector3Planes { x, y, z }) => [x, y, z],
@@ -215,7 +218,7 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
             let count = rows[0].len() / width;
             for y in (first..first + count).take_while(|_| !memory.is_cancelled()) {
                 if let Some(made_of) = &scene.curvature {
-                    curvature.make(made_of, scene.frame, y, simd);
+                    curvature.make(made_of, scene.frame, y);
                 }
                 if is_in_place {
                     let of_row = (y - first) * width..(y - first + 1) * width;
@@ -230,16 +233,10 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
                     curvature,
                 };
                 for run in mask.runs(y) {
-                    batch.take_run(scene, shape, y, run, |batch| {
-                        simd.light_batch(batch, scene);
-                        batch.scatter(&mut rows, first, width);
-                    });
+                    batch.take_run(scene, shape, y, run, |batch| light(batch, &mut rows, first));
                 }
             }
-            batch.finish(|batch| {
-                simd.light_batch(batch, scene);
-                batch.scatter(&mut rows, first, width);
-            });
+            batch.finish(|batch| light(batch, &mut rows, first));
         },
     );
     let [r, g, b] = planes;

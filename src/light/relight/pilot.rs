@@ -7,7 +7,7 @@
 
 use crate::frame::luminance;
 use crate::kernel::quantile::quantile;
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::brdf::{Lobes, mirrored};
 use crate::light::cosines::{at_most_1, positive};
@@ -261,7 +261,8 @@ impl Pilot {
         samples: Option<&FilteredSamples>,
     ) -> Sums {
         let lights = Directed::all(lights);
-        Simd::widest().light_ball(&self.pixels, &mut self.sum, shading, &lights, samples);
+        let (pixels, sum) = (&self.pixels, &mut self.sum);
+        wide!(|fma| light_ball(fma, pixels, sum, shading, &lights, samples));
         self.sum.sums.clone()
     }
 
@@ -316,7 +317,8 @@ impl Pilot {
 
 /// Lights the ball.
 #[inline(always)]
-fn light_ball<const HAS_FMA: bool>(
+fn light_ball(
+    fma: bool,
     pixels: &Pixels,
     sum: &mut LightSum,
     shading: &Shading,
@@ -324,19 +326,9 @@ fn light_ball<const HAS_FMA: bool>(
     samples: Option<&FilteredSamples>,
 ) {
     sum.clear();
-    sum.add_directed::<HAS_FMA>(pixels, shading, lights);
+    sum.add_directed(fma, pixels, shading, lights);
     sum.finish(pixels, shading);
     if let Some(samples) = samples {
         samples.add(pixels, sum, shading);
     }
-}
-
-widened! {
-    fn light_ball[has_fma](
-        pixels: &Pixels,
-        sum: &mut LightSum,
-        shading: &Shading,
-        lights: &[Directed],
-        samples: Option<&FilteredSamples>,
-    );
 }

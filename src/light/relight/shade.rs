@@ -2,7 +2,6 @@
 //! machine.
 
 use crate::frame::Gloss;
-use crate::kernel::simd::widened;
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
 use crate::light::brdf::Lobes;
@@ -28,15 +27,11 @@ const WORTH_A_BOX: usize = 4;
 
 /// Lights the pixels of a batch.
 #[inline(always)]
-pub(crate) fn light_batch<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn light_batch(fma: bool, batch: &mut Batch, scene: &Scene) {
     prepare(batch, scene);
     batch.sum.clear();
-    add_lights::<HAS_FMA>(batch, scene);
+    add_lights(fma, batch, scene);
     compose(batch, scene);
-}
-
-widened! {
-    fn light_batch[has_fma](batch: &mut Batch, scene: &Scene);
 }
 
 /// Prepares the light-independent state of the pixels.
@@ -190,12 +185,12 @@ fn normalise_eyes(batch: &mut Batch) {
 
 /// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
-fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
+fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     if scene.relighting.gloss {
         batch.gloss.sums = Sums::NONE;
     }
     if let Some(shading) = &scene.mirror_shading {
-        add_lamps::<HAS_FMA>(batch, scene, shading);
+        add_lamps(fma, batch, scene, shading);
         std::mem::swap(&mut batch.gloss.sums, &mut batch.sum.sums);
     }
     let Some(shading) = &scene.shading else {
@@ -205,7 +200,7 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     let sampled = scene.around.sampled();
     let base = sampled.map(|_| &scene.base_lights[..]);
     let Batch { pixels, sum, .. } = batch;
-    sum.add_around::<HAS_FMA>(pixels, shading, (&scene.around_lights, base));
+    sum.add_around(fma, pixels, shading, (&scene.around_lights, base));
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
@@ -225,7 +220,7 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
     if scene.frame.light.occlusion.is_some() {
         batch.sum.dim(&batch.occlusion);
     }
-    add_lamps::<HAS_FMA>(batch, scene, shading);
+    add_lamps(fma, batch, scene, shading);
     if let Some(sampled) = sampled {
         sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
     }
@@ -233,10 +228,10 @@ fn add_lights<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene) {
 
 /// Adds lights far away and near, and completes the sum.
 #[inline(always)]
-fn add_lamps<const HAS_FMA: bool>(batch: &mut Batch, scene: &Scene, shading: &Shading) {
+fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
     batch
         .sum
-        .add_directed::<HAS_FMA>(&batch.pixels, shading, &scene.lights);
+        .add_directed(fma, &batch.pixels, shading, &scene.lights);
     for point in scene.points {
         approach(batch, point.position.to_array());
         let Batch {

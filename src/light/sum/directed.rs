@@ -94,8 +94,9 @@ impl GroupLobes {
     /// Adds the light reflected from a group. `everywhere` says that all its lights are known to be above the surface
     /// everywhere.
     #[inline(always)]
-    pub(super) fn add<const HAS_FMA: bool>(
+    pub(super) fn add(
         self,
+        fma: bool,
         sums: &mut Sums,
         terms: &mut [Terms; GROUP],
         pixels: &Pixels,
@@ -103,30 +104,31 @@ impl GroupLobes {
     ) {
         match self.highlight {
             None => {
-                self.arrive::<HAS_FMA, false>(terms, pixels, (lights, everywhere));
-                self.sum::<HAS_FMA, false>(sums, terms, lights);
+                self.arrive::<false>(fma, terms, pixels, (lights, everywhere));
+                self.sum::<false>(fma, sums, terms, lights);
             }
             Some(power) => {
-                self.arrive::<HAS_FMA, true>(terms, pixels, (lights, everywhere));
+                self.arrive::<true>(fma, terms, pixels, (lights, everywhere));
                 for terms in terms.iter_mut() {
                     power.raise(&mut terms.specular);
                 }
-                self.sum::<HAS_FMA, true>(sums, terms, lights);
+                self.sum::<true>(fma, sums, terms, lights);
             }
         }
     }
 
     /// Computes the diffuse terms, and as specular ones the square of n . h if there is a highlight.
     #[inline(always)]
-    fn arrive<const HAS_FMA: bool, const GLOSSY: bool>(
+    fn arrive<const GLOSSY: bool>(
         self,
+        fma: bool,
         terms: &mut [Terms; GROUP],
         pixels: &Pixels,
         (lights, everywhere): (&[Directed; GROUP], bool),
     ) {
         match (self.warped, everywhere) {
-            (true, true) => unwarp::<HAS_FMA, GLOSSY>(terms, pixels, lights, |_, _| f32::MAX),
-            (true, false) => unwarp::<HAS_FMA, GLOSSY>(terms, pixels, lights, |normal, light| {
+            (true, true) => unwarp::<GLOSSY>(fma, terms, pixels, lights, |_, _| f32::MAX),
+            (true, false) => unwarp::<GLOSSY>(fma, terms, pixels, lights, |normal, light| {
                 scalar_product(normal, light.most)
             }),
             (false, _) => {
@@ -145,8 +147,9 @@ impl GroupLobes {
 
     /// Adds the terms in the order of the lights.
     #[inline(always)]
-    fn sum<const HAS_FMA: bool, const GLOSSY: bool>(
+    fn sum<const GLOSSY: bool>(
         self,
+        fma: bool,
         sums: &mut Sums,
         terms: &[Terms; GROUP],
         lights: &[Directed; GROUP],
@@ -165,12 +168,12 @@ impl GroupLobes {
             for (terms, color) in terms.iter().zip(&colors) {
                 let light = terms.diffuse[i];
                 for k in 0..3 {
-                    diffuse[k] = multiply_add::<HAS_FMA>(light, color[k], diffuse[k]);
+                    diffuse[k] = multiply_add(fma, light, color[k], diffuse[k]);
                 }
                 if GLOSSY {
                     let light = light * terms.specular[i];
                     for k in 0..3 {
-                        specular[k] = multiply_add::<HAS_FMA>(light, color[k], specular[k]);
+                        specular[k] = multiply_add(fma, light, color[k], specular[k]);
                     }
                 }
             }
@@ -186,7 +189,8 @@ impl GroupLobes {
 
 /// [`GroupLobes::arrive`] with light directions unwarped, where `most` bounds the cosine.
 #[inline(always)]
-fn unwarp<const HAS_FMA: bool, const GLOSSY: bool>(
+fn unwarp<const GLOSSY: bool>(
+    fma: bool,
     terms: &mut [Terms; GROUP],
     pixels: &Pixels,
     lights: &[Directed; GROUP],
@@ -211,7 +215,7 @@ fn unwarp<const HAS_FMA: bool, const GLOSSY: bool>(
                 cosine,
                 lobe,
                 ..
-            } = arrive_unwarped::<HAS_FMA>(&half, 1.0, (normal, unwarped), squared, most);
+            } = arrive_unwarped(fma, &half, 1.0, (normal, unwarped), squared, most);
             terms.diffuse[i] = weight * positive(cosine);
             if GLOSSY {
                 terms.specular[i] = lobe;
@@ -277,8 +281,8 @@ mod tests {
         for warped in [false, true] {
             let shading = shading(Lobes::BlinnPhong { power, far: true }, warped);
             let [mut fused, mut separate] = [LightSum::new(), LightSum::new()];
-            fused.add_directed::<true>(&pixels, &shading, &lights);
-            separate.add_directed::<false>(&pixels, &shading, &lights);
+            fused.add_directed(true, &pixels, &shading, &lights);
+            separate.add_directed(false, &pixels, &shading, &lights);
             let [fused, separate] = [fused.sums, separate.sums].map(|sums| {
                 let both = [sums.diffuse, sums.specular];
                 both.map(|light| light.as_flattened().to_vec())
@@ -313,9 +317,9 @@ mod tests {
         {
             for count in 1..=lights.len() {
                 let [mut together, mut apart] = [LightSum::new(), LightSum::new()];
-                together.add_directed::<true>(&pixels, &shading, &lights[..count]);
+                together.add_directed(true, &pixels, &shading, &lights[..count]);
                 for light in &lights[..count] {
-                    apart.add_directed::<true>(&pixels, &shading, std::slice::from_ref(light));
+                    apart.add_directed(true, &pixels, &shading, std::slice::from_ref(light));
                 }
                 assert_eq!(together.sums.diffuse, apart.sums.diffuse, "{shading:?}");
                 assert_eq!(together.sums.specular, apart.sums.specular, "{shading:?}");
@@ -339,7 +343,7 @@ mod tests {
             power: Exponent::Integer(1),
         };
         let mut sum = LightSum::new();
-        sum.add_directed::<false>(&pixels, &shading(lobes, true), &[light(-Vec3::Z)]);
+        sum.add_directed(false, &pixels, &shading(lobes, true), &[light(-Vec3::Z)]);
         for i in 0..BATCH {
             let error = sum.sums.diffuse[1][i] - angle(i).cos();
             assert!(error.abs() < 5e-6, "{error} at {}", angle(i));

@@ -103,8 +103,9 @@ impl LightSum {
 
     /// Adds lights of one direction each.
     #[inline(always)]
-    pub(crate) fn add_directed<const HAS_FMA: bool>(
+    pub(crate) fn add_directed(
         &mut self,
+        fma: bool,
         pixels: &Pixels,
         shading: &Shading,
         lights: &[Directed],
@@ -130,19 +131,14 @@ impl LightSum {
                 if count == 0 {
                     break;
                 }
-                self.add_group::<HAS_FMA>(pixels, shading, &above[..count]);
+                self.add_group(fma, pixels, shading, &above[..count]);
             }
         }
     }
 
     /// Adds the first lights of the group, as many as `above` has entries.
     #[inline(always)]
-    fn add_group<const HAS_FMA: bool>(
-        &mut self,
-        pixels: &Pixels,
-        shading: &Shading,
-        above: &[Above],
-    ) {
+    fn add_group(&mut self, fma: bool, pixels: &Pixels, shading: &Shading, above: &[Above]) {
         let Self {
             sums,
             group,
@@ -152,7 +148,7 @@ impl LightSum {
         if let Some(lobes) = shading.group_lobes() {
             group[above.len()..].fill(Directed::none());
             let everywhere = above.iter().all(|&above| above == Above::Everywhere);
-            lobes.add::<HAS_FMA>(sums, terms, pixels, (group, everywhere));
+            lobes.add(fma, sums, terms, pixels, (group, everywhere));
             return;
         }
         for ((light, above), terms) in group.iter().zip(above).zip(&mut *terms) {
@@ -229,16 +225,17 @@ impl LightSum {
     /// Adds lights that stand for an environment before any others; with `base` they make its highlights alone, and those of
     /// `base` its diffuse light.
     #[inline(always)]
-    pub(crate) fn add_around<const HAS_FMA: bool>(
+    pub(crate) fn add_around(
         &mut self,
+        fma: bool,
         pixels: &Pixels,
         shading: &Shading,
         (lights, base): (&[Directed], Option<&[Directed]>),
     ) {
-        self.add_directed::<HAS_FMA>(pixels, shading, lights);
+        self.add_directed(fma, pixels, shading, lights);
         if let Some(base) = base {
             self.sums.diffuse = Sums::NONE.diffuse;
-            self.add_directed::<HAS_FMA>(pixels, &shading.diffuse(), base);
+            self.add_directed(fma, pixels, &shading.diffuse(), base);
         }
     }
 

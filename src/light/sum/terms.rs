@@ -97,7 +97,8 @@ pub(crate) struct Unwarped {
 ///
 /// For a half vector that is not of length 1, the weight lacks the fourth power of its length.
 #[inline(always)]
-pub(crate) fn arrive_unwarped<const HAS_FMA: bool>(
+pub(crate) fn arrive_unwarped(
+    fma: bool,
     half: &HalfVector,
     share: f32,
     (n, g): ([f32; 3], [f32; 2]),
@@ -105,14 +106,14 @@ pub(crate) fn arrive_unwarped<const HAS_FMA: bool>(
     most: f32,
 ) -> Unwarped {
     let ([x, y, z], [zz, xx, xy, yy]) = (half.vector, half.products);
-    let length = multiply_add::<HAS_FMA>(squared[0], xx, zz);
-    let length = multiply_add::<HAS_FMA>(squared[1], xy, length);
-    let length = multiply_add::<HAS_FMA>(squared[2], yy, length);
+    let length = multiply_add(fma, squared[0], xx, zz);
+    let length = multiply_add(fma, squared[1], xy, length);
+    let length = multiply_add(fma, squared[2], yy, length);
     let inverse = 1.0 / length;
-    let along = multiply_add::<HAS_FMA>(g[1], y, g[0] * x);
-    let along = multiply_add::<HAS_FMA>(n[2], z, along);
+    let along = multiply_add(fma, g[1], y, g[0] * x);
+    let along = multiply_add(fma, n[2], z, along);
     let part = along * inverse;
-    let cosine = multiply_add::<HAS_FMA>(2.0 * z, part, -n[2]);
+    let cosine = multiply_add(fma, 2.0 * z, part, -n[2]);
     Unwarped {
         weight: share * (inverse * inverse),
         cosine: if cosine < most { cosine } else { most },
@@ -203,7 +204,7 @@ fn each_below<D, H, S>(
         let half = HalfVector::of((light.half)(i));
         each(
             i,
-            arrive_unwarped::<false>(&half, share, (n, g), squared, most),
+            arrive_unwarped(false, &half, share, (n, g), squared, most),
         );
     }
 }

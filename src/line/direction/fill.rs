@@ -2,7 +2,7 @@
 
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::kernel::rows::ROWS_PER_TASK;
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::line::direction_field::setting::REST_REACH_PX;
 use crate::shape::conductance::face_conductance;
@@ -85,20 +85,18 @@ pub(crate) fn fill_rest(
 }
 
 /// Appends the covered pixels of row `y` whose direction is 0.
-pub(crate) fn lacking_of_row(
-    found: &mut Vec<Pixel>,
-    mask: &Mask,
-    y: usize,
-    [tx, ty]: [&[f32]; 2],
-    simd: Simd,
-) {
+pub(crate) fn lacking_of_row(found: &mut Vec<Pixel>, mask: &Mask, y: usize, [tx, ty]: [&[f32]; 2]) {
     let (covered, span) = (mask.row(y), mask.span(y));
     let mut lacking = [0; SCANNED];
     for start in span.clone().step_by(SCANNED) {
         let part = start..(start + SCANNED).min(span.end);
         let rows = [&tx[part.clone()], &ty[part.clone()]];
         lacking[part.len()..].fill(0);
-        simd.lacking_in_row(&mut lacking[..part.len()], rows, &covered[part]);
+        wide!(lacking_in_row(
+            &mut lacking[..part.len()],
+            rows,
+            &covered[part]
+        ));
         let words = lacking.as_chunks::<8>().0.iter().enumerate();
         for (i, word) in words {
             let mut left = u64::from_le_bytes(*word);
@@ -114,15 +112,11 @@ pub(crate) fn lacking_of_row(
 
 /// 1 for each covered pixel whose direction is 0, 0 for the others.
 #[inline(always)]
-fn lacking_in_row(lacking: &mut [u8], [tx, ty]: [&[f32]; 2], covered: &[bool]) {
+pub(crate) fn lacking_in_row(lacking: &mut [u8], [tx, ty]: [&[f32]; 2], covered: &[bool]) {
     let directions = tx.iter().zip(ty).zip(covered);
     for (lacks, ((&tx, &ty), &is_covered)) in lacking.iter_mut().zip(directions) {
         *lacks = u8::from((tx == 0.0) & (ty == 0.0) & is_covered);
     }
-}
-
-widened! {
-    fn lacking_in_row(lacking: &mut [u8], directions: [&[f32]; 2], covered: &[bool]);
 }
 
 /// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
@@ -160,14 +154,13 @@ impl Field<'_> {
 
     /// The covered pixels whose direction is 0, in order.
     fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
-        let simd = Simd::widest();
         let rows: Vec<Vec<Pixel>> = (0..mask.height())
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|y| {
                 let row = [&self.directions.x, &self.directions.y].map(|plane| plane.row(y));
                 let mut found = Vec::new();
-                lacking_of_row(&mut found, mask, y, row, simd);
+                lacking_of_row(&mut found, mask, y, row);
                 found
             })
             .collect();

@@ -2,8 +2,9 @@
 
 use crate::frame::{Mask, Vector2Planes};
 use crate::kernel::memory::Memory;
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::line::direction::fill::{Pixel, lacking_of_row};
+use crate::line::direction_field;
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -42,11 +43,10 @@ impl<const N: usize> BetweenPatches<'_, N> {
             })
         };
         let bands: Vec<Band<N>> = (0..grid.rows).map(|_| next()).collect();
-        let simd = Simd::widest();
         let lacking: Vec<[Vec<Pixel>; N]> = bands
             .into_par_iter()
             .enumerate()
-            .map(|(row, band)| self.fill_band(row, band, &is_clear, simd))
+            .map(|(row, band)| self.fill_band(row, band, &is_clear))
             .collect();
         let lacking = std::array::from_fn(|field| {
             let rows = lacking.iter().flat_map(|lacking| &lacking[field]);
@@ -56,19 +56,13 @@ impl<const N: usize> BetweenPatches<'_, N> {
     }
 
     /// The directions in a row of cells, all 0 before where they are `clear`, and the covered pixels without one.
-    fn fill_band(
-        &self,
-        row: usize,
-        mut band: Band<N>,
-        clear: &[[bool; 2]; N],
-        simd: Simd,
-    ) -> [Vec<Pixel>; N] {
+    fn fill_band(&self, row: usize, mut band: Band<N>, clear: &[[bool; 2]; N]) -> [Vec<Pixel>; N] {
         let Patches { grid, .. } = self.patches;
         let mut from = 0;
         for run in self.regular_runs(row) {
             self.fill_cells(from..run.start, row, &mut band, clear);
             from = run.end;
-            self.fill_regular(run, row, simd, &mut band);
+            self.fill_regular(run, row, &mut band);
         }
         self.fill_cells(from..grid.columns, row, &mut band, clear);
         let width = self.mask.width();
@@ -77,8 +71,11 @@ impl<const N: usize> BetweenPatches<'_, N> {
             let rows = x.chunks_mut(width).zip(y.chunks_mut(width));
             for (py, (x, y)) in grid.y_pixels(row).zip(rows) {
                 let span = self.mask.span(py);
-                simd.halve_row(&mut x[span.clone()], &mut y[span]);
-                lacking_of_row(&mut lacking, self.mask, py, [x, y], simd);
+                wide!(direction_field::halve_row(
+                    &mut x[span.clone()],
+                    &mut y[span]
+                ));
+                lacking_of_row(&mut lacking, self.mask, py, [x, y]);
             }
             lacking
         })
@@ -107,7 +104,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
     }
 
     /// The pixels of a regular run of cells, in the rows of their band.
-    fn fill_regular(&self, run: Range<usize>, row: usize, simd: Simd, band: &mut Band<N>) {
+    fn fill_regular(&self, run: Range<usize>, row: usize, band: &mut Band<N>) {
         let Patches { grid, .. } = self.patches;
         let Some(places) = grid.four_across() else {
             return;
@@ -127,7 +124,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
                 let rows = field.each_mut();
                 rows.map(|row| &mut row[pixels.clone()])
             });
-            simd.spread_row(&mut out, own, beside, down, &places);
+            wide!(spread_row(&mut out, own, beside, down, &places));
         }
     }
 
@@ -229,7 +226,7 @@ impl<const N: usize> BetweenPatches<'_, N> {
 /// A row of pixels in whole cells of four, between the directions of these cells, one more at both ends, and of those
 /// `beside` them, above or below; `down` is the place of the row in its cells, and `places` are those of the columns.
 #[inline(always)]
-fn spread_row<const N: usize>(
+pub(crate) fn spread_row<const N: usize>(
     out: &mut [[&mut [f32]; 2]; N],
     own: &[[[f32; 2]; N]],
     beside: &[[[f32; 2]; N]],
@@ -254,14 +251,4 @@ fn spread_row<const N: usize>(
             (left, here) = (here, right);
         }
     }
-}
-
-widened! {
-    fn spread_row<N>(
-        out: &mut [[&mut [f32]; 2]; N],
-        own: &[[[f32; 2]; N]],
-        beside: &[[[f32; 2]; N]],
-        down: f32,
-        places: &[f32; 4],
-    );
 }

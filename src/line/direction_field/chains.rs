@@ -1,6 +1,7 @@
 //! Chains: patches in a line, each continuing in the next. Averages are taken along them.
 
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
+use crate::line::direction_field;
 use crate::line::direction_field::Weighted;
 use crate::line::direction_field::patches::{Links, NONE, Patches};
 use rayon::prelude::*;
@@ -120,7 +121,6 @@ impl CrossKernel {
         reach: &[f32],
         passes: u32,
     ) {
-        let simd = Simd::widest();
         let mut down = vec![[[0.0; 4]; N]; values.len()];
         for _ in 0..passes {
             let tasks = self.down.parts(&mut down);
@@ -128,7 +128,12 @@ impl CrossKernel {
                 for range in task {
                     let (own, after) = part.split_at_mut(range.len());
                     chain.take(&self.down.order[range.clone()], values, 0, reach);
-                    simd.sums_along(own, &chain.values, &chain.reach, &mut chain.scratch);
+                    wide!(direction_field::sums_along(
+                        own,
+                        &chain.values,
+                        &chain.reach,
+                        &mut chain.scratch
+                    ));
                     part = after;
                 }
             });
@@ -148,7 +153,12 @@ impl CrossKernel {
                         false => (&chain.values[..], &chain.reach[..]),
                     };
                     chain.sums.resize(range.len(), [[0.0; 4]; N]);
-                    simd.sums_along(&mut chain.sums, own, own_reach, &mut chain.scratch);
+                    wide!(direction_field::sums_along(
+                        &mut chain.sums,
+                        own,
+                        own_reach,
+                        &mut chain.scratch
+                    ));
                     for (&i, a) in members.iter().zip(&chain.sums) {
                         let b = &down[self.place[i as usize] as usize];
                         let own = part[i as usize - first];

@@ -4,11 +4,12 @@
 use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
 use crate::line::direction_field::directions::{self, Averaged, Source};
+use crate::line::direction_field::forms;
 use crate::line::direction_field::forms::{LANES, Lanes, Neighbourhoods, PatchSource, Tensors};
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
@@ -140,7 +141,7 @@ impl<'a> Field<'a> {
 
     /// The curvature of every patch, per pixel, averaged nearby.
     fn forms(&self, cross: &CrossKernel, lines: &[[f64; 2]]) -> Vec<[Weighted; 1]> {
-        let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
+        let (all, sight) = (&self.patches.all, &self.setting.sight);
         let source = PatchSource {
             is_perspective: sight.is_perspective(),
             step_px: self.params.cell_px.into(),
@@ -156,7 +157,7 @@ impl<'a> Field<'a> {
                         let patch = task * PATCHES_PER_TASK + i * LANES + lane;
                         self.look_around(around, lane, patch, lines);
                     }
-                    simd.patch_tensors(found, around, &source);
+                    wide!(forms::patch_tensors(found, around, &source));
                     for (lane, [form]) in forms.iter_mut().enumerate() {
                         *form = [found.x[lane], found.y[lane], found.mean[lane], 1.0];
                     }
@@ -205,7 +206,7 @@ impl<'a> Field<'a> {
         lines: &[[f64; 2]],
         families: [usize; N],
     ) -> Vec<[Weighted; N]> {
-        let (all, sight, simd) = (&self.patches.all, &self.setting.sight, Simd::widest());
+        let (all, sight) = (&self.patches.all, &self.setting.sight);
         let source = Source {
             is_perspective: sight.is_perspective(),
             pixel_shape: sight.pixel_shape(),
@@ -224,7 +225,7 @@ impl<'a> Field<'a> {
                     for (lane, ((patch, line), form)) in own.zip(&forms[these]).enumerate() {
                         self.take(patches, lane, patch, line, form);
                     }
-                    simd.patch_directions(found, patches, &source);
+                    wide!(directions::patch_directions(found, patches, &source));
                     for (lane, doubled) in doubled.iter_mut().enumerate() {
                         for (doubled, [x, y, sure]) in doubled.iter_mut().zip(&*found) {
                             *doubled = [x[lane], y[lane], sure[lane], 1.0];
@@ -276,7 +277,6 @@ impl<'a> Field<'a> {
         }
         let mut around = found.clone();
         cross.average(&mut around, &reach, SURROUNDING_PASSES);
-        let simd = Simd::widest();
         let mut calmed = vec![[[0.0; 2]; N]; found.len()];
         let parts = calmed.par_chunks_mut(LANES).with_min_len(BUNDLES_PER_TASK);
         let pairs = found.par_chunks(LANES).zip(around.par_chunks(LANES));
@@ -291,7 +291,7 @@ impl<'a> Field<'a> {
                         to[lane] = from;
                     }
                 }
-                simd.calm_patches(&mut out, &averaged);
+                wide!(directions::calm_patches(&mut out, &averaged));
                 for (lane, calmed) in calmed.iter_mut().enumerate() {
                     calmed[order] = [out[0][lane], out[1][lane]];
                 }
@@ -329,7 +329,6 @@ impl<'a> Field<'a> {
 
     /// Adds the fallback, and makes everything unit; specks become 0.
     fn settle<const N: usize>(&self, doubled_directions: &mut [[[f32; 2]; N]]) {
-        let simd = Simd::widest();
         let settle = |(bundle, settled): (usize, &mut [[[f32; 2]; N]])| {
             let first = bundle * LANES;
             for order in 0..N {
@@ -340,7 +339,7 @@ impl<'a> Field<'a> {
                     [directions[0][lane], directions[1][lane]] = settled[order];
                     (fallback[0][lane], fallback[1][lane]) = (last.x, last.y);
                 }
-                simd.settle_patches(&mut directions, &fallback);
+                wide!(directions::settle_patches(&mut directions, &fallback));
                 for (lane, settled) in settled.iter_mut().enumerate() {
                     settled[order] = [directions[0][lane], directions[1][lane]];
                 }

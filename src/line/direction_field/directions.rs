@@ -1,7 +1,6 @@
 //! Directions of patches by their curvature, lane by lane.
 
 use crate::frame::{direction_seen, line_of};
-use crate::kernel::simd::widened;
 use crate::line::direction_field::forms::LANES;
 use crate::line::direction_field::setting::{FACING, FALLBACK, FREE};
 use crate::line::direction_field::{CurvatureTensor, calm, doubled};
@@ -56,14 +55,6 @@ pub(crate) fn patch_directions<const N: usize>(
         true => directions_by::<N, true>(out, patches, source),
         false => directions_by::<N, false>(out, patches, source),
     }
-}
-
-widened! {
-    fn patch_directions<N>(
-        out: &mut Directions<N>,
-        patches: &Lanes<N>,
-        source: &Source<N>,
-    );
 }
 
 #[inline(always)]
@@ -143,9 +134,4 @@ pub(crate) fn settle_patches(directions: &mut [[f32; LANES]; 2], fallback: &[[f3
         directions[0][lane] = if has_length { x * over_length } else { last.x };
         directions[1][lane] = if has_length { y * over_length } else { last.y };
     }
-}
-
-widened! {
-    fn calm_patches(out: &mut [[f32; LANES]; 2], averaged: &Averaged);
-    fn settle_patches(directions: &mut [[f32; LANES]; 2], fallback: &[[f32; LANES]; 2]);
 }

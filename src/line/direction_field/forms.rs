@@ -1,7 +1,6 @@
 //! Tensors of curvature of patches, lane by lane.
 
 use crate::frame::{line_of, step_by_normals};
-use crate::kernel::simd::widened;
 use crate::line::normal_rays::{Local, NormalRay, Sides, Slopes, upright};
 use glam::DVec3;
 
@@ -86,10 +85,6 @@ pub(crate) fn patch_tensors(out: &mut Tensors, around: &Neighbourhoods, source: 
         true => tensors_by::<true>(out, around, source),
         false => tensors_by::<false>(out, around, source),
     }
-}
-
-widened! {
-    fn patch_tensors(out: &mut Tensors, around: &Neighbourhoods, source: &PatchSource);
 }
 
 #[inline(always)]

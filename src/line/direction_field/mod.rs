@@ -18,7 +18,6 @@ pub(crate) mod patches;
 pub(crate) mod setting;
 pub(crate) mod stage;
 
-use crate::kernel::simd::widened;
 use glam::{DVec2, Vec2};
 use std::ops::Range;
 
@@ -58,10 +57,6 @@ pub(crate) fn halve_row(x: &mut [f32], y: &mut [f32]) {
     for (x, y) in x.iter_mut().zip(y) {
         [*x, *y] = halved([*x, *y]);
     }
-}
-
-widened! {
-    fn halve_row(x: &mut [f32], y: &mut [f32]);
 }
 
 /// Largest ratio of the difference of the curvatures to their sum on a round surface: a ball's mesh is no rounder.
@@ -199,15 +194,6 @@ pub(crate) fn sums_along<const N: usize>(
             }
         }
     }
-}
-
-widened! {
-    fn sums_along<N>(
-        sums: &mut [[Weighted; N]],
-        chain: &[[Weighted; N]],
-        reach: &[f32],
-        scratch: &mut Vec<[[f64; 4]; N]>,
-    );
 }
 
 #[cfg(test)]

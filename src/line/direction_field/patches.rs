@@ -1,7 +1,7 @@
 //! The patches of a frame: its surfaces cell by cell, each linked to its continuations.
 
 use crate::frame::{Frame, Plane};
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::line::direction_field::setting::OPEN;
 use crate::line::patches::{MAX_CELL_PX, NO_PATCH, joined, label_cell};
 use glam::{DVec2, DVec3};
@@ -310,8 +310,7 @@ impl RowOfCells<'_> {
         let mut own = [NO_PATCH; MAX_CELL_PX * MAX_CELL_PX];
         let mut counts = Vec::with_capacity(self.grid.columns);
         let mut patches = Vec::with_capacity(self.grid.columns);
-        let simd = Simd::widest();
-        let counts_open = self.open_across(&ys, simd);
+        let counts_open = self.open_across(&ys);
         let open_in = |column: usize| {
             let columns = &counts_open[self.grid.x_pixels(column)];
             columns
@@ -323,7 +322,7 @@ impl RowOfCells<'_> {
         let first_open = counts_open.iter().position(is_open);
         let middles = first_open.and_then(|first| {
             let last = counts_open.iter().rposition(is_open).unwrap_or(first);
-            self.middles(first..last + 1, &ys, simd)
+            self.middles(first..last + 1, &ys)
         });
         let mut columns = 0..self.grid.columns;
         while let Some(column) = columns.next() {
@@ -367,16 +366,16 @@ impl RowOfCells<'_> {
     }
 
     /// The number of open pixels of each column of pixels within the row of cells.
-    fn open_across(&self, ys: &Range<usize>, simd: Simd) -> Vec<u8> {
+    fn open_across(&self, ys: &Range<usize>) -> Vec<u8> {
         let mut counts = vec![0; self.grid.size[0]];
         for y in ys.clone() {
-            simd.count_open_row(&mut counts, self.conductance.row(y));
+            wide!(count_open_row(&mut counts, self.conductance.row(y)));
         }
         counts
     }
 
     /// The middles of all cells of four pixels that are inside a range of columns, open or not; `None` of others.
-    fn middles(&self, xs: Range<usize>, ys: &Range<usize>, simd: Simd) -> Option<Middles> {
+    fn middles(&self, xs: Range<usize>, ys: &Range<usize>) -> Option<Middles> {
         self.grid.four_across().filter(|_| ys.len() == 4)?;
         let from = (xs.start + self.grid.cut[0]).next_multiple_of(4) - self.grid.cut[0];
         let count = xs.end.checked_sub(from)? / 4;
@@ -390,10 +389,10 @@ impl RowOfCells<'_> {
         let n = &self.frame.normal;
         let normals = [&n.x, &n.y, &n.z].map(rows);
         let [x, y, z] = &mut found.normals;
-        simd.middle_normals([x, y, z], normals);
+        wide!(middle_normals([x, y, z], normals));
         if let Some(depth) = &self.frame.depth {
             found.depths = blank();
-            simd.middle_sums(&mut found.depths, rows(depth));
+            wide!(middle_sums(&mut found.depths, rows(depth)));
         }
         Some(found)
     }
@@ -442,7 +441,7 @@ fn middle_rows<'a>(plane: &'a Plane, ys: &Range<usize>, xs: Range<usize>) -> [&'
 
 /// Adds 1 to the count of every open pixel.
 #[inline(always)]
-fn count_open_row(counts: &mut [u8], conductance: &[f32]) {
+pub(crate) fn count_open_row(counts: &mut [u8], conductance: &[f32]) {
     for (count, &c) in counts.iter_mut().zip(conductance) {
         *count += u8::from(c > OPEN);
     }
@@ -450,7 +449,7 @@ fn count_open_row(counts: &mut [u8], conductance: &[f32]) {
 
 /// Sums over the four pixels in the middle of each cell of a row, given its middle rows.
 #[inline(always)]
-fn middle_sums(sums: &mut [f64], [upper, lower]: [&[[f32; 4]]; 2]) {
+pub(crate) fn middle_sums(sums: &mut [f64], [upper, lower]: [&[[f32; 4]]; 2]) {
     for ((sum, upper), lower) in sums.iter_mut().zip(upper).zip(lower) {
         *sum = middle_sum(upper, lower);
     }
@@ -464,7 +463,7 @@ fn middle_sum(upper: &[f32; 4], lower: &[f32; 4]) -> f64 {
 
 /// The unit normals in the middle of each cell of a row, or 0.
 #[inline(always)]
-fn middle_normals([x, y, z]: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]) {
+pub(crate) fn middle_normals([x, y, z]: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]) {
     let cells = x.len().min(y.len()).min(z.len());
     let [x, y, z] = [&mut x[..cells], &mut y[..cells], &mut z[..cells]];
     let rows = rows.map(|rows| rows.map(|row| &row[..cells]));
@@ -478,12 +477,6 @@ fn middle_normals([x, y, z]: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]) {
         y[cell] = if has_length { unit.y } else { 0.0 };
         z[cell] = if has_length { unit.z } else { 0.0 };
     }
-}
-
-widened! {
-    fn count_open_row(counts: &mut [u8], conductance: &[f32]);
-    fn middle_sums(sums: &mut [f64], rows: [&[[f32; 4]]; 2]);
-    fn middle_normals(normals: [&mut [f64]; 3], rows: [[&[[f32; 4]]; 2]; 3]);
 }
 
 /// The middles of cells of four pixels in a row.

@@ -5,8 +5,7 @@ use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::fast_math::atan2;
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
-use crate::kernel::simd::Simd;
-use crate::kernel::simd::widened;
+use crate::kernel::simd::wide;
 use crate::line::hatching::{BATCH, Hatching, Pixels};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::{PlacedTexture, TexturePlacement};
@@ -30,7 +29,6 @@ pub(crate) fn hatched(
         .map(|(family, direction)| (Hatching::new(map, params, family), direction))
         .collect();
     let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
-    let simd = Simd::widest();
     let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
         let mut pixels = Pixels::default();
         let mut lie = TexturePlacement::default();
@@ -38,12 +36,7 @@ pub(crate) fn hatched(
             for from in run.clone().step_by(BATCH) {
                 let columns = from..(from + BATCH).min(run.end);
                 pixels.count = columns.len();
-                densities.row(
-                    &mut pixels.wanted[..columns.len()],
-                    y,
-                    columns.clone(),
-                    simd,
-                );
+                densities.row(&mut pixels.wanted[..columns.len()], y, columns.clone());
                 if pixels.wanted[..columns.len()]
                     .iter()
                     .all(|&wanted| wanted <= 0.0)
@@ -63,7 +56,7 @@ pub(crate) fn hatched(
                         let direction = [&direction.x, &direction.y]
                             .map(|plane| &plane.row(y)[columns.clone()]);
                         let direction = sheet.in_texture(direction, &mut lie);
-                        simd.hatch_batch(&mut pixels, direction, hatching);
+                        wide!(hatch_batch(&mut pixels, direction, hatching));
                     }
                 }
                 for (out, white) in out[columns].iter_mut().zip(&pixels.white) {
@@ -83,8 +76,4 @@ pub(crate) fn hatch_batch(pixels: &mut Pixels, [x, y]: [&[f32]; 2], hatching: &H
         pixels.angle[i] = if angle < 0.0 { angle + PI } else { angle };
     }
     hatching.draw(pixels);
-}
-
-widened! {
-    fn hatch_batch(pixels: &mut Pixels, directions: [&[f32]; 2], hatching: &Hatching);
 }

@@ -1,7 +1,6 @@
 //! Directions of the larger curvature of a bundle of pixels, lane by lane.
 
 use crate::frame::{DepthKind, direction_seen, line_of, point_on, step_by_normals};
-use crate::kernel::simd::widened;
 use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 
@@ -116,10 +115,6 @@ impl Pixels {
             normal: there.normal,
         }
     }
-}
-
-widened! {
-    fn larger_curvature_directions(out: &mut Directions, bundle: &Bundle, source: &PointSource);
 }
 
 /// Directions of the larger curvature at all lanes.

@@ -3,10 +3,11 @@
 use crate::frame::{Frame, PixelLines, Plane, SightLines, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
 use crate::line::direction::fill::{Parts, fill};
 use crate::line::direction::fixed_direction;
 use crate::line::normal_rays::LocalShape;
+use crate::line::normal_rays::bundle;
 use crate::line::normal_rays::bundle::{Bundle, Directions, LANES, Pixels, PointSource};
 use crate::line::normal_rays::setting::{RaySetting, STEP_GROWTH};
 use crate::plan::Plan;
@@ -53,7 +54,6 @@ struct WalkedSurface<'a> {
     setting: RaySetting<'a>,
     lines: PixelLines,
     source: PointSource,
-    simd: Simd,
 }
 
 impl<'a> WalkedSurface<'a> {
@@ -71,7 +71,6 @@ impl<'a> WalkedSurface<'a> {
                 offset_noise: setting.offset_noise,
             },
             setting,
-            simd: Simd::widest(),
         }
     }
 
@@ -96,8 +95,11 @@ impl<'a> WalkedSurface<'a> {
                         self.look_around(&mut bundle, lane, (x, y), step);
                     }
                 }
-                self.simd
-                    .larger_curvature_directions(&mut found, &bundle, &self.source);
+                wide!(bundle::larger_curvature_directions(
+                    &mut found,
+                    &bundle,
+                    &self.source
+                ));
                 for (lane, &x) in pixels.iter().enumerate() {
                     match found.forms[lane] {
                         LocalShape::Planar | LocalShape::Umbilic if step < most => without.push(x),

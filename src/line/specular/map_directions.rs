@@ -1,7 +1,7 @@
 //! Directions of curvature on the surroundings, texel by texel.
 
 use crate::frame::{Plane, Surroundings, Vector3Planes, parallel_rows};
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::line::normal_rays::{LocalShape, Noise, NormalRay, Sides, principal_curvatures};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -54,7 +54,6 @@ pub(crate) const LANES: usize = 32;
 fn directions(surroundings: &Surroundings) -> Vector3Planes {
     let (width, height) = (surroundings.width(), surroundings.height());
     let normal_noise = f64::from(surroundings.normal_rounding).max(ROUNDING);
-    let simd = Simd::widest();
     let [mut x, mut y, mut z] = [(); 3].map(|()| Plane::filled(width, height, 0.0));
     parallel_rows([&mut x, &mut y, &mut z]).for_each(|(row, [x, y, z])| {
         let [above, own, below] = [row.checked_sub(1), Some(row), Some(row + 1)]
@@ -68,7 +67,7 @@ fn directions(surroundings: &Surroundings) -> Vector3Planes {
                     [below.lanes(from, 0), above.lanes(from, 0)],
                 ],
             };
-            simd.larger_curvature_tangents(&mut found, &bundle, normal_noise);
+            wide!(larger_curvature_tangents(&mut found, &bundle, normal_noise));
             let to = (from + LANES).min(width);
             for (row, found) in [&mut *x, &mut *y, &mut *z]
                 .into_iter()
@@ -214,10 +213,6 @@ pub(crate) fn larger_curvature_tangents(
         out.components[2][lane] = if is_known { z as f32 } else { 0.0 };
         out.forms[lane] = found.form;
     }
-}
-
-widened! {
-    fn larger_curvature_tangents(out: &mut LargerTangents, bundle: &Bundle, normal_noise: f64);
 }
 
 #[cfg(test)]

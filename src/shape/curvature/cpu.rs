@@ -5,11 +5,12 @@ use crate::frame::{Mask, Plane, SymmetricPlanes, Vector2Planes};
 use crate::kernel::fast_math::select;
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::{map_covered, map_rows};
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::shape::Rows;
 use crate::shape::curvature::{
     mapped_curvature as kappa, principal_curvatures, principal_direction,
 };
+use crate::shape::hessian;
 use std::ops::Range;
 
 /// Trace of the Hessian.
@@ -19,10 +20,9 @@ pub(crate) fn trace(
     mask: &Mask,
     memory: &Memory,
 ) -> Plane {
-    let simd = Simd::widest();
     let [trace] = map_rows(mask, memory, |y, [out]| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        simd.trace_row(out, &gx, &gy, &c, mask.span(y));
+        wide!(hessian::trace_row(out, &gx, &gy, &c, mask.span(y)));
     });
     trace
 }
@@ -34,10 +34,9 @@ pub(crate) fn hessian(
     mask: &Mask,
     memory: &Memory,
 ) -> SymmetricPlanes {
-    let simd = Simd::widest();
     let [xx, xy, yy] = map_rows(mask, memory, |y, out| {
         let [gx, gy, c] = [&gradient.x, &gradient.y, conductance].map(|p| Rows::around(p, y));
-        simd.hessian_row(out, &gx, &gy, &c, mask.span(y));
+        wide!(hessian::hessian_row(out, &gx, &gy, &c, mask.span(y)));
     });
     SymmetricPlanes { xx, xy, yy }
 }
@@ -57,33 +56,30 @@ pub(crate) fn curvatures(
     mask: &Mask,
     memory: &Memory,
 ) -> CurvaturePlanes {
-    let simd = Simd::widest();
     let [u, v, mean] = map_rows(mask, memory, |y, out| {
         let part = mask.span(y);
         let entries = entries(hessian, y, &part);
-        simd.curvatures_row(cut(out, &part), entries, &mask.row(y)[part]);
+        wide!(curvatures_row(cut(out, &part), entries, &mask.row(y)[part]));
     });
     CurvaturePlanes { u, v, mean }
 }
 
 /// Directions of the larger principal curvature by magnitude.
 pub(crate) fn directions(hessian: &SymmetricPlanes, mask: &Mask, memory: &Memory) -> Vector2Planes {
-    let simd = Simd::widest();
     let [x, y] = map_rows(mask, memory, |y, out| {
         let part = mask.span(y);
         let entries = entries(hessian, y, &part);
-        simd.directions_row(cut(out, &part), entries, &mask.row(y)[part]);
+        wide!(directions_row(cut(out, &part), entries, &mask.row(y)[part]));
     });
     Vector2Planes { x, y }
 }
 
 /// Mapped curvature.
 pub(crate) fn mapped_curvature(trace: &Plane, gain: f32, mask: &Mask, memory: &Memory) -> Plane {
-    let simd = Simd::widest();
     let [mapped] = map_rows(mask, memory, |y, out| {
         let part = mask.span(y);
         let trace = &trace.row(y)[part.clone()];
-        simd.mapped_row(cut(out, &part), trace, gain, &mask.row(y)[part]);
+        wide!(mapped_row(cut(out, &part), trace, gain, &mask.row(y)[part]));
     });
     mapped
 }
@@ -100,7 +96,7 @@ fn cut<'a, const N: usize>(rows: [&'a mut [f32]; N], part: &Range<usize>) -> [&'
 }
 
 #[inline(always)]
-fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]) {
+pub(crate) fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]) {
     map_row(out, hessian, covered, |h| {
         let [u, v] = principal_curvatures(h);
         [u, v, 0.5 * (h[0] + h[2])]
@@ -108,19 +104,13 @@ fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]) 
 }
 
 #[inline(always)]
-fn directions_row(out: [&mut [f32]; 2], hessian: [&[f32]; 3], covered: &[bool]) {
+pub(crate) fn directions_row(out: [&mut [f32]; 2], hessian: [&[f32]; 3], covered: &[bool]) {
     map_row(out, hessian, covered, principal_direction);
 }
 
 #[inline(always)]
-fn mapped_row(out: [&mut [f32]; 1], trace: &[f32], gain: f32, covered: &[bool]) {
+pub(crate) fn mapped_row(out: [&mut [f32]; 1], trace: &[f32], gain: f32, covered: &[bool]) {
     map_row(out, [trace], covered, |[trace]| [kappa(trace, gain)]);
-}
-
-widened! {
-    fn curvatures_row(out: [&mut [f32]; 3], hessian: [&[f32]; 3], covered: &[bool]);
-    fn directions_row(out: [&mut [f32]; 2], hessian: [&[f32]; 3], covered: &[bool]);
-    fn mapped_row(out: [&mut [f32]; 1], trace: &[f32], gain: f32, covered: &[bool]);
 }
 
 /// `of` the samples of each covered pixel of a row; 0 for the others.
@@ -165,10 +155,9 @@ mod tests {
         let covered: Vec<bool> = (0..40).map(|x| x % 5 != 2).collect();
         let mut found = [(); 6].map(|()| vec![9.0; 40]);
         let [u, v, mean, x, y, mapped] = &mut found;
-        let simd = Simd::widest();
-        simd.curvatures_row([u, v, mean], hessian, &covered);
-        simd.directions_row([x, y], hessian, &covered);
-        simd.mapped_row([mapped], &xy, 2.0, &covered);
+        wide!(curvatures_row([u, v, mean], hessian, &covered));
+        wide!(directions_row([x, y], hessian, &covered));
+        wide!(mapped_row([mapped], &xy, 2.0, &covered));
         for i in 0..40 {
             let h = [xx[i], xy[i], yy[i]];
             let ([u, v], [x, y]) = (principal_curvatures(h), principal_direction(h));

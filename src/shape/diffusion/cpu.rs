@@ -73,13 +73,13 @@ pub(crate) fn diffusion(
         earlier: None,
     };
     let mut spare = None;
-    let (moving, simd) = (Moving::of(&terms.last, medium), Simd::widest());
+    let moving = Moving::of(&terms.last, medium);
     let read_out_still = |to: &mut Vector2Planes, weights: &[f32]| {
         if memory.is_cancelled() {
             return;
         }
         for (from, to) in [(&terms.last.x, &mut to.x), (&terms.last.y, &mut to.y)] {
-            moving.read_out_still(from, to, weights, simd);
+            moving.read_out_still(from, to, weights);
         }
     };
     if let Weights::Sums(all) = weights {
@@ -109,7 +109,6 @@ pub(crate) fn diffusion(
             mask,
             moving: &moving,
             wraps,
-            simd,
             memory,
         };
         let goes_on = i + 1 < passes;
@@ -185,7 +184,7 @@ fn run_pass(pass: &Pass, tiling: &Tiling, sums: &mut [Vector2Planes], next: Opti
         }
     }
     // Chunks as wide as the widest vectors; half as wide for the others, which would run out of registers.
-    match pass.simd.bits() {
+    match Simd::widest().bits() {
         512 => run_tiles::<16>(pass, tiling, results),
         _ => run_tiles::<8>(pass, tiling, results),
     }

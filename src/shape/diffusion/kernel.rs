@@ -5,7 +5,6 @@
 //! and of four rows that are swept together, the fluxes between them stay in registers.
 
 use crate::kernel::lanes::{shifted_left, shifted_right};
-use crate::kernel::simd::widened;
 use crate::shape::diffusion::{Update, added, flux, through};
 
 /// Rows that can be swept together.
@@ -52,14 +51,14 @@ pub(crate) struct Sweep {
 
 /// Calls a kernel compiled for an update, with sums or without.
 macro_rules! with_update {
-    ($sweep:ident, $is_without_sums:expr, $by:ident($($arg:expr),*)) => {
+    ($fma:ident, $sweep:ident, $is_without_sums:expr, $by:ident($($arg:expr),*)) => {
         match ($sweep.update, $is_without_sums) {
-            (Update::Step(dt), true) => $by::<N, HAS_FMA, false>($($arg),*, step(dt)),
-            (Update::Step(dt), false) => $by::<N, HAS_FMA, true>($($arg),*, step(dt)),
-            (Update::First, true) => $by::<N, HAS_FMA, false>($($arg),*, first),
-            (Update::First, false) => $by::<N, HAS_FMA, true>($($arg),*, first),
-            (Update::Next, true) => $by::<N, HAS_FMA, false>($($arg),*, next::<HAS_FMA>),
-            (Update::Next, false) => $by::<N, HAS_FMA, true>($($arg),*, next::<HAS_FMA>),
+            (Update::Step(dt), true) => $by::<N, false>($fma, $($arg),*, step(dt)),
+            (Update::Step(dt), false) => $by::<N, true>($fma, $($arg),*, step(dt)),
+            (Update::First, true) => $by::<N, false>($fma, $($arg),*, first),
+            (Update::First, false) => $by::<N, true>($fma, $($arg),*, first),
+            (Update::Next, true) => $by::<N, false>($fma, $($arg),*, next($fma)),
+            (Update::Next, false) => $by::<N, true>($fma, $($arg),*, next($fma)),
         }
     };
 }
@@ -77,8 +76,8 @@ fn first(g: f32, lg: f32, _: f32) -> f32 {
 /// [`Update::Next`]. Its factors are powers of two, so that only one sum is rounded in each of the two fused
 /// multiply-adds, as it is without them: the bits are the same, but for half of a flux below 2^-126.
 #[inline(always)]
-fn next<const HAS_FMA: bool>(g: f32, lg: f32, earlier: f32) -> f32 {
-    match HAS_FMA {
+fn next(fma: bool) -> impl Fn(f32, f32, f32) -> f32 {
+    move |g, lg, earlier| match fma {
         true => (-0.5_f32).mul_add(lg, -2.0_f32.mul_add(g, earlier)),
         false => Update::Next.updated(g, lg, earlier),
     }
@@ -89,7 +88,8 @@ fn next<const HAS_FMA: bool>(g: f32, lg: f32, earlier: f32) -> f32 {
 ///
 /// All slices have the same chunks. The first and the last one are only read, as neighbours.
 #[inline(always)]
-pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn sweep_row<const N: usize>(
+    fma: bool,
     above: &[Chunk<N>],
     row: &mut [Chunk<N>],
     below: &[Chunk<N>],
@@ -97,7 +97,8 @@ pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const N: usize, const HAS_FMA: bool, const SUMMED: bool>(
+    fn by<const N: usize, const SUMMED: bool>(
+        fma: bool,
         above: &[Chunk<N>],
         row: &mut [Chunk<N>],
         below: &[Chunk<N>],
@@ -107,18 +108,24 @@ pub(crate) fn sweep_row<const N: usize, const HAS_FMA: bool>(
     ) {
         let count = row.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut row = Row::<N, HAS_FMA, SUMMED>::new(row, sums, sweep, count);
+        let mut row = Row::<N, SUMMED>::new(fma, row, sums, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = row.fluxes_from(i, &above[i]);
             row.step(i, &mut from_above, &below[i], &updated);
         }
     }
-    with_update!(sweep, sums.is_empty(), by(above, row, below, sums, sweep));
+    with_update!(
+        fma,
+        sweep,
+        sums.is_empty(),
+        by(above, row, below, sums, sweep)
+    );
 }
 
 /// [`sweep_row`] on four rows, top to bottom, between the rows above and below them.
 #[inline(always)]
-pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn sweep_rows<const N: usize>(
+    fma: bool,
     above: &[Chunk<N>],
     rows: [&mut [Chunk<N>]; TOGETHER],
     below: &[Chunk<N>],
@@ -126,7 +133,8 @@ pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
     sweep: Sweep,
 ) {
     #[inline(always)]
-    fn by<const N: usize, const HAS_FMA: bool, const SUMMED: bool>(
+    fn by<const N: usize, const SUMMED: bool>(
+        fma: bool,
         above: &[Chunk<N>],
         [a, b, c, d]: [&mut [Chunk<N>]; TOGETHER],
         below: &[Chunk<N>],
@@ -136,10 +144,10 @@ pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
     ) {
         let count = a.len();
         let (above, below) = (&above[..count], &below[..count]);
-        let mut a = Row::<N, HAS_FMA, SUMMED>::new(a, sum_a, sweep, count);
-        let mut b = Row::<N, HAS_FMA, SUMMED>::new(b, sum_b, sweep, count);
-        let mut c = Row::<N, HAS_FMA, SUMMED>::new(c, sum_c, sweep, count);
-        let mut d = Row::<N, HAS_FMA, SUMMED>::new(d, sum_d, sweep, count);
+        let mut a = Row::<N, SUMMED>::new(fma, a, sum_a, sweep, count);
+        let mut b = Row::<N, SUMMED>::new(fma, b, sum_b, sweep, count);
+        let mut c = Row::<N, SUMMED>::new(fma, c, sum_c, sweep, count);
+        let mut d = Row::<N, SUMMED>::new(fma, d, sum_d, sweep, count);
         for i in 1..count.saturating_sub(1) {
             let mut from_above = a.fluxes_from(i, &above[i]);
             a.step(i, &mut from_above, &b.chunks[i], &updated);
@@ -149,31 +157,16 @@ pub(crate) fn sweep_rows<const N: usize, const HAS_FMA: bool>(
         }
     }
     with_update!(
+        fma,
         sweep,
         sums[0].is_empty(),
         by(above, rows, below, sums, sweep)
     );
 }
 
-widened! {
-    fn sweep_row<N, has_fma>(
-        above: &[Chunk<N>],
-        row: &mut [Chunk<N>],
-        below: &[Chunk<N>],
-        sums: &mut [Sum<N>],
-        sweep: Sweep,
-    );
-    fn sweep_rows<N, has_fma>(
-        above: &[Chunk<N>],
-        rows: [&mut [Chunk<N>]; TOGETHER],
-        below: &[Chunk<N>],
-        sums: [&mut [Sum<N>]; TOGETHER],
-        sweep: Sweep,
-    );
-}
-
 /// A row while it is swept, from left to right.
-struct Row<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> {
+struct Row<'a, const N: usize, const SUMMED: bool> {
+    fma: bool,
     chunks: &'a mut [Chunk<N>],
     sums: &'a mut [Sum<N>],
     sweep: Sweep,
@@ -182,21 +175,28 @@ struct Row<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> {
 }
 
 // Both components are written out: kept in arrays, they would pass through memory.
-impl<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> Row<'a, N, HAS_FMA, SUMMED> {
+impl<'a, const N: usize, const SUMMED: bool> Row<'a, N, SUMMED> {
     #[inline(always)]
-    fn new(chunks: &'a mut [Chunk<N>], sums: &'a mut [Sum<N>], sweep: Sweep, count: usize) -> Self {
+    fn new(
+        fma: bool,
+        chunks: &'a mut [Chunk<N>],
+        sums: &'a mut [Sum<N>],
+        sweep: Sweep,
+        count: usize,
+    ) -> Self {
         let from = sweep.from % 2;
         let from_west = match &chunks[..count] {
             [before, at, ..] => {
                 let (before, here) = (&before.terms[from], &at.terms[from]);
                 (
-                    fluxes_from_west::<N, HAS_FMA>(&before[0], &here[0], &at.left),
-                    fluxes_from_west::<N, HAS_FMA>(&before[1], &here[1], &at.left),
+                    fluxes_from_west::<N>(fma, &before[0], &here[0], &at.left),
+                    fluxes_from_west::<N>(fma, &before[1], &here[1], &at.left),
                 )
             }
             _ => ([0.0; N], [0.0; N]),
         };
         Self {
+            fma,
             chunks: &mut chunks[..count],
             sums: &mut sums[..if SUMMED { count } else { 0 }],
             sweep: Sweep { from, ..sweep },
@@ -261,8 +261,8 @@ impl<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> Row<'a, N, HAS
         let (from, to) = (self.sweep.from, 1 - self.sweep.from);
         let at = &mut self.chunks[i];
         let g = at.terms[from][c];
-        let past_east = fluxes_from_west::<N, HAS_FMA>(&g, next.0, next.1);
-        let east = shifted_left::<N, HAS_FMA>(&west, &past_east);
+        let past_east = fluxes_from_west::<N>(self.fma, &g, next.0, next.1);
+        let east = shifted_left::<N>(self.fma, &west, &past_east);
         let south = fluxes(&below.above, &g, &below.terms[from][c]);
         let mut made = at.terms[to][c];
         for j in 0..N {
@@ -273,7 +273,7 @@ impl<'a, const N: usize, const HAS_FMA: bool, const SUMMED: bool> Row<'a, N, HAS
         if SUMMED {
             let sum = &mut self.sums[i].0[c];
             for j in 0..N {
-                sum[j] = added::<HAS_FMA>(sum[j], self.sweep.weights, [g[j], made[j]]);
+                sum[j] = added(self.fma, sum[j], self.sweep.weights, [g[j], made[j]]);
             }
         }
         (past_east, south)
@@ -292,10 +292,11 @@ fn fluxes<const N: usize>(joined: &Lanes<N>, out_of: &Lanes<N>, into: &Lanes<N>)
 
 /// The fluxes from the west into the samples `at`, right of the samples `before`.
 #[inline(always)]
-fn fluxes_from_west<const N: usize, const HAS_FMA: bool>(
+fn fluxes_from_west<const N: usize>(
+    fma: bool,
     before: &Lanes<N>,
     at: &Lanes<N>,
     left: &Lanes<N>,
 ) -> Lanes<N> {
-    fluxes(left, &shifted_right::<N, HAS_FMA>(before, at), at)
+    fluxes(left, &shifted_right::<N>(fma, before, at), at)
 }

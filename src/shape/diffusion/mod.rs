@@ -6,7 +6,6 @@
 //! and [`super::chebyshev`].
 
 use crate::kernel::lanes::multiply_add;
-use crate::kernel::simd::widened;
 use kernel::{Chunk, Sum};
 
 pub(crate) mod cpu;
@@ -62,24 +61,21 @@ pub(crate) fn flux(through: [f32; 4]) -> f32 {
 
 /// A sum with two weighted terms of a recurrence added.
 #[inline(always)]
-pub(crate) fn added<const HAS_FMA: bool>(sum: f32, weights: [f32; 2], terms: [f32; 2]) -> f32 {
-    let sum = multiply_add::<HAS_FMA>(weights[0], terms[0], sum);
-    multiply_add::<HAS_FMA>(weights[1], terms[1], sum)
+pub(crate) fn added(fma: bool, sum: f32, weights: [f32; 2], terms: [f32; 2]) -> f32 {
+    let sum = multiply_add(fma, weights[0], terms[0], sum);
+    multiply_add(fma, weights[1], terms[1], sum)
 }
 
 /// Adds two weighted terms of a recurrence to a row of a sum, first the one that the last sweep has read.
 #[inline(always)]
-pub(crate) fn add_terms_row<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn add_terms_row<const N: usize>(
+    fma: bool,
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
     weights: [f32; 2],
 ) {
-    add_terms_by::<N, HAS_FMA>(sums, row, read, |_, _| weights);
-}
-
-widened! {
-    fn add_terms_row<N, has_fma>(sums: &mut [Sum<N>], row: &[Chunk<N>], read: usize, weights: [f32; 2]);
+    add_terms_by::<N>(fma, sums, row, read, |_, _| weights);
 }
 
 /// Levels that importance is quantised to.
@@ -87,27 +83,18 @@ pub(crate) const LEVELS: usize = 1024;
 
 /// [`add_terms_row`] with weights by the level of the pixel.
 #[inline(always)]
-pub(crate) fn add_terms_by_level_row<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn add_terms_by_level_row<const N: usize>(
+    fma: bool,
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
     levels: &[[u16; N]],
     weights: [&[f32; LEVELS]; 2],
 ) {
-    add_terms_by::<N, HAS_FMA>(sums, row, read, |i, j| {
+    add_terms_by::<N>(fma, sums, row, read, |i, j| {
         let level = usize::from(levels[i][j]) % LEVELS;
         [weights[0][level], weights[1][level]]
     });
-}
-
-widened! {
-    fn add_terms_by_level_row<N, has_fma>(
-        sums: &mut [Sum<N>],
-        row: &[Chunk<N>],
-        read: usize,
-        levels: &[[u16; N]],
-        weights: [&[f32; LEVELS]; 2],
-    );
 }
 
 /// Number of levels up to which selecting weights for a vector of pixels is faster than looking them up.
@@ -115,7 +102,8 @@ pub(crate) const FEW_LEVELS: usize = 8;
 
 /// [`add_terms_by_level_row`] for few levels.
 #[inline(always)]
-pub(crate) fn add_terms_by_few_levels_row<const N: usize, const HAS_FMA: bool>(
+pub(crate) fn add_terms_by_few_levels_row<const N: usize>(
+    fma: bool,
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
@@ -124,20 +112,10 @@ pub(crate) fn add_terms_by_few_levels_row<const N: usize, const HAS_FMA: bool>(
 ) {
     // Copied, so that values are selected rather than addresses to load from.
     let [first, second] = [*weights[0], *weights[1]];
-    add_terms_by::<N, HAS_FMA>(sums, row, read, |i, j| {
+    add_terms_by::<N>(fma, sums, row, read, |i, j| {
         let level = i32::from(levels[i][j]);
         [chosen(first, level), chosen(second, level)]
     });
-}
-
-widened! {
-    fn add_terms_by_few_levels_row<N, has_fma>(
-        sums: &mut [Sum<N>],
-        row: &[Chunk<N>],
-        read: usize,
-        levels: &[[u16; N]],
-        weights: [&[f32; FEW_LEVELS]; 2],
-    );
 }
 
 /// The value of a level, without a look-up: selects among pairs, then among pairs of pairs, by the bits of its number.
@@ -155,7 +133,8 @@ fn chosen(values: [f32; FEW_LEVELS], level: i32) -> f32 {
 
 /// Adds terms with weights by chunk and lane, for the term read and for the one made.
 #[inline(always)]
-fn add_terms_by<const N: usize, const HAS_FMA: bool>(
+fn add_terms_by<const N: usize>(
+    fma: bool,
     sums: &mut [Sum<N>],
     row: &[Chunk<N>],
     read: usize,
@@ -169,8 +148,8 @@ fn add_terms_by<const N: usize, const HAS_FMA: bool>(
         let (mut x, mut y) = (sum[0], sum[1]);
         for j in 0..N {
             let weights = weights(i, j);
-            x[j] = added::<HAS_FMA>(x[j], weights, [of_read[0][j], of_made[0][j]]);
-            y[j] = added::<HAS_FMA>(y[j], weights, [of_read[1][j], of_made[1][j]]);
+            x[j] = added(fma, x[j], weights, [of_read[0][j], of_made[0][j]]);
+            y[j] = added(fma, y[j], weights, [of_read[1][j], of_made[1][j]]);
         }
         *sum = [x, y];
     }

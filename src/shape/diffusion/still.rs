@@ -6,7 +6,7 @@
 
 use crate::frame::{Plane, Vector2Planes};
 use crate::kernel::lanes::multiply_add;
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use crate::shape::diffusion::medium::Medium;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -83,13 +83,14 @@ impl Moving {
     }
 
     /// Reads out what is left out: the slopes `from` times the sum of `weights`, which have the signs of the terms.
-    pub(crate) fn read_out_still(&self, from: &Plane, to: &mut Plane, weights: &[f32], simd: Simd) {
+    pub(crate) fn read_out_still(&self, from: &Plane, to: &mut Plane, weights: &[f32]) {
         to.each_row(|y, row| {
             let mut start = 0;
             let end = self.width..self.width;
             for moving in self.spans(y..y + 1).iter().chain([&end]) {
                 let still = std::mem::replace(&mut start, moving.end)..moving.start;
-                simd.still_row(&mut row[still.clone()], &from.row(y)[still], weights);
+                let (sums, slopes) = (&mut row[still.clone()], &from.row(y)[still]);
+                wide!(|fma| still_row(fma, sums, slopes, weights));
             }
         });
     }
@@ -196,7 +197,7 @@ fn differ([ax, ay]: [&[f32]; 2], [bx, by]: [&[f32]; 2]) -> bool {
 
 /// Slopes times the sum of weights, added up in the order of terms.
 #[inline(always)]
-pub(crate) fn still_row<const HAS_FMA: bool>(sums: &mut [f32], slopes: &[f32], weights: &[f32]) {
+pub(crate) fn still_row(fma: bool, sums: &mut [f32], slopes: &[f32], weights: &[f32]) {
     let mut last = [[0.0; AT_ONCE]; 2];
     for (sums, slopes) in sums.chunks_mut(AT_ONCE).zip(slopes.chunks(AT_ONCE)) {
         let mut g = [0.0_f32; AT_ONCE];
@@ -206,17 +207,13 @@ pub(crate) fn still_row<const HAS_FMA: bool>(sums: &mut [f32], slopes: &[f32], w
             let mut sum = [0.0; AT_ONCE];
             for &weight in weights {
                 for j in 0..AT_ONCE {
-                    sum[j] = multiply_add::<HAS_FMA>(weight, g[j], sum[j]);
+                    sum[j] = multiply_add(fma, weight, g[j], sum[j]);
                 }
             }
             last = [g, sum.map(|sum| sum + 0.0)];
         }
         sums.copy_from_slice(&last[1][..sums.len()]);
     }
-}
-
-widened! {
-    fn still_row[has_fma](sums: &mut [f32], slopes: &[f32], weights: &[f32]);
 }
 
 #[cfg(test)]

@@ -7,11 +7,12 @@
 
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::kernel::memory::Memory;
-use crate::kernel::simd::Simd;
-use crate::shape::diffusion::kernel::{Chunk, Lanes, Sum, Sweep, TOGETHER};
+use crate::kernel::simd::wide;
+use crate::shape::conductance;
+use crate::shape::diffusion::kernel::{self, Chunk, Lanes, Sum, Sweep, TOGETHER};
 use crate::shape::diffusion::still::Moving;
 use crate::shape::diffusion::tiles::Tile;
-use crate::shape::diffusion::{FEW_LEVELS, LEVELS, Update};
+use crate::shape::diffusion::{self, FEW_LEVELS, LEVELS, Update};
 use std::ops::Range;
 
 /// Rows of this many pixels lie whole pages of memory apart.
@@ -41,7 +42,6 @@ pub(crate) struct Pass<'a> {
     /// Whether left and right borders are joined, and upper and lower ones.
     pub(crate) wraps: [bool; 2],
     /// Vectors to compute with.
-    pub(crate) simd: Simd,
     /// Whether the run has been cancelled.
     pub(crate) memory: &'a Memory,
 }
@@ -273,14 +273,20 @@ impl<const N: usize> WavefrontTile<N> {
         for (columns, at) in columns.clone() {
             open[at..][..columns.len()].copy_from_slice(&conductance[columns]);
         }
-        pass.simd
-            .face_conductance_row(&mut self.left[1..], open, &open[1..]);
+        wide!(conductance::face_conductance_row(
+            &mut self.left[1..],
+            open,
+            &open[1..]
+        ));
         if is_first {
             // The upper border of the picture, or a face that no sweep reads.
             self.above.fill(0.0);
         } else {
-            pass.simd
-                .face_conductance_row(&mut self.above, open, open_above);
+            wide!(conductance::face_conductance_row(
+                &mut self.above,
+                open,
+                open_above
+            ));
         }
 
         let chunks = &mut self.chunks[row.clone()];
@@ -383,8 +389,7 @@ impl<const N: usize> WavefrontTile<N> {
                 Some(sum) if is_summed => apart(sum, own),
                 _ => Default::default(),
             };
-            pass.simd
-                .sweep_rows(above, [a, b, c, d], below, sums, sweep);
+            wide!(|fma| kernel::sweep_rows(fma, above, [a, b, c, d], below, sums, sweep));
         } else {
             for y in at_work.clone() {
                 let own = part(y);
@@ -394,7 +399,7 @@ impl<const N: usize> WavefrontTile<N> {
                     Some(sum) if is_summed => &mut sum[own],
                     _ => Default::default(),
                 };
-                pass.simd.sweep_row(above, row, below, sums, sweep);
+                wide!(|fma| kernel::sweep_row(fma, above, row, below, sums, sweep));
             }
         }
     }
@@ -410,8 +415,8 @@ impl<const N: usize> WavefrontTile<N> {
                 for (sum, of_sum) in self.sums.iter_mut().zip(all).skip(1) {
                     let weights = added.of_sum(of_sum);
                     if weights != [0.0; 2] {
-                        pass.simd
-                            .add_terms_row(&mut sum[columns.clone()], row, read, weights);
+                        let sum = &mut sum[columns.clone()];
+                        wide!(|fma| diffusion::add_terms_row(fma, sum, row, read, weights));
                     }
                 }
             }
@@ -423,12 +428,14 @@ impl<const N: usize> WavefrontTile<N> {
                 let [before, own] = added.of_levels(weights);
                 if are_few {
                     let few = [few_levels(before), few_levels(own)];
-                    pass.simd
-                        .add_terms_by_few_levels_row(sum, row, read, levels, few);
+                    wide!(|fma| diffusion::add_terms_by_few_levels_row(
+                        fma, sum, row, read, levels, few
+                    ));
                 } else {
                     let all = [before, own];
-                    pass.simd
-                        .add_terms_by_level_row(sum, row, read, levels, all);
+                    wide!(|fma| diffusion::add_terms_by_level_row(
+                        fma, sum, row, read, levels, all
+                    ));
                 }
             }
         }

@@ -2,15 +2,20 @@
 
 use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
 use crate::kernel::memory::Memory;
-use crate::kernel::simd::Simd;
+use crate::kernel::simd::wide;
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::Rows;
+use crate::shape::conductance;
+use crate::shape::crease;
 use crate::shape::crease::{CreaseDetector, NormalRows};
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::gap::of_frame::Gaps;
+use crate::shape::gap::rows;
 use crate::shape::gap::rows::{Along, GapRow};
+use crate::shape::gradient;
+use crate::shape::silhouette;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -148,7 +153,6 @@ struct Sources<'a> {
     silhouettes: Silhouettes<'a>,
     creases: CreaseDetector,
     to_eye: ToEye,
-    simd: Simd,
 }
 
 impl<'a> Sources<'a> {
@@ -174,7 +178,6 @@ impl<'a> Sources<'a> {
                 frame.data_window,
                 frame.camera.map(|camera| camera.projection),
             ),
-            simd: Simd::widest(),
         }
     }
 
@@ -232,12 +235,12 @@ impl<'a> Sources<'a> {
         self.silhouette_row(y, &columns, scratch);
         let normals = NormalRows::around(&self.frame.normal, y);
         self.crease_row(y, &columns, &normals, lengths, scratch);
-        self.simd.conductance_row(
+        wide!(conductance::conductance_row(
             &mut conductance[columns.clone()],
             &scratch.barrier[columns.clone()],
             &scratch.crease[columns.clone()],
             &self.frame.mask.row(y)[columns.clone()],
-        );
+        ));
         self.gradient_row(y, columns, &normals, slopes);
     }
 
@@ -301,13 +304,18 @@ impl<'a> Sources<'a> {
                 normals: [[x, y], next].map(|[x, y]| &normals.row(y)[x + BLOCK * i..]),
             };
             let mut is_any = false;
-            self.simd
-                .look_for_gap(&mut is_any, out.len(), rows, &along, &gaps.scale);
+            wide!(rows::look_for_gap(
+                &mut is_any,
+                out.len(),
+                rows,
+                &along,
+                &gaps.scale
+            ));
             if !is_any {
                 out.fill(0.0);
                 continue;
             }
-            self.simd.gap_weight_row(out, rows, &along, &gaps.scale);
+            wide!(rows::gap_weight_row(out, rows, &along, &gaps.scale));
             for (x, weight) in (along.first..)
                 .zip(out)
                 .filter(|(_, weight)| **weight != 0.0)
@@ -323,7 +331,7 @@ impl<'a> Sources<'a> {
     fn prepare(&self, gaps: &Gaps, y: usize, scratch: &mut Scratch) {
         let row = &mut scratch.gaps[y % GAP_ROWS];
         match y < self.frame.mask.height() {
-            true => self.simd.fill_gap_row(row, &gaps.samples(y), &gaps.scale),
+            true => wide!(rows::fill_gap_row(row, &gaps.samples(y), &gaps.scale)),
             false => row.clear(),
         }
     }
@@ -336,16 +344,22 @@ impl<'a> Sources<'a> {
                 let [below, above] = &scratch.down;
                 let weights = [&scratch.across[..], below, above];
                 let out = [&mut out[..], &mut scratch.barrier];
-                self.simd
-                    .silhouettes_of_gaps_row(out, weights, &covered, columns);
+                wide!(silhouette::silhouettes_of_gaps_row(
+                    out, weights, &covered, columns
+                ));
                 return;
             }
             Silhouettes::Occlusion(map, threshold) => {
                 let map = Rows::around(map, y);
-                self.simd
-                    .silhouette_row(out, &map, &covered, columns.clone(), *threshold);
+                wide!(silhouette::silhouette_row(
+                    out,
+                    &map,
+                    &covered,
+                    columns.clone(),
+                    *threshold
+                ));
             }
-            Silhouettes::Border => self.simd.border_row(out, &covered, columns.clone()),
+            Silhouettes::Border => wide!(silhouette::border_row(out, &covered, columns.clone())),
         }
         scratch.barrier[columns.clone()].copy_from_slice(&out[columns]);
     }
@@ -360,8 +374,12 @@ impl<'a> Sources<'a> {
     ) {
         let covered = Rows::around(self.frame.mask.plane(), y);
         let least = &mut scratch.least_cosine;
-        self.simd
-            .least_cosine_row(least, normals, &covered, columns.clone());
+        wide!(crease::least_cosine_row(
+            least,
+            normals,
+            &covered,
+            columns.clone()
+        ));
         scratch.crease[columns.clone()].fill(0.0);
         for start in columns.clone().step_by(BLOCK) {
             let block = start..(start + BLOCK).min(columns.end);
@@ -397,8 +415,13 @@ impl<'a> Sources<'a> {
         let out = out.map(|row| &mut row[columns.clone()]);
         let covered = &self.frame.mask.row(y)[columns.clone()];
         let to_eye = (&self.to_eye.x[columns], self.to_eye.y[y]);
-        self.simd
-            .depth_gradient_row(out, normal, covered, to_eye, self.params);
+        wide!(gradient::depth_gradient_row(
+            out,
+            normal,
+            covered,
+            to_eye,
+            self.params
+        ));
     }
 
     fn keep_covered(&self, out: &mut [f32], weights: &[f32], y: usize) {

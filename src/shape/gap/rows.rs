@@ -1,6 +1,5 @@
 //! Gaps by rows: plain loops over pixels, compiled for the vectors of the machine.
 
-use crate::kernel::simd::widened;
 use crate::shape::gap::pair::{Gap, Side};
 use crate::shape::gap::scale::GapScale;
 use crate::shape::gradient::facing;
@@ -144,10 +143,4 @@ pub(crate) fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along,
         let weight = if weight > 0.0 { weight } else { 0.0 };
         *out = if a.depth <= b.depth { weight } else { -weight };
     }
-}
-
-widened! {
-    fn fill_gap_row(row: &mut GapRow, samples: &GapSamples, scale: &GapScale);
-    fn look_for_gap(is_any: &mut bool, n: usize, rows: [&GapRow; 4], along: &Along, scale: &GapScale);
-    fn gap_weight_row(out: &mut [f32], rows: [&GapRow; 4], along: &Along, scale: &GapScale);
 }

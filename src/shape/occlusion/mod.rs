@@ -14,7 +14,7 @@ pub(crate) mod stage;
 
 use crate::frame::{Mask, Plane, Vector3Planes, parallel_rows};
 use crate::kernel::fast_math::atan;
-use crate::kernel::simd::{Simd, widened};
+use crate::kernel::simd::wide;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -129,7 +129,6 @@ pub(crate) fn sky(
 ) -> Sky {
     let (width, rows) = (mask.width(), mask.height());
     let slices = Slice::all(slices, radius);
-    let simd = Simd::widest();
     let mut planes = [(); 4].map(|()| Plane::filled(width, rows, 0.0));
     let scratch = || [(); 4].map(|()| vec![0.0; width]);
     parallel_rows(planes.each_mut()).for_each_init(scratch, |scratch, (row, [seen, x, y, z])| {
@@ -139,7 +138,7 @@ pub(crate) fn sky(
         }
         let normal = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(row));
         let [plus, minus, p, q] = &mut *scratch;
-        simd.tangent_row(p, q, normal);
+        wide!(tangent_row(p, q, normal));
         for slice in &slices {
             plus.fill(0.0);
             minus.fill(0.0);
@@ -156,15 +155,15 @@ pub(crate) fn sky(
                     };
                     let heights = [&height.row(row)[at.clone()], beyond(0), beyond(1)];
                     let tangent = [&p[at.clone()], &q[at.clone()]];
-                    simd.raise_row(&mut horizon[at], heights, tangent, step);
+                    wide!(raise_row(&mut horizon[at], heights, tangent, step));
                 }
             }
             let out = [&mut *seen, &mut *x, &mut *y, &mut *z];
             let above = [&plus[..], &minus[..], &p[..], &q[..]];
-            simd.add_slice_row(out, normal, above, slice.direction);
+            wide!(add_slice_row(out, normal, above, slice.direction));
         }
         let scale = (slices.len() as f32).recip();
-        simd.finish_row([seen, x, y, z], normal, mask.row(row), scale);
+        wide!(finish_row([seen, x, y, z], normal, mask.row(row), scale));
     });
     let [seen, x, y, z] = planes;
     Sky {
@@ -181,7 +180,7 @@ const LEAST_NZ: f32 = 0.05;
 
 /// Slopes of the surface's own plane, per column and per row down.
 #[inline(always)]
-fn tangent_row(p: &mut [f32], q: &mut [f32], normal: [&[f32]; 3]) {
+pub(crate) fn tangent_row(p: &mut [f32], q: &mut [f32], normal: [&[f32]; 3]) {
     let n = p.len();
     let (q, [nx, ny, nz]) = (&mut q[..n], normal.map(|row| &row[..n]));
     for x in 0..n {
@@ -192,7 +191,7 @@ fn tangent_row(p: &mut [f32], q: &mut [f32], normal: [&[f32]; 3]) {
 
 /// Raises horizons, slopes over the surface's own plane, to those toward the heights of a step.
 #[inline(always)]
-fn raise_row(horizon: &mut [f32], heights: [&[f32]; 3], tangent: [&[f32]; 2], step: &Step) {
+pub(crate) fn raise_row(horizon: &mut [f32], heights: [&[f32]; 3], tangent: [&[f32]; 2], step: &Step) {
     let n = horizon.len();
     let [own, first, second] = heights.map(|row| &row[..n]);
     let [p, q] = tangent.map(|row| &row[..n]);
@@ -216,7 +215,7 @@ fn raise_row(horizon: &mut [f32], heights: [&[f32]; 3], tangent: [&[f32]; 2], st
 
 /// Adds the light of one slice, and its direction. Horizons to both sides are slopes over the plane of slopes p and q.
 #[inline(always)]
-fn add_slice_row(
+pub(crate) fn add_slice_row(
     out: [&mut [f32]; 4],
     normal: [&[f32]; 3],
     horizons: [&[f32]; 4],
@@ -250,7 +249,7 @@ fn add_slice_row(
 
 /// Turns sums into shares and unit directions: the normal where no light comes; 0 where uncovered.
 #[inline(always)]
-fn finish_row(out: [&mut [f32]; 4], normal: [&[f32]; 3], covered: &[bool], scale: f32) {
+pub(crate) fn finish_row(out: [&mut [f32]; 4], normal: [&[f32]; 3], covered: &[bool], scale: f32) {
     let [seen, x, y, z] = out;
     let n = seen.len();
     let (x, y, z, covered) = (&mut x[..n], &mut y[..n], &mut z[..n], &covered[..n]);
@@ -268,18 +267,6 @@ fn finish_row(out: [&mut [f32]; 4], normal: [&[f32]; 3], covered: &[bool], scale
             (x[i], y[i], z[i]) = (0.0, 0.0, 0.0);
         }
     }
-}
-
-widened! {
-    fn tangent_row(p: &mut [f32], q: &mut [f32], normal: [&[f32]; 3]);
-    fn raise_row(horizon: &mut [f32], heights: [&[f32]; 3], tangent: [&[f32]; 2], step: &Step);
-    fn add_slice_row(
-        out: [&mut [f32]; 4],
-        normal: [&[f32]; 3],
-        horizons: [&[f32]; 4],
-        direction: [f32; 2],
-    );
-    fn finish_row(out: [&mut [f32]; 4], normal: [&[f32]; 3], covered: &[bool], scale: f32);
 }
 
 #[cfg(test)]

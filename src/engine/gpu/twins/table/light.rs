@@ -250,7 +250,7 @@ fn arrive_unwarped(
 ) -> [f32; 4] {
     let most = MOST_BRIGHTENED * scalar_product(axis.0, direction);
     let half = terms::HalfVector::of(half);
-    let arrived = terms::arrive_unwarped::<false>(&half, share, axis, squared, most);
+    let arrived = terms::arrive_unwarped(false, &half, share, axis, squared, most);
     [
         arrived.weight,
         arrived.cosine,
