@@ -1,8 +1,8 @@
 //! Sessions: repeated runs of one frame with changing parameters; only affected stages are recomputed.
 
 use crate::engine::backends::Engine;
+use crate::engine::cpu::execution::Runner;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::run::Runner;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::request::Request;

@@ -1,6 +1,6 @@
 //! White levels: chosen from the whole picture, or given.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
@@ -66,14 +66,14 @@ fn decide_white(plan: &Plan) -> Verdict {
     }
 }
 
-fn choose_white(run: &mut Run) {
+fn choose_white(run: &mut Execution) {
     match run.plan.scaled() {
         Some(Subject::Lobes) => choose_term_whites(run),
         _ => choose_picture_white(run),
     }
 }
 
-fn choose_picture_white(run: &mut Run) {
+fn choose_picture_white(run: &mut Execution) {
     let (plan, frame, own) = (run.plan, run.frame, run.chosen_from());
     let white = match plan.scaling.white_level {
         Adaptive::Fixed(level) => level,
@@ -97,7 +97,7 @@ fn choose_picture_white(run: &mut Run) {
     run.outcome.white_level = Some(white);
 }
 
-fn choose_term_whites(run: &mut Run) {
+fn choose_term_whites(run: &mut Execution) {
     let (plan, own) = (run.plan, run.chosen_from());
     let levels = || {
         let own = own();

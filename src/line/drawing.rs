@@ -1,6 +1,6 @@
 //! Drawings: the tone of a picture in strokes along the curvature, and lines along its edges.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::line::density::coverage_at;
@@ -56,7 +56,7 @@ pub(crate) static LINES_ONLY: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn leave_white(run: &mut Run) {
+fn leave_white(run: &mut Execution) {
     let mask = &run.frame.mask;
     let tone = Tone {
         density: None,
@@ -77,7 +77,7 @@ pub(crate) struct Tone {
 
 impl Tone {
     /// The tone of a run, out of its hands until [`finish`] gives it back.
-    pub(crate) fn taken(run: &mut Run) -> Self {
+    pub(crate) fn taken(run: &mut Execution) -> Self {
         let (plan, frame) = (run.plan, run.frame);
         let params = plan.drawing.as_ref().expect("a tone is of a drawing");
         let mut tone = Self {
@@ -122,7 +122,7 @@ fn covering(mut density: Plane) -> Plane {
 }
 
 /// Assembles the drawing from its strokes and the content of the canvas.
-pub(crate) fn finish(run: &mut Run, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
+pub(crate) fn finish(run: &mut Execution, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
     let (plan, memory) = (run.plan, run.memory);
     match run.kept_if_whole().filter(|_| plan.specular.is_none()) {

@@ -1,8 +1,8 @@
 //! The description of a stage, shared by plans, executors and caches.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 #[cfg(feature = "gpu")]
-use crate::engine::gpu::run::Run as DeviceRun;
+use crate::engine::gpu::recording::Recording;
 #[cfg(feature = "gpu")]
 use crate::error::Result;
 use crate::plan::Plan;
@@ -29,14 +29,14 @@ pub(crate) struct Stage {
     /// A key of the parameters its result depends on: equal keys, equal results.
     pub(crate) depends_on: fn(&Plan) -> String,
     /// Runs it on the CPU.
-    pub(crate) cpu: fn(&mut Run),
+    pub(crate) cpu: fn(&mut Execution),
     /// Records it on a device; without, the CPU runs it when its turn comes.
     #[cfg(feature = "gpu")]
-    pub(crate) gpu: Option<fn(&mut DeviceRun)>,
+    pub(crate) gpu: Option<fn(&mut Recording)>,
     /// What follows once all that the device has recorded is read back; of a stage that records nothing, in place of its CPU
     /// pass.
     #[cfg(feature = "gpu")]
-    pub(crate) after_gpu: Option<fn(&mut DeviceRun) -> Result<()>>,
+    pub(crate) after_gpu: Option<fn(&mut Recording) -> Result<()>>,
     /// What the device implementation does not support, in a few words.
     #[cfg(feature = "gpu")]
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,

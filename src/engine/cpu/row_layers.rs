@@ -1,6 +1,6 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
-use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::cpu::execution::{Execution, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::strip_of;
@@ -53,12 +53,12 @@ impl Runner {
             .filter(|stage| plan.has(stage))
             .partition(|stage| is_by_rows(stage) && goes_by_rows(plan));
         let memory = &self.memory.for_run(watch.token());
-        let mut run = Run {
+        let mut run = Execution {
             memory,
             watch,
             outcome,
             undiffused,
-            ..Run::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through(whole)?;
         let (mut outcome, more_gradients) = (run.outcome, run.more_gradients);
@@ -110,11 +110,11 @@ impl<'a> RowLayers<'a> {
             y: cut(y),
         });
         let more = more.collect();
-        let mut run = Run {
+        let mut run = Execution {
             memory: &self.memory,
             outcome: self.outcome.shape_mapped(cut),
             more_gradients: more,
-            ..Run::new(self.runner, plan, &strip, Inputs::default())
+            ..Execution::new(self.runner, plan, &strip, Inputs::default())
         };
         run.go_through(self.rest.iter().copied())?;
         Ok(LaidRows {

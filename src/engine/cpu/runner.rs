@@ -1,7 +1,7 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
+use crate::engine::cpu::execution::{Execution, Runner};
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::run::{Run, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::part::Part;
@@ -43,11 +43,11 @@ impl Runner {
     ) -> Result<Outcome> {
         inputs.check(plan, frame)?;
         let memory = &self.memory.for_run(watch.token());
-        let mut run = Run {
+        let mut run = Execution {
             memory,
             watch,
             kept,
-            ..Run::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through(stages())?;
         Ok(run.outcome)
@@ -84,13 +84,13 @@ impl Runner {
         }
         let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
         let normals = take_unread(plan, frame, memory);
-        let mut run = Run {
+        let mut run = Execution {
             memory,
             watch,
             normals,
             outcome,
             undiffused,
-            ..Run::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs)
         };
         let before = rest.len() - drawing;
         run.go_through_once(&rest, before)?;
@@ -100,11 +100,11 @@ impl Runner {
             (frame.color, frame.albedo) = (None, None);
             memory.release();
         }
-        let mut run = Run {
+        let mut run = Execution {
             memory,
             watch,
             outcome,
-            ..Run::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through_once(&rest[before..], drawing)?;
         Ok(run.outcome)
@@ -123,11 +123,11 @@ impl Runner {
             return Ok(Outcome::default());
         }
         let part = Part::around(changed, plan, whole, inputs)?;
-        let mut run = Run {
+        let mut run = Execution {
             memory: &self.memory.for_run(watch.token()).at_other_size(),
             watch,
             whole: Some(whole),
-            ..Run::new(self, plan, &part.frame, part.inputs(inputs))
+            ..Execution::new(self, plan, &part.frame, part.inputs(inputs))
         };
         run.go_through(stages())?;
         let mut outcome = run.outcome;
@@ -164,11 +164,11 @@ impl Runner {
     ) -> Result<(Outcome, Option<Vector2Planes>)> {
         let memory = &self.memory.for_run(watch.token());
         let lengths = frame.normal_length.take_if(|_| plan.specular.is_none());
-        let mut run = Run {
+        let mut run = Execution {
             memory,
             watch,
             lengths,
-            ..Run::new(self, plan, frame, inputs)
+            ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through([SHAPE[0]])?;
         Ok((run.outcome, run.undiffused))
@@ -272,12 +272,12 @@ fn take_unread(plan: &Plan, frame: &mut Frame, memory: &Memory) -> Option<Vector
     None
 }
 
-impl Run<'_> {
+impl Execution<'_> {
     /// Runs the first `count` of `stages`, which are in the plan. Products of the shape are recycled where none of the stages
     /// to come takes them.
     ///
     /// # Errors
-    /// As [`Run::go_through`].
+    /// As [`Execution::go_through`].
     fn go_through_once(&mut self, stages: &[&'static Stage], count: usize) -> Result<()> {
         let plan = self.plan;
         for i in 0..count {

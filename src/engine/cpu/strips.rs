@@ -1,6 +1,6 @@
 //! Automatic choices from a whole picture that is processed in strips.
 
-use crate::engine::cpu::run::{Run, Runner};
+use crate::engine::cpu::execution::{Execution, Runner};
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Shape;
 use crate::error::Result;
@@ -102,7 +102,7 @@ impl StripSearch {
             // The gain depends neither on itself nor on directions.
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
-            let mut run = Run::new(runner, &given, strip, Inputs::default());
+            let mut run = Execution::new(runner, &given, strip, Inputs::default());
             run.go_through(SHAPE)?;
             if run.outcome.shape.curvatures.is_none() && run.outcome.shape.trace.is_none() {
                 trace_of_gradient(&mut run);

@@ -19,7 +19,7 @@ pub(crate) mod kernels;
 pub(crate) mod limits;
 pub(crate) mod made;
 pub(crate) mod recorder;
-pub(crate) mod run;
+pub(crate) mod recording;
 pub(crate) mod runner;
 pub(crate) mod sight;
 pub(crate) mod surface;

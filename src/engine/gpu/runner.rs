@@ -1,14 +1,14 @@
 //! The GPU from the caller's side: plans run one after another, in memory kept on the device.
 
 use crate::engine::cpu;
-use crate::engine::cpu::run::Run as HostRun;
+use crate::engine::cpu::execution::Execution;
 use crate::engine::cpu::runner::taken_by;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, watched};
 use crate::engine::gpu::made::{Layer, Made};
 use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
-use crate::engine::gpu::run::{Finished, Run};
+use crate::engine::gpu::recording::{Finished, Recording};
 use crate::engine::gpu::surface::{Upload, deinterleave};
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
@@ -173,11 +173,16 @@ impl Runner {
     }
 
     /// The CPU run for a frame.
-    fn host_run<'a>(&'a self, plan: &'a Plan, frame: &'a Frame, beside: Beside<'a>) -> HostRun<'a> {
-        HostRun {
+    fn host_run<'a>(
+        &'a self,
+        plan: &'a Plan,
+        frame: &'a Frame,
+        beside: Beside<'a>,
+    ) -> Execution<'a> {
+        Execution {
             memory: beside.memory,
             watch: beside.watch,
-            ..HostRun::new(&self.host, plan, frame, beside.inputs)
+            ..Execution::new(&self.host, plan, frame, beside.inputs)
         }
     }
 
@@ -194,9 +199,9 @@ impl Runner {
         plan: &'a Plan,
         frame: &'a Frame,
         beside: Beside<'a>,
-    ) -> Run<'a> {
+    ) -> Recording<'a> {
         self.buffers.begin_run();
-        Run {
+        Recording {
             plan,
             frame,
             light: beside.light,
@@ -300,7 +305,7 @@ fn widest(plan: &Plan) -> u64 {
     }
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// Records stages one after another, up to the first that the CPU runs.
     ///
     /// If the run is observed, each stage is submitted as soon as it is recorded, and the previous one is waited for:
@@ -351,7 +356,7 @@ impl Run<'_> {
     /// What follows in stages once results are read back, the drawing above all.
     ///
     /// # Errors
-    /// As [`Run::record`].
+    /// As [`Recording::record`].
     fn go_on(&mut self, stages: &[&'static Stage]) -> Result<()> {
         let watch = self.host.watch;
         for (done, stage) in stages.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Radiance scaling of separate light layers.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::ColorPlanes;
 use crate::light::enhancement::Subject;
 use crate::light::layers::TermScaling;
@@ -96,7 +96,7 @@ fn decide_occlusion(plan: &Plan) -> Verdict {
     plan.left_out(why_not)
 }
 
-fn scale_lobes(run: &mut Run) {
+fn scale_lobes(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let terms = light_terms(&frame.light.lobes, &plan.scaling);
     let whites = run.outcome.term_white_levels.clone();
@@ -105,14 +105,14 @@ fn scale_lobes(run: &mut Run) {
     });
 }
 
-fn scale_groups(run: &mut Run) {
+fn scale_groups(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     with_curvature(run, LIGHT_GROUPS.name, |_, curvature| {
         cpu::scale_groups(frame, &plan.scaling, curvature, memory)
     });
 }
 
-fn scale_by_occlusion(run: &mut Run) {
+fn scale_by_occlusion(run: &mut Execution) {
     let (plan, frame) = (run.plan, run.frame);
     let occlusion = frame.light.occlusion.as_ref();
     let occlusion = occlusion.expect("the plan has seen occlusion");
@@ -131,7 +131,7 @@ fn scale_by_occlusion(run: &mut Run) {
 
 /// Replaces the picture made so far by one modified by curvature.
 fn with_curvature(
-    run: &mut Run,
+    run: &mut Execution,
     name: &'static str,
     pass: impl FnOnce(Option<ColorPlanes>, Curvature) -> ColorPlanes,
 ) {

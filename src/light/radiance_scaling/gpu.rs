@@ -2,7 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
@@ -53,7 +53,7 @@ pub(crate) static SCALE_PICTURE: Kernel = Kernel::new::<ScaleParams, ScalePictur
 );
 
 /// Scales the picture in place.
-pub(crate) fn scale(scaler: Scaler, run: &mut Run) {
+pub(crate) fn scale(scaler: Scaler, run: &mut Recording) {
     let Scaler {
         params: scaling,
         gain,

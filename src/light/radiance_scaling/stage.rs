@@ -1,6 +1,6 @@
 //! Radiance scaling of the picture as a whole.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::plan::Plan;
@@ -51,7 +51,7 @@ impl Plan {
 }
 
 /// Radiance scaling of the picture with the white level and gain of this run.
-fn scaler(run: &Run) -> Scaler {
+fn scaler(run: &Execution) -> Scaler {
     let mut params = run.plan.scaling;
     if run.frame.light.picture_is_occlusion {
         params.scaling = params.magnitudes().ambient;
@@ -65,7 +65,7 @@ fn scaler(run: &Run) -> Scaler {
     }
 }
 
-fn scale(run: &mut Run) {
+fn scale(run: &mut Execution) {
     let (scaler, frame, memory) = (scaler(run), run.frame, run.memory);
     let color = frame
         .color

@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
@@ -162,14 +162,14 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
 );
 
 /// Relights the frame, with its albedo if that is not white.
-pub(crate) fn relight(run: &mut Run) {
+pub(crate) fn relight(run: &mut Recording) {
     let light = run.light.expect("new light has lights");
     let (shape, albedo) = (run.made.shape.take(), run.made.picture.take());
     let lit = run.relight(run.plan, run.frame, light, shape.as_ref(), albedo);
     (run.made.shape, run.made.picture) = (shape, Some(lit));
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// Relights a frame whose albedo, if not white, is in `albedo`: the resulting colours of covered pixels.
     pub(crate) fn relight(
         &mut self,

@@ -20,7 +20,7 @@ pub(crate) mod shade;
 pub(crate) mod stage;
 pub(crate) mod traced;
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Shape;
 use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
 use crate::kernel::memory::Memory;
@@ -41,7 +41,7 @@ use std::borrow::Cow;
 const ROWS_PER_TASK: usize = 8;
 
 /// Relights the frame of a run.
-pub(crate) fn relight(run: &mut Run) {
+pub(crate) fn relight(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let relighting = plan
         .relighting

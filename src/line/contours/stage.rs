@@ -1,6 +1,6 @@
 //! Contours in a drawing.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::covered;
@@ -36,7 +36,7 @@ fn decide(plan: &Plan) -> Verdict {
     })
 }
 
-fn draw(run: &mut Run) {
+fn draw(run: &mut Execution) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("contours are of a drawing");
     let contours = plan.contours().expect("contours are asked for");
@@ -46,7 +46,7 @@ fn draw(run: &mut Run) {
     run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
 }
 
-fn follow_edges(run: &mut Run, params: &ContourParams) -> (Plane, Vec<Contour>) {
+fn follow_edges(run: &mut Execution, params: &ContourParams) -> (Plane, Vec<Contour>) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let canvas = std::mem::take(&mut run.canvas);
     let shape = std::mem::take(&mut run.outcome.shape);

@@ -1,6 +1,6 @@
 //! The directions of strokes in a drawing.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::drawing::has_strokes;
@@ -33,7 +33,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn find(run: &mut Run) {
+fn find(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let canvas = std::mem::take(&mut run.canvas);

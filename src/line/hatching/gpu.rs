@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::recorder::UPLOAD;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
@@ -145,7 +145,7 @@ impl Strokes {
 }
 
 /// Draws strokes of a texture in the tone of the picture, along the directions that the CPU found.
-pub(crate) fn hatch(run: &mut Run) -> Result<()> {
+pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     let (plan, frame) = (run.plan, run.frame);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(&mut run.host);
@@ -182,7 +182,7 @@ pub(crate) fn hatch(run: &mut Run) -> Result<()> {
     Ok(())
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// The picture made so far, or that of the frame.
     fn drawn_picture(&mut self) -> Picture {
         self.made.picture.clone().unwrap_or_else(|| {

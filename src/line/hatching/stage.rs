@@ -1,6 +1,6 @@
 //! Strokes of a texture.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_texture};
 use crate::line::hatching::cpu::hatched;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -25,7 +25,7 @@ pub(crate) static HATCHING: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn hatch(run: &mut Run) {
+fn hatch(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);

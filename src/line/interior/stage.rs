@@ -1,6 +1,6 @@
 //! Interior lines in a drawing.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
@@ -40,7 +40,7 @@ fn decide(plan: &Plan) -> Verdict {
     })
 }
 
-fn draw(run: &mut Run) {
+fn draw(run: &mut Execution) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("lines are of a drawing");
     let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
@@ -51,7 +51,7 @@ fn draw(run: &mut Run) {
     run.canvas.interior = Some((covered, layer.lines));
 }
 
-fn follow(run: &mut Run) -> InteriorLayer {
+fn follow(run: &mut Execution) -> InteriorLayer {
     let (plan, frame, runner, memory) = (run.plan, run.frame, run.runner, run.memory);
     let params = plan.drawing.as_ref().and_then(|params| params.interior);
     let params = params.expect("interior lines are asked for");

@@ -2,7 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::sight::{SIGHT_LINES, is_eye_far, lines, starts, step_at_unit_depth};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32};
@@ -84,7 +84,7 @@ pub(crate) static NORMAL_RAYS: Kernel = Kernel::new::<RayParams, NormalRaysBuffe
 const STAGE: &str = "normal-rays";
 
 /// Finds the surface's own curvature directions, if they are requested as a product.
-pub(crate) fn follow_rays(run: &mut Run) {
+pub(crate) fn follow_rays(run: &mut Recording) {
     if run.plan.wants(Product::Direction) {
         let shape = run.made.shape.as_ref();
         let shape = shape.expect("directions are planned with their edges");
@@ -94,7 +94,7 @@ pub(crate) fn follow_rays(run: &mut Run) {
 }
 
 /// Gives pixels without a direction those of their neighbours, which spread from pixel to pixel: on the CPU.
-pub(crate) fn fill_gaps(run: &mut Run) -> Result<()> {
+pub(crate) fn fill_gaps(run: &mut Recording) -> Result<()> {
     let Some(found) = run.made.directions.take() else {
         return Ok(());
     };
@@ -111,7 +111,7 @@ pub(crate) fn fill_gaps(run: &mut Run) -> Result<()> {
     Ok(())
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// Directions of the surface's own curvature, 0 where rays give none: x, y, and whether the surface is a plane.
     fn normal_rays(
         &mut self,

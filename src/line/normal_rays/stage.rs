@@ -1,6 +1,6 @@
 //! Directions of the surface's own curvature, as layers and for a grain that follows them.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::direction::FILL_REACH_PX;
 use crate::line::normal_rays::cpu;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -45,7 +45,7 @@ fn decide(plan: &Plan) -> Verdict {
     })
 }
 
-fn follow_rays(run: &mut Run) {
+fn follow_rays(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     if !plan.wants(Product::Direction) {
         return;

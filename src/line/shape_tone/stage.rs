@@ -3,7 +3,7 @@
 use super::cpu::{Shown, densities};
 use super::halo::leave_bare;
 use super::key_light;
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -28,7 +28,7 @@ pub(crate) static SHAPE_TONE: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn find(run: &mut Run) {
+fn find(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let options = &run.runner.options;
     let params = plan.drawing.as_ref().expect("tones are of a drawing");

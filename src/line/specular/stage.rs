@@ -1,6 +1,6 @@
 //! Mirrors and lenses in a drawing: surfaces seen in them are drawn as they appear.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::specular::seen_through;
 use crate::params::{Bend, SpecularParams};
 use crate::plan::Plan;
@@ -34,7 +34,7 @@ fn decide(plan: &Plan) -> Verdict {
     Verdict::runs(format!("sight lines {bent}, {} search steps", search.steps))
 }
 
-fn trace(run: &mut Run) {
+fn trace(run: &mut Execution) {
     let (plan, frame, runner) = (run.plan, run.frame, run.runner);
     let (Some(params), Some(specular)) = (&plan.drawing, &plan.specular) else {
         return;

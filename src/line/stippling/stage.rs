@@ -1,7 +1,7 @@
 //! Strokes that are dots.
 
 use super::cpu::{Stippled, stippled};
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -26,7 +26,7 @@ pub(crate) static STIPPLING: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn lay(run: &mut Run) {
+fn lay(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);

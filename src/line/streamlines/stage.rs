@@ -1,6 +1,6 @@
 //! Strokes as lines.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
@@ -40,7 +40,7 @@ pub(crate) static STREAMLINES: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn lay(run: &mut Run) {
+fn lay(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);

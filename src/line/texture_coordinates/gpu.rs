@@ -1,6 +1,6 @@
 //! Strokes that move with the surface: the maps that place the texture, on the device.
 
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -36,7 +36,7 @@ pub(crate) struct BoundTexture {
     pub(crate) share: Option<wgpu::Buffer>,
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// The sheets of a drawing; without coordinates its texture is fixed in the picture.
     pub(crate) fn sheets(&mut self, coordinates: Option<&TextureCoordinates>) -> Sheets {
         let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);

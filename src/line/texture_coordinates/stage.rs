@@ -1,6 +1,6 @@
 //! Strokes that move with the surface, in a frame of a sequence.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -24,7 +24,7 @@ pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn place(run: &mut Run) {
+fn place(run: &mut Execution) {
     let (frame, memory) = (run.frame, run.memory);
     let sequence = run.inputs.sequence;
     run.canvas.coordinates = sequence.map(|sequence| {

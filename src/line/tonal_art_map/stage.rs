@@ -1,6 +1,6 @@
 //! The texture of strokes in a drawing.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_texture;
 use crate::params::Style;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -21,7 +21,7 @@ pub(crate) static TONAL_ART_MAP: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn make(run: &mut Run) {
+fn make(run: &mut Execution) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let (strokes, factor) = (&params.strokes, plan.resolution_factor as f32);

@@ -1,10 +1,10 @@
 //! The gain of curvature, chosen by the CPU from planes read back.
 
-use crate::engine::cpu::run::Run as HostRun;
-use crate::engine::gpu::run::Run;
+use crate::engine::cpu::execution::Execution;
+use crate::engine::gpu::recording::Recording;
 
 /// Has the CPU choose the gain of curvature, with the planes it depends on if that is left open.
-pub(crate) fn with_trace(run: &mut Run, choose: fn(&mut HostRun)) {
+pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
     if run.plan.chooses_gain() {
         let shape = run.made.shape.take().expect("the gain takes the trace");
         let [trace, conductance] = run.read_planes([shape.trace(), &shape.conductance]);

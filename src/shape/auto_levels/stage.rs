@@ -1,6 +1,6 @@
 //! The gain of the curvature mapping: chosen from the whole frame, or given.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::params::Adaptive;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
@@ -65,7 +65,7 @@ impl Plan {
     }
 }
 
-fn choose_gain(run: &mut Run) {
+fn choose_gain(run: &mut Execution) {
     let gain = match run.plan.scaling.curvature_gain {
         Adaptive::Fixed(gain) => gain,
         Adaptive::Auto => gain_of_frame(run),
@@ -74,7 +74,7 @@ fn choose_gain(run: &mut Run) {
 }
 
 /// The gain from the trace, however that is computed.
-fn gain_of_frame(run: &mut Run) -> f32 {
+fn gain_of_frame(run: &mut Execution) -> f32 {
     let plan = run.plan;
     let shape = &run.outcome.shape;
     match (&shape.curvatures, &shape.trace) {

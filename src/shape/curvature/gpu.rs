@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
-use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::recording::{NOWHERE, Recording};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
@@ -63,12 +63,12 @@ pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams, CurvaturesBuffe
 );
 
 /// Computes the Hessian, or only its trace.
-pub(crate) fn find_hessian(run: &mut Run) {
-    run.change_shape(Run::with_hessian);
+pub(crate) fn find_hessian(run: &mut Recording) {
+    run.change_shape(Recording::with_hessian);
 }
 
 /// Computes the planes derived from the Hessian for layers, at every scale, with the chosen gain.
-pub(crate) fn describe(run: &mut Run) {
+pub(crate) fn describe(run: &mut Recording) {
     let shape = run.made.shape.take().expect(FROM_HESSIAN);
     let hessian = shape.hessian.as_ref().expect(FROM_HESSIAN);
     let mut curvatures = vec![run.curvatures(hessian)];
@@ -82,7 +82,7 @@ pub(crate) fn describe(run: &mut Run) {
 
 const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
 
-impl Run<'_> {
+impl Recording<'_> {
     /// Adds the Hessian to a shape, if curvature is wanted.
     pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
         let plan = self.plan;

@@ -1,7 +1,7 @@
 //! From the gradient to curvature: only its trace if that suffices, else the Hessian and planes derived from it.
 
+use crate::engine::cpu::execution::Execution;
 use crate::engine::cpu::frame_cache::FrameCache;
-use crate::engine::cpu::run::Run;
 use crate::engine::outcome::{ScaleShape, Shape};
 use crate::frame::{CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::plan::Plan;
@@ -149,7 +149,7 @@ fn unit(plan: &Plan) -> String {
 }
 
 /// The trace of the Hessian. Relighting computes it row by row; there it is only computed for the gain.
-fn find_trace(run: &mut Run) {
+fn find_trace(run: &mut Execution) {
     let plan = run.plan;
     if plan.relighting.is_none() || plan.chooses_gain() || plan.shows_shape {
         trace_of_gradient(run);
@@ -157,7 +157,7 @@ fn find_trace(run: &mut Run) {
 }
 
 /// The trace of the Hessian, from the gradient; rounded as the sum of the curvatures where these are wanted too.
-pub(crate) fn trace_of_gradient(run: &mut Run) {
+pub(crate) fn trace_of_gradient(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
@@ -186,7 +186,7 @@ pub(crate) fn trace_of_gradient(run: &mut Run) {
 
 /// The Hessian, and its trace unless curvatures are computed, which have the same sum. Relighting computes both row by
 /// row.
-fn find_hessian(run: &mut Run) {
+fn find_hessian(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     if plan.relighting.is_some() {
         return;
@@ -215,7 +215,7 @@ fn find_hessian(run: &mut Run) {
     };
 }
 
-fn find_curvatures(run: &mut Run) {
+fn find_curvatures(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let hessian = taken(&mut run.outcome.shape);
     let key = plan.key(CURVATURES.name);
@@ -229,7 +229,7 @@ fn find_curvatures(run: &mut Run) {
     (shape.hessian, shape.curvatures) = (Some(hessian), Some(curvatures));
 }
 
-fn find_directions(run: &mut Run) {
+fn find_directions(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let hessian = taken(&mut run.outcome.shape);
     let key = plan.key(DIRECTIONS.name);
@@ -243,7 +243,7 @@ fn find_directions(run: &mut Run) {
     (shape.hessian, shape.direction_view) = (Some(hessian), Some(directions));
 }
 
-fn map_curvature(run: &mut Run) {
+fn map_curvature(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
     let gain = run.gain();
     let (shape, summed) = (&run.outcome.shape, run.trace.take());

@@ -2,7 +2,7 @@
 
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::run::Run;
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::wgsl::Number::Color;
 use crate::engine::gpu::wgsl::wgsl;
 use crate::shape::curvature::gpu::{GainParams, MAPPED_CURVATURE};
@@ -32,7 +32,7 @@ pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams, Curvatur
 );
 
 /// Makes the curvature display.
-pub(crate) fn display(run: &mut Run) {
+pub(crate) fn display(run: &mut Recording) {
     let shape = run.made.shape.as_ref();
     let shape = shape.expect("the display takes curvature");
     let [width, height] = run.surface.size;

@@ -1,6 +1,6 @@
 //! The curvature display as a picture.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::curvature_display::curvature_display;
@@ -23,7 +23,7 @@ pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
     ..Stage::DEFAULT
 };
 
-fn display(run: &mut Run) {
+fn display(run: &mut Execution) {
     let (mask, memory, gain) = (&run.frame.mask, run.memory, run.gain());
     let shape = std::mem::take(&mut run.outcome.shape);
     let there = "the display takes curvature";

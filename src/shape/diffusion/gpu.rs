@@ -6,7 +6,7 @@ use crate::engine::gpu::constants::{
 };
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
-use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::recording::{NOWHERE, Recording};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::U32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
@@ -106,11 +106,11 @@ impl Sweeping<'_> {
 }
 
 /// Diffuses the gradient, or keeps it if there are no sweeps.
-pub(crate) fn diffuse(run: &mut Run) {
-    run.change_shape(Run::with_diffusion);
+pub(crate) fn diffuse(run: &mut Recording) {
+    run.change_shape(Recording::with_diffusion);
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// A shape with its gradient at all scales.
     pub(crate) fn with_diffusion(&mut self, shape: Shape) -> Shape {
         let plan = self.plan;

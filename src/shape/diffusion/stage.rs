@@ -1,6 +1,6 @@
 //! Diffusion of the gradient ([LW] section 4.3): one gradient per scale.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::{Vector2Planes, Window};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
@@ -62,7 +62,7 @@ fn scale(shape: &ShapeParams, factor: f64) -> String {
     }
 }
 
-fn diffuse(run: &mut Run) {
+fn diffuse(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let options = &run.runner.options;
     let key = plan.key(DIFFUSION.name);

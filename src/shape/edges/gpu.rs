@@ -3,7 +3,7 @@
 use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
-use crate::engine::gpu::run::{NOWHERE, Run};
+use crate::engine::gpu::recording::{NOWHERE, Recording};
 use crate::engine::gpu::sight::{Linear, to_eye};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32};
@@ -116,11 +116,11 @@ pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams, EdgesBuffers>(
 );
 
 /// Finds edges and the gradient.
-pub(crate) fn find_edges(run: &mut Run) {
+pub(crate) fn find_edges(run: &mut Recording) {
     run.made.shape = Some(run.edges(run.plan, run.frame));
 }
 
-impl Run<'_> {
+impl Recording<'_> {
     /// Edges, and the gradient before diffusion.
     pub(crate) fn edges(&mut self, plan: &Plan, frame: &Frame) -> Shape {
         let [width, height] = self.surface.size;

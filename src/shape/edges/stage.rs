@@ -1,6 +1,6 @@
 //! Edges and the gradient: the first stage, since all others stop at edges.
 
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -96,7 +96,7 @@ fn where_edges_are_wanted(plan: &Plan, why: &str) -> Verdict {
     }
 }
 
-fn find_edges(run: &mut Run) {
+fn find_edges(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let wanted = plan.wants(Product::Silhouette);
     let kept = run.kept.as_deref_mut();

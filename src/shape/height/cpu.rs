@@ -1,7 +1,7 @@
 //! From a frame to its height.
 
 use super::{Problem, Slopes, residual, solve};
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Window};
 use crate::plan::Plan;
 use crate::product::Product;
@@ -26,7 +26,7 @@ impl Unknown {
 }
 
 /// The height of the frame, and what it misses of the normals if that is wanted.
-pub(super) fn find_height(run: &mut Run) {
+pub(super) fn find_height(run: &mut Execution) {
     let (plan, frame) = (run.plan, run.frame);
     let conductance = run.outcome.shape.conductance.take();
     let open = conductance.as_ref().expect("height takes the conductance");

@@ -1,7 +1,7 @@
 //! From a frame with its height to the sky it sees.
 
 use super::{NOTHING, Sky, sky};
-use crate::engine::cpu::run::Run;
+use crate::engine::cpu::execution::Execution;
 use crate::frame::{Frame, Mask, Plane, Projection, SightLines};
 use crate::plan::Plan;
 
@@ -11,7 +11,7 @@ pub(super) fn radius_px(plan: &Plan) -> usize {
 }
 
 /// The sky seen from each pixel.
-pub(super) fn find_sky(run: &mut Run) {
+pub(super) fn find_sky(run: &mut Execution) {
     let (plan, frame) = (run.plan, run.frame);
     let height = run.outcome.shape.height.take();
     let known = height.as_ref().expect("occlusion takes the height");

@@ -191,7 +191,12 @@ pub(crate) fn tangent_row(p: &mut [f32], q: &mut [f32], normal: [&[f32]; 3]) {
 
 /// Raises horizons, slopes over the surface's own plane, to those toward the heights of a step.
 #[inline(always)]
-pub(crate) fn raise_row(horizon: &mut [f32], heights: [&[f32]; 3], tangent: [&[f32]; 2], step: &Step) {
+pub(crate) fn raise_row(
+    horizon: &mut [f32],
+    heights: [&[f32]; 3],
+    tangent: [&[f32]; 2],
+    step: &Step,
+) {
     let n = horizon.len();
     let [own, first, second] = heights.map(|row| &row[..n]);
     let [p, q] = tangent.map(|row| &row[..n]);

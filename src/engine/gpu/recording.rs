@@ -1,6 +1,6 @@
 //! One frame on its way through the kernels.
 
-use crate::engine::cpu::run::Run as HostRun;
+use crate::engine::cpu::execution::Execution;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::made::{Made, Shape};
@@ -18,7 +18,7 @@ use std::time::Instant;
 pub(crate) const NOWHERE: u64 = 16;
 
 /// A run while it is being recorded.
-pub(crate) struct Run<'a> {
+pub(crate) struct Recording<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
     /// New light, if the frame gets any.
@@ -29,7 +29,7 @@ pub(crate) struct Run<'a> {
     pub(crate) surface: SurfaceBuffers,
     pub(crate) made: Made,
     /// The CPU run, for automatic choices, and for stages or parts of them without kernels. Its outcome is the result.
-    pub(crate) host: HostRun<'a>,
+    pub(crate) host: Execution<'a>,
     /// The stroke texture cached from earlier runs.
     pub(crate) texture: &'a TextureCache,
     /// The submission in progress, if the run is observed.
@@ -40,7 +40,7 @@ pub(crate) struct Run<'a> {
     pub(crate) held: Vec<wgpu::Buffer>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Recording<'a> {
     /// Submits the recorded work once the previous submission has finished.
     pub(super) fn hand_over(&mut self) -> Result<()> {
         let before = self.at_work.replace(self.recorder.submit(&[]));
@@ -67,7 +67,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// [`Run::read`] of planes.
+    /// [`Recording::read`] of planes.
     pub(crate) fn read_planes<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Plane; N] {
         let [width, height] = self.surface.size.map(|side| side as usize);
         self.read(wanted)
@@ -75,7 +75,7 @@ impl<'a> Run<'a> {
     }
 
     /// Has the CPU make an automatic choice, within a stage that has been reported.
-    pub(crate) fn choose(&mut self, choose: fn(&mut HostRun)) {
+    pub(crate) fn choose(&mut self, choose: fn(&mut Execution)) {
         let watch = std::mem::take(&mut self.host.watch);
         choose(&mut self.host);
         self.host.watch = watch;
@@ -155,5 +155,5 @@ pub(crate) struct Finished<'a> {
     pub(crate) made: Made,
     pub(crate) timings: Timings,
     /// The CPU run.
-    pub(crate) host: HostRun<'a>,
+    pub(crate) host: Execution<'a>,
 }

@@ -29,7 +29,7 @@ pub(crate) struct Runner {
 }
 
 /// The context of a stage: inputs, results of earlier stages, and storage for its own.
-pub(crate) struct Run<'a> {
+pub(crate) struct Execution<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) frame: &'a Frame,
     /// The frame that this one is a part of, if it is.
@@ -57,7 +57,7 @@ pub(crate) struct Run<'a> {
     pub(crate) canvas: Canvas,
 }
 
-impl<'a> Run<'a> {
+impl<'a> Execution<'a> {
     pub(crate) fn new(
         runner: &'a Runner,
         plan: &'a Plan,
