@@ -103,6 +103,7 @@ mod report;
 pub mod scenes;
 pub mod shape;
 mod srgb;
+mod stages;
 pub mod trace;
 mod untrusted;
 #[cfg(feature = "view")]

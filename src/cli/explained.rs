@@ -4,7 +4,7 @@
 use super::timings::NORMALS;
 use crate::command::chosen::Chosen;
 use crate::plan::Decision;
-use crate::plan::stages::stages;
+use crate::stages::stages;
 use std::time::Duration;
 
 /// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so; diffusion left some of all its blocks

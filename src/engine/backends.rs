@@ -525,9 +525,9 @@ mod tests {
         let whole = whole.unwrap();
         let stages: Vec<_> = said.iter().map(|at| at.stage).collect();
         let (own, ends) = (&stages[1..stages.len() - 1], [stages[0], "done"]);
-        assert_eq!((own, ends), (plan.stages(), [DEVICE, "done"]));
+        assert_eq!((own, ends), (&plan.stages()[..], [DEVICE, "done"]));
         assert!(said.is_sorted_by(|a, b| a.done <= b.done), "{said:?}");
-        for &stage in plan.stages() {
+        for stage in plan.stages() {
             let (stopped, said) = run(Some(stage));
             assert!(matches!(stopped, Err(Error::Cancelled)), "{stage}");
             let last = said.last().map(|at| at.stage);

@@ -6,7 +6,7 @@ use crate::light::layers::cpu::white_levels;
 use crate::light::layers::terms::light_terms;
 use crate::params::{Adaptive, Magnitudes};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::shape::auto_levels::cpu::white_level;
 
 /// The white level of the picture, or one for each term of its light.
@@ -29,6 +29,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
         )
     },
     reads_normals: false,
+    makes: Makes::Picture,
     name: "auto-white",
     steps: &[Step {
         name: "auto-white",

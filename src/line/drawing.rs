@@ -8,7 +8,7 @@ use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::auto_levels::cpu::white_level;
 use rayon::prelude::*;
@@ -39,6 +39,7 @@ pub(crate) fn has_strokes(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdi
 
 /// A drawing of contours and interior lines alone: strokes that cover nothing.
 pub(crate) static LINES_ONLY: Stage = Stage {
+    makes: Makes::Drawing,
     name: "lines-only",
     steps: &[Step {
         name: "lines-only",

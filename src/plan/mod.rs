@@ -2,14 +2,13 @@
 //! touches no pixel.
 
 pub(crate) mod available;
+pub(crate) mod goal;
 pub(crate) mod planned;
-pub(crate) mod resolve;
 pub(crate) mod stage;
-pub(crate) mod stages;
 
 pub use crate::light::enhancement::LightAvailable;
 pub use crate::light::relight::setting::LightKinds;
 pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 pub use crate::plan::available::Available;
+pub use crate::plan::goal::{Goal, ToneFrom};
 pub use crate::plan::planned::{Decision, Plan, Points};
-pub use crate::plan::resolve::{Goal, ToneFrom};

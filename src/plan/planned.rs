@@ -5,6 +5,7 @@ use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
 use crate::params::{ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams};
 use crate::plan::available::Available;
+use crate::plan::stage::{Makes, Stage};
 use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use serde::Serialize;
@@ -88,13 +89,13 @@ pub struct Plan {
     pub(crate) tile: Option<Tile>,
     /// Why no shape is needed, if so.
     pub(crate) no_shape: Option<&'static str>,
-    pub(super) wanted: BTreeSet<Product>,
-    pub(super) decisions: Vec<Decision>,
+    pub(crate) wanted: BTreeSet<Product>,
+    pub(crate) decisions: Vec<Decision>,
     /// The stages that run, in order.
-    pub(super) stages: Vec<&'static str>,
+    pub(crate) stages: Vec<&'static Stage>,
     /// By stage: a key of all that its result depends on, earlier stages included.
-    pub(super) keys: BTreeMap<&'static str, String>,
-    pub(super) reach: usize,
+    pub(crate) keys: BTreeMap<&'static str, String>,
+    pub(crate) reach: usize,
 }
 
 /// Whether a step runs, and why.
@@ -134,6 +135,42 @@ impl Plan {
         }
     }
 
+    /// The same plan without the stages that produce `product`.
+    #[cfg(feature = "cli")]
+    pub(crate) fn without(mut self, product: Product) -> Self {
+        let gives = |stage: &Stage| stage.gives().any(|given| given == product);
+        self.stages.retain(|stage| !gives(stage));
+        self.wanted.remove(&product);
+        self.follow()
+    }
+
+    /// Follows dependencies from the first stage to the last: the reach of samples, and the keys of results.
+    pub(crate) fn follow(mut self) -> Self {
+        let mut made: BTreeMap<Product, (usize, String)> = BTreeMap::new();
+        self.reach = 0;
+        for stage in self.stages.clone() {
+            let takes = (stage.takes)(&self);
+            let taken: Vec<_> = takes
+                .iter()
+                .filter_map(|product| made.get(product))
+                .collect();
+            let reach =
+                taken.iter().map(|(reach, _)| *reach).max().unwrap_or(0) + (stage.reach_px)(&self);
+            let before: BTreeSet<&str> = taken.iter().map(|(_, key)| key.as_str()).collect();
+            let before: Vec<_> = before.into_iter().collect();
+            let key = format!(
+                "{} {} ({})",
+                stage.name,
+                (stage.depends_on)(&self),
+                before.join(", ")
+            );
+            self.reach = self.reach.max(reach);
+            made.extend(stage.gives().map(|product| (product, (reach, key.clone()))));
+            self.keys.insert(stage.name, key);
+        }
+        self
+    }
+
     /// All steps in the order of execution, kept or dropped, with reasons.
     pub fn decisions(&self) -> &[Decision] {
         &self.decisions
@@ -148,6 +185,11 @@ impl Plan {
         decision
             .unwrap_or_else(|| panic!("no step is called {step}"))
             .kept
+    }
+
+    /// Whether it makes neither a picture nor a drawing.
+    pub(crate) fn makes_shape_alone(&self) -> bool {
+        self.stages.iter().all(|stage| stage.makes == Makes::Shape)
     }
 
     /// Whether a product is wanted, by the caller or by a stage.
@@ -184,8 +226,8 @@ impl Plan {
     }
 
     /// The stages that run, in order, named as in [`crate::engine::outcome::Outcome::timings`].
-    pub fn stages(&self) -> &[&'static str] {
-        &self.stages
+    pub fn stages(&self) -> Vec<&'static str> {
+        self.stages.iter().map(|stage| stage.name).collect()
     }
 
     /// Key of all that a stage's result depends on, earlier stages included: results with equal keys are

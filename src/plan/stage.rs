@@ -12,6 +12,8 @@ use crate::product::Product;
 pub(crate) struct Stage {
     /// Its name in timings.
     pub(crate) name: &'static str,
+    /// What it is for.
+    pub(crate) makes: Makes,
     /// Its steps in the order of execution, each decided separately.
     pub(crate) steps: &'static [Step],
     /// Whether it runs even if none of its steps do.
@@ -20,6 +22,10 @@ pub(crate) struct Stage {
     pub(crate) takes: fn(&Plan) -> Vec<Product>,
     /// How far, in pixels, samples of those products reach.
     pub(crate) reach_px: fn(&Plan) -> usize,
+    /// Whether rows of its results take nothing but those rows of what it reads, with its reach, and the mask.
+    pub(crate) by_rows: bool,
+    /// Whether it reads the lengths that the normals of the frame had.
+    pub(crate) reads_lengths: bool,
     /// Whether it reads the normals of the frame.
     pub(crate) reads_normals: bool,
     /// Whether one that does makes its results in their memory, if no other stage after the first reads them.
@@ -42,14 +48,23 @@ pub(crate) struct Stage {
     pub(crate) gpu_lacks: fn(&Plan) -> Option<&'static str>,
 }
 
+impl std::fmt::Debug for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
 impl Stage {
     /// A stage that reads no plane of the descriptor and has reach 0.
     pub(crate) const DEFAULT: Self = Self {
         name: "",
+        makes: Makes::Shape,
         steps: &[],
         also_runs: |_| false,
         takes: |_| Vec::new(),
         reach_px: |_| 0,
+        by_rows: false,
+        reads_lengths: false,
         reads_normals: true,
         takes_normals: |_| false,
         reads_depth: |_| true,
@@ -67,6 +82,17 @@ impl Stage {
     pub(crate) fn gives(&self) -> impl Iterator<Item = Product> + use<'_> {
         self.steps.iter().flat_map(|step| step.gives).copied()
     }
+}
+
+/// What a stage is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Makes {
+    /// The shape.
+    Shape,
+    /// A picture.
+    Picture,
+    /// A drawing of it.
+    Drawing,
 }
 
 /// A part of a stage, kept or dropped for its own reason.
@@ -96,11 +122,6 @@ impl Verdict {
 }
 
 impl Plan {
-    /// Whether a stage is one of those that run.
-    pub(crate) fn has(&self, stage: &Stage) -> bool {
-        self.stages().contains(&stage.name)
-    }
-
     /// Verdict on a dropped step that finds or uses shape: the reason why no shape is needed, if so, else `why`.
     pub(crate) fn left_out(&self, why: impl Into<String>) -> Verdict {
         Verdict::LeftOut(self.no_shape.map_or_else(|| why.into(), String::from))

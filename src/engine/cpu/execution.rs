@@ -50,11 +50,19 @@ pub(crate) struct Execution<'a> {
     pub(crate) more_gradients: Vec<Vector2Planes>,
     /// The normals, where the frame no longer has them: their memory is for what the only stage that reads them makes.
     pub(crate) normals: Option<Vector3Planes>,
-    /// Their lengths, likewise.
-    pub(crate) lengths: Option<Plane>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
+}
+
+/// What the stages so far have made for later ones.
+#[derive(Default)]
+pub(crate) struct Made {
+    pub(crate) outcome: Outcome,
+    undiffused: Option<Vector2Planes>,
+    more_gradients: Vec<Vector2Planes>,
+    trace: Option<Plane>,
+    canvas: Canvas,
 }
 
 impl<'a> Execution<'a> {
@@ -78,9 +86,31 @@ impl<'a> Execution<'a> {
             undiffused: None,
             more_gradients: Vec::new(),
             normals: None,
-            lengths: None,
             trace: None,
             canvas: Canvas::default(),
+        }
+    }
+
+    /// The same with what earlier stages have made.
+    pub(crate) fn after(self, made: Made) -> Self {
+        Self {
+            outcome: made.outcome,
+            undiffused: made.undiffused,
+            more_gradients: made.more_gradients,
+            trace: made.trace,
+            canvas: made.canvas,
+            ..self
+        }
+    }
+
+    /// Ends it, or interrupts it before a stage.
+    pub(crate) fn into_made(self) -> Made {
+        Made {
+            outcome: self.outcome,
+            undiffused: self.undiffused,
+            more_gradients: self.more_gradients,
+            trace: self.trace,
+            canvas: self.canvas,
         }
     }
 

@@ -10,8 +10,6 @@ use crate::frame::{Frame, Plane, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
-use crate::plan::stages::{SHAPE, stages};
-use crate::shape::curvature::stage::{CURVATURES, DIRECTIONS, HESSIAN, MAPPED_CURVATURE, TRACE};
 use std::ops::Range;
 
 /// Layers of a frame, with the stages that remain to be run on rows of them.
@@ -35,29 +33,27 @@ pub(crate) struct LaidRows {
 }
 
 impl Runner {
-    /// Runs `plan`, but for stages that run on rows. The frame loses the lengths of its normals.
+    /// Runs `plan`, but for stages that run on rows.
     ///
     /// # Errors
     /// As [`Runner::execute`].
     pub(crate) fn execute_for_rows<'a>(
         &'a self,
         plan: &'a Plan,
-        frame: &mut Frame,
+        frame: &Frame,
         inputs: Inputs,
         watch: Watch,
     ) -> Result<RowLayers<'a>> {
         inputs.check(plan, frame)?;
-        let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
-        let (rest, whole): (Vec<_>, Vec<_>) = stages()
-            .skip(1)
-            .filter(|stage| plan.has(stage))
-            .partition(|stage| is_by_rows(stage) && goes_by_rows(plan));
+        let of_shape = plan.makes_shape_alone();
+        let (rest, whole): (Vec<_>, Vec<_>) = plan
+            .stages
+            .iter()
+            .partition(|stage| stage.by_rows && of_shape);
         let memory = &self.memory.for_run(watch.token());
         let mut run = Execution {
             memory,
             watch,
-            outcome,
-            undiffused,
             ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through(whole)?;
@@ -128,25 +124,6 @@ impl<'a> RowLayers<'a> {
     pub(crate) fn recycle(&self, rows: LaidRows) {
         self.memory.recycle(rows.outcome.into_planes());
     }
-}
-
-/// Stages of which rows of the results take nothing but those rows of what they read, with their reach, and the mask.
-const BY_ROWS: [&Stage; 5] = [
-    &TRACE,
-    &HESSIAN,
-    &CURVATURES,
-    &DIRECTIONS,
-    &MAPPED_CURVATURE,
-];
-
-fn is_by_rows(stage: &Stage) -> bool {
-    BY_ROWS.iter().any(|own| own.name == stage.name)
-}
-
-/// Whether a plan is for layers, and for nothing that is made of them.
-fn goes_by_rows(plan: &Plan) -> bool {
-    let is_of_shape = |name: &&'static str| SHAPE.iter().any(|stage| stage.name == *name);
-    plan.stages().iter().all(is_of_shape)
 }
 
 #[cfg(test)]

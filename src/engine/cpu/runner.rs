@@ -1,6 +1,6 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
-use crate::engine::cpu::execution::{Execution, Runner};
+use crate::engine::cpu::execution::{Execution, Made, Runner};
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
@@ -14,8 +14,7 @@ use crate::line::direction_field::patches::Patches;
 use crate::line::specular;
 use crate::params::LineParams;
 use crate::plan::Plan;
-use crate::plan::stage::Stage;
-use crate::plan::stages::{DRAWING, PICTURE, SHAPE, stages};
+use crate::plan::stage::{Makes, Stage};
 use crate::product::Product;
 use crate::shape::edges::cpu as edges;
 
@@ -49,7 +48,7 @@ impl Runner {
             kept,
             ..Execution::new(self, plan, frame, inputs)
         };
-        run.go_through(stages())?;
+        run.go_through(plan.stages.iter().copied())?;
         Ok(run.outcome)
     }
 
@@ -65,49 +64,48 @@ impl Runner {
         inputs: Inputs,
         watch: Watch,
     ) -> Result<Outcome> {
-        let rest: Vec<_> = stages().skip(1).filter(|stage| plan.has(stage)).collect();
-        let [making, drawing] = [&PICTURE[..], &DRAWING[..]]
-            .map(|stages| stages.iter().filter(|stage| plan.has(stage)).count());
-        if making + drawing == 0 {
+        if plan.makes_shape_alone() {
             return self.execute_watched(plan, frame, inputs, watch, None);
         }
         inputs.check(plan, frame)?;
-        let memory = &self.memory.for_run(watch.token());
         if let Some(changed) = changed_part(plan, frame) {
             return self.execute_on_part(plan, frame, changed, inputs, watch);
         }
+        let memory = &self.memory.for_run(watch.token());
         let lines = plan.drawing.as_ref().and_then(|drawn| drawn.interior);
         let finds_shadows = lines.is_some_and(|lines| lines.has_shadows());
         if plan.relighting.is_none() && !finds_shadows {
             let albedo = frame.albedo.take().into_iter();
             memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
         }
-        let (outcome, undiffused) = self.after_edges(plan, frame, inputs, watch)?;
-        let normals = take_unread(plan, frame, memory);
-        let mut run = Execution {
-            memory,
-            watch,
-            normals,
-            outcome,
-            undiffused,
-            ..Execution::new(self, plan, frame, inputs)
-        };
-        let before = rest.len() - drawing;
-        run.go_through_once(&rest, before)?;
-        let outcome = run.outcome;
-        // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
-        if drawing > 0 && outcome.color.is_some() && !finds_shadows {
-            (frame.color, frame.albedo) = (None, None);
-            memory.release();
+        let mut made = Made::default();
+        for (i, &stage) in plan.stages.iter().enumerate() {
+            let (now, later) = (&plan.stages[i..], &plan.stages[i + 1..]);
+            // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
+            let begins_to_draw = stage.makes == Makes::Drawing
+                && (i == 0 || plan.stages[i - 1].makes != Makes::Drawing);
+            if begins_to_draw && made.outcome.color.is_some() && !finds_shadows {
+                (frame.color, frame.albedo) = (None, None);
+                memory.release();
+            }
+            let of_shape = &mut made.outcome.shape;
+            memory.recycle(of_shape.take_others(&taken_by(now, plan)));
+            let normals = take_unread(plan, frame, stage, later, memory);
+            let mut run = Execution {
+                memory,
+                watch,
+                normals,
+                ..Execution::new(self, plan, frame, inputs).after(made)
+            };
+            let read_later = taken_by(later, plan);
+            run.read_last = (stage.takes)(plan);
+            run.read_last
+                .retain(|product| !read_later.contains(product));
+            run.go_through([stage])?;
+            made = run.into_made();
         }
-        let mut run = Execution {
-            memory,
-            watch,
-            outcome,
-            ..Execution::new(self, plan, frame, inputs)
-        };
-        run.go_through_once(&rest[before..], drawing)?;
-        Ok(run.outcome)
+        memory.recycle(made.outcome.shape.take_others(&[]));
+        Ok(made.outcome)
     }
 
     /// The picture, made where `changed` and copied elsewhere, and what was chosen for it; no picture if nothing changes.
@@ -129,7 +127,7 @@ impl Runner {
             whole: Some(whole),
             ..Execution::new(self, plan, &part.frame, part.inputs(inputs))
         };
-        run.go_through(stages())?;
+        run.go_through(plan.stages.iter().copied())?;
         let mut outcome = run.outcome;
         outcome.shape = Shape::default();
         let [at, of_whole] = [part.frame.data_window, whole.data_window];
@@ -148,30 +146,6 @@ impl Runner {
                 all
             });
         Ok(outcome)
-    }
-
-    /// Runs the first stage, the only one that reads the lengths of the normals, in the memory of these unless rays meet the
-    /// surface later: its results, the gradient apart.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled).
-    pub(crate) fn after_edges(
-        &self,
-        plan: &Plan,
-        frame: &mut Frame,
-        inputs: Inputs,
-        watch: Watch,
-    ) -> Result<(Outcome, Option<Vector2Planes>)> {
-        let memory = &self.memory.for_run(watch.token());
-        let lengths = frame.normal_length.take_if(|_| plan.specular.is_none());
-        let mut run = Execution {
-            memory,
-            watch,
-            lengths,
-            ..Execution::new(self, plan, frame, inputs)
-        };
-        run.go_through([SHAPE[0]])?;
-        Ok((run.outcome, run.undiffused))
     }
 
     /// Directions that strokes with `params` follow: see
@@ -252,20 +226,32 @@ pub(crate) fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
     stages.flat_map(|stage| (stage.takes)(plan)).collect()
 }
 
-/// Recycles depth, and takes the normals out of a frame, if no stage after the first reads them; normals are handed on
-/// where one makes its results in their memory.
-fn take_unread(plan: &Plan, frame: &mut Frame, memory: &Memory) -> Option<Vector3Planes> {
-    let later = stages().skip(1).filter(|stage| plan.has(stage));
-    let readers: Vec<_> = later.filter(|stage| stage.reads_normals).collect();
-    if !readers.iter().any(|stage| (stage.reads_depth)(plan)) {
+/// Recycles what neither `stage` nor a later one reads of a frame. Its normals are handed on where `stage` makes its results
+/// in their memory, and no later one reads them.
+fn take_unread(
+    plan: &Plan,
+    frame: &mut Frame,
+    stage: &Stage,
+    later: &[&Stage],
+    memory: &Memory,
+) -> Option<Vector3Planes> {
+    let now = || later.iter().copied().chain([stage]);
+    // Rays meet a surface whole.
+    if plan.specular.is_none() && !now().any(|stage| stage.reads_lengths) {
+        memory.recycle(frame.normal_length.take());
+    }
+    let reads_depth = |stage: &Stage| stage.reads_normals && (stage.reads_depth)(plan);
+    if !now().any(reads_depth) {
         memory.recycle(frame.depth.take());
     }
-    if !readers.iter().all(|stage| (stage.takes_normals)(plan)) {
+    let is_left = later.iter().any(|stage| stage.reads_normals);
+    let takes = !stage.reads_normals || (stage.takes_normals)(plan);
+    if is_left || !takes || frame.normal.x.samples().is_empty() {
         return None;
     }
     let none = Vector3Planes::of(vec![Plane::default()]);
     let normals = std::mem::replace(&mut frame.normal, none);
-    if !readers.is_empty() {
+    if stage.reads_normals {
         return Some(normals);
     }
     memory.recycle([normals.x, normals.y, normals.z]);
@@ -273,26 +259,7 @@ fn take_unread(plan: &Plan, frame: &mut Frame, memory: &Memory) -> Option<Vector
 }
 
 impl Execution<'_> {
-    /// Runs the first `count` of `stages`, which are in the plan. Products of the shape are recycled where none of the stages
-    /// to come takes them.
-    ///
-    /// # Errors
-    /// As [`Execution::go_through`].
-    fn go_through_once(&mut self, stages: &[&'static Stage], count: usize) -> Result<()> {
-        let plan = self.plan;
-        for i in 0..count {
-            let [now, later] = [i, i + 1].map(|first| taken_by(&stages[first..], plan));
-            self.memory.recycle(self.outcome.shape.take_others(&now));
-            self.read_last = (stages[i].takes)(plan);
-            self.read_last.retain(|product| !later.contains(product));
-            self.go_through([stages[i]])?;
-        }
-        let left = taken_by(&stages[count..], plan);
-        self.memory.recycle(self.outcome.shape.take_others(&left));
-        Ok(())
-    }
-
-    /// Runs those of the stages that are in the plan.
+    /// Runs stages, one after another.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled), checked before and after each of them: the output of a cancelled
@@ -301,8 +268,7 @@ impl Execution<'_> {
         &mut self,
         stages: impl IntoIterator<Item = &'static Stage>,
     ) -> Result<()> {
-        let plan = self.plan;
-        for stage in stages.into_iter().filter(|stage| plan.has(stage)) {
+        for stage in stages {
             self.watch.check()?;
             (stage.cpu)(self);
         }

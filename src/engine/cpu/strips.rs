@@ -12,7 +12,7 @@ use crate::light::layers::white_search::add_to_searches;
 use crate::light::relight::albedo_search::AlbedoSearch;
 use crate::light::white_level::chosen_for;
 use crate::params::{Adaptive, ScalingParams};
-use crate::plan::stages::SHAPE;
+use crate::plan::stage::Makes;
 use crate::plan::{Albedo, Plan};
 use crate::product::Product;
 use crate::shape::auto_levels::WHITE_PERCENT;
@@ -103,7 +103,11 @@ impl StripSearch {
             let mut given = plan.clone().without(Product::Direction);
             given.scaling.curvature_gain = Adaptive::Fixed(1.0);
             let mut run = Execution::new(runner, &given, strip, Inputs::default());
-            run.go_through(SHAPE)?;
+            let of_shape = given
+                .stages
+                .iter()
+                .filter(|stage| stage.makes == Makes::Shape);
+            run.go_through(of_shape.copied())?;
             if run.outcome.shape.curvatures.is_none() && run.outcome.shape.trace.is_none() {
                 trace_of_gradient(&mut run);
             }

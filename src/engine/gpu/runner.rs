@@ -22,7 +22,6 @@ use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
-use crate::plan::resolve::running;
 use crate::plan::stage::Stage;
 use crate::product::Product;
 use std::time::Instant;
@@ -70,13 +69,14 @@ impl Runner {
 
     /// What `plan` takes that the device cannot do, in a few words; `None` if there is nothing.
     pub fn lacks(plan: &Plan) -> Option<&'static str> {
-        running(plan).find_map(|stage| (stage.gpu_lacks)(plan))
+        let mut stages = plan.stages.iter();
+        stages.find_map(|stage| (stage.gpu_lacks)(plan))
     }
 
     /// Stages of `plan` that the CPU runs while the device runs the others.
     pub(crate) fn left_to_cpu(plan: &Plan) -> Vec<&'static Stage> {
         let is_left = |stage: &&'static Stage| stage.gpu.is_none() && stage.after_gpu.is_none();
-        running(plan).filter(is_left).collect()
+        plan.stages.iter().copied().filter(is_left).collect()
     }
 
     /// Runs `plan` on `frame`: the picture, or the layers of the descriptor, or a drawing and, if computed, its tone.
@@ -234,10 +234,9 @@ impl Runner {
         let mut run = self.start(plan, frame, beside);
         run.made.picture = copied;
         run.host.outcome.timings.push((UPLOAD, start.elapsed()));
-        let stages: Vec<_> = running(plan).collect();
-        run.record(&stages)?;
+        run.record(&plan.stages)?;
         run.read_results(beside.light.is_some())?;
-        run.go_on(&stages)?;
+        run.go_on(&plan.stages)?;
         let Finished {
             mut made,
             timings,
@@ -256,7 +255,8 @@ impl Runner {
 fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
     let mut layers = made.layers();
     if !plan.wants(Product::Curvature) {
-        let on_cpu = running(plan).filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
+        let stages = plan.stages.iter().copied();
+        let on_cpu = stages.filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
         let taken = taken_by(&on_cpu.collect::<Vec<_>>(), plan);
         layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
     }

@@ -7,12 +7,13 @@ use crate::light::layers::TermScaling;
 use crate::light::layers::cpu::{self, Curvature};
 use crate::light::layers::terms::light_terms;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Each lobe of the picture's light separately.
 pub(crate) static LIGHT_LOBES: Stage = Stage {
     takes: |_| vec![Product::Trace],
+    makes: Makes::Picture,
     name: "light-lobes",
     steps: &[Step {
         name: "light-lobes",
@@ -31,6 +32,7 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
         true => vec![Product::Trace],
         false => vec![Product::Trace, Product::Hessian],
     },
+    makes: Makes::Picture,
     name: "light-groups",
     steps: &[Step {
         name: "light-groups",
@@ -49,6 +51,7 @@ pub(crate) static LIGHT_GROUPS: Stage = Stage {
 /// Ambient occlusion of the picture, enhanced or not.
 pub(crate) static AMBIENT_OCCLUSION: Stage = Stage {
     takes: |_| vec![Product::Trace],
+    makes: Makes::Picture,
     name: "ambient-occlusion",
     steps: &[Step {
         name: "ambient-occlusion",

@@ -4,13 +4,14 @@ use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu::Scaler;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// The picture, scaled by curvature ([RS] section 4).
 pub(crate) static RADIANCE_SCALING: Stage = Stage {
     takes: |_| vec![Product::Trace, Product::Conductance],
     reads_normals: false,
+    makes: Makes::Picture,
     name: "radiance-scaling",
     steps: &[Step {
         name: "radiance-scaling",

@@ -5,7 +5,7 @@ use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 use crate::params::Material;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Partly covered pixels take light from their neighbours.
@@ -26,6 +26,7 @@ pub(crate) static RELIGHT: Stage = Stage {
     },
     // Rays meet a surface whole.
     takes_normals: |plan| plan.specular.is_none(),
+    makes: Makes::Picture,
     name: "relight",
     steps: &[
         Step {

@@ -9,13 +9,14 @@ use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
 use crate::params::ContourParams;
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Lines along silhouettes and creases. They come first: strokes do not consume the weights of edges.
 pub(crate) static CONTOURS: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Crease],
     depends_on: |plan| format!("{:?}", plan.contours()),
+    makes: Makes::Drawing,
     name: "contours",
     steps: &[Step {
         name: "contours",

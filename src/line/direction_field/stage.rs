@@ -5,7 +5,7 @@ use crate::line::direction_field::cpu::stroke_fields;
 use crate::line::direction_field::patches::Patches;
 use crate::line::drawing::has_strokes;
 use crate::params::Style;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// The directions that strokes follow.
@@ -18,6 +18,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
             .map(|params| (params.field, params.directions));
         format!("{} {params:?}", plan.resolution_factor)
     },
+    makes: Makes::Drawing,
     name: "direction-field",
     steps: &[Step {
         name: "direction-field",

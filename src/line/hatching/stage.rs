@@ -3,11 +3,12 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_texture};
 use crate::line::hatching::cpu::hatched;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Strokes cut from a texture and pasted along the directions ([LA] section 6).
 pub(crate) static HATCHING: Stage = Stage {
+    makes: Makes::Drawing,
     name: "hatching",
     steps: &[Step {
         name: "hatching",

@@ -6,7 +6,7 @@ use crate::line::contours::medium::in_medium;
 use crate::line::drawing::is_drawn;
 use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Lines inside surfaces. They follow contours, which they join and do not double.
@@ -16,6 +16,7 @@ pub(crate) static INTERIOR: Stage = Stage {
         let params = plan.drawing.as_ref().map(|params| params.interior);
         format!("{params:?} {}", plan.available.in_sequence)
     },
+    makes: Makes::Drawing,
     name: "interior",
     steps: &[Step {
         name: "interior",

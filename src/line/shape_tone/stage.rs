@@ -5,12 +5,13 @@ use super::halo::leave_bare;
 use super::key_light;
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Tone by a key light and by the picture, spread from ink to paper.
 pub(crate) static SHAPE_TONE: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Conductance, Product::Trace],
+    makes: Makes::Drawing,
     name: "shape-tone",
     steps: &[Step {
         name: "shape-tone",

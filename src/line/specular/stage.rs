@@ -4,12 +4,13 @@ use crate::engine::cpu::execution::Execution;
 use crate::line::specular::seen_through;
 use crate::params::{Bend, SpecularParams};
 use crate::plan::Plan;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::edges::cpu::edges_and_gradient;
 
 /// The stage that finds the surfaces seen in mirrors and lenses, for drawings. Relighting looks them up itself.
 pub(crate) static SPECULAR_TRACE: Stage = Stage {
+    makes: Makes::Drawing,
     name: "specular-trace",
     steps: &[Step {
         name: "specular-trace",

@@ -4,11 +4,12 @@ use super::cpu::{Stippled, stippled};
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::{Tone, finish, has_strokes};
 use crate::params::Style;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Tone in dots.
 pub(crate) static STIPPLING: Stage = Stage {
+    makes: Makes::Drawing,
     name: "stippling",
     steps: &[Step {
         name: "stippling",

@@ -7,12 +7,13 @@ use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 
 /// Strokes that are lines of their own ([JL]).
 pub(crate) static STREAMLINES: Stage = Stage {
     takes: |_| vec![Product::Conductance],
+    makes: Makes::Drawing,
     name: "streamlines",
     steps: &[Step {
         name: "streamlines",

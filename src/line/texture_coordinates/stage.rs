@@ -3,12 +3,13 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_strokes;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 
 /// Placement of the stroke texture as the surface moves.
 pub(crate) static TEXTURE_COORDINATES: Stage = Stage {
     // A frame of a sequence may come with a plan that was made for a still.
     also_runs: |plan| plan.drawing.is_some_and(|params| !params.lines_only),
+    makes: Makes::Drawing,
     name: "texture-coordinates",
     steps: &[Step {
         name: "texture-coordinates",

@@ -3,10 +3,11 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::has_texture;
 use crate::params::Style;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 
 /// The texture of strokes.
 pub(crate) static TONAL_ART_MAP: Stage = Stage {
+    makes: Makes::Drawing,
     name: "tonal-art-map",
     steps: &[Step {
         name: "tonal-art-map",

@@ -16,6 +16,7 @@ pub(crate) static TRACE: Stage = Stage {
     takes: |_| vec![Product::Gradient, Product::Conductance],
     reach_px: |_| REACH,
     reads_normals: false,
+    by_rows: true,
     name: "trace",
     steps: &[Step {
         name: "trace",
@@ -41,6 +42,7 @@ pub(crate) static HESSIAN: Stage = Stage {
     reach_px: |_| REACH,
     reads_normals: false,
     depends_on: |plan| plan.resolution_factor.to_string(),
+    by_rows: true,
     name: "hessian",
     steps: &[Step {
         name: "hessian",
@@ -66,6 +68,7 @@ pub(crate) static HESSIAN: Stage = Stage {
 pub(crate) static CURVATURES: Stage = Stage {
     takes: |_| vec![Product::Hessian],
     reads_normals: false,
+    by_rows: true,
     name: "curvatures",
     steps: &[Step {
         name: "curvatures",
@@ -83,6 +86,7 @@ pub(crate) static CURVATURES: Stage = Stage {
 pub(crate) static DIRECTIONS: Stage = Stage {
     takes: |_| vec![Product::Hessian],
     reads_normals: false,
+    by_rows: true,
     name: "directions",
     steps: &[Step {
         name: "directions",
@@ -106,6 +110,7 @@ pub(crate) static MAPPED_CURVATURE: Stage = Stage {
         false => vec![Product::Curvature, Product::Hessian, Product::Conductance],
     },
     reads_normals: false,
+    by_rows: true,
     name: "mapped-curvature",
     steps: &[Step {
         name: "mapped-curvature",

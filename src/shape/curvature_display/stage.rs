@@ -1,13 +1,14 @@
 //! The curvature display as a picture.
 
 use crate::engine::cpu::execution::Execution;
-use crate::plan::stage::{Stage, Step, Verdict};
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::curvature_display::curvature_display;
 
 /// The coloured curvature display of [LW] figure 6.
 pub(crate) static CURVATURE_DISPLAY: Stage = Stage {
     takes: |_| vec![Product::Trace, Product::Conductance],
+    makes: Makes::Picture,
     name: "display",
     steps: &[Step {
         name: "curvature-display",

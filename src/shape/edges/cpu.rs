@@ -43,25 +43,22 @@ pub(crate) fn edges_and_gradient(
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
     let with_weights = plan.wants(Product::Silhouette);
-    edges_of_lengths(plan, frame, None, with_weights, memory)
+    edges_with_weights(plan, frame, with_weights, memory)
 }
 
-/// The same, with or without the two weights; conductance takes the memory of the lengths of normals, where `frame` no
-/// longer has them.
-pub(crate) fn edges_of_lengths(
+/// The same, with or without the two weights.
+pub(crate) fn edges_with_weights(
     plan: &Plan,
     frame: &Frame,
-    lengths: Option<Plane>,
     with_weights: bool,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
-    let has_lengths = lengths.is_some();
     let mut edges = Weights {
         silhouette: with_weights.then(blank),
         crease: with_weights.then(blank),
-        conductance: lengths.unwrap_or_else(blank),
+        conductance: blank(),
     };
     let mut gradient = memory.vectors(&frame.mask);
     let sources = Sources::new(plan, frame);
@@ -79,7 +76,6 @@ pub(crate) fn edges_of_lengths(
                 silhouette,
                 crease,
                 conductance,
-                has_lengths,
                 gradient: [x, y],
             };
             sources.fill(&mut band, scratch);
@@ -104,9 +100,7 @@ struct Band<'a> {
     top: usize,
     silhouette: Option<&'a mut [f32]>,
     crease: Option<&'a mut [f32]>,
-    /// The lengths of normals, if it has them.
     conductance: &'a mut [f32],
-    has_lengths: bool,
     gradient: [&'a mut [f32]; 2],
 }
 
@@ -185,25 +179,17 @@ impl<'a> Sources<'a> {
         let width = self.frame.mask.width();
         let rows = band.conductance.len() / width;
         let [gradient_x, gradient_y] = &mut band.gradient;
-        let mut lengths = vec![0.0; width];
         for row in 0..rows {
             let y = band.top + row;
             let of_row = row * width..(row + 1) * width;
             let conductance = &mut band.conductance[of_row.clone()];
-            let of_frame = self.frame.normal_length.as_ref();
-            let mut lengths_here = of_frame.map(|plane| plane.row(y));
-            if band.has_lengths {
-                lengths.copy_from_slice(conductance);
-                lengths_here = Some(&lengths);
-                let span = self.frame.mask.span(y);
-                conductance[..span.start].fill(0.0);
-                conductance[span.end..].fill(0.0);
-            }
+            let lengths = self.frame.normal_length.as_ref();
+            let lengths = lengths.map(|plane| plane.row(y));
             let slopes = [
                 &mut gradient_x[of_row.clone()],
                 &mut gradient_y[of_row.clone()],
             ];
-            self.fill_row(y, row == 0, lengths_here, conductance, slopes, scratch);
+            self.fill_row(y, row == 0, lengths, conductance, slopes, scratch);
             for (plane, weights) in [
                 (&mut band.silhouette, &scratch.silhouette),
                 (&mut band.crease, &scratch.crease),
@@ -429,37 +415,5 @@ impl<'a> Sources<'a> {
         for x in self.frame.mask.span(y) {
             out[x] = if covered[x] { weights[x] } else { 0.0 };
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::frame::Mask;
-    use crate::params::ScalingParams;
-    use crate::plan::{Available, Goal};
-    use crate::scenes::Scene;
-
-    /// Several bands; rows and columns without a surface.
-    #[test]
-    fn edges_in_the_memory_of_lengths_are_the_same() {
-        let memory = Memory::default();
-        let mut frame = Scene::barriers(70, 150).frame;
-        frame.mask = Mask::new(Plane::from_fn(70, 150, |x, y| {
-            x > 3 && y.abs_diff(64) > 2 && y < 147 && x.abs_diff(30) + y.abs_diff(100) > 9
-        }));
-        frame.normal_length = Some(Plane::from_fn(70, 150, |x, y| {
-            1.0 - 0.5 * ((x * y) % 7 / 6) as f32
-        }));
-        let (available, shape) = (Available::in_frame(&frame), ShapeParams::default());
-        let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default());
-        let plan = plan.unwrap();
-        let (expected, slopes) = edges_and_gradient(&plan, &frame, &memory);
-        assert!(expected.conductance.samples().contains(&1.0));
-        let lengths = frame.normal_length.take();
-        let (found, found_slopes) = edges_of_lengths(&plan, &frame, lengths, true, &memory);
-        assert_eq!(found.conductance, expected.conductance);
-        assert_eq!(found.crease, expected.crease);
-        assert_eq!(found_slopes, slopes);
     }
 }

@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::edges::cpu::edges_of_lengths;
+use crate::shape::edges::cpu::edges_with_weights;
 use crate::shape::gap::GAP_REACH;
 
 /// Silhouettes, creases, conductance and the gradient before diffusion.
@@ -20,6 +20,7 @@ pub(crate) static EDGES: Stage = Stage {
         let slopes = (shape.foreshortening, shape.min_nz);
         format!("{:?}", (SilhouetteSource::of(plan), thresholds, slopes))
     },
+    reads_lengths: true,
     name: "edges-and-gradient",
     steps: &[
         Step {
@@ -104,9 +105,8 @@ fn find_edges(run: &mut Execution) {
     let weights = kept.unwrap_or_else(|| {
         // With a cache the weights may be requested later.
         let with_weights = wanted || run.kept.is_some();
-        let lengths = run.lengths.take();
         let (mut weights, gradient) = run.timed(EDGES.name, || {
-            edges_of_lengths(plan, frame, lengths, with_weights, memory)
+            edges_with_weights(plan, frame, with_weights, memory)
         });
         if let Some(kept) = run.kept_if_whole() {
             kept.keep_unwanted(&mut weights, wanted);

@@ -1,4 +1,6 @@
-//! All stages, in the order of execution.
+//! All stages, in the order of execution, and the plan that they make of a request.
+
+pub(crate) mod resolve;
 
 use crate::light::layers::stage::{AMBIENT_OCCLUSION, LIGHT_GROUPS, LIGHT_LOBES};
 use crate::light::radiance_scaling::stage::RADIANCE_SCALING;
@@ -25,8 +27,8 @@ use crate::shape::edges::stage::EDGES;
 use crate::shape::height::stage::HEIGHT;
 use crate::shape::occlusion::stage::OCCLUSION;
 
-/// Stages that find the shape.
-pub(crate) static SHAPE: [&Stage; 11] = [
+/// Those that find the shape come first, then those that make a picture, and those that draw it.
+static STAGES: [&Stage; 29] = [
     &EDGES,
     &HEIGHT,
     &OCCLUSION,
@@ -38,10 +40,6 @@ pub(crate) static SHAPE: [&Stage; 11] = [
     &NORMAL_RAYS,
     &AUTO_GAIN,
     &MAPPED_CURVATURE,
-];
-
-/// Stages that make a picture.
-pub(crate) static PICTURE: [&Stage; 7] = [
     &AUTO_WHITE,
     &RADIANCE_SCALING,
     &LIGHT_LOBES,
@@ -49,10 +47,6 @@ pub(crate) static PICTURE: [&Stage; 7] = [
     &AMBIENT_OCCLUSION,
     &CURVATURE_DISPLAY,
     &RELIGHT,
-];
-
-/// Stages that draw it.
-pub(crate) static DRAWING: [&Stage; 11] = [
     &SPECULAR_TRACE,
     &SHAPE_TONE,
     &CONTOURS,
@@ -68,5 +62,5 @@ pub(crate) static DRAWING: [&Stage; 11] = [
 
 /// All stages.
 pub(crate) fn stages() -> impl DoubleEndedIterator<Item = &'static Stage> {
-    SHAPE.iter().chain(&PICTURE).chain(&DRAWING).copied()
+    STAGES.iter().copied()
 }

@@ -8,54 +8,13 @@ use crate::params::{
     LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales,
 };
 use crate::plan::available::Available;
+use crate::plan::goal::{Goal, ToneFrom};
 use crate::plan::planned::{Decision, Plan, Points};
-use crate::plan::stage::{Stage, Step, Verdict};
-use crate::plan::stages::stages;
+use crate::plan::stage::{Step, Verdict};
 use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
-use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
-
-/// The result requested from a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Goal {
-    /// Every layer of the descriptor.
-    Layers,
-    /// The coloured curvature display of [LW] figure 6.
-    Display,
-    /// Radiance scaling of the picture.
-    Enhance,
-    /// New light.
-    Relight,
-    /// The picture unchanged, for a drawing.
-    Picture,
-}
-
-/// Source of a drawing's tone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ToneFrom {
-    /// The picture unchanged.
-    Picture,
-    /// The picture after radiance scaling.
-    Enhanced,
-    /// New light.
-    Relit(RelightParams, LightKinds),
-    /// Shape-showing tone: a key light combined with new light, or else with the picture after radiance scaling, if
-    /// there is a picture; stretched over all tones from ink to paper.
-    Shape(Option<(RelightParams, LightKinds)>),
-}
-
-impl Goal {
-    /// Products the goal consists of; pictures are handled separately.
-    pub(crate) fn products(self) -> impl Iterator<Item = Product> {
-        let is_layer = |product: &Product| {
-            let row = product.row();
-            row.layer.is_some() && !row.on_request
-        };
-        Product::all().filter(move |product| self == Self::Layers && is_layer(product))
-    }
-}
+use crate::stages::stages;
+use std::collections::BTreeMap;
 
 impl Plan {
     /// The plan for `goal` over a frame with the given inputs.
@@ -260,7 +219,7 @@ impl Plan {
             let steps = stage.steps.iter().rev();
             let decided: Vec<_> = steps.map(|step| decision(step, &self)).collect();
             if decided.iter().any(|decision| decision.kept) || (stage.also_runs)(&self) {
-                self.stages.push(stage.name);
+                self.stages.push(stage);
                 self.wanted.extend((stage.takes)(&self));
             }
             self.decisions.extend(decided);
@@ -269,51 +228,6 @@ impl Plan {
         self.decisions.reverse();
         self.follow()
     }
-
-    /// The same plan without the stages that produce `product`.
-    #[cfg(feature = "cli")]
-    pub(crate) fn without(mut self, product: Product) -> Self {
-        let gives = |stage: &&Stage| stage.gives().any(|given| given == product);
-        for left_out in stages().filter(gives) {
-            self.stages.retain(|&name| name != left_out.name);
-        }
-        self.wanted.remove(&product);
-        self.follow()
-    }
-
-    /// Follows dependencies from the first stage to the last: the reach of samples, and the keys of results.
-    pub(super) fn follow(mut self) -> Self {
-        let mut made: BTreeMap<Product, (usize, String)> = BTreeMap::new();
-        self.reach = 0;
-        for stage in running(&self) {
-            let takes = (stage.takes)(&self);
-            let taken: Vec<_> = takes
-                .iter()
-                .filter_map(|product| made.get(product))
-                .collect();
-            let reach =
-                taken.iter().map(|(reach, _)| *reach).max().unwrap_or(0) + (stage.reach_px)(&self);
-            let before: BTreeSet<&str> = taken.iter().map(|(_, key)| key.as_str()).collect();
-            let before: Vec<_> = before.into_iter().collect();
-            let key = format!(
-                "{} {} ({})",
-                stage.name,
-                (stage.depends_on)(&self),
-                before.join(", ")
-            );
-            self.reach = self.reach.max(reach);
-            made.extend(stage.gives().map(|product| (product, (reach, key.clone()))));
-            self.keys.insert(stage.name, key);
-        }
-        self
-    }
-}
-
-/// The stages that run, in order.
-pub(crate) fn running(plan: &Plan) -> impl Iterator<Item = &'static Stage> + use<> {
-    let names = plan.stages().to_vec();
-    let all = stages();
-    all.filter(move |stage| names.contains(&stage.name))
 }
 
 fn decision(step: &Step, plan: &Plan) -> Decision {
@@ -469,7 +383,7 @@ mod tests {
         for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
             let plan = plan(goal, DEPTH, 50);
             let mut given = Vec::new();
-            for stage in running(&plan) {
+            for stage in &plan.stages {
                 let takes = (stage.takes)(&plan);
                 assert!(
                     takes.iter().all(|taken| given.contains(taken)),
