@@ -108,17 +108,17 @@ impl WorkArgs {
 
     /// Error for a picture that needs at least `least` bytes.
     pub(crate) fn too_large(&self, picture: &Path, why: &str, least: u64) -> Error {
-        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let mib = |bytes: u64| bytes.div_ceil(1 << 20);
         Error::Unsupported {
             path: picture.to_path_buf(),
             found: format!(
-                "takes about {:.1} GiB, and {:.1} are allowed; this {why}",
-                gib(self.frame_bytes(picture).max(least)),
-                gib(self.run.max_memory.most()),
+                "takes about {} MiB, and {} are allowed; this {why}",
+                mib(self.frame_bytes(picture).max(least)),
+                mib(self.run.max_memory.most()),
             ),
             remedy: format!(
                 "give --max-memory {}M or more, or crop it",
-                least.div_ceil(1 << 20)
+                mib(least)
             ),
         }
     }

@@ -53,11 +53,11 @@ pub(crate) fn normals_of_depth(
             -1.0 / nearness
         }
     };
-    let mut values = depth.clone();
+    let mut values = Plane::filled(depth.width(), depth.height(), 0.0);
     values.each_row(|y, row| {
-        for (x, d) in row.iter_mut().enumerate() {
-            *d = if shown(x, y) {
-                value(x, y, *d)
+        for (x, (to, &d)) in row.iter_mut().zip(depth.row(y)).enumerate() {
+            *to = if shown(x, y) {
+                value(x, y, d)
             } else {
                 f32::NAN
             };
@@ -153,10 +153,12 @@ impl Precision {
 
 /// The least value of depth that marks no near and no far, where it stands for the sky.
 fn sky_of(depth: &Plane, stored: StoredDepth) -> Option<f32> {
-    let is_far_least = stored == StoredDepth::NormalizedNearIsOne;
+    if stored != StoredDepth::NormalizedNearIsOne {
+        return None;
+    }
     let at_least = depth.samples().iter().filter(|&&d| d <= 0.0).count();
     let share = at_least as f64 / depth.samples().len().max(1) as f64;
-    (is_far_least && share >= SKY).then_some(0.0)
+    (share >= SKY).then_some(0.0)
 }
 
 /// The normals of affine values by their slopes.

@@ -133,10 +133,8 @@ impl DepthAlone<'_> {
         let (stored, mut why) = known.unwrap_or_else(|| judged(self.depth, warnings));
         if stored == StoredDepth::Height {
             let scale = self.height_scale(warnings)?;
-            self.depth
-                .samples_mut()
-                .iter_mut()
-                .for_each(|h| *h *= scale);
+            let depth = &mut *self.depth;
+            depth.each_row(|_, row| row.iter_mut().for_each(|h| *h *= scale));
             precision = precision.times(scale);
             self.camera = Some(self.camera_above());
             why = format!("{scale} pixels high at 1");

@@ -70,7 +70,9 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
     });
     let noise = Noise::of(values, rounding);
     let links = Links::of(values, &noise);
-    if let Rounding::Step(step) = *rounding {
+    if let Rounding::Step(step) = *rounding
+        && step > 0.0
+    {
         without_treads(values, step);
     }
     let (mut slopes, found) = links::differences(values, &links);
@@ -89,7 +91,7 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
 fn without_treads(values: &mut Plane, step: f32) {
     let finite = values.samples().iter().filter(|value| value.is_finite());
     let [least, most] = finite.fold([f32::MAX, f32::MIN], |[a, b], &v| [a.min(v), b.max(v)]);
-    if !(step > 0.0 && most - least <= FEW_CODES * step) {
+    if most - least > FEW_CODES * step {
         return;
     }
     // Gaps take the value on their left: what is smoothed across a gap or a step stays within half a step of its code.

@@ -91,7 +91,12 @@ impl Noise {
 fn white_noise(values: &Plane) -> (f32, f32) {
     let mut sizes = Vec::with_capacity(PIXELS);
     let mut differences: [[Vec<f32>; ORDERS.len()]; 2] = Default::default();
-    let valid = Mask::new(values.map(f32::is_finite));
+    let mut finite = Plane::filled(values.width(), values.height(), false);
+    finite.each_row(|y, row| {
+        let pairs = row.iter_mut().zip(values.row(y));
+        pairs.for_each(|(finite, value)| *finite = value.is_finite());
+    });
+    let valid = Mask::new(finite);
     for (x, y) in valid.sample(PIXELS) {
         let value = |x: Option<usize>, y: Option<usize>| {
             let (x, y) = (
