@@ -116,10 +116,7 @@ impl WorkArgs {
                 mib(self.frame_bytes(picture).max(least)),
                 mib(self.run.max_memory.most()),
             ),
-            remedy: format!(
-                "give --max-memory {}M or more, or crop it",
-                mib(least)
-            ),
+            remedy: format!("give --max-memory {}M or more, or crop it", mib(least)),
         }
     }
 }

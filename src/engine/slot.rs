@@ -48,11 +48,3 @@ impl<T> Slot<T> {
         }
     }
 }
-
-impl<T: Clone> Slot<T> {
-    /// A copy of the result of this key, if present.
-    pub(crate) fn copied(&mut self, key: &str) -> Option<T> {
-        self.invalidate_unless(key);
-        self.value.clone()
-    }
-}

@@ -80,11 +80,8 @@ fn choose_picture_white(run: &mut Execution) {
         Adaptive::Fixed(level) => level,
         // Ambient occlusion is the share of 1 that arrives.
         Adaptive::Auto if frame.light.picture_is_occlusion => 1.0,
-        Adaptive::Auto => run.copied_or(
-            "",
-            |kept| &mut kept.white,
-            AUTO_WHITE.name,
-            || {
+        Adaptive::Auto => run.copied_or("white", Some(""), |run| {
+            run.timed(AUTO_WHITE.name, || {
                 let own = own();
                 let color = own
                     .color
@@ -92,8 +89,8 @@ fn choose_picture_white(run: &mut Execution) {
                     .expect("radiance scaling needs a picture");
                 let weights = frame.luminance_weights();
                 white_level(color, weights, &own.mask)
-            },
-        ),
+            })
+        }),
     };
     run.outcome.white_level = Some(white);
 }
@@ -108,7 +105,9 @@ fn choose_term_whites(run: &mut Execution) {
     run.outcome.term_white_levels = match plan.scaling.white_level {
         Adaptive::Auto => {
             let key = plan.key(AUTO_WHITE.name);
-            run.copied_or(key, |kept| &mut kept.term_whites, AUTO_WHITE.name, levels)
+            run.copied_or("white levels of terms", Some(key), |run| {
+                run.timed(AUTO_WHITE.name, levels)
+            })
         }
         Adaptive::Fixed(_) => levels(),
     };

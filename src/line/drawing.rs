@@ -126,13 +126,8 @@ fn covering(mut density: Plane) -> Plane {
 pub(crate) fn finish(run: &mut Execution, tone: Tone, hatching: Plane, lines: Vec<Streamline>) {
     let canvas = std::mem::take(&mut run.canvas);
     let (plan, memory) = (run.plan, run.memory);
-    match run.kept_if_whole().filter(|_| plan.specular.is_none()) {
-        Some(kept) if !canvas.directions.is_empty() => kept.field.put(canvas.directions),
-        _ => {
-            let planes = canvas.directions.into_iter().flat_map(|d| [d.x, d.y]);
-            memory.recycle(planes);
-        }
-    }
+    let directions = canvas.directions.into_iter();
+    memory.recycle(directions.flat_map(|d| [d.x, d.y]));
     let (contours, contour_lines) = canvas.contours.unzip();
     let (interior, interior_lines) = canvas.interior.unzip();
     run.outcome.color = tone.made;

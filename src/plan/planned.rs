@@ -236,6 +236,11 @@ impl Plan {
         self.keys.get(stage).map_or("", String::as_str)
     }
 
+    /// The key of a stage's result; `None` where it depends on what mirrors and lenses show, of which a key tells nothing.
+    pub(crate) fn key_without_scene(&self, stage: &str) -> Option<&str> {
+        self.specular.is_none().then(|| self.key(stage))
+    }
+
     /// How far, in pixels, an input sample reaches: beyond this distance from its border a crop gives the results of
     /// the whole picture, unless a gain or white level is chosen from the frame. A drawing depends on the whole
     /// picture.

@@ -50,6 +50,8 @@ pub(crate) struct Execution<'a> {
     pub(crate) more_gradients: Vec<Vector2Planes>,
     /// The normals, where the frame no longer has them: their memory is for what the only stage that reads them makes.
     pub(crate) normals: Option<Vector3Planes>,
+    /// Their lengths, likewise.
+    pub(crate) lengths: Option<Plane>,
     /// The trace, where it is computed as the sum of curvatures that are themselves products.
     pub(crate) trace: Option<Plane>,
     pub(crate) canvas: Canvas,
@@ -86,6 +88,7 @@ impl<'a> Execution<'a> {
             undiffused: None,
             more_gradients: Vec::new(),
             normals: None,
+            lengths: None,
             trace: None,
             canvas: Canvas::default(),
         }
@@ -154,17 +157,21 @@ impl<'a> Execution<'a> {
         self.taken_or(|kept| slot(kept).take(key), name, pass)
     }
 
-    /// A copy of the result cached in a slot under this key, or else the result of `pass`, which is then cached.
-    pub(crate) fn copied_or<T: Clone>(
+    /// A copy of the result kept by this name under this key, or else the result of `pass`, of which a copy is then kept;
+    /// without a key, that alone.
+    pub(crate) fn copied_or<T: Clone + Send + 'static>(
         &mut self,
-        key: &str,
-        slot: fn(&mut FrameCache) -> &mut Slot<T>,
         name: &'static str,
-        pass: impl FnOnce() -> T,
+        key: Option<&str>,
+        pass: impl FnOnce(&mut Self) -> T,
     ) -> T {
-        let made = self.taken_or(|kept| slot(kept).copied(key), name, pass);
-        if let Some(kept) = self.kept_if_whole() {
-            slot(kept).put(made.clone());
+        let kept = self.kept.as_deref().zip(key);
+        if let Some(copy) = kept.and_then(|(kept, key)| kept.copy(name, key)) {
+            return copy;
+        }
+        let made = pass(self);
+        if let Some((kept, key)) = self.kept_if_whole().zip(key) {
+            kept.keep(name, key, made.clone());
         }
         made
     }

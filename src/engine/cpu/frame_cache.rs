@@ -2,11 +2,10 @@
 
 use crate::engine::outcome::{Outcome, ShapeSlots};
 use crate::engine::slot::Slot;
-use crate::frame::{Plane, Vector2Planes};
-use crate::light::albedo::AlbedoEstimate;
-use crate::line::contours::Contour;
-use crate::line::interior::InteriorLayer;
+use crate::frame::Vector2Planes;
 use crate::shape::edges::cpu::Weights;
+use std::any::Any;
+use std::collections::HashMap;
 
 /// Results reusable by the next run of the same frame. A run moves them into its outcome; recycling the outcome returns
 /// them.
@@ -16,18 +15,22 @@ pub(crate) struct FrameCache {
     pub(crate) shape: ShapeSlots,
     /// The gradient before diffusion.
     pub(crate) undiffused: Slot<Vector2Planes>,
-    pub(crate) gain: Slot<f32>,
-    pub(crate) term_whites: Slot<Vec<(&'static str, f32)>>,
-    pub(crate) field: Slot<Vec<Vector2Planes>>,
-    pub(crate) contours: Slot<(Plane, Vec<Contour>)>,
-    pub(crate) interior: Slot<InteriorLayer>,
-    /// White level of the picture.
-    pub(crate) white: Slot<f32>,
-    /// Albedo estimated from the picture.
-    pub(crate) albedo: Slot<AlbedoEstimate>,
+    /// Copies of other results by name, each with the key of all that it depends on.
+    copies: HashMap<&'static str, (String, Box<dyn Any + Send>)>,
 }
 
 impl FrameCache {
+    /// A copy of the result kept by this name under this key.
+    pub(crate) fn copy<T: Clone + 'static>(&self, name: &str, key: &str) -> Option<T> {
+        let (_, value) = self.copies.get(name).filter(|(own, _)| own == key)?;
+        value.downcast_ref::<T>().cloned()
+    }
+
+    /// Keeps a result by this name under this key, in place of any other.
+    pub(crate) fn keep(&mut self, name: &'static str, key: &str, value: impl Any + Send) {
+        self.copies.insert(name, (key.into(), Box::new(value)));
+    }
+
     /// The edges cached under this key, if any; weights that are not `wanted` stay in the cache.
     pub(crate) fn take_edges(&mut self, key: &str, wanted: bool) -> Option<Weights> {
         let shape = &mut self.shape;

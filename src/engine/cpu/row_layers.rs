@@ -1,6 +1,7 @@
 //! Layers whose last stages run while they are written: what some rows tell is never there as a whole.
 
 use crate::engine::cpu::execution::{Execution, Runner};
+use crate::engine::cpu::runner::lengths_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::strip_of;
@@ -33,14 +34,14 @@ pub(crate) struct LaidRows {
 }
 
 impl Runner {
-    /// Runs `plan`, but for stages that run on rows.
+    /// Runs `plan`, but for stages that run on rows. The frame loses the lengths of its normals.
     ///
     /// # Errors
     /// As [`Runner::execute`].
     pub(crate) fn execute_for_rows<'a>(
         &'a self,
         plan: &'a Plan,
-        frame: &Frame,
+        frame: &mut Frame,
         inputs: Inputs,
         watch: Watch,
     ) -> Result<RowLayers<'a>> {
@@ -49,11 +50,15 @@ impl Runner {
         let (rest, whole): (Vec<_>, Vec<_>) = plan
             .stages
             .iter()
-            .partition(|stage| stage.by_rows && of_shape);
+            .copied()
+            .partition(|stage: &&'static Stage| stage.by_rows && of_shape);
         let memory = &self.memory.for_run(watch.token());
+        let first = whole.first();
+        let lengths = first.and_then(|stage| lengths_for(stage, plan, frame));
         let mut run = Execution {
             memory,
             watch,
+            lengths,
             ..Execution::new(self, plan, frame, inputs)
         };
         run.go_through(whole)?;

@@ -91,10 +91,12 @@ impl Runner {
             let of_shape = &mut made.outcome.shape;
             memory.recycle(of_shape.take_others(&taken_by(now, plan)));
             let normals = take_unread(plan, frame, stage, later, memory);
+            let lengths = lengths_for(stage, plan, frame);
             let mut run = Execution {
                 memory,
                 watch,
                 normals,
+                lengths,
                 ..Execution::new(self, plan, frame, inputs).after(made)
             };
             let read_later = taken_by(later, plan);
@@ -226,6 +228,12 @@ pub(crate) fn taken_by(stages: &[&Stage], plan: &Plan) -> Vec<Product> {
     stages.flat_map(|stage| (stage.takes)(plan)).collect()
 }
 
+/// The lengths of the normals, where `stage` reads them: the only one that does, unless rays meet the surface later.
+pub(crate) fn lengths_for(stage: &Stage, plan: &Plan, frame: &mut Frame) -> Option<Plane> {
+    let is_last = stage.reads_lengths && plan.specular.is_none();
+    frame.normal_length.take_if(|_| is_last)
+}
+
 /// Recycles what neither `stage` nor a later one reads of a frame. Its normals are handed on where `stage` makes its results
 /// in their memory, and no later one reads them.
 fn take_unread(
@@ -236,10 +244,6 @@ fn take_unread(
     memory: &Memory,
 ) -> Option<Vector3Planes> {
     let now = || later.iter().copied().chain([stage]);
-    // Rays meet a surface whole.
-    if plan.specular.is_none() && !now().any(|stage| stage.reads_lengths) {
-        memory.recycle(frame.normal_length.take());
-    }
     let reads_depth = |stage: &Stage| stage.reads_normals && (stage.reads_depth)(plan);
     if !now().any(reads_depth) {
         memory.recycle(frame.depth.take());

@@ -182,37 +182,6 @@ pub(crate) fn scale_groups(
     })
 }
 
-/// The colours scaled by ambient occlusion.
-pub(crate) fn scale_by_occlusion(
-    mut color: ColorPlanes,
-    occlusion: &Plane,
-    mask: &Mask,
-    curvature: Curvature,
-    by: TermScaling,
-) -> ColorPlanes {
-    let width = mask.width();
-    parallel_rows([&mut color.r, &mut color.g, &mut color.b])
-        .with_min_len(ROWS_PER_TASK)
-        .for_each_init(
-            || vec![0.0; width],
-            |kappa, (y, rows)| {
-                wide!(layers::kappa_row(
-                    kappa,
-                    curvature.trace.row(y),
-                    curvature.gain
-                ));
-                wide!(layers::occlude_row(
-                    rows,
-                    occlusion.row(y),
-                    kappa,
-                    mask.row(y),
-                    &by
-                ));
-            },
-        );
-    color
-}
-
 /// Rows for one task, kept in the cache.
 struct Scratch {
     kappa: Vec<f32>,

@@ -3,6 +3,8 @@
 use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{WIDTH, assert_same_bits, at, rows};
 use crate::light::layers::{self, LobeRow, TermScaling};
+use crate::light::radiance_scaling::cpu::{Scaler, scale_row};
+use crate::params::ScalingParams;
 
 /// Results of the light-layer kernels on sample rows.
 fn made(simd: Simd) -> Vec<Vec<f32>> {
@@ -44,13 +46,20 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
         simd,
         layers::changed_row(&mut out, b[0], &change, &layered, &covered)
     );
-    let [mut red, mut green, mut blue] = b.map(<[f32]>::to_vec);
-    let color = [&mut red[..], &mut green[..], &mut blue[..]];
-    at!(
-        simd,
-        layers::occlude_row(color, a[1], &kappa, &covered, &by)
-    );
-    vec![toward, plain, scaled, group, out, red, green, blue]
+    let scaler = Scaler {
+        params: ScalingParams::default(),
+        gain: -3.0,
+        white: 0.8,
+        weights: by.weights,
+    };
+    let mut results = vec![toward, plain, scaled, group, out];
+    for given in [None, Some(a[1])] {
+        let [mut red, mut green, mut blue] = [blank(), blank(), blank()];
+        let color = [&mut red[..], &mut green[..], &mut blue[..]];
+        at!(simd, scale_row(&scaler, color, b, given, a[0], &covered));
+        results.extend([red, green, blue]);
+    }
+    results
 }
 
 #[test]

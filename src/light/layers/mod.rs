@@ -14,7 +14,7 @@ pub(crate) mod terms;
 #[cfg(feature = "cli")]
 pub(crate) mod white_search;
 
-use super::radiance_scaling::{scaled, scaling};
+use super::radiance_scaling::{limited, scaling};
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 /// Largest radiance of a picture; the sum of a few of these, scaled by the largest [`scaling`], is still finite.
@@ -84,12 +84,6 @@ impl TermScaling {
         let intensity = limited(luminance / self.white, 1.0);
         scaling(intensity, self.magnitude * kappa, self.invariant_point)
     }
-}
-
-/// `value` between 0 and `most`; 0 for NaN.
-#[inline(always)]
-pub(crate) fn limited(value: f32, most: f32) -> f32 {
-    if value > 0.0 { value.min(most) } else { 0.0 }
 }
 
 /// A row of mapped curvature.
@@ -208,27 +202,6 @@ pub(crate) fn changed(c: f32, change: f32, layered: f32) -> f32 {
     let share = (c.max(0.0) / layered.max(f32::MIN_POSITIVE)).min(1.0);
     let changed = (c + share * change).clamp(-f32::MAX, f32::MAX);
     if change != 0.0 { changed } else { c }
-}
-
-/// Scales a row of colours by ambient occlusion: the intensity of ambient light is the share that arrives ([RS] section
-/// 5.3.1 and figure 8 b).
-#[inline(always)]
-pub(crate) fn occlude_row(
-    [r, g, b]: [&mut [f32]; 3],
-    occlusion: &[f32],
-    kappa: &[f32],
-    covered: &[bool],
-    by: &TermScaling,
-) {
-    let width = kappa.len();
-    let (r, g, b) = (&mut r[..width], &mut g[..width], &mut b[..width]);
-    let (occlusion, covered) = (&occlusion[..width], &covered[..width]);
-    for x in 0..width {
-        let sigma = by.sigma(occlusion[x], kappa[x]);
-        let changes = covered[x] & (kappa[x] != 0.0);
-        let shown = |c: f32| if changes { scaled(c, sigma) } else { c };
-        (r[x], g[x], b[x]) = (shown(r[x]), shown(g[x]), shown(b[x]));
-    }
 }
 
 #[cfg(test)]

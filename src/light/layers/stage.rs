@@ -3,9 +3,10 @@
 use crate::engine::cpu::execution::Execution;
 use crate::frame::ColorPlanes;
 use crate::light::enhancement::Subject;
-use crate::light::layers::TermScaling;
 use crate::light::layers::cpu::{self, Curvature};
 use crate::light::layers::terms::light_terms;
+use crate::light::radiance_scaling::cpu::Scaler;
+use crate::params::ScalingParams;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
@@ -115,21 +116,34 @@ fn scale_groups(run: &mut Execution) {
     });
 }
 
+/// The intensity of ambient light is the share that arrives ([RS] section 5.3.1 and figure 8 b).
 fn scale_by_occlusion(run: &mut Execution) {
-    let (plan, frame) = (run.plan, run.frame);
+    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let occlusion = frame.light.occlusion.as_ref();
     let occlusion = occlusion.expect("the plan has seen occlusion");
-    let by = TermScaling {
-        magnitude: plan.scaling.magnitudes().ambient,
-        invariant_point: plan.scaling.invariant_point,
+    let scaler = Scaler {
+        params: ScalingParams {
+            scaling: plan.scaling.magnitudes().ambient,
+            ..plan.scaling
+        },
+        gain: run.gain(),
         white: 1.0,
         weights: frame.luminance_weights(),
     };
-    with_curvature(run, AMBIENT_OCCLUSION.name, |made, curvature| {
-        let color = made.or_else(|| frame.color.clone());
-        let color = color.expect("radiance scaling needs a picture");
-        cpu::scale_by_occlusion(color, occlusion, &frame.mask, curvature, by)
-    });
+    with_curvature(
+        run,
+        AMBIENT_OCCLUSION.name,
+        |made, Curvature { trace, .. }| {
+            let color = made.as_ref().or(frame.color.as_ref());
+            let color = color.expect("radiance scaling needs a picture");
+            let scaled = scaler.scale(color, Some(occlusion), trace, &frame.mask, memory);
+            let planes = made
+                .into_iter()
+                .flat_map(|ColorPlanes { r, g, b }| [r, g, b]);
+            memory.recycle(planes);
+            scaled
+        },
+    );
 }
 
 /// Replaces the picture made so far by one modified by curvature.

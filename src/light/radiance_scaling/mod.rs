@@ -18,6 +18,12 @@ pub(crate) const INVARIANT_MARGIN: f32 = 1e-4;
 /// |gamma kappa| is clamped to this: e^60 is far above any picture, and its square still finite.
 pub(crate) const MAX_EXPONENT: f32 = 60.0;
 
+/// `value` between 0 and `most`; 0 for NaN.
+#[inline(always)]
+pub(crate) fn limited(value: f32, most: f32) -> f32 {
+    if value > 0.0 { value.min(most) } else { 0.0 }
+}
+
 /// The scaling sigma(d) of intensity `d` (clamped to 0..1), for the exponent `x = gamma * kappa` and
 /// the invariant point `alpha`.
 ///

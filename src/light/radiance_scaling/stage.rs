@@ -75,7 +75,7 @@ fn scale(run: &mut Execution) {
     let trace = run.outcome.shape.trace.take();
     let trace = trace.expect("scaling takes the trace");
     let scaled = run.timed(RADIANCE_SCALING.name, || {
-        scaler.scale(color, &trace, &frame.mask, memory)
+        scaler.scale(color, None, &trace, &frame.mask, memory)
     });
     run.outcome.shape.trace = Some(trace);
     run.outcome.color = Some(scaled);

@@ -63,16 +63,14 @@ pub(crate) fn relight(run: &mut Execution) {
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-        run.copied_or(
-            "",
-            |kept| &mut kept.albedo,
-            "albedo-estimate",
-            || match (relighting.estimate, plan.own_part(frame)) {
-                (Some(found), _) => found,
-                (None, Cow::Borrowed(frame)) => albedo::estimate(frame, normal, weights),
-                (None, Cow::Owned(tile)) => albedo::estimate(&tile, &tile.normal, weights),
-            },
-        )
+        let estimate = || match (relighting.estimate, plan.own_part(frame)) {
+            (Some(found), _) => found,
+            (None, Cow::Borrowed(frame)) => albedo::estimate(frame, normal, weights),
+            (None, Cow::Owned(tile)) => albedo::estimate(&tile, &tile.normal, weights),
+        };
+        run.copied_or("albedo", Some(""), |run| {
+            run.timed("albedo-estimate", estimate)
+        })
     });
     let traced = specular.zip(plan.specular).filter(|_| relighting.traced);
     let specular_mask = traced.and_then(|(scene, _)| scene.mask_in(frame));

@@ -41,9 +41,8 @@ fn draw(run: &mut Execution) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("contours are of a drawing");
     let contours = plan.contours().expect("contours are asked for");
-    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
-    let kept = kept.and_then(|kept| kept.contours.copied(plan.key(CONTOURS.name)));
-    let (covered, lines) = kept.unwrap_or_else(|| follow_edges(run, &contours));
+    let key = plan.key_without_scene(CONTOURS.name);
+    let (covered, lines) = run.copied_or(CONTOURS.name, key, |run| follow_edges(run, &contours));
     run.canvas.contours = Some((in_medium(covered, run.frame, &params.strokes), lines));
 }
 
@@ -65,8 +64,5 @@ fn follow_edges(run: &mut Execution, params: &ContourParams) -> (Plane, Vec<Cont
         (covered(&lines, &drawn.mask, memory), lines)
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    if let Some(kept) = run.kept_if_whole().filter(|_| plan.specular.is_none()) {
-        kept.contours.put(made.clone());
-    }
     made
 }

@@ -53,16 +53,10 @@ fn find(run: &mut Execution) {
         }
         stroke_fields(plan, field, wanted, drawn, &patches, given, memory)
     };
-    // Directions in mirrors and lenses are not cached.
-    let directions = match plan.specular {
-        None => run.kept_or(
-            plan.key(DIRECTION_FIELD.name),
-            |kept| &mut kept.field,
-            DIRECTION_FIELD.name,
-            make,
-        ),
-        Some(_) => run.timed(DIRECTION_FIELD.name, make),
-    };
+    let key = plan.key_without_scene(DIRECTION_FIELD.name);
+    let directions = run.copied_or(DIRECTION_FIELD.name, key, |run| {
+        run.timed(DIRECTION_FIELD.name, make)
+    });
     (run.canvas, run.outcome.shape) = (canvas, shape);
     run.canvas.directions = directions;
 }

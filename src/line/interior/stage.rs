@@ -44,9 +44,8 @@ fn decide(plan: &Plan) -> Verdict {
 fn draw(run: &mut Execution) {
     let plan = run.plan;
     let params = plan.drawing.as_ref().expect("lines are of a drawing");
-    let kept = run.kept.as_deref_mut().filter(|_| plan.specular.is_none());
-    let kept = kept.and_then(|kept| kept.interior.copied(plan.key(INTERIOR.name)));
-    let layer = kept.unwrap_or_else(|| follow(run));
+    let key = plan.key_without_scene(INTERIOR.name);
+    let layer = run.copied_or(INTERIOR.name, key, follow);
     run.outcome.line_levels = layer.levels;
     let covered = in_medium(layer.covered, run.frame, &params.strokes);
     run.canvas.interior = Some((covered, layer.lines));
@@ -78,9 +77,5 @@ fn follow(run: &mut Execution) -> InteriorLayer {
         }
     });
     (run.canvas, run.outcome.shape) = (canvas, shape);
-    let kept = run.kept_if_whole().filter(|_| plan.specular.is_none());
-    if let Some(kept) = kept {
-        kept.interior.put(made.clone());
-    }
     made
 }

@@ -106,7 +106,9 @@ fn gain_of_frame(run: &mut Execution) -> f32 {
             most,
         )
     };
-    let gain = run.copied_or(&key, |kept| &mut kept.gain, AUTO_GAIN.name, choose);
+    let gain = run.copied_or(AUTO_GAIN.name, Some(&key), |run| {
+        run.timed(AUTO_GAIN.name, choose)
+    });
     (run.outcome.shape, run.trace) = (shape, own);
     gain
 }

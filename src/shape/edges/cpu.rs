@@ -43,22 +43,31 @@ pub(crate) fn edges_and_gradient(
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
     let with_weights = plan.wants(Product::Silhouette);
-    edges_with_weights(plan, frame, with_weights, memory)
+    edges_with_weights(plan, frame, None, with_weights, memory)
 }
 
-/// The same, with or without the two weights.
+/// The same, with or without the two weights. Conductance takes the memory of the lengths of normals: those given, else a
+/// copy of the frame's.
 pub(crate) fn edges_with_weights(
     plan: &Plan,
     frame: &Frame,
+    lengths: Option<Plane>,
     with_weights: bool,
     memory: &Memory,
 ) -> (Weights, Vector2Planes) {
     let (width, height) = (frame.mask.width(), frame.mask.height());
     let blank = || memory.plane(&frame.mask);
+    let lengths = lengths.or_else(|| {
+        let copied = frame.normal_length.as_ref()?;
+        let mut lengths = memory.unwritten(&frame.mask);
+        lengths.samples_mut().copy_from_slice(copied.samples());
+        Some(lengths)
+    });
+    let has_lengths = lengths.is_some();
     let mut edges = Weights {
         silhouette: with_weights.then(blank),
         crease: with_weights.then(blank),
-        conductance: blank(),
+        conductance: lengths.unwrap_or_else(blank),
     };
     let mut gradient = memory.vectors(&frame.mask);
     let sources = Sources::new(plan, frame);
@@ -76,6 +85,7 @@ pub(crate) fn edges_with_weights(
                 silhouette,
                 crease,
                 conductance,
+                has_lengths,
                 gradient: [x, y],
             };
             sources.fill(&mut band, scratch);
@@ -100,7 +110,9 @@ struct Band<'a> {
     top: usize,
     silhouette: Option<&'a mut [f32]>,
     crease: Option<&'a mut [f32]>,
+    /// The lengths of normals, if there are any.
     conductance: &'a mut [f32],
+    has_lengths: bool,
     gradient: [&'a mut [f32]; 2],
 }
 
@@ -179,12 +191,18 @@ impl<'a> Sources<'a> {
         let width = self.frame.mask.width();
         let rows = band.conductance.len() / width;
         let [gradient_x, gradient_y] = &mut band.gradient;
+        let mut own_lengths = vec![0.0; width];
         for row in 0..rows {
             let y = band.top + row;
             let of_row = row * width..(row + 1) * width;
             let conductance = &mut band.conductance[of_row.clone()];
-            let lengths = self.frame.normal_length.as_ref();
-            let lengths = lengths.map(|plane| plane.row(y));
+            let span = self.frame.mask.span(y);
+            let lengths = band.has_lengths.then(|| {
+                own_lengths.copy_from_slice(conductance);
+                conductance[..span.start].fill(0.0);
+                conductance[span.end..].fill(0.0);
+                &own_lengths[..]
+            });
             let slopes = [
                 &mut gradient_x[of_row.clone()],
                 &mut gradient_y[of_row.clone()],

@@ -105,8 +105,9 @@ fn find_edges(run: &mut Execution) {
     let weights = kept.unwrap_or_else(|| {
         // With a cache the weights may be requested later.
         let with_weights = wanted || run.kept.is_some();
+        let lengths = run.lengths.take();
         let (mut weights, gradient) = run.timed(EDGES.name, || {
-            edges_with_weights(plan, frame, with_weights, memory)
+            edges_with_weights(plan, frame, lengths, with_weights, memory)
         });
         if let Some(kept) = run.kept_if_whole() {
             kept.keep_unwanted(&mut weights, wanted);
