@@ -10,7 +10,6 @@ pub(crate) mod part;
 pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
-pub(crate) mod slot;
 pub(crate) mod target;
 #[cfg(feature = "cli")]
 pub(crate) mod tiles;

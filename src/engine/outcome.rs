@@ -1,6 +1,5 @@
 //! Outcomes: planes of the descriptor, a picture, a drawing, by name and by product.
 
-use crate::engine::slot::Slot;
 use crate::frame::{
     ColorPlanes, CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes, Vector3Planes, Window,
 };
@@ -14,7 +13,7 @@ use crate::product::Product;
 use glam::Vec2;
 use std::time::Duration;
 
-/// The products of the descriptor: the field for each, and its slot in the frame cache.
+/// The products of the descriptor, with the field for each.
 macro_rules! shape_products {
     ($($(#[doc = $doc:literal])+ $product:ident: $field:ident of $planes:ty;)*) => {
         /// The planes of the shape descriptor that a plan wants, and those computed on the way.
@@ -29,7 +28,8 @@ macro_rules! shape_products {
         }
 
         impl Shape {
-            fn planes(&self, product: Product) -> Vec<&Plane> {
+            /// The planes of a product; none of one that is not there.
+            pub(crate) fn planes(&self, product: Product) -> Vec<&Plane> {
                 match product {
                     $(Product::$product => self.$field.planes(),)*
                     _ => Vec::new(),
@@ -40,6 +40,14 @@ macro_rules! shape_products {
                 match product {
                     $(Product::$product => self.$field.planes_mut(),)*
                     _ => Vec::new(),
+                }
+            }
+
+            /// Moves a product to another shape, in place of that one's.
+            pub(crate) fn hand_over(&mut self, product: Product, to: &mut Self) {
+                match product {
+                    $(Product::$product => to.$field = self.$field.take(),)*
+                    _ => {}
                 }
             }
 
@@ -59,19 +67,6 @@ macro_rules! shape_products {
                     $(Product::$product => self.$field = Planes::of_planes(planes),)*
                     _ => {}
                 }
-            }
-        }
-
-        /// Products of the descriptor reusable by the next run of the same frame.
-        #[derive(Debug, Default)]
-        pub(crate) struct ShapeSlots {
-            $(pub(crate) $field: Slot<$planes>,)*
-        }
-
-        impl ShapeSlots {
-            /// Returns products that stages have requested to their slots; the others stay, as memory to recycle.
-            pub(crate) fn recycle(&mut self, shape: &mut Shape) {
-                $(self.$field.put_from(&mut shape.$field);)*
             }
         }
     };

@@ -99,7 +99,7 @@ impl<F: AsRef<Frame>> Session<F> {
 
     fn execute_on_cpu(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<()> {
         let mut last = std::mem::take(&mut self.outcome);
-        self.kept.recycle(&mut last);
+        self.kept.recycle(&mut last.shape);
         self.runner.recycle(last);
         let (frame, kept) = (self.held.as_ref(), Some(&mut self.kept));
         self.outcome = run.install(|| {

@@ -3,7 +3,6 @@
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::slot::Slot;
 use crate::engine::watch::Watch;
 use crate::frame::{Frame, Plane, Vector2Planes, Vector3Planes};
 use crate::kernel::memory::Memory;
@@ -133,28 +132,16 @@ impl<'a> Execution<'a> {
         result
     }
 
-    /// The cached result, by `take`, or else the result of `pass`.
-    pub(crate) fn taken_or<T>(
-        &mut self,
-        take: impl FnOnce(&mut FrameCache) -> Option<T>,
-        name: &'static str,
-        pass: impl FnOnce() -> T,
-    ) -> T {
-        match self.kept.as_deref_mut().and_then(take) {
-            Some(kept) => kept,
-            None => self.timed(name, pass),
+    /// Takes products of the shape that an earlier run of the frame made under this key, if they are all there.
+    pub(crate) fn has_kept(&mut self, products: &[Product], key: &str) -> bool {
+        let Some(kept) = self.kept.as_deref_mut() else {
+            return false;
+        };
+        let has = kept.has(products, key);
+        if has {
+            kept.take(products, &mut self.outcome.shape);
         }
-    }
-
-    /// The result cached in a slot under this key, moved out of it, or else the result of `pass`.
-    pub(crate) fn kept_or<T>(
-        &mut self,
-        key: &str,
-        slot: fn(&mut FrameCache) -> &mut Slot<T>,
-        name: &'static str,
-        pass: impl FnOnce() -> T,
-    ) -> T {
-        self.taken_or(|kept| slot(kept).take(key), name, pass)
+        has
     }
 
     /// A copy of the result kept by this name under this key, or else the result of `pass`, of which a copy is then kept;

@@ -47,18 +47,15 @@ fn decide(plan: &Plan) -> Verdict {
 
 fn follow_rays(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    if !plan.wants(Product::Direction) {
+    let key = plan.key(NORMAL_RAYS.name);
+    if !plan.wants(Product::Direction) || run.has_kept(&[Product::Direction], key) {
         return;
     }
     let conductance = run.outcome.shape.conductance.take();
     let conductance = conductance.expect("directions are planned with their edges");
-    let key = plan.key(NORMAL_RAYS.name);
-    let directions = run.kept_or(
-        key,
-        |kept| &mut kept.shape.direction,
-        NORMAL_RAYS.name,
-        || cpu::directions(plan, frame, &conductance, memory),
-    );
+    let directions = run.timed(NORMAL_RAYS.name, || {
+        cpu::directions(plan, frame, &conductance, memory)
+    });
     let shape = &mut run.outcome.shape;
     (shape.conductance, shape.direction) = (Some(conductance), Some(directions));
 }

@@ -1,7 +1,6 @@
 //! From the gradient to curvature: only its trace if that suffices, else the Hessian and planes derived from it.
 
 use crate::engine::cpu::execution::Execution;
-use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::outcome::{ScaleShape, Shape};
 use crate::frame::{CurvaturePlanes, Plane, SymmetricPlanes, Vector2Planes};
 use crate::plan::Plan;
@@ -164,25 +163,23 @@ fn find_trace(run: &mut Execution) {
 /// The trace of the Hessian, from the gradient; rounded as the sum of the curvatures where these are wanted too.
 pub(crate) fn trace_of_gradient(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
+    let factor = plan.resolution_factor;
+    let key = format!("{} {factor}", plan.key(DIFFUSION.name));
+    if run.has_kept(&[Product::Trace], &key) {
+        return;
+    }
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
-    let key = format!("{} {}", plan.key(DIFFUSION.name), plan.resolution_factor);
-    let trace = run.kept_or(
-        &key,
-        |kept| &mut kept.shape.trace,
-        "trace",
-        || {
-            let factor = plan.resolution_factor;
-            if factor != 1.0 && plan.wants(Product::Curvature) {
-                let hessian = cpu::hessian(gradient, conductance, mask, memory);
-                let hessian = hessian_at(factor, hessian);
-                let trace = cpu::trace_of(&hessian, mask, memory);
-                memory.recycle([hessian.xx, hessian.xy, hessian.yy]);
-                return trace;
-            }
-            per_reference_pixel(cpu::trace(gradient, conductance, mask, memory), factor)
-        },
-    );
+    let trace = run.timed("trace", || {
+        if factor != 1.0 && plan.wants(Product::Curvature) {
+            let hessian = cpu::hessian(gradient, conductance, mask, memory);
+            let hessian = hessian_at(factor, hessian);
+            let trace = cpu::trace_of(&hessian, mask, memory);
+            memory.recycle([hessian.xx, hessian.xy, hessian.yy]);
+            return trace;
+        }
+        per_reference_pixel(cpu::trace(gradient, conductance, mask, memory), factor)
+    });
     run.outcome.shape = Shape {
         trace: Some(trace),
         ..shape
@@ -193,21 +190,15 @@ pub(crate) fn trace_of_gradient(run: &mut Execution) {
 /// row.
 fn find_hessian(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
-    if plan.relighting.is_some() {
+    let with_trace = !plan.wants(Product::Curvature);
+    let made = [Product::Hessian, Product::Trace];
+    let made = if with_trace { &made[..] } else { &made[..1] };
+    if plan.relighting.is_some() || run.has_kept(made, plan.key(HESSIAN.name)) {
         return;
     }
     let shape = std::mem::take(&mut run.outcome.shape);
     let (gradient, conductance) = slopes(&shape);
-    let key = plan.key(HESSIAN.name);
-    let with_trace = !plan.wants(Product::Curvature);
-    let kept = |kept: &mut FrameCache| {
-        let hessian = kept.shape.hessian.take(key);
-        match with_trace {
-            true => hessian.zip(kept.shape.trace.take(key).map(Some)),
-            false => hessian.map(|hessian| (hessian, None)),
-        }
-    };
-    let (hessian, trace) = run.taken_or(kept, "hessian", || {
+    let (hessian, trace) = run.timed(HESSIAN.name, || {
         let hessian = cpu::hessian(gradient, conductance, mask, memory);
         let hessian = hessian_at(plan.resolution_factor, hessian);
         let trace = with_trace.then(|| cpu::trace_of(&hessian, mask, memory));
@@ -222,28 +213,22 @@ fn find_hessian(run: &mut Execution) {
 
 fn find_curvatures(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
+    if run.has_kept(&[Product::Curvature], plan.key(CURVATURES.name)) {
+        return;
+    }
     let hessian = taken(&mut run.outcome.shape);
-    let key = plan.key(CURVATURES.name);
-    let curvatures = run.kept_or(
-        key,
-        |kept| &mut kept.shape.curvatures,
-        "curvatures",
-        || cpu::curvatures(&hessian, mask, memory),
-    );
+    let curvatures = run.timed(CURVATURES.name, || cpu::curvatures(&hessian, mask, memory));
     let shape = &mut run.outcome.shape;
     (shape.hessian, shape.curvatures) = (Some(hessian), Some(curvatures));
 }
 
 fn find_directions(run: &mut Execution) {
     let (plan, mask, memory) = (run.plan, &run.frame.mask, run.memory);
+    if run.has_kept(&[Product::ViewDirection], plan.key(DIRECTIONS.name)) {
+        return;
+    }
     let hessian = taken(&mut run.outcome.shape);
-    let key = plan.key(DIRECTIONS.name);
-    let directions = run.kept_or(
-        key,
-        |kept| &mut kept.shape.direction_view,
-        "directions",
-        || cpu::directions(&hessian, mask, memory),
-    );
+    let directions = run.timed(DIRECTIONS.name, || cpu::directions(&hessian, mask, memory));
     let shape = &mut run.outcome.shape;
     (shape.hessian, shape.direction_view) = (Some(hessian), Some(directions));
 }

@@ -11,6 +11,7 @@ use crate::shape::diffusion::cpu::Diffused;
 use crate::shape::diffusion::importance::Levels;
 use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::{REACH, cpu};
+use crate::shape::edges::stage::{EDGES, UNDIFFUSED};
 
 /// The gradient at the requested scales.
 pub(crate) static DIFFUSION: Stage = Stage {
@@ -66,16 +67,13 @@ fn diffuse(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
     let options = &run.runner.options;
     let key = plan.key(DIFFUSION.name);
-    let kept = run.kept.as_deref_mut();
     // Only the gradient at the first scale is cached.
-    let kept = kept.and_then(|kept| kept.shape.gradient.take(key));
-    if let Some(gradient) = kept.filter(|_| plan.more_px.is_empty()) {
-        run.outcome.shape.gradient = Some(gradient);
+    if run.has_kept(&[Product::Gradient], key) && plan.more_px.is_empty() {
         return;
     }
     let kept = run.kept.as_deref();
     let undiffused = run.undiffused.take();
-    let undiffused = undiffused.or_else(|| kept?.undiffused.get().cloned());
+    let undiffused = undiffused.or_else(|| kept?.copy(UNDIFFUSED, plan.key(EDGES.name)));
     let undiffused = undiffused.expect("the gradient is kept with its edges");
     let mut gradients = match plan.sweeps.count() {
         0 => vec![undiffused; 1 + plan.more_px.len()],

@@ -1,6 +1,7 @@
 //! Edges and the gradient: the first stage, since all others stop at edges.
 
 use crate::engine::cpu::execution::Execution;
+use crate::engine::outcome::Shape;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
@@ -97,27 +98,41 @@ fn where_edges_are_wanted(plan: &Plan, why: &str) -> Verdict {
     }
 }
 
+/// The name by which a session keeps the gradient before diffusion.
+pub(crate) const UNDIFFUSED: &str = "undiffused gradient";
+
 fn find_edges(run: &mut Execution) {
     let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let wanted = plan.wants(Product::Silhouette);
-    let kept = run.kept.as_deref_mut();
-    let kept = kept.and_then(|kept| kept.take_edges(plan.key(EDGES.name), wanted));
-    let weights = kept.unwrap_or_else(|| {
-        // With a cache the weights may be requested later.
-        let with_weights = wanted || run.kept.is_some();
-        let lengths = run.lengths.take();
-        let (mut weights, gradient) = run.timed(EDGES.name, || {
-            edges_with_weights(plan, frame, lengths, with_weights, memory)
-        });
-        if let Some(kept) = run.kept_if_whole() {
-            kept.keep_unwanted(&mut weights, wanted);
-            kept.undiffused.put(gradient.clone());
-        }
-        run.undiffused = Some(gradient);
-        weights
+    let (key, is_wanted) = (plan.key(EDGES.name), plan.wants(Product::Silhouette));
+    let weights = [Product::Silhouette, Product::Crease];
+    let all = [weights[0], weights[1], Product::Conductance];
+    if let Some(kept) = run.kept.as_deref_mut()
+        && kept.has(&all, key)
+        && kept.has_copy(UNDIFFUSED, key)
+    {
+        // Weights that are not wanted stay there.
+        let taken = if is_wanted { &all[..] } else { &all[2..] };
+        kept.take(taken, &mut run.outcome.shape);
+        return;
+    }
+    // With a cache the weights may be requested later.
+    let with_weights = is_wanted || run.kept.is_some();
+    let lengths = run.lengths.take();
+    let (found, gradient) = run.timed(EDGES.name, || {
+        edges_with_weights(plan, frame, lengths, with_weights, memory)
     });
-    let shape = &mut run.outcome.shape;
-    shape.silhouette = weights.silhouette;
-    shape.crease = weights.crease;
-    shape.conductance = Some(weights.conductance);
+    let mut shape = Shape {
+        silhouette: found.silhouette,
+        crease: found.crease,
+        conductance: Some(found.conductance),
+        ..std::mem::take(&mut run.outcome.shape)
+    };
+    if let Some(kept) = run.kept_if_whole() {
+        kept.keep(UNDIFFUSED, key, gradient.clone());
+        if !is_wanted {
+            kept.put(&weights, &mut shape);
+        }
+    }
+    run.undiffused = Some(gradient);
+    run.outcome.shape = shape;
 }
