@@ -7,6 +7,7 @@ use super::message;
 use super::panics::caught;
 use super::progress::{Progress, Status};
 use super::run_log::RunLog;
+use super::sheet;
 use super::stop::{self, First};
 use super::threads::{Lanes, on_threads};
 use crate::command::args::WorkArgs;
@@ -112,6 +113,9 @@ pub(super) fn one<C: FrameCommand>(
     let work = command.work();
     check(command, invocation.recipe(), &[None], work)?;
     files::sweep(work, &mut BTreeSet::new());
+    if let Some(grid) = work.sequence.grid {
+        return sheet::make(command, recipe, invocation, grid);
+    }
     let kit = command.prepare()?;
     let log = RunLog::default();
     let job = Job::new(work.clone(), &log, recipe);
@@ -182,7 +186,7 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
     recipes.try_for_each(|path| known.writes("--save-recipe", path))
 }
 
-fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
+pub(super) fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
     match &work.run.save_recipe {
         Some(path) => write_text(path, work.output.replace_beside(), text),
         None => Ok(()),

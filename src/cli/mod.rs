@@ -25,6 +25,7 @@ mod relight;
 mod report;
 mod run_log;
 mod shape;
+mod sheet;
 mod stop;
 mod strip_memory;
 mod strips;
