@@ -1,10 +1,10 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
+use super::cells::{Form, Part};
 use super::explained;
 use super::message;
 use super::output::{ReadyOutput, attributes, color_channels};
 use super::run_log::RunLog;
-use super::sheet::{Form, Part};
 use super::timings::Timings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
@@ -350,7 +350,12 @@ impl<'a> Job<'a> {
                 if let Some(cell) = self.cell() {
                     let is_derived = made.before.is_some();
                     let ColorPlanes { r, g, b } = made.color;
-                    cell.keep(self, &done.outcome, Form::Color { is_derived }, &[r, g, b]);
+                    cell.keep(
+                        &self.work,
+                        &done.outcome,
+                        Form::Color { is_derived },
+                        &[r, g, b],
+                    );
                     return Ok(chosen);
                 }
                 let settings = self.recipe(&chosen);
@@ -404,7 +409,7 @@ impl<'a> Job<'a> {
                 dpi,
                 transform,
             };
-            cell.keep(self, &done.outcome, form, &[r, g, b]);
+            cell.keep(&self.work, &done.outcome, form, &[r, g, b]);
             return Ok(done.chosen());
         }
         let settings = self.recipe(&done.chosen());
@@ -443,7 +448,7 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let channels = self.work.output.picked(channels)?;
         if let Some(cell) = self.cell() {
-            cell.keep_channels(self, &done.outcome, &channels);
+            cell.keep_channels(&self.work, &done.outcome, &channels);
             return Ok(done.chosen());
         }
         self.write(done, done.chosen(), |output| {
@@ -478,7 +483,7 @@ impl<'a> Job<'a> {
         if let Some(cell) = self.cell() {
             let all = layers.rows(frame, &(0..frame.mask.height()))?;
             let channels = args.picked(channels(&all))?;
-            cell.keep_channels(self, &all.outcome, &channels);
+            cell.keep_channels(&self.work, &all.outcome, &channels);
             return Ok(chosen);
         }
         let mut timings = Timings::of(loaded, read);

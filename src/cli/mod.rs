@@ -1,6 +1,7 @@
 //! The command line: arguments in, files and messages out.
 
 mod batch;
+mod cells;
 mod complete;
 mod enhance;
 mod exit;

@@ -19,7 +19,6 @@ use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
 use crate::io::{InputFiles, Loaded, Needs};
-use crate::params::LobeChoice;
 use crate::plan::Plan;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -127,7 +126,7 @@ pub(super) fn make<W: StripWork>(
     let extent = files.extent(&inputs, needs)?;
     let (whole, photo_bytes) = (extent.window, extent.photo_bytes);
     let mut sample = middle(job, &files, &mut inputs, needs)?;
-    take_judgement(&mut inputs, &sample);
+    sample.settle(&mut inputs);
     inputs.known_camera = sample.known_camera();
     // Strips do not look again for a camera that the middle of the picture does not show.
     let needs = Needs {
@@ -222,24 +221,6 @@ fn run<W: StripWork>(work: &W, plan: &Plan, strip: &Frame) -> Result<Outcome> {
     let mut outcome = work.runner().execute(plan, strip, work.inputs())?;
     work.finish(strip, &mut outcome);
     Ok(outcome)
-}
-
-/// Lets parts of a picture be read as `sample` was.
-pub(super) fn take_judgement(inputs: &mut Inputs, sample: &Loaded) {
-    sample.conventions.force(inputs);
-    // Whether light passes are those of the picture is not judged again either.
-    if let Some(light) = &mut inputs.light
-        && light.lobes == LobeChoice::Auto
-    {
-        light.lobes = match sample.frame.light.lobes.is_empty() {
-            true => LobeChoice::Off,
-            false => LobeChoice::On,
-        };
-    }
-    if let Some(light) = &mut inputs.light {
-        light.gloss_is_tint = sample.frame.light.gloss.as_ref().map(|gloss| gloss.is_tint);
-        light.gloss &= light.gloss_is_tint.is_some();
-    }
 }
 
 /// The middle of the picture, which tells how its layers are to be read: as many rows as fit.

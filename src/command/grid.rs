@@ -79,7 +79,7 @@ impl Grid {
 
 /// The divisor of `side` that is nearest to `wanted`.
 fn nearest_divisor(side: usize, wanted: usize) -> usize {
-    let divisors = (1..=side).filter(|divisor| side % divisor == 0);
+    let divisors = (1..=side).filter(|divisor| side.is_multiple_of(*divisor));
     divisors
         .min_by_key(|divisor| divisor.abs_diff(wanted))
         .unwrap_or(side)

@@ -2,7 +2,7 @@
 
 use super::bundle::gathered;
 use super::frame_sources::FrameSources;
-use super::inputs::{Inputs, Needs};
+use super::inputs::{Inputs, LobeChoice, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, PartOfPhotos, Selection, WholePhoto};
@@ -146,6 +146,27 @@ impl InputFiles {
     /// Releases decoded photos.
     pub(crate) fn release(&self) {
         self.main.release();
+    }
+}
+
+impl Loaded {
+    /// Lets parts of the picture that this was read of be read as it was.
+    pub(crate) fn settle(&self, inputs: &mut Inputs) {
+        self.conventions.force(inputs);
+        // Whether light passes are those of the picture is not judged again either.
+        let light = &self.frame.light;
+        if let Some(wanted) = &mut inputs.light
+            && wanted.lobes == LobeChoice::Auto
+        {
+            wanted.lobes = match light.lobes.is_empty() {
+                true => LobeChoice::Off,
+                false => LobeChoice::On,
+            };
+        }
+        if let Some(wanted) = &mut inputs.light {
+            wanted.gloss_is_tint = light.gloss.as_ref().map(|gloss| gloss.is_tint);
+            wanted.gloss &= wanted.gloss_is_tint.is_some();
+        }
     }
 }
 

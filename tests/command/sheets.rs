@@ -313,22 +313,22 @@ fn what_cannot_be_cut_is_refused() {
             "--enlarge makes cells larger than those of the sheet",
         ),
         (
-            format!("enhance s.####.png -o x.####.png --grid 32x32 --frames 1-2"),
+            "enhance s.####.png -o x.####.png --grid 32x32 --frames 1-2".to_string(),
             2,
             "cannot be used with '--frames",
         ),
         (
-            format!("map sheet_n.png -o x.png --map height --grid 32x32"),
+            "map sheet_n.png -o x.png --map height --grid 32x32".to_string(),
             2,
             "--map height runs from black to white in each picture",
         ),
         (
-            format!("map sheet_n.png -o x_{{map}}.png --scale 1,4 --grid 32x32"),
+            "map sheet_n.png -o x_{map}.png --scale 1,4 --grid 32x32".to_string(),
             2,
             "--scale takes a gain for each scale",
         ),
         (
-            format!("normals sheet_n.png -o x.png --flatten --grid 32x32"),
+            "normals sheet_n.png -o x.png --flatten --grid 32x32".to_string(),
             2,
             "--flatten is of a whole picture",
         ),
@@ -344,8 +344,7 @@ fn what_cannot_be_cut_is_refused() {
     }
     // Of several sheets each makes its own choices.
     std::fs::copy(here.join("sheet.png"), here.join("other.png")).unwrap();
-    let words =
-        format!("enhance sheet.png other.png --normal sheet_n.png --grid 32x32 -q -o made/");
-    relievo(here, &words).done();
+    let words = "enhance sheet.png other.png --normal sheet_n.png --grid 32x32 -q -o made/";
+    relievo(here, words).done();
     assert_eq!(names(&here.join("made"), "").len(), 2);
 }

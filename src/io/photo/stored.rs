@@ -72,6 +72,7 @@ impl StoredPhoto {
     }
 
     /// All samples, upright, which are let go of here.
+    #[cfg(feature = "cli")]
     pub(in crate::io) fn take_samples(&self) -> Result<Arc<DynamicImage>> {
         drop(self.image()?);
         Ok(self.image.take().expect("decoded above").into())
