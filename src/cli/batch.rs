@@ -1,9 +1,10 @@
 //! A command on several independent pictures, each with its own automatic choices.
 
 use super::exit;
-use super::frames::{self, FrameCommand, command_of, one, refuse_collisions, validate};
+use super::frames::{self, FrameCommand, command_of, refuse_collisions, validate};
 use super::message;
 use super::panics::caught;
+use super::sheet;
 use super::stop::{self, First};
 use super::threads::on_threads;
 use crate::command::batch::Batch;
@@ -25,7 +26,7 @@ pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     let (command, _) = command_of::<C>(invocation);
     let work = command.work();
     match work.batch()? {
-        None => frames::run::<C>(invocation),
+        None => frames::run::<C>(invocation, sheet::one),
         Some(batch) => on_threads(work.run.compute.threads, || each::<C>(&batch, invocation)),
     }
 }
@@ -50,7 +51,7 @@ fn each<C: FrameCommand>(batch: &Batch, invocation: &Invocation) -> Result<i32> 
             return Ok(code);
         }
         let input = &command.work().input;
-        if let Err(error) = caught(input, || one(command, recipe, invocation)) {
+        if let Err(error) = caught(input, || sheet::one(command, recipe, invocation)) {
             message::error(&error);
             failed += 1;
         }

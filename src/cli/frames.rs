@@ -62,11 +62,14 @@ pub(super) trait FrameCommand: FromArgMatches + Send + Sync {
     fn make(&self, kit: &Self::Kit, job: &Job) -> Result<Chosen>;
 }
 
-/// Runs the command on the files its arguments name; returns the exit code.
+/// Makes one picture by a command, with its record for the recipe.
+pub(super) type One<C> = fn(&C, &RecipeText, &Invocation) -> Result<()>;
+
+/// Runs the command on the files its arguments name, on a single picture by `one`; returns the exit code.
 ///
 /// # Errors
 /// Any [`crate::Error`] of a single picture, and errors before a sequence is begun.
-pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
+pub(super) fn run<C: FrameCommand>(invocation: &Invocation, one: One<C>) -> Result<i32> {
     let (command, recipe) = command_of::<C>(invocation);
     let (threads, input) = (
         command.work().run.compute.threads,
@@ -74,7 +77,10 @@ pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
     );
     on_threads(threads, || {
         caught(&input, || match command.work().frames()? {
-            None => single(&command, &recipe, invocation),
+            None => {
+                stop::mind_signals(First::Drop);
+                one(&command, &recipe, invocation).map(|()| exit::DONE)
+            }
             Some(frames) => {
                 let frames = frames.to_vec();
                 sequence(command, recipe, invocation, &frames)
@@ -94,29 +100,27 @@ pub(super) fn command_of<C: FrameCommand>(invocation: &Invocation) -> (C, Recipe
     (command, RecipeText::of(&matches, invocation.kept()))
 }
 
-fn single<C: FrameCommand>(
-    command: &C,
-    recipe: &RecipeText,
-    invocation: &Invocation,
-) -> Result<i32> {
-    stop::mind_signals(First::Drop);
-    one(command, recipe, invocation).map(|()| exit::DONE)
-}
-
 /// Makes one picture.
 pub(super) fn one<C: FrameCommand>(
     command: &C,
     recipe: &RecipeText,
     invocation: &Invocation,
 ) -> Result<()> {
+    begin(command, invocation)?;
     let work = command.work();
-    check(command, invocation.recipe(), &[None], work)?;
-    files::sweep(work, &mut BTreeSet::new());
     let kit = command.prepare()?;
     let log = RunLog::default();
     let job = Job::new(work.clone(), &log, recipe);
     let chosen = command.make(&kit, &job)?;
     save_recipe(work, &recipe.with(&chosen))
+}
+
+/// Refuses bad arguments of a picture, and clears its folder of leftovers.
+pub(super) fn begin<C: FrameCommand>(command: &C, invocation: &Invocation) -> Result<()> {
+    let work = command.work();
+    check(command, invocation.recipe(), &[None], work)?;
+    files::sweep(work, &mut BTreeSet::new());
+    Ok(())
 }
 
 /// Refuses invalid arguments of `command`.
@@ -182,7 +186,7 @@ pub(super) fn refuse_collisions<'a, C: FrameCommand + 'a>(
     recipes.try_for_each(|path| known.writes("--save-recipe", path))
 }
 
-fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
+pub(super) fn save_recipe(work: &WorkArgs, text: &str) -> Result<()> {
     match &work.run.save_recipe {
         Some(path) => write_text(path, work.output.replace_beside(), text),
         None => Ok(()),
@@ -444,13 +448,15 @@ mod tests {
             Invocation::of(start.into_iter().chain(files).chain(rest))
         };
         let frames = ["--frames", "1-4", "--keep-going", "-q"];
-        let code = run::<Faulty>(&words(&frames)).unwrap();
+        let code = run::<Faulty>(&words(&frames), one).unwrap();
         assert_eq!(code, 3);
         let is_made = |frame: i32| desk.path().join(format!("out.{frame}.png")).exists();
         assert_eq!([1, 2, 3, 4].map(is_made), [true, false, true, true]);
         // As a sample frame it is ignored, unless it is the only one.
         let sampled = ["--frames", "1,3", "--sample-frames", "2", "-q"];
-        let failed = run::<Faulty>(&words(&sampled)).unwrap_err().to_string();
+        let failed = run::<Faulty>(&words(&sampled), one)
+            .unwrap_err()
+            .to_string();
         assert!(failed.contains("frame 2 is not to my liking"), "{failed}");
     }
 }

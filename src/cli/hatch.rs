@@ -128,6 +128,7 @@ impl FrameCommand for HatchArgs {
                 is_specular: scene.is_some(),
             },
         )?;
+        job.settle_albedo(&mut plan, &loaded.frame);
         plan.inks_strokes = !is_svg(&job.work);
         plan.keeps_tone = plan.inks_strokes && job.work.output.kind()? == Kind::Exr;
         job.tell_plan(&plan);
@@ -191,6 +192,10 @@ impl HatchArgs {
         let times = self.times(&loaded.frame)?;
         if times == 1.0 {
             return Ok(times);
+        }
+        if job.part.is_some() {
+            let found = "makes cells larger than those of the sheet".into();
+            return Err(self.cannot_enlarge(found, "leave it or --grid out".into()));
         }
         self.refuse_enlarged(&loaded.frame, times, scene.as_ref())?;
         if job.is_in_sequence() && self.motion.moves() {

@@ -1,5 +1,6 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
+use super::cells::{Form, Part};
 use super::explained;
 use super::message;
 use super::output::{ReadyOutput, attributes, color_channels};
@@ -25,6 +26,7 @@ use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -37,6 +39,8 @@ pub(super) struct Job<'a> {
     pub(super) frame: Option<i32>,
     /// Its place among the frames of the run.
     index: Option<usize>,
+    /// What it is of a sheet.
+    pub(super) part: Option<Part<'a>>,
     writes: bool,
     log: &'a RunLog,
     recipe: &'a RecipeText,
@@ -66,6 +70,7 @@ impl<'a> Job<'a> {
             work,
             frame: None,
             index: None,
+            part: None,
             log,
             recipe,
             started: Instant::now(),
@@ -88,12 +93,43 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// A part of a sheet: nothing is written before all cells are done.
+    pub(super) fn of_sheet(
+        work: WorkArgs,
+        part: Part<'a>,
+        log: &'a RunLog,
+        recipe: &'a RecipeText,
+    ) -> Self {
+        Self {
+            writes: false,
+            part: Some(part),
+            ..Self::new(work, log, recipe)
+        }
+    }
+
     /// The same with the output of one of the maps that its name stands for.
     pub(super) fn writing(&self, part: &str) -> Self {
         let mut job = self.clone();
         job.work.output.parts = vec![part.into()];
         job.work.output.output = job.work.output.files().pop();
         job
+    }
+
+    /// The same, begun before.
+    pub(super) fn begun(self, started: Instant) -> Self {
+        Self { started, ..self }
+    }
+
+    /// The same with this output.
+    pub(super) fn writing_to(&self, path: PathBuf) -> Self {
+        let mut job = self.clone();
+        job.work.output.output = Some(path);
+        job
+    }
+
+    /// The sheet that it is a cell of.
+    fn cell(&self) -> Option<Part<'a>> {
+        self.part.filter(Part::is_cell)
     }
 
     /// The same, to be made only so that the next ones can be: nothing is written.
@@ -138,7 +174,10 @@ impl<'a> Job<'a> {
 
     /// Reads the frame, and says what was concluded.
     pub(super) fn load(&self, inputs: &Inputs, needs: Needs) -> Result<(Loaded, Duration)> {
-        self.load_from(&InputFiles::open(inputs)?, inputs, needs)
+        match self.part {
+            Some(part) => self.told(|| part.load(inputs, needs)),
+            None => self.load_from(&InputFiles::open(inputs)?, inputs, needs),
+        }
     }
 
     /// The same of files that are open.
@@ -148,8 +187,12 @@ impl<'a> Job<'a> {
         inputs: &Inputs,
         needs: Needs,
     ) -> Result<(Loaded, Duration)> {
+        self.told(|| files.load(inputs, needs))
+    }
+
+    fn told(&self, load: impl FnOnce() -> Result<Loaded>) -> Result<(Loaded, Duration)> {
         let start = Instant::now();
-        let loaded = files.load(inputs, needs)?;
+        let loaded = load()?;
         let read = start.elapsed();
         if self.work.run.verbose && self.speaks_for_all() {
             for finding in &loaded.findings {
@@ -165,6 +208,7 @@ impl<'a> Job<'a> {
     /// Whether what concerns all frames is said now: with the first one.
     fn speaks_for_all(&self) -> bool {
         match self.index {
+            _ if self.cell().is_some() => false,
             None => self.frame.is_none() || self.work.output.output.is_none(),
             Some(index) => index == 0,
         }
@@ -177,7 +221,8 @@ impl<'a> Job<'a> {
 
     /// Says something about this picture, unless it is one of a sequence.
     pub(super) fn note(&self, text: &str) {
-        if !self.work.run.quiet && !self.log.is_sequence() {
+        let is_one = !self.log.is_sequence() && self.part.is_none();
+        if !self.work.run.quiet && is_one {
             self.log
                 .say(&format!("{}: {text}", shown(&self.work.input)));
         }
@@ -186,7 +231,8 @@ impl<'a> Job<'a> {
     fn say_once(&self, kind: &str, text: &str, with_name: bool) {
         let is_looked_at = self.index.is_none() && self.frame.is_some();
         let is_made_later = is_looked_at && self.work.output.output.is_some();
-        if self.work.run.quiet || is_made_later || !self.log.is_new(text) {
+        let is_silent = self.work.run.quiet || self.cell().is_some();
+        if is_silent || is_made_later || !self.log.is_new(text) {
             return;
         }
         let name = match with_name {
@@ -238,7 +284,7 @@ impl<'a> Job<'a> {
 
     /// Frees the memory that a run leaves for further ones, unless there are any.
     pub(super) fn release_spare_memory(&self, engine: &Engine) {
-        if !self.is_in_sequence() {
+        if !self.is_in_sequence() && self.part.is_none() {
             engine.release_spare_memory();
         }
     }
@@ -247,6 +293,13 @@ impl<'a> Job<'a> {
     pub(super) fn note_gain(&self, plan: &Plan, gain: Option<f32>) {
         if let Some(text) = held_gain(plan, gain) {
             self.warn(&text);
+        }
+    }
+
+    /// Makes the plan for a cell of a sheet take the albedo that was estimated over all of it.
+    pub(super) fn settle_albedo(&self, plan: &mut Plan, frame: &Frame) {
+        if let Some(part) = self.part {
+            part.settle_albedo(plan, frame);
         }
     }
 
@@ -294,6 +347,17 @@ impl<'a> Job<'a> {
                 let displayed = self.displayed(loaded, made, exposure);
                 let picture = displayed.picture();
                 let chosen = done.chosen().exposed(exposure);
+                if let Some(cell) = self.cell() {
+                    let is_derived = made.before.is_some();
+                    let ColorPlanes { r, g, b } = made.color;
+                    cell.keep(
+                        &self.work,
+                        &done.outcome,
+                        Form::Color { is_derived },
+                        &[r, g, b],
+                    );
+                    return Ok(chosen);
+                }
                 let settings = self.recipe(&chosen);
                 self.write(done, chosen, |output| {
                     self.write_picture_to(output, done, &picture, settings)?;
@@ -330,6 +394,24 @@ impl<'a> Job<'a> {
 
     /// Writes colours to a display file and ends the frame.
     pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
+        if let Some(cell) = self.cell() {
+            let Picture {
+                grey,
+                bits,
+                dpi,
+                transform,
+                color: ColorPlanes { r, g, b },
+                ..
+            } = *picture;
+            let form = Form::Picture {
+                grey,
+                bits,
+                dpi,
+                transform,
+            };
+            cell.keep(&self.work, &done.outcome, form, &[r, g, b]);
+            return Ok(done.chosen());
+        }
         let settings = self.recipe(&done.chosen());
         self.write(done, done.chosen(), |output| {
             self.write_picture_to(output, done, picture, settings)?;
@@ -365,6 +447,10 @@ impl<'a> Job<'a> {
         channels: Vec<OutputChannel>,
     ) -> Result<Chosen> {
         let channels = self.work.output.picked(channels)?;
+        if let Some(cell) = self.cell() {
+            cell.keep_channels(&self.work, &done.outcome, &channels);
+            return Ok(done.chosen());
+        }
         self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.check_channels(&done.loaded.frame, &channels)?;
@@ -394,6 +480,12 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
         let (frame, args) = (&loaded.frame, &self.work.output);
+        if let Some(cell) = self.cell() {
+            let all = layers.rows(frame, &(0..frame.mask.height()))?;
+            let channels = args.picked(channels(&all))?;
+            cell.keep_channels(&self.work, &all.outcome, &channels);
+            return Ok(chosen);
+        }
         let mut timings = Timings::of(loaded, read);
         timings.add_all(&layers.outcome);
         self.write_output(&chosen, |output| {

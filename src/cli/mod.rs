@@ -1,6 +1,7 @@
 //! The command line: arguments in, files and messages out.
 
 mod batch;
+mod cells;
 mod complete;
 mod enhance;
 mod exit;
@@ -25,6 +26,7 @@ mod relight;
 mod report;
 mod run_log;
 mod shape;
+mod sheet;
 mod stop;
 mod strip_memory;
 mod strips;

@@ -163,6 +163,11 @@ pub(super) fn strips_bar(args: &RunArgs, doing: &'static str, total: usize) -> P
     part_bar(args, template, total).with_message(doing)
 }
 
+/// The same for the cells of a sheet.
+pub(super) fn cells_bar(args: &RunArgs, total: usize) -> ProgressBar {
+    part_bar(args, "{bar:40} {pos}/{len} cells, {eta} left", total)
+}
+
 /// The same for the passes of a run, in percent; an invisible one unless it is `wanted`.
 pub(super) fn passes_bar(args: &RunArgs, wanted: bool) -> ProgressBar {
     match wanted {

@@ -87,7 +87,8 @@ impl FrameCommand for RelightArgs {
         if !specular.is_empty() {
             work.scene = Some(specular_scene(&specular, &self.params(), &mut loaded)?);
         }
-        let plan = work.plan(&loaded, &StripChoice::default())?;
+        let mut plan = work.plan(&loaded, &StripChoice::default())?;
+        job.settle_albedo(&mut plan, &loaded.frame);
         job.tell_plan(&plan);
         look_at_depth(&mut loaded);
         let mut outcome = job.execute(&kit.engine, &plan, &mut loaded.frame, work.inputs())?;

@@ -31,6 +31,9 @@ pub(super) const FEWEST_ROWS: usize = 16;
 /// # Errors
 /// [`Error::Unsupported`] for such a tile: strips have no borders to join.
 pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
+    if job.part.is_some() {
+        return job.work.refuse_too_large(&job.work.input).map(|()| false);
+    }
     if job.work.roles.wrap != Wrap::None {
         let input = &job.work.input;
         let is_exr = matches!(job.work.output.kind(), Ok(Kind::Exr));
@@ -43,8 +46,15 @@ pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
     Ok(whole_bytes(job) > allowed(job))
 }
 
-/// Refuses surroundings that are too large to go with the frame.
+/// Refuses surroundings that are too large to go with the frame, and those of a sheet.
 pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
+    if job.part.is_some() {
+        return Err(Error::BadParameter {
+            name: "--grid",
+            found: "does not go with what mirrors and lenses show".into(),
+            remedy: "leave one of them out".into(),
+        });
+    }
     let bytes = path.map_or(Ok(0), surroundings_bytes)?;
     let least = bytes.saturating_add(whole_bytes(job));
     let (mib, most) = (

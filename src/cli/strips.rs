@@ -19,7 +19,6 @@ use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
 use crate::io::{InputFiles, Loaded, Needs};
-use crate::params::LobeChoice;
 use crate::plan::Plan;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -127,20 +126,7 @@ pub(super) fn make<W: StripWork>(
     let extent = files.extent(&inputs, needs)?;
     let (whole, photo_bytes) = (extent.window, extent.photo_bytes);
     let mut sample = middle(job, &files, &mut inputs, needs)?;
-    sample.conventions.force(&mut inputs);
-    // Whether light passes are those of the picture is not judged again either.
-    if let Some(light) = &mut inputs.light
-        && light.lobes == LobeChoice::Auto
-    {
-        light.lobes = match sample.frame.light.lobes.is_empty() {
-            true => LobeChoice::Off,
-            false => LobeChoice::On,
-        };
-    }
-    if let Some(light) = &mut inputs.light {
-        light.gloss_is_tint = sample.frame.light.gloss.as_ref().map(|gloss| gloss.is_tint);
-        light.gloss &= light.gloss_is_tint.is_some();
-    }
+    sample.settle(&mut inputs);
     inputs.known_camera = sample.known_camera();
     // Strips do not look again for a camera that the middle of the picture does not show.
     let needs = Needs {

@@ -105,7 +105,8 @@ Examples:
   relievo enhance passes.exr -o enhanced.exr --scaling-diffuse 2 --scaling-specular 0.5
   relievo enhance passes.exr -o enhanced.exr --light-group key=135,40 --light-group fill=10,20
   relievo enhance photo.jpg --normal normals.png --normal-flip y -o enhanced.jpg
-  relievo enhance shot.####.exr --frames 101-340 -o out/shot.####.exr --skip-existing";
+  relievo enhance shot.####.exr --frames 101-340 -o out/shot.####.exr --skip-existing
+  relievo enhance hero.png --normal hero_n.png --grid 32x32 -o out.png        a sheet of sprites";
 
 const NORMALS_EXAMPLES: &str = "\
 Examples:

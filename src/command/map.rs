@@ -11,7 +11,7 @@ use crate::frame::detail::with_detail;
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::io::inputs::Inputs;
 use crate::io::{self, Loaded, Needs};
-use crate::params::{Group, Params, Scale, ShapeParams, SoftThreshold};
+use crate::params::{Adaptive, Group, Params, Scale, ShapeParams, SoftThreshold};
 use crate::plan::{Available, Plan};
 use crate::product::Product;
 use clap::Args;
@@ -361,6 +361,11 @@ impl MapArgs {
             let found = "is of normals, and they are not made".to_string();
             return bad(name, found, "add --map normals");
         }
+        if let (Some(_), Some([name, found, remedy])) =
+            (self.work.sequence.grid, self.of_one_picture(kind))
+        {
+            return bad(name, found.into(), remedy);
+        }
         if !self.sum.is_empty() {
             if ![1, sigmas.len()].contains(&self.sum.len()) {
                 let (weights, scales) = (self.sum.len(), sigmas.len());
@@ -374,6 +379,26 @@ impl MapArgs {
             }
         }
         Ok(())
+    }
+
+    /// A setting that is of a whole picture, and would differ from cell to cell of a sheet: its name, why, and what to do.
+    fn of_one_picture(&self, kind: Kind) -> Option<[&'static str; 3]> {
+        let whole = "is of a whole picture, and --grid cuts it";
+        let gain = self.work.flags.params.scaling.curvature_gain;
+        let has_scales = self.maps.iter().any(|map| map.has_scales());
+        if self.detail.is_some() {
+            Some(["--detail", whole, "leave one of them out"])
+        } else if self.flatten {
+            Some(["--flatten", whole, "leave one of them out"])
+        } else if has_scales && self.sigmas().len() > 1 && gain == Adaptive::Auto {
+            let found = "takes a gain for each scale, of a whole picture, and --grid cuts it";
+            Some(["--scale", found, "give one, or --curvature-gain"])
+        } else if matches!(kind, Kind::Picture(_)) && self.maps.contains(&Map::Height) {
+            let found = "height runs from black to white in each picture, and --grid makes many";
+            Some(["--map", found, "write an .npy, .tif or .exr"])
+        } else {
+            None
+        }
     }
 
     /// Inputs and layers to read for a frame.

@@ -9,6 +9,7 @@ pub(crate) mod enhance;
 pub(crate) mod error_line;
 pub(crate) mod flags;
 pub(crate) mod frames_there;
+pub(crate) mod grid;
 pub(crate) mod hatch;
 pub(crate) mod invocation;
 pub(crate) mod layer_names;

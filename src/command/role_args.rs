@@ -160,7 +160,9 @@ pub(super) fn flags_of(conventions: &Conventions) -> Vec<Flag> {
         normal_flip,
         depth_kind,
     } = conventions;
-    let depth = depth_kind.map(|kind| Flag::new("depth-kind", kind.name()));
+    // Heights have a flag of their own, and names that say so say it of all frames.
+    let depth = depth_kind.filter(|kind| *kind != StoredDepth::Height);
+    let depth = depth.map(|kind| Flag::new("depth-kind", kind.name()));
     [
         Flag::new("normal-space", normal_space.name()),
         Flag::new("normal-encoding", name(&NORMAL_ENCODINGS, normal_encoding)),

@@ -1,5 +1,6 @@
 //! Sequences: frame numbers, and the names of their files.
 
+use super::grid::Grid;
 use super::role_args::RoleArgs;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
@@ -34,7 +35,8 @@ pub(crate) struct SequenceArgs {
         hide_short_help = true,
         long,
         value_name = "LIST|none",
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        conflicts_with = "grid"
     )]
     sample_frames: Option<Samples>,
     /// Skip frames whose output exists and is complete.
@@ -53,6 +55,15 @@ pub(crate) struct SequenceArgs {
     /// Go on after a frame that failed; the exit code is then 3.
     #[arg(hide_short_help = true, long, requires = "frames")]
     pub(crate) keep_going: bool,
+    /// Columns and rows of a sprite, in pixels, as in 32x32: IN and all other files are sheets of them. Each is processed as
+    /// a picture of its own, by automatic settings chosen once for the sheet.
+    #[arg(
+        hide_short_help = true,
+        long,
+        value_name = "WxH",
+        conflicts_with = "frames"
+    )]
+    pub(crate) grid: Option<Grid>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -69,7 +69,7 @@ impl Borders {
 }
 
 /// The borders of a surface that engines look across.
-#[cfg(feature = "host")]
+#[cfg(any(feature = "cli", feature = "host"))]
 pub(crate) fn wrapped(normal: &Vector3Planes, wrap: Wrap) -> [bool; 2] {
     match wrap {
         Wrap::None => [false, false],

@@ -2,15 +2,16 @@
 
 use super::bundle::gathered;
 use super::frame_sources::FrameSources;
-use super::inputs::{Inputs, Needs};
+use super::inputs::{Inputs, LobeChoice, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
-use super::opened::{Holding, Opened, Selection};
+use super::opened::{Holding, Opened, PartOfPhotos, Selection, WholePhoto};
 use super::roles::Role;
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::{UNROUNDING_PHASE, UNROUNDING_REACH, Window};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Memory per pixel, in bytes, for mending vectors. Undoing their rounding takes most: three components, and for one of
 /// them the codes, the steps and the wide neighbourhoods. Noisy ones read a few rows more, which is not known here.
@@ -63,6 +64,39 @@ impl InputFiles {
         Self::open_held(inputs, holding)
     }
 
+    /// [`InputFiles::open`] for sheets of such cells: photos stay decoded.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub(crate) fn open_sheet(inputs: &Inputs, cell: [usize; 2]) -> Result<Self> {
+        let holding = Holding {
+            stay: true,
+            cell: Some(cell),
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    /// [`InputFiles::open`] for a part of photos that are decoded.
+    ///
+    /// # Errors
+    /// As [`InputFiles::open`].
+    pub(crate) fn open_part(inputs: &Inputs, part: PartOfPhotos) -> Result<Self> {
+        let holding = Holding {
+            part: Some(part),
+            ..Holding::default()
+        };
+        Self::open_held(inputs, holding)
+    }
+
+    /// The photos, decoded, of which parts are to be read.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if one is an EXR.
+    pub(crate) fn photos(&self) -> Result<Arc<Vec<WholePhoto>>> {
+        self.main.photos().map(Arc::new)
+    }
+
     fn open_held(inputs: &Inputs, holding: Holding) -> Result<Self> {
         let (inputs, _) = gathered(inputs)?;
         let main = Opened::open_held(&inputs.picture, Selection::of(&inputs), holding)?;
@@ -112,6 +146,27 @@ impl InputFiles {
     /// Releases decoded photos.
     pub(crate) fn release(&self) {
         self.main.release();
+    }
+}
+
+impl Loaded {
+    /// Lets parts of the picture that this was read of be read as it was.
+    pub(crate) fn settle(&self, inputs: &mut Inputs) {
+        self.conventions.force(inputs);
+        // Whether light passes are those of the picture is not judged again either.
+        let light = &self.frame.light;
+        if let Some(wanted) = &mut inputs.light
+            && wanted.lobes == LobeChoice::Auto
+        {
+            wanted.lobes = match light.lobes.is_empty() {
+                true => LobeChoice::Off,
+                false => LobeChoice::On,
+            };
+        }
+        if let Some(wanted) = &mut inputs.light {
+            wanted.gloss_is_tint = light.gloss.as_ref().map(|gloss| gloss.is_tint);
+            wanted.gloss &= wanted.gloss_is_tint.is_some();
+        }
     }
 }
 

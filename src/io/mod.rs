@@ -70,7 +70,7 @@ mod views;
 mod words;
 
 pub use art_map::read_art_map;
-#[cfg(feature = "host")]
+#[cfg(any(feature = "cli", feature = "host"))]
 pub(crate) use borders::wrapped;
 pub use environment::{read_environment, read_environment_as, read_lit_sphere};
 pub use finding::Finding;
@@ -87,6 +87,8 @@ pub use load::{Loaded, load};
 #[cfg(feature = "cli")]
 pub(crate) use nearest::likest;
 pub use objects::ObjectSurvey;
+#[cfg(feature = "cli")]
+pub(crate) use opened::{PartOfPhotos, WholePhoto};
 pub use specular::{SpecularInputs, load_specular};
 pub use survey::{LayerSurvey, PartSurvey, RoleSurvey, Survey, survey};
 #[cfg(feature = "cli")]

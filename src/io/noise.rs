@@ -19,19 +19,20 @@ const NOISY: f64 = 0.125;
 const LEAST_NOISE: f32 = 0.002;
 
 /// The deviation of slopes of a photo's normals that is noise; 0 if there is none, or if they cannot be decoded. It is told
-/// by blocks of the whole, so that strips of it are treated alike.
+/// by blocks of the whole, so that strips of it are treated alike; each lies in one cell of a sheet.
 pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
     let header = &photo.header;
     if !photo.header.may_hold_coded_vectors() {
         return 0.0;
     }
     let mut blocks = Vec::new();
-    for rows in spread(header.height) {
+    let [width, height] = photo.cell;
+    for rows in spread(header.height, height) {
         let size = Window::from_size(header.width, rows.len());
         let Ok(planes) = photo.planes(rows, Meaning::Stored) else {
             return 0.0;
         };
-        for columns in spread(header.width) {
+        for columns in spread(header.width, width) {
             let part = Window::at(columns.start as i32, 0, columns.len(), size.height());
             let block = planes[..3].iter().map(|plane| plane.crop(size, part));
             blocks.push(Vector3Planes::of(block.collect()));
@@ -58,11 +59,12 @@ pub(super) fn noise_of(photo: &StoredPhoto) -> f32 {
     f32::from(deviation >= LEAST_NOISE) * deviation
 }
 
-/// Ranges spread evenly along a side.
-fn spread(length: usize) -> impl Iterator<Item = Range<usize>> {
-    let side = SIDE.min(length);
+/// Ranges spread evenly along a side of cells, each within one.
+fn spread(length: usize, cell: usize) -> impl Iterator<Item = Range<usize>> {
+    let side = SIDE.min(cell);
     (0..BLOCKS).map(move |i| {
         let first = (2 * i + 1) * (length - side) / (2 * BLOCKS);
+        let first = first.min(first / cell * cell + cell - side);
         first..first + side
     })
 }

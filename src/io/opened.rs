@@ -8,16 +8,18 @@ use super::nearest;
 use super::normal_encoding::holds_normals;
 use super::numbers::{NUMBERED, RoleByNumbers, roles_by_numbers};
 use super::open::open_input;
-use super::photo::{StoredPhoto, is_inside};
+use super::photo::{PhotoHeader, StoredPhoto, is_inside};
 use super::roles::{self, Layer, Match, Role};
 use super::views;
 use crate::error::{Error, Result};
 use crate::frame::Window;
 use crate::untrusted::listed;
+use image::DynamicImage;
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 /// An input file whose header has been read: an EXR's layers, or a photo.
 pub(super) enum Opened {
@@ -35,14 +37,20 @@ pub(super) enum Opened {
     },
     Photo {
         photo: StoredPhoto,
-        /// Whether it is a normal map, found when first asked for.
-        is_normal_map: OnceCell<bool>,
-        /// What its codes hold, if it is one, found likewise.
-        codes: OnceCell<MapCodes>,
-        /// The noise of its slopes, if it is one, found likewise.
-        noise: OnceCell<f32>,
+        judged: Judged,
         companions: Companions,
     },
+}
+
+/// What is found of a photo when it is first asked for.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Judged {
+    /// Whether it is a normal map.
+    is_normal_map: OnceLock<bool>,
+    /// What its codes hold, if it is one.
+    codes: OnceLock<MapCodes>,
+    /// The noise of its slopes, if it is one.
+    pub(super) noise: OnceLock<f32>,
 }
 
 /// Which of a file's layers are wanted: those of a view, and of a group; the default ones where none is named.
@@ -68,12 +76,30 @@ pub(super) struct Companions {
 }
 
 /// Policy for holding the decoded samples of photos.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Holding {
     /// Most bytes of samples of one photo: of others rows alone are read.
     pub(super) most_bytes: u64,
     /// Whether they are kept for the next rows.
     pub(super) stay: bool,
+    /// Columns and rows of the cells that photos consist of, if they are sheets.
+    pub(super) cell: Option<[usize; 2]>,
+    /// The part that is taken of photos, where these are decoded already.
+    pub(super) part: Option<PartOfPhotos>,
+}
+
+/// A part of photos that are decoded: it is read on any thread.
+#[derive(Clone)]
+pub(crate) struct PartOfPhotos {
+    pub(crate) photos: Arc<Vec<WholePhoto>>,
+    pub(crate) window: Window,
+}
+
+/// A decoded photo, and what was judged of the whole of it.
+pub(crate) struct WholePhoto {
+    header: PhotoHeader,
+    samples: Arc<DynamicImage>,
+    judged: Judged,
 }
 
 impl Default for Holding {
@@ -81,6 +107,8 @@ impl Default for Holding {
         Self {
             most_bytes: u64::MAX,
             stay: false,
+            cell: None,
+            part: None,
         }
     }
 }
@@ -104,6 +132,15 @@ impl Companions {
     }
 }
 
+impl PartOfPhotos {
+    /// The part of the photo at `path`; `None` if it is not one of them.
+    fn of(&self, path: &Path) -> Option<(StoredPhoto, Judged)> {
+        let whole = self.photos.iter().find(|whole| whole.header.path == path)?;
+        let part = StoredPhoto::part(&whole.header, &whole.samples, self.window);
+        Some((part, whole.judged.clone()))
+    }
+}
+
 impl Opened {
     pub(super) fn open(path: &Path) -> Result<Rc<Self>> {
         Self::open_held(path, Selection::default(), Holding::default())
@@ -116,15 +153,28 @@ impl Opened {
 
     /// The file with the layers that are wanted, and the policy for samples of photos.
     pub(super) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
+        let taken = holding.part.as_ref().and_then(|part| part.of(path));
+        let (most_bytes, cell) = (holding.most_bytes, holding.cell);
         let companions = Companions::held(holding);
-        if is_inside(path) || !has_exr_magic(path)? {
-            groups::refuse(wanted.layer, path)?;
-            let photo = StoredPhoto::open(path, holding.most_bytes)?;
+        if let Some((photo, judged)) = taken {
             return Ok(Rc::new(Self::Photo {
                 photo,
-                is_normal_map: OnceCell::new(),
-                codes: OnceCell::new(),
-                noise: OnceCell::new(),
+                judged,
+                companions,
+            }));
+        }
+        if is_inside(path) || !has_exr_magic(path)? {
+            groups::refuse(wanted.layer, path)?;
+            let mut photo = StoredPhoto::open(path, most_bytes)?;
+            if let Some([width, height]) = cell {
+                photo.cell = [
+                    width.min(photo.header.width),
+                    height.min(photo.header.height),
+                ];
+            }
+            return Ok(Rc::new(Self::Photo {
+                photo,
+                judged: Judged::default(),
                 companions,
             }));
         }
@@ -150,7 +200,7 @@ impl Opened {
         if let Some(file) = companions.find(path) {
             return Ok(file);
         }
-        let open = |wanted| Self::open_held(path, wanted, companions.holding);
+        let open = |wanted| Self::open_held(path, wanted, companions.holding.clone());
         let mut file = open(Selection::default())?;
         let wanted = self.selection_in(&file);
         if wanted != Selection::default() {
@@ -240,11 +290,7 @@ impl Opened {
     pub(super) fn is_normal_map(&self) -> bool {
         match self {
             Self::Exr { .. } => false,
-            Self::Photo {
-                photo,
-                is_normal_map,
-                ..
-            } => *is_normal_map.get_or_init(|| {
+            Self::Photo { photo, judged, .. } => *judged.is_normal_map.get_or_init(|| {
                 let pair = || self.map_codes()?.pair;
                 holds_normals(photo) || pair().is_some_and(|pair| pair.is_sure)
             }),
@@ -255,7 +301,9 @@ impl Opened {
     pub(super) fn map_codes(&self) -> Option<&MapCodes> {
         match self {
             Self::Exr { .. } => None,
-            Self::Photo { photo, codes, .. } => Some(codes.get_or_init(|| MapCodes::of(photo))),
+            Self::Photo { photo, judged, .. } => {
+                Some(judged.codes.get_or_init(|| MapCodes::of(photo)))
+            }
         }
     }
 
@@ -277,6 +325,35 @@ impl Opened {
             Self::Exr { file, .. } => &file.path,
             Self::Photo { photo, .. } => &photo.header.path,
         }
+    }
+
+    /// Its photo and its companions, decoded, with what has been judged of them.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for an EXR.
+    #[cfg(feature = "cli")]
+    pub(super) fn photos(&self) -> Result<Vec<WholePhoto>> {
+        let Self::Photo {
+            photo,
+            judged,
+            companions,
+        } = self
+        else {
+            return Err(Error::Unsupported {
+                path: self.path().to_path_buf(),
+                found: "is an EXR, and the cells of --grid are cut from pictures".into(),
+                remedy: "save it as a PNG or TIFF of 16 bits".into(),
+            });
+        };
+        let mut all = vec![WholePhoto {
+            header: photo.header.clone(),
+            samples: photo.take_samples()?,
+            judged: judged.clone(),
+        }];
+        for (_, file) in companions.files.borrow().iter() {
+            all.extend(file.photos()?);
+        }
+        Ok(all)
     }
 
     /// Releases the samples of photos, its own and those of companion files.

@@ -170,8 +170,8 @@ impl RoleSource {
     /// The noise of slopes that is removed from normals in codes; 0 for none.
     pub(super) fn noise(&self) -> f32 {
         match self.file.as_ref() {
-            Opened::Photo { photo, noise, .. } if self.is_along_axes && !self.is_pair() => {
-                *noise.get_or_init(|| noise_of(photo))
+            Opened::Photo { photo, judged, .. } if self.is_along_axes && !self.is_pair() => {
+                *judged.noise.get_or_init(|| noise_of(photo))
             }
             _ => 0.0,
         }

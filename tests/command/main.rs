@@ -30,6 +30,7 @@ mod relight;
 mod report;
 mod scale_bar;
 mod sequences;
+mod sheets;
 mod specular;
 #[cfg(unix)]
 mod stops;

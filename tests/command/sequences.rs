@@ -1,7 +1,9 @@
 //! Frame after frame: one choice for all, and the handling of frames that fail, are missing or already exist.
 
-use super::inputs::{bytes, desk, write_frame};
+use super::inputs::{bytes, desk, write_frame, write_planes};
 use crate::common::program::{names, relievo};
+use relievo::frame::Plane;
+use relievo::io::picture::ViewTransform;
 use std::fs;
 
 #[test]
@@ -63,6 +65,26 @@ fn every_command_takes_sequences() {
         relievo(desk.path(), &words).ended(0);
         assert_eq!(names(desk.path(), command).len(), 3, "{words}");
     }
+}
+
+/// The kind of depth is chosen for all frames, and --height excludes --depth-kind.
+#[test]
+fn heights_are_read_in_sequences() {
+    let desk = tempfile::tempdir().unwrap();
+    let step = Plane::from_fn(24, 24, |x, y| ((x + y) / 8) as f32 / 6.0);
+    for name in ["h.0001.png", "h.0002.png"] {
+        let planes = [0; 3].map(|_| step.clone());
+        write_planes(
+            &desk.path().join(name),
+            planes,
+            None,
+            16,
+            ViewTransform::None,
+        );
+    }
+    let words = "normals h.####.png --height h.####.png --frames 1-2 -o n.####.png";
+    relievo(desk.path(), words).ended(0);
+    assert_eq!(names(desk.path(), "n.").len(), 2);
 }
 
 #[test]

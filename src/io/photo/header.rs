@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The header of a picture.
+#[derive(Clone)]
 pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) path: PathBuf,
     /// Upright columns and rows, after its orientation.

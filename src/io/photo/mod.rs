@@ -20,6 +20,7 @@ mod stored;
 
 pub(super) use decoder::max_code;
 pub(super) use faults::{one_line, unsupported};
+pub(super) use header::PhotoHeader;
 pub use metadata::PhotoMetadata;
 pub(super) use npz::{is_inside, pictures_in};
 pub(super) use stored::{Meaning, StoredPhoto};

@@ -6,13 +6,15 @@ use super::header::{PhotoHeader, Samples, turned};
 use super::metadata::PhotoMetadata;
 use super::rows::each_row;
 use crate::error::Result;
-use crate::frame::Plane;
+use crate::frame::{Plane, Window};
 use crate::io::srgb;
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder};
 use rayon::prelude::*;
 use std::cell::{Ref, RefCell};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Meaning of integer samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,20 +28,54 @@ pub(in crate::io) enum Meaning {
 /// A picture whose header has been read. Its samples are decoded when first asked for.
 pub(in crate::io) struct StoredPhoto {
     pub(in crate::io) header: PhotoHeader,
+    /// Columns and rows of the cells of a sheet; its own if it is none.
+    pub(in crate::io) cell: [usize; 2],
     /// Most bytes of samples that may be held.
     most_bytes: u64,
     /// All samples, while held.
     image: RefCell<Option<DynamicImage>>,
+    /// The samples that it is cut from, and where, if it is a part of a picture.
+    cut: Option<(Arc<DynamicImage>, [u32; 2])>,
 }
 
 impl StoredPhoto {
     /// Reads the header of the picture at `path`. Samples of more than `most_bytes` are only read by rows.
     pub(in crate::io) fn open(path: &Path, most_bytes: u64) -> Result<Self> {
+        let header = PhotoHeader::read(path)?;
         Ok(Self {
-            header: PhotoHeader::read(path)?,
+            cell: [header.width, header.height],
+            header,
             most_bytes,
             image: RefCell::default(),
+            cut: None,
         })
+    }
+
+    /// The part `window` of the picture with this header and these upright samples.
+    pub(in crate::io) fn part(
+        whole: &PhotoHeader,
+        samples: &Arc<DynamicImage>,
+        window: Window,
+    ) -> Self {
+        Self {
+            header: PhotoHeader {
+                width: window.width(),
+                height: window.height(),
+                orientation: Orientation::NoTransforms,
+                ..whole.clone()
+            },
+            cell: [window.width(), window.height()],
+            most_bytes: u64::MAX,
+            image: RefCell::default(),
+            cut: Some((samples.clone(), [window.x0 as u32, window.y0 as u32])),
+        }
+    }
+
+    /// All samples, upright, which are let go of here.
+    #[cfg(feature = "cli")]
+    pub(in crate::io) fn take_samples(&self) -> Result<Arc<DynamicImage>> {
+        drop(self.image()?);
+        Ok(self.image.take().expect("decoded above").into())
     }
 
     /// Planes of the rows `rows`: grey or colour, then alpha if there is one, which is never encoded.
@@ -117,24 +153,32 @@ impl StoredPhoto {
     /// All samples, decoded unless held.
     fn image(&self) -> Result<Ref<'_, DynamicImage>> {
         if self.image.borrow().is_none() {
-            let image = with_decoder(&self.header.path, |decoder, _| {
-                // The file may have been rewritten since its header was read.
-                let orientation = self.header.orientation;
-                let (width, height) = turned(orientation, (self.header.width, self.header.height));
-                let size = (width as u32, height as u32);
-                if (decoder.dimensions(), decoder.color_type()) != (size, self.header.color) {
-                    return Err(self.header.has_changed());
-                }
-                let image = DynamicImage::from_decoder(decoder);
-                let mut image = image.map_err(image_error(&self.header.path))?;
-                image.apply_orientation(orientation);
-                Ok(image)
-            })?;
+            let image = self.decoded()?;
             self.image.replace(Some(image));
         }
         Ok(Ref::map(self.image.borrow(), |image| {
             image.as_ref().expect("decoded above")
         }))
+    }
+
+    fn decoded(&self) -> Result<DynamicImage> {
+        if let Some((whole, [x, y])) = &self.cut {
+            let [width, height] = [self.header.width, self.header.height].map(|side| side as u32);
+            return Ok(whole.crop_imm(*x, *y, width, height));
+        }
+        with_decoder(&self.header.path, |decoder, _| {
+            // The file may have been rewritten since its header was read.
+            let orientation = self.header.orientation;
+            let (width, height) = turned(orientation, (self.header.width, self.header.height));
+            let size = (width as u32, height as u32);
+            if (decoder.dimensions(), decoder.color_type()) != (size, self.header.color) {
+                return Err(self.header.has_changed());
+            }
+            let image = DynamicImage::from_decoder(decoder);
+            let mut image = image.map_err(image_error(&self.header.path))?;
+            image.apply_orientation(orientation);
+            Ok(image)
+        })
     }
 
     fn samples_of<'i>(&self, image: &'i DynamicImage) -> Samples<'i> {
