@@ -6,8 +6,7 @@ use super::scene::Scene;
 use super::work::Work;
 use crate::error::{Error, Result};
 use crate::frame::{
-    Camera, Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window,
-    strength_of,
+    Camera, Flip, Frame, NormalSpace, Normals, Samples, StoredDepth, Window, strength_of,
 };
 use crate::io::camera::camera_of_text;
 use crate::io::inputs::{Inputs, NormalEncoding};
@@ -47,20 +46,23 @@ impl Given<'_> {
                 of_depth.seen(self.depth.take())
             }
         };
-        let builder = Frame::builder(width, height)
+        let mut builder = Frame::builder(width, height)
             .normals(normals)
             .pixel_aspect(self.pixel_aspect)
             .with_confidence();
-        let builder = with(builder, camera.as_ref(), FrameBuilder::camera);
-        let builder = with(builder, self.color, FrameBuilder::color);
-        let builder = with(builder, depth, |b, (samples, stored)| {
-            b.depth(samples, stored)
-        });
-        let builder = with(builder, self.position, FrameBuilder::position);
-        let builder = with(builder, self.coverage, FrameBuilder::mask);
-        let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
-        let builder = with(builder, self.importance, FrameBuilder::importance);
-        let builder = with(builder, self.albedo, FrameBuilder::albedo);
+        if let Some(camera) = &camera {
+            builder = builder.camera(camera);
+        }
+        if let Some((samples, stored)) = depth {
+            builder = builder.depth(samples, stored);
+        }
+        let builder = builder
+            .layer("color", self.color)
+            .layer("position", self.position)
+            .layer("mask", self.coverage)
+            .layer("occlusion", self.occlusion)
+            .layer("importance", self.importance)
+            .layer("albedo", self.albedo);
         let plane = |name, samples: Option<Samples<'_>>| {
             let plane = samples.map(|samples| samples.plane(name, self.size));
             plane.transpose()
@@ -102,16 +104,4 @@ fn as_stored<'a>(
     };
     let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
     Ok(normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE)))
-}
-
-/// Adds what there is to a builder.
-fn with<'a, T>(
-    builder: FrameBuilder<'a>,
-    given: Option<T>,
-    add: impl FnOnce(FrameBuilder<'a>, T) -> FrameBuilder<'a>,
-) -> FrameBuilder<'a> {
-    match given {
-        Some(given) => add(builder, given),
-        None => builder,
-    }
 }

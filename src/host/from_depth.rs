@@ -2,8 +2,7 @@
 
 use super::given::Given;
 use crate::error::{Error, Result};
-use crate::frame::depth::depth_of_position;
-use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Vector3Planes, Window};
+use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Window};
 use crate::io::from_depth::{DepthAlone, ShownByDepth};
 
 /// The normals of a frame, and what belongs to them.
@@ -40,7 +39,11 @@ impl OfDepth {
             }
             (None, Some(depth), _) => (depth, kind.map(as_given), depth.plane("depth", size)?),
             (None, None, Some(position)) => {
-                let plane = depth_of_positions(position, size, camera)?;
+                let Some(camera) = &camera else {
+                    let found = "is in world space, and there is no camera".into();
+                    return Err(bad("position", found, "give one, or depth instead"));
+                };
+                let plane = position.depths(size, camera)?;
                 (position, Some(as_given(StoredDepth::Planar)), plane)
             }
             (None, None, None) => {
@@ -108,24 +111,6 @@ pub(super) fn check_heights(given: &Given<'_>, kind: Option<StoredDepth>) -> Res
         }
         _ => Ok(()),
     }
-}
-
-/// Distances of positions along the view axis.
-fn depth_of_positions(
-    position: &Samples<'_>,
-    size: [usize; 2],
-    camera: Option<Camera>,
-) -> Result<Plane> {
-    let Some(camera) = camera else {
-        let found = "is in world space, and there is no camera".into();
-        return Err(bad("position", found, "give one, or depth instead"));
-    };
-    let mut planes = position.planes("position", size, &[3, 4])?.into_iter();
-    let [x, y, z] = std::array::from_fn(|_| planes.next().expect("three or more"));
-    let points = Vector3Planes { x, y, z };
-    Ok(Plane::from_fn(size[0], size[1], |x, y| {
-        depth_of_position(points.at(x, y), &camera)
-    }))
 }
 
 fn bad(name: &'static str, found: String, remedy: &str) -> Error {
