@@ -130,32 +130,15 @@ fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
     (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }
 
-/// Columns that are looked at together.
-const AT_ONCE: usize = 64;
-
 /// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
-fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize; 2], f32)> {
-    let row = depth.row(y);
-    let last = row.len().saturating_sub(1);
-    let mut found = Vec::new();
-    for from in (1..last).step_by(AT_ONCE) {
-        let columns = from..(from + AT_ONCE).min(last);
-        let (before, after) = (&row[from - 1..], &row[from + 1..]);
-        let beside = before.iter().zip(after);
-        let pixels = row[columns.clone()].iter().zip(beside);
-        // Without branches, the compiler takes several at a time.
-        let is_any = pixels.fold(false, |any, (&here, (&before, &after))| {
-            any | may_be_hole(here, [before, after])
-        });
-        if is_any {
-            let is_hole = |x: &usize| may_be_hole(row[*x], [row[x - 1], row[x + 1]]);
-            let holes = columns.filter(is_hole);
-            found.extend(
-                holes.filter_map(|x| Some(([x, y], surface_of_hole(depth, normal, [x, y])?))),
-            );
-        }
-    }
-    found
+fn holes_in_row(
+    depth: &Plane,
+    normal: &Vector3Planes,
+    y: usize,
+) -> impl Iterator<Item = ([usize; 2], f32)> {
+    let pixels = (1..).zip(depth.row(y).windows(3));
+    let holes = pixels.filter(|(_, near)| may_be_hole(near[1], [near[0], near[2]]));
+    holes.filter_map(move |(x, _)| Some(([x, y], surface_of_hole(depth, normal, [x, y])?)))
 }
 
 /// Whether a sample is none, or farther than both neighbours: most are not.

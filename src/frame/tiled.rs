@@ -7,73 +7,56 @@ use rayon::prelude::*;
 /// cache, and that many show nothing that calls for work.
 pub(super) const TILE: [usize; 2] = [256, 64];
 
-/// A rectangle of the picture of which something is made, and the part that it is made from.
-pub(super) struct Part {
+/// A tile, and the part of the picture that something is made of it from.
+pub(super) struct Tile {
     whole: Window,
-    made: Window,
+    pub(super) window: Window,
     around: Window,
 }
 
-impl Part {
-    /// The part of a picture of the size of `like` within `reach` pixels of `made`.
-    pub(super) fn around(made: Window, reach: usize, like: &Plane) -> Self {
-        let whole = Window::from_size(like.width(), like.height());
-        let around = made.grown(reach).common(&whole);
-        Self {
-            whole,
-            made,
-            around: around.unwrap_or(made),
-        }
-    }
-
+impl Tile {
     /// The part of a plane.
-    pub(super) fn plane<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
+    pub(super) fn part<T: Copy>(&self, plane: &Plane<T>) -> Plane<T> {
         plane.crop(self.whole, self.around)
     }
 
-    /// The part of a plane, and of the coverage.
-    pub(super) fn of(&self, plane: &Plane, mask: &Mask) -> (Plane, Mask) {
-        (self.plane(plane), mask.crop(self.whole, self.around))
-    }
-
-    /// The rectangle, of a plane made of the part.
-    pub(super) fn cut(&self, plane: &Plane) -> Made {
-        Made {
-            window: self.made,
-            plane: plane.crop(self.around, self.made),
-        }
+    /// The parts of a plane and of the mask.
+    pub(super) fn parts(&self, plane: &Plane, mask: &Mask) -> (Plane, Mask) {
+        (self.part(plane), mask.crop(self.whole, self.around))
     }
 }
 
-/// A finished rectangle of the picture.
-pub(super) struct Made {
-    window: Window,
-    pub(super) plane: Plane,
-}
-
-impl Made {
-    /// Puts the samples where they belong.
-    pub(super) fn write_to(&self, whole: &mut Plane) {
-        let columns = self.window.x0 as usize..self.window.x1 as usize;
-        for (y, row) in (self.window.y0 as usize..).zip(0..self.plane.height()) {
-            whole.row_mut(y)[columns.clone()].copy_from_slice(self.plane.row(row));
-        }
-    }
-}
-
-/// What `make` makes of the tiles of a picture of the size of `like`, in parallel; without those of which it makes
-/// nothing.
-pub(super) fn of_tiles(like: &Plane, make: impl Fn(Window) -> Option<Made> + Sync) -> Vec<Made> {
-    let (width, height) = (like.width(), like.height());
-    let [across, down] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])];
-    let tile = |i: usize| {
-        let (x, y) = (i % across * TILE[0], i / across * TILE[1]);
-        let size = [TILE[0].min(width - x), TILE[1].min(height - y)];
-        Window::at(x as i32, y as i32, size[0], size[1])
+/// The tiles of a picture of the size of `like` of which `make` makes something of the part within `reach`, with what it
+/// makes of them, in parallel.
+pub(super) fn of_tiles(
+    like: &Plane,
+    reach: usize,
+    make: impl Fn(&Tile) -> Option<Plane> + Sync,
+) -> Vec<(Window, Plane)> {
+    let whole = Window::from_size(like.width(), like.height());
+    let [across, down] = [
+        whole.width().div_ceil(TILE[0]),
+        whole.height().div_ceil(TILE[1]),
+    ];
+    let made = |i: usize| {
+        let corner = [i % across * TILE[0], i / across * TILE[1]].map(|from| from as i32);
+        let window = Window::at(corner[0], corner[1], TILE[0], TILE[1]).common(&whole)?;
+        let around = window.grown(reach).common(&whole)?;
+        let tile = Tile {
+            whole,
+            window,
+            around,
+        };
+        Some((window, make(&tile)?.crop(around, window)))
     };
-    (0..across * down)
-        .into_par_iter()
-        .with_max_len(1)
-        .filter_map(|i| make(tile(i)))
-        .collect()
+    let tiles = (0..across * down).into_par_iter().with_max_len(1);
+    tiles.filter_map(made).collect()
+}
+
+/// Puts finished tiles where they belong.
+pub(super) fn lay_tiles(tiles: &[(Window, Plane)], picture: &mut Plane) {
+    let whole = Window::from_size(picture.width(), picture.height());
+    for (window, made) in tiles {
+        picture.paste(whole, *window, made, *window);
+    }
 }
