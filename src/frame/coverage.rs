@@ -16,12 +16,10 @@ pub(crate) fn of_normals(
     mask: Option<&Plane>,
 ) -> Mask {
     let (width, height) = (normal.x.width(), normal.x.height());
-    let mut covered = Plane::filled(width, height, false);
-    covered.each_row(|y, row| {
+    Mask::new(Plane::of_rows(width, height, |y, row| {
         let normals = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
         cover_row(row, y, normals, depth, [mask, alpha]);
-    });
-    Mask::new(covered)
+    }))
 }
 
 /// The same for row `y`, whose normals these are; mask and alpha are `shares`.

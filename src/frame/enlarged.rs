@@ -39,10 +39,10 @@ impl Frame {
         let around = |x, y| self.around(across.place(x), down.place(y));
         begins();
         let is_covered = |x, y| around(x, y).is_some();
-        let mask = Mask::new(samples_while(width, height, goes_on, is_covered));
+        let mask = Mask::new(samples(width, height, goes_on, is_covered));
         let plane = |plane: &Plane| {
             begins();
-            samples_while(width, height, goes_on, |x, y| {
+            samples(width, height, goes_on, |x, y| {
                 around(x, y).map_or(0.0, |around| mean(plane, &around))
             })
         };
@@ -61,7 +61,7 @@ impl Frame {
             ..self.with_planes(mask, plane)
         };
         frame.objects = self.objects.as_ref().map(|numbers| {
-            samples_while(width, height, goes_on, |x, y| {
+            samples(width, height, goes_on, |x, y| {
                 around(x, y).map_or(0.0, |around| heaviest(numbers, &around))
             })
         });
@@ -98,7 +98,7 @@ impl Frame {
     /// A plane that goes with this frame, enlarged as those of its own are; `outside` where the frame shows nothing.
     pub(super) fn enlarged_plane(&self, plane: &Plane, factor: f64, outside: f32) -> Plane {
         let [across, down] = self.sides(factor);
-        samples(across.data_length, down.data_length, |x, y| {
+        samples(across.data_length, down.data_length, &|| true, |x, y| {
             let around = self.around(across.place(x), down.place(y));
             around.map_or(outside, |around| mean(plane, &around))
         })
@@ -157,7 +157,7 @@ impl Frame {
     fn beside_jumps(&self) -> Option<Plane<bool>> {
         let depth = self.depth.as_ref()?;
         let size = [depth.width(), depth.height()];
-        Some(samples(size[0], size[1], |x, y| {
+        Some(samples(size[0], size[1], &|| true, |x, y| {
             let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| self.mask.at(i, k));
             self.mask.at(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
         }))
@@ -167,7 +167,7 @@ impl Frame {
     /// mixed pixel would be a bend.
     fn of_one_surface(&self, plane: &Plane, is_mixed: &Plane<bool>) -> Plane {
         let size = [plane.width(), plane.height()];
-        samples(size[0], size[1], |x, y| {
+        samples(size[0], size[1], &|| true, |x, y| {
             if !is_mixed.at(x, y) {
                 return plane.at(x, y);
             }
@@ -310,30 +310,19 @@ impl Side {
     }
 }
 
-/// A plane of `sample(x, y)`, rows in parallel.
+/// A plane of `sample(x, y)`, rows in parallel, of the rows that begin while it `goes_on`.
 fn samples<T: Copy + Default + Send>(
-    width: usize,
-    height: usize,
-    sample: impl Fn(usize, usize) -> T + Sync,
-) -> Plane<T> {
-    samples_while(width, height, &|| true, sample)
-}
-
-/// [`samples`] of the rows that begin while it `goes_on`.
-fn samples_while<T: Copy + Default + Send>(
     width: usize,
     height: usize,
     goes_on: &(dyn Fn() -> bool + Sync),
     sample: impl Fn(usize, usize) -> T + Sync,
 ) -> Plane<T> {
-    let mut plane = Plane::filled(width, height, T::default());
-    plane.each_row(|y, row| {
+    Plane::of_rows(width, height, |y, row| {
         let row = if goes_on() { row } else { &mut [] };
         for (x, out) in row.iter_mut().enumerate() {
             *out = sample(x, y);
         }
-    });
-    plane
+    })
 }
 
 #[cfg(test)]

@@ -203,16 +203,15 @@ impl Frame {
     /// If `part` reaches outside the data window.
     pub fn crop(&self, part: Window) -> Frame {
         let whole = self.data_window;
-        let mask = self.mask.crop(whole, part);
+        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
         // A part of a tile has borders of its own where it does not reach from one to the other.
         let spans = [
             part.width() == whole.width(),
             part.height() == whole.height(),
         ];
         Frame {
-            data_window: part,
             wraps: [0, 1].map(|axis| self.wraps[axis] && spans[axis]),
-            ..self.with_planes(mask, |plane| plane.crop(whole, part))
+            ..self.repeated(part)
         }
     }
 
@@ -234,16 +233,8 @@ impl Frame {
 
     /// The frame with this mask, and `plane` applied to every plane.
     fn with_planes(&self, mask: Mask, plane: impl Fn(&Plane) -> Plane + Copy) -> Frame {
-        let colors = |c: &ColorPlanes| ColorPlanes {
-            r: plane(&c.r),
-            g: plane(&c.g),
-            b: plane(&c.b),
-        };
-        let vectors = |v: &Vector3Planes| Vector3Planes {
-            x: plane(&v.x),
-            y: plane(&v.y),
-            z: plane(&v.z),
-        };
+        let colors = |c: &ColorPlanes| c.mapped(plane);
+        let vectors = |v: &Vector3Planes| v.mapped(plane);
         Frame {
             mask,
             normal: vectors(&self.normal),

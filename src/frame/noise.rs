@@ -52,7 +52,7 @@ pub(crate) fn denoise(stored: &mut Vector3Planes, wraps: [bool; 2]) {
     }
     quieten([x, y], OCTAVES);
     for plane in [x, y] {
-        plane.crop_in_place(around, whole);
+        *plane = plane.crop(around, whole);
         plane.each_row(|y, row| {
             for (slope, z) in row.iter_mut().zip(z.row(y)) {
                 *slope = 0.5 * (*slope * run(z) + 1.0);
@@ -128,9 +128,8 @@ fn share_of_noise(p: &Plane, q: &Plane) -> Plane {
             *share = is_noise * (2.0 - mean / LARGE).clamp(0.0, 1.0);
         }
     });
-    let mut double = Plane::filled(size[0].div_ceil(2), size[1].div_ceil(2), 0.0);
-    double.each_row(|y, row| double_row(&share, y, row));
-    double
+    let [width, height] = size.map(|side| side.div_ceil(2));
+    Plane::of_rows(width, height, |y, row| double_row(&share, y, row))
 }
 
 #[cfg(test)]

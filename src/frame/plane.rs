@@ -116,6 +116,20 @@ impl<T: Copy> Plane<T> {
         }
     }
 
+    /// A plane whose rows, initially zero, are filled by `work(y, row)` in parallel.
+    pub(crate) fn of_rows(
+        width: usize,
+        height: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) -> Self
+    where
+        T: Default + Send,
+    {
+        let mut plane = Self::filled(width, height, T::default());
+        plane.each_row(work);
+        plane
+    }
+
     /// Calls `work(y, row)` for every row, rows in parallel.
     pub(crate) fn each_row(&mut self, work: impl Fn(usize, &mut [T]) + Sync)
     where
@@ -133,49 +147,27 @@ impl<T: Copy> Plane<T> {
         self.repeated(whole, part)
     }
 
-    /// [`Plane::crop`] in the memory that it has.
-    ///
-    /// # Panics
-    /// If `part` reaches outside `whole`.
-    pub(crate) fn crop_in_place(&mut self, whole: Window, part: Window) {
-        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
-        let (x, y) = ((part.x0 - whole.x0) as usize, (part.y0 - whole.y0) as usize);
-        let (width, height) = (part.width(), part.height());
-        for row in 0..height {
-            let from = (y + row) * self.width + x;
-            self.samples.copy_within(from..from + width, row * width);
-        }
-        self.samples.truncate(width * height);
-        (self.width, self.height) = (width, height);
-    }
-
     /// The part inside `part` of this plane repeated in all directions, where the plane itself covers `whole`.
     pub(crate) fn repeated(&self, whole: Window, part: Window) -> Plane<T> {
-        let mut repeated = Plane {
-            width: part.width(),
-            height: part.height(),
-            samples: Vec::with_capacity(part.width() * part.height()),
-        };
-        self.repeat_in(whole, part, &mut repeated);
-        repeated
-    }
-
-    /// [`Plane::repeated`] in the memory of another plane of that size.
-    pub(crate) fn repeat_in(&self, whole: Window, part: Window, repeated: &mut Plane<T>) {
         let source = |at: i32, start: i32, length: usize| {
             (i64::from(at) - i64::from(start)).rem_euclid(length.max(1) as i64) as usize
         };
-        let samples = &mut repeated.samples;
-        samples.clear();
+        let (width, height) = (part.width(), part.height());
+        let mut samples = Vec::with_capacity(width * height);
         for y in part.y0..part.y1 {
             let row = self.row(source(y, whole.y0, self.height));
             let mut x = source(part.x0, whole.x0, self.width);
-            let mut left = part.width();
+            let mut left = width;
             while left > 0 {
                 let run = left.min(self.width - x);
                 samples.extend_from_slice(&row[x..x + run]);
                 (x, left) = (0, left - run);
             }
+        }
+        Plane {
+            width,
+            height,
+            samples,
         }
     }
 
@@ -407,6 +399,15 @@ impl ColorPlanes {
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [r, g, b] = three(planes);
         Self { r, g, b }
+    }
+
+    /// The colour of planes that `change` makes of these.
+    pub(crate) fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            r: change(&self.r),
+            g: change(&self.g),
+            b: change(&self.b),
+        }
     }
 
     /// The sample of the pixel in column `x` of row `y`.

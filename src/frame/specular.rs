@@ -82,13 +82,8 @@ impl SpecularScene {
         let Some(behind) = &self.behind else {
             return;
         };
-        let own = self.mask.take().unwrap_or_else(|| frame.mask.clone());
         let covered = frame.mask.clone();
-        self.mask = Some(Mask::new(Plane::from_fn(
-            own.width(),
-            own.height(),
-            |x, y| own.at(x, y) && covered.at(x, y),
-        )));
+        self.mask = self.mask_in(frame).or_else(|| Some(covered.clone()));
         let mut filled = covered.plane().clone();
         for y in 0..covered.height() {
             for x in 0..covered.width() {

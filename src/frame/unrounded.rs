@@ -37,26 +37,12 @@ pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps:
     let whole = Window::from_size(stored.x.width(), stored.x.height());
     let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE);
     let around = with_margins(whole, margin, wraps);
-    let [mx, my] = [around.x0, around.y0].map(|first| first.unsigned_abs() as usize);
-    // Components take turns in the same memory.
-    let [mut codes, mut steps] = [(); 2].map(|()| stored.x.repeated(whole, around));
-    let mut tiled = (around != whole).then(|| codes.clone());
+    let mut steps = stored.x.repeated(whole, around);
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
-        match &mut tiled {
-            None => {
-                codes.samples_mut().copy_from_slice(plane.samples());
-                unround_plane(plane, &codes, &mut steps, half_step);
-            }
-            Some(tiled) => {
-                plane.repeat_in(whole, around, &mut codes);
-                tiled.samples_mut().copy_from_slice(codes.samples());
-                unround_plane(tiled, &codes, &mut steps, half_step);
-                plane.each_row(|y, row| {
-                    let own = &tiled.row(y + my)[mx..];
-                    row.copy_from_slice(&own[..row.len()]);
-                });
-            }
-        }
+        let codes = plane.repeated(whole, around);
+        let mut field = codes.clone();
+        unround_plane(&mut field, &codes, &mut steps, half_step);
+        *plane = field.crop(around, whole);
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }
@@ -158,38 +144,32 @@ fn without_bias(mean: &Plane) -> Plane {
 
 /// The mean over 3x3 pixels.
 pub(super) fn smoothed(plane: &Plane) -> Plane {
-    let mut smooth = Plane::filled(plane.width(), plane.height(), 0.0);
-    smooth.each_row(|y, row| {
+    Plane::of_rows(plane.width(), plane.height(), |y, row| {
         let column = weighted(plane, y, &[1.0 / 3.0; 3]);
         for (smooth, three) in row.iter_mut().zip(column.windows(3)) {
             *smooth = (three[0] + three[1] + three[2]) / 3.0;
         }
-    });
-    smooth
+    })
 }
 
 /// Every second sample of every second row, after binomial smoothing over five.
 pub(super) fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
-    let mut half = Plane::filled(size[0], size[1], 0.0);
-    half.each_row(|y, row| {
+    Plane::of_rows(size[0], size[1], |y, row| {
         let column = weighted(plane, 2 * y, &[1.0, 4.0, 6.0, 4.0, 1.0].map(|w| w / 16.0));
         let pairs = |from: usize| column[from..].chunks_exact(2);
         let taps = pairs(0).zip(pairs(2)).zip(pairs(4));
         for (half, ((left, here), right)) in row.iter_mut().zip(taps) {
             *half = (left[0] + right[0] + 4.0 * (left[1] + here[1]) + 6.0 * here[0]) / 16.0;
         }
-    });
-    half
+    })
 }
 
 /// A plane after this many halvings, upsampled by the same binomials to the first halving of the `whole`.
 fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
     (1..halvings).rev().fold(plane, |half, finer| {
         let size = [whole.width(), whole.height()].map(|length| length.div_ceil(1 << finer));
-        let mut double = Plane::filled(size[0], size[1], 0.0);
-        double.each_row(|y, row| double_row(&half, y, row));
-        double
+        Plane::of_rows(size[0], size[1], |y, row| double_row(&half, y, row))
     })
 }
 

@@ -201,14 +201,12 @@ fn check_count(name: Name, count: usize, accepted: &[usize]) -> Result<()> {
 /// The values of stored samples.
 fn decoded<T: Sample>(stored: &ArrayView2<T>) -> Plane {
     let (height, width) = stored.dim();
-    let mut plane = Plane::filled(width, height, 0.0);
-    plane.each_row(|y, row| {
+    Plane::of_rows(width, height, |y, row| {
         let mut row = ArrayViewMut1::from(row);
         row.zip_mut_with(&stored.row(y), |value, &stored| {
             *value = stored.into() / T::ONE;
         });
-    });
-    plane
+    })
 }
 
 /// "1", "1 or 3", "1, 3 or 4".
