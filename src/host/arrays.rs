@@ -4,7 +4,7 @@ use super::from_depth::{OfDepth, Seen, check_heights};
 use super::given::Given;
 use super::scene::Scene;
 use super::work::Work;
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::{
     Camera, Flip, Frame, NormalSpace, Normals, Samples, StoredDepth, Window, strength_of,
 };
@@ -17,8 +17,8 @@ impl Given<'_> {
     /// that have none, and what has to be guessed is among the warnings.
     ///
     /// # Errors
-    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
-    /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
+    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Unsupported`](crate::Error::Unsupported) for a camera that cannot be
+    /// used; [`Arguments`](crate::Error::Arguments) for settings that name layers, which arrays have none of.
     pub fn scene(mut self, work: &Work) -> Result<Scene> {
         work.refuse_names()?;
         let inputs = work.inputs();
@@ -88,11 +88,8 @@ fn as_stored<'a>(
 ) -> Result<Normals<'a>> {
     let normals = match (inputs.normal_space, camera) {
         (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
-            return Err(Error::BadParameter {
-                name: "camera",
-                found: format!("is missing, and normals are of {} space", space.name()),
-                remedy: "give one".into(),
-            });
+            let found = format!("is missing, and normals are of {} space", space.name());
+            return Err(bad("camera", found, "give one"));
         }
         (Some(NormalSpace::World), Some(camera)) => Normals::world(samples, camera),
         (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(samples, camera),

@@ -1,7 +1,7 @@
 //! Normals of arrays without any: those of the surface that depth, heights or positions show, read as in files.
 
 use super::given::Given;
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Window};
 use crate::io::from_depth::{DepthAlone, ShownByDepth};
 
@@ -40,7 +40,7 @@ impl OfDepth {
             (None, Some(depth), _) => (depth, kind.map(as_given), depth.plane("depth", size)?),
             (None, None, Some(position)) => {
                 let Some(camera) = &camera else {
-                    let found = "is in world space, and there is no camera".into();
+                    let found = "is in world space, and there is no camera";
                     return Err(bad("position", found, "give one, or depth instead"));
                 };
                 let plane = position.depths(size, camera)?;
@@ -49,7 +49,7 @@ impl OfDepth {
             (None, None, None) => {
                 return Err(bad(
                     "normal",
-                    "is missing".into(),
+                    "is missing",
                     "give it, or what shows the surface: depth, height, or position with a camera",
                 ));
             }
@@ -106,17 +106,9 @@ pub(super) fn check_heights(given: &Given<'_>, kind: Option<StoredDepth>) -> Res
             Err(bad("height", found, "leave one of them out"))
         }
         (None, _) if given.height_scale.is_some() => {
-            let found = "is given, and no height".into();
+            let found = "is given, and no height";
             Err(bad("height_scale", found, "give height, or leave it out"))
         }
         _ => Ok(()),
-    }
-}
-
-fn bad(name: &'static str, found: String, remedy: &str) -> Error {
-    Error::BadParameter {
-        name,
-        found,
-        remedy: remedy.into(),
     }
 }

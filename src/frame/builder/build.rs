@@ -2,8 +2,8 @@
 
 use super::FrameBuilder;
 use super::light::{colors, colors_of};
-use super::samples::{Name, Samples, bad};
-use crate::error::Result;
+use super::samples::{Name, Samples};
+use crate::error::{Result, bad};
 use crate::frame::coverage::{self, Covered, cover};
 use crate::frame::depth::depth_rounding;
 use crate::frame::{
@@ -32,7 +32,7 @@ impl FrameBuilder<'_> {
         let camera = self.known_camera(display_window)?;
         let Some(stored) = &self.normals else {
             let remedy = "give them with normals()";
-            return Err(bad("normals", "are missing".into(), remedy));
+            return Err(bad("normals", "are missing", remedy));
         };
         let mut normal = stored.samples.vectors("normals", self.size)?;
         if stored.samples.is_coarse() {
@@ -57,7 +57,7 @@ impl FrameBuilder<'_> {
         let position = self.layers.get("position");
         if let (None, Some(position)) = (&depth, position) {
             let Some(camera) = &camera else {
-                let found = "is in world space, and there is no camera".into();
+                let found = "is in world space, and there is no camera";
                 let remedy = "give one with camera(), or depth instead";
                 return Err(bad("position", found, remedy));
             };
@@ -115,11 +115,8 @@ impl FrameBuilder<'_> {
         let [x, y] = self.origin;
         if !(fits(width, x) && fits(height, y)) {
             let found = format!("of {width}x{height} pixels from ({x}, {y}) cannot be");
-            return Err(bad(
-                "a frame",
-                found,
-                "give at least one pixel, and coordinates below 2^31",
-            ));
+            let remedy = "give at least one pixel, and coordinates below 2^31";
+            return Err(bad("a frame", found, remedy));
         }
         let data = Window::at(x, y, width, height);
         let display = self.display_window.unwrap_or(data);
@@ -140,7 +137,7 @@ impl FrameBuilder<'_> {
         if let (Some(own), Some(other)) = (self.camera, with_normals)
             && own != other
         {
-            let found = "is another than that of the normals".into();
+            let found = "is another than that of the normals";
             return Err(bad("camera", found, "give one of them"));
         }
         let Some(camera) = self.camera.or(with_normals) else {
@@ -148,7 +145,7 @@ impl FrameBuilder<'_> {
         };
         camera
             .check(display)
-            .map_err(|number| bad("camera", cannot(&number.found()), &number.remedy()))?;
+            .map_err(|number| bad("camera", cannot(&number.found()), number.remedy()))?;
         let axes = camera.view_from_world.matrix3;
         let error = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array();
         let is_rigid = error.iter().all(|e| e.abs() <= AXES_ERROR);

@@ -1,8 +1,8 @@
 //! Light layers in memory.
 
 use super::FrameBuilder;
-use super::samples::{Name, Samples, Size, bad};
-use crate::error::Result;
+use super::samples::{Name, Samples, Size};
+use crate::error::{Result, bad};
 use crate::frame::coverage::sanitise;
 use crate::frame::{ColorPlanes, LightGroup, LightLayers, Plane};
 use glam::Vec3;
@@ -25,11 +25,8 @@ impl FrameBuilder<'_> {
             let is_unit = |to: &Vec3| (to.length() - 1.0).abs() <= LENGTH_ERROR;
             if to_light.is_empty() || !to_light.iter().all(is_unit) {
                 let found = format!("{name} has no directions of unit length to its lights");
-                return Err(bad(
-                    "light_group",
-                    found,
-                    "give at least one, in view space",
-                ));
+                let remedy = "give at least one, in view space";
+                return Err(bad("light_group", found, remedy));
             }
             layers.groups.push(LightGroup {
                 name: name.clone(),

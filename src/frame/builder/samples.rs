@@ -1,6 +1,6 @@
 //! Borrowed samples in any layout and number type.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::depth::depth_of_position;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, ArrayViewMut1, Axis};
@@ -142,7 +142,7 @@ impl<'a> Samples<'a> {
         }
         Err(bad(
             name,
-            "holds integers, which are rarely linear light".into(),
+            "holds integers, which are rarely linear light",
             "decode it, as with io::srgb::decoded, and give f32",
         ))
     }
@@ -153,14 +153,6 @@ pub(crate) type Name = &'static str;
 
 /// Columns and rows.
 pub(crate) type Size = [usize; 2];
-
-pub(super) fn bad(name: Name, found: String, remedy: &str) -> Error {
-    Error::BadParameter {
-        name,
-        found,
-        remedy: remedy.into(),
-    }
-}
 
 /// A view of each channel of interleaved samples, if they fill a frame of this size.
 fn interleaved<'a, T>(
@@ -178,7 +170,7 @@ fn interleaved<'a, T>(
         let found = format!("holds {} samples for {width}x{height} pixels", slice.len());
         let wanted = one_of(accepted);
         let remedy = format!("give {wanted} for each pixel, or a view where there are gaps");
-        bad(name, found, &remedy)
+        bad(name, found, remedy)
     })
 }
 
@@ -194,8 +186,8 @@ fn check_count(name: Name, count: usize, accepted: &[usize]) -> Result<()> {
     if accepted.contains(&count) {
         return Ok(());
     }
-    let found = format!("has {count} channels");
-    Err(bad(name, found, &format!("give {}", one_of(accepted))))
+    let remedy = format!("give {}", one_of(accepted));
+    Err(bad(name, format!("has {count} channels"), remedy))
 }
 
 /// The values of stored samples.
