@@ -35,7 +35,8 @@ impl Frame {
         let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
         let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
         let [across, down] = self.sides(factor);
-        let (width, height) = (across.data_length, down.data_length);
+        let data_window = enlarged(self.data_window, self.display_window, factor);
+        let (width, height) = (data_window.width(), data_window.height());
         let around = |x, y| self.around(across.place(x), down.place(y));
         begins();
         let is_covered = |x, y| around(x, y).is_some();
@@ -47,13 +48,8 @@ impl Frame {
             })
         };
         let mut frame = Frame {
-            data_window: Window::at(across.data_from, down.data_from, width, height),
-            display_window: Window::at(
-                across.display_from,
-                down.display_from,
-                across.display_length,
-                down.display_length,
-            ),
+            data_window,
+            display_window: enlarged(self.display_window, self.display_window, factor),
             camera: self.camera.map(|camera| Camera {
                 projection: camera.projection.of_pixels(factor.recip()),
                 ..camera
@@ -98,7 +94,8 @@ impl Frame {
     /// A plane that goes with this frame, enlarged as those of its own are; `outside` where the frame shows nothing.
     pub(super) fn enlarged_plane(&self, plane: &Plane, factor: f64, outside: f32) -> Plane {
         let [across, down] = self.sides(factor);
-        samples(across.data_length, down.data_length, &|| true, |x, y| {
+        let window = enlarged(self.data_window, self.display_window, factor);
+        samples(window.width(), window.height(), &|| true, |x, y| {
             let around = self.around(across.place(x), down.place(y));
             around.map_or(outside, |around| mean(plane, &around))
         })
@@ -108,13 +105,8 @@ impl Frame {
     fn sides(&self, factor: f64) -> [Side; 2] {
         let (data, display) = (self.data_window, self.display_window);
         [
-            Side::new([data.x0, display.x0], data.width(), display.width(), factor),
-            Side::new(
-                [data.y0, display.y0],
-                data.height(),
-                display.height(),
-                factor,
-            ),
+            Side::new([data.x0, display.x0], data.width(), factor),
+            Side::new([data.y0, display.y0], data.height(), factor),
         ]
     }
 
@@ -245,7 +237,7 @@ fn is_one_surface(a: f32, b: f32) -> bool {
 
 /// The other pixels of a plane of this `size` within one column and one row of `[x, y]`, and within `steps` across and
 /// down taken together.
-fn around_pixel(
+pub(super) fn around_pixel(
     [x, y]: [usize; 2],
     size: [usize; 2],
     steps: u32,
@@ -265,6 +257,29 @@ fn around_pixel(
 /// The two samples around a position along one axis, and the weight of the second.
 type Place = ([usize; 2], f32);
 
+/// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
+const SHORT_PX: f64 = 0.01;
+
+/// A length, enlarged and rounded to whole pixels.
+fn whole(length: i64, factor: f64) -> i64 {
+    (length as f64 * factor + SHORT_PX).floor() as i64
+}
+
+/// A window of a frame enlarged, whose display window starts where the original's does, since the camera counts from there.
+fn enlarged(window: Window, display: Window, factor: f64) -> Window {
+    let place = |at: i32, from: i32| {
+        let origin = (f64::from(from) * factor).round() as i64;
+        let place = origin + whole(i64::from(at) - i64::from(from), factor);
+        place.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    };
+    Window {
+        x0: place(window.x0, display.x0),
+        y0: place(window.y0, display.y0),
+        x1: place(window.x1, display.x0),
+        y1: place(window.y1, display.y0),
+    }
+}
+
 /// Columns or rows of an enlarged frame.
 struct Side {
     factor: f32,
@@ -272,32 +287,16 @@ struct Side {
     shift: f32,
     /// Number of samples of the original.
     count: usize,
-    data_from: i32,
-    data_length: usize,
-    display_from: i32,
-    display_length: usize,
 }
 
-/// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
-const SHORT_PX: f64 = 0.01;
-
 impl Side {
-    /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` and `shown`
-    /// pixels. The display window starts where the original's does, since the camera counts from there.
-    fn new([data, display]: [i32; 2], count: usize, shown: usize, factor: f64) -> Self {
-        let whole = |length: i64| (length as f64 * factor + SHORT_PX).floor() as i64;
-        let clamped = |at: i64| at.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-        let origin = (f64::from(display) * factor).round() as i64;
+    /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` pixels.
+    fn new([data, display]: [i32; 2], count: usize, factor: f64) -> Self {
         let before = i64::from(data) - i64::from(display);
-        let from = whole(before);
         Self {
             factor: factor as f32,
-            shift: (from as f64 - before as f64 * factor) as f32,
+            shift: (whole(before, factor) as f64 - before as f64 * factor) as f32,
             count,
-            data_from: clamped(origin + from),
-            data_length: (whole(before + count as i64) - from) as usize,
-            display_from: clamped(origin),
-            display_length: whole(shown as i64) as usize,
         }
     }
 

@@ -5,7 +5,7 @@
 
 use super::depth::is_distance;
 use super::plane::each_row_of;
-use super::slopes::{Rounding, Slopes, slopes};
+use super::slopes::{Rounding, slopes};
 use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
 use half::f16;
 
@@ -165,45 +165,36 @@ fn sky_of(depth: &Plane, stored: StoredDepth) -> Option<f32> {
 /// -nx X / fx + ny Y / fy + nz: its slopes are -nx / fx and ny / fy, and nz is what is left at X = Y = 0.
 fn normals(
     values: &Plane,
-    slopes: Slopes,
+    ([mut x, mut y], found): ([Plane; 2], Plane<bool>),
     projection: Projection,
     window: Window,
 ) -> Vector3Planes {
-    let Slopes {
-        across: mut x,
-        down: mut y,
-        found,
-    } = slopes;
     let mut z = Plane::filled(values.width(), values.height(), 0.0);
-    let from_axis: Vec<f32> = match projection {
-        Projection::Perspective { cx, .. } => {
-            let columns = 0..values.width();
-            columns
-                .map(|column| (window.middle(column, 0).x - cx) as f32)
-                .collect()
-        }
-        Projection::Orthographic { .. } => Vec::new(),
-    };
+    let is_perspective = matches!(projection, Projection::Perspective { .. });
+    let (Projection::Perspective { fx, fy, cx, cy }
+    | Projection::Orthographic {
+        sx: fx,
+        sy: fy,
+        cx,
+        cy,
+    }) = projection;
+    let (fx, fy) = (fx as f32, fy as f32);
+    let columns = 0..values.width();
+    let from_axis: Vec<f32> = columns
+        .map(|column| (window.middle(column, 0).x - cx) as f32)
+        .collect();
     each_row_of([&mut x, &mut y, &mut z], |row, [x, y, z]| {
-        let slopes = x.iter_mut().zip(y).zip(z);
-        let found = found.row(row).iter();
-        match projection {
-            Projection::Perspective { fx, fy, cy, .. } => {
-                let (fx, fy) = (fx as f32, fy as f32);
-                let down = (window.middle(0, row).y - cy) as f32;
-                let seen = values.row(row).iter().zip(&from_axis);
-                for ((((x, y), z), found), (value, right)) in slopes.zip(found).zip(seen) {
-                    let (p, q) = (*x, *y);
-                    let at_axis = value - right * p - down * q;
-                    [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
-                }
-            }
-            Projection::Orthographic { sx, sy, .. } => {
-                let (sx, sy) = (sx as f32, sy as f32);
-                for (((x, y), z), found) in slopes.zip(found) {
-                    [*x, *y, *z] = unit([-sx * *x, sy * *y, 1.0], *found);
-                }
-            }
+        let slopes = x.iter_mut().zip(y).zip(z).zip(found.row(row));
+        let down = (window.middle(0, row).y - cy) as f32;
+        let seen = values.row(row).iter().zip(&from_axis);
+        for ((((x, y), z), found), (value, right)) in slopes.zip(seen) {
+            let (p, q) = (*x, *y);
+            let at_axis = if is_perspective {
+                value - right * p - down * q
+            } else {
+                1.0
+            };
+            [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
         }
     });
     Vector3Planes { x, y, z }

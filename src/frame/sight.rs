@@ -76,10 +76,9 @@ impl SightLines {
 
     /// Pixels per unit of length along x and y, at a depth of 1 in perspective.
     fn pixels_per_unit(&self) -> (f64, f64) {
-        match self.projection {
-            Projection::Perspective { fx, fy, .. } => (fx, fy),
-            Projection::Orthographic { sx, sy, .. } => (sx, sy),
-        }
+        let (Projection::Perspective { fx: x, fy: y, .. }
+        | Projection::Orthographic { sx: x, sy: y, .. }) = self.projection;
+        (x, y)
     }
 
     /// Height of a pixel over its width, signed by the directions of both axes.

@@ -105,11 +105,9 @@ impl SpecularScene {
 fn pixel_of(behind: &Frame, frame: &Frame, x: usize, y: usize) -> Option<[usize; 2]> {
     let (own, other) = (frame.data_window, behind.data_window);
     let at = [own.x0 - other.x0 + x as i32, own.y0 - other.y0 + y as i32];
-    let is_inside = at[0] >= 0
-        && at[1] >= 0
-        && (at[0] as usize) < other.width()
-        && (at[1] as usize) < other.height();
-    is_inside.then(|| at.map(|i| i as usize))
+    let [x, y] = at.map(|at| usize::try_from(at).ok());
+    let is_inside = |at: &[usize; 2]| at[0] < other.width() && at[1] < other.height();
+    Some([x?, y?]).filter(is_inside)
 }
 
 fn copy_shape(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [usize; 2]) {

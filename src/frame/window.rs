@@ -108,13 +108,7 @@ impl Window {
 
 impl std::fmt::Display for Window {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}x{} at ({}, {})",
-            self.width(),
-            self.height(),
-            self.x0,
-            self.y0
-        )
+        let [width, height] = [self.width(), self.height()];
+        write!(f, "{width}x{height} at ({}, {})", self.x0, self.y0)
     }
 }
