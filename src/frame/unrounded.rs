@@ -37,11 +37,9 @@ pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps:
     let whole = Window::from_size(stored.x.width(), stored.x.height());
     let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE);
     let around = with_margins(whole, margin, wraps);
-    let mut steps = stored.x.repeated(whole, around);
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
-        let codes = plane.repeated(whole, around);
-        let mut field = codes.clone();
-        unround_plane(&mut field, &codes, &mut steps, half_step);
+        let mut field = plane.repeated(whole, around);
+        unround_values(&mut field, half_step);
         *plane = field.crop(around, whole);
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
@@ -66,17 +64,12 @@ pub(super) fn unwritten(stored: &Vector3Planes) -> Vec<usize> {
 }
 
 /// [`unround`] of one plane of values, all of them written.
-pub(crate) fn unround_values(values: &mut Plane, half_step: f32) {
-    let (codes, mut steps) = (values.clone(), values.clone());
-    unround_plane(values, &codes, &mut steps, half_step);
-}
-
-fn unround_plane(field: &mut Plane, codes: &Plane, steps: &mut Plane, half_step: f32) {
+pub(crate) fn unround_values(field: &mut Plane, half_step: f32) {
     if field.samples().is_empty() {
         return;
     }
-    steps_of(codes, 0.5 / half_step, steps);
-    let mut steps = halved(steps);
+    let codes = &field.clone();
+    let mut steps = halved(&steps_of(codes, 0.5 / half_step));
     let steps: [Plane; LEVELS] = std::array::from_fn(|_| {
         let next = halved(&steps);
         std::mem::replace(&mut steps, next)
@@ -117,9 +110,9 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
     });
 }
 
-/// Sum of a field's changes from each pixel to the next ones, times `scale`, written to `steps`.
-fn steps_of(field: &Plane, scale: f32, steps: &mut Plane) {
-    steps.each_row(|y, steps| {
+/// Sum of a field's changes from each pixel to the next ones, times `scale`.
+fn steps_of(field: &Plane, scale: f32) -> Plane {
+    Plane::of_rows(field.width(), field.height(), |y, steps| {
         let (row, below) = (field.row(y), field.row((y + 1).min(field.height() - 1)));
         let right = row[1..].iter().chain(row.last());
         for (step, ((&here, &right), &below)) in
@@ -128,7 +121,7 @@ fn steps_of(field: &Plane, scale: f32, steps: &mut Plane) {
             let (dx, dy) = (right - here, below - here);
             *step = scale * (dx * dx + dy * dy).sqrt();
         }
-    });
+    })
 }
 
 /// Twice a mean minus its own mean: restores the amount that the mean takes off a bend.
