@@ -180,19 +180,17 @@ fn is_short(length: f32) -> bool {
 /// picture's border or not.
 fn has_short_square(lengths: &Plane, mask: &Mask, within: Window) -> bool {
     let size = [lengths.width(), lengths.height()];
+    let is_short_at = |x: usize, y: usize| mask.at(x, y) && is_short(lengths.at(x, y));
     let is_square = |x: usize, y: usize| {
         let columns = around(x, NORMALS_REACH, size[0]);
-        let is_short_at = |x, y| mask.at(x, y) && is_short(lengths.at(x, y));
         around(y, NORMALS_REACH, size[1]).all(|y| columns.clone().all(|x| is_short_at(x, y)))
     };
     let Some(within) = within.common(&Window::from_size(size[0], size[1])) else {
         return false;
     };
-    (within.y0 as usize..within.y1 as usize).any(|y| {
-        let columns = within.x0 as usize..within.x1 as usize;
-        let mut middles = columns.clone().zip(&lengths.row(y)[columns]);
-        middles.any(|(x, &length)| is_short(length) && is_square(x, y))
-    })
+    let [columns, rows] = [within.x0..within.x1, within.y0..within.y1];
+    let mut middles = rows.flat_map(|y| columns.clone().map(move |x| (x as usize, y as usize)));
+    middles.any(|(x, y)| is_short_at(x, y) && is_square(x, y))
 }
 
 /// The confidence from isolated depths.

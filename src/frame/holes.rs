@@ -76,14 +76,12 @@ fn fill_border(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     if width < 3 || height < 3 {
         return 0;
     }
-    let rows = [0, height - 1]
-        .into_iter()
-        .flat_map(|y| (0..width).map(move |x| [x, y]));
-    let columns = [0, width - 1]
-        .into_iter()
-        .flat_map(|x| (1..height - 1).map(move |y| [x, y]));
-    let found: Vec<_> = rows
-        .chain(columns)
+    let columns = |y: usize| match y == 0 || y + 1 == height {
+        true => (0..width).step_by(1),
+        false => (0..width).step_by(width - 1),
+    };
+    let found: Vec<_> = (0..height)
+        .flat_map(|y| columns(y).map(move |x| [x, y]))
         .filter_map(|at| Some((at, surface_within(depth, normal, at)?)))
         .collect();
     for &([x, y], surface) in &found {
@@ -121,11 +119,11 @@ fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
         |[x, y]: [usize; 2]| direction(normal, x, y).is_some_and(|n| n.dot(here) > SAME_DIRECTION);
     // Along the border; a corner has no such neighbours.
     let is_between = || {
-        let along = [1, -1].map(|by| moved(by, [dy.abs(), dx.abs()]));
-        (dx == 0 || dy == 0)
-            && along
-                .into_iter()
-                .all(|at| sample(at).is_some_and(|s| is_near(s, surface)))
+        let mut along = [1, -1]
+            .map(|by| moved(by, [dy.abs(), dx.abs()]))
+            .into_iter();
+        let is_on_plane = |at| sample(at).is_some_and(|sample| is_near(sample, surface));
+        (dx == 0 || dy == 0) && along.all(is_on_plane)
     };
     (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }

@@ -10,18 +10,12 @@ pub(crate) const MIN_LENGTH: f32 = 0.05;
 /// Decodes components and flips axes, in place.
 pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
     if encoding == NormalEncoding::Unsigned {
-        each_row_of(
-            [&mut stored.x, &mut stored.y, &mut stored.z],
-            |_, [x, y, z]| {
-                for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-                    // Black marks a pixel that was never written, not the direction (-1, -1, -1).
-                    let is_written = (*x != 0.0) | (*y != 0.0) | (*z != 0.0);
-                    for v in [x, y, z] {
-                        *v = if is_written { 2.0 * *v - 1.0 } else { *v };
-                    }
-                }
-            },
-        );
+        for components in stored.components_mut() {
+            let is_written = is_written(components.each_ref().map(|code| **code));
+            for code in components {
+                *code = if is_written { 2.0 * *code - 1.0 } else { *code };
+            }
+        }
     }
     match encoding {
         NormalEncoding::Xy | NormalEncoding::Ag => with_rebuilt_z(stored),

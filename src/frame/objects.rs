@@ -54,7 +54,7 @@ impl Objects {
             return Self::Alike;
         }
         fill(&mut numbered, mask);
-        let covered = mask.plane().samples().iter().filter(|&&is| is).count();
+        let covered = mask.count();
         match borders(&numbered) as f64 > MOST_BORDERS * covered as f64 {
             true => Self::Mesh,
             false => Self::Apart(names.len(), numbered),

@@ -21,11 +21,7 @@ pub struct Plane<T = f32> {
 impl<T: Copy> Plane<T> {
     /// A plane with every sample equal to `value`.
     pub fn filled(width: usize, height: usize, value: T) -> Self {
-        Self {
-            width,
-            height,
-            samples: vec![value; width * height],
-        }
+        Self::from_samples(width, height, vec![value; width * height])
     }
 
     /// A plane over samples already in row-major order.
@@ -51,11 +47,7 @@ impl<T: Copy> Plane<T> {
         for y in 0..height {
             samples.extend((0..width).map(|x| sample(x, y)));
         }
-        Self {
-            width,
-            height,
-            samples,
-        }
+        Self::from_samples(width, height, samples)
     }
 
     /// Number of columns.
@@ -109,11 +101,8 @@ impl<T: Copy> Plane<T> {
 
     /// The plane of `f(sample)`.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
-        Plane {
-            width: self.width,
-            height: self.height,
-            samples: self.samples.iter().copied().map(f).collect(),
-        }
+        let samples = self.samples.iter().copied().map(f).collect();
+        Plane::from_samples(self.width, self.height, samples)
     }
 
     /// A plane whose rows, initially zero, are filled by `work(y, row)` in parallel.
@@ -164,11 +153,7 @@ impl<T: Copy> Plane<T> {
                 (x, left) = (0, left - run);
             }
         }
-        Plane {
-            width,
-            height,
-            samples,
-        }
+        Self::from_samples(width, height, samples)
     }
 
     /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` elsewhere.
