@@ -1,9 +1,9 @@
 //! Coverage: backgrounds and missing samples only affect the mask.
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
-use super::holes::fill;
 use super::normals::{MIN_LENGTH, normalise_row};
 use super::plane::each_row_beside;
+use super::repair::fill;
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
 

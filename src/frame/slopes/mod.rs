@@ -12,7 +12,7 @@ mod noise;
 mod smoothing;
 
 use crate::frame::Plane;
-use crate::frame::unrounded::unround_values;
+use crate::frame::repair::unround_values;
 use links::Links;
 use noise::Noise;
 

@@ -6,7 +6,7 @@
 //! unchanged where its codes rise and fall by more than [`MOST_STEPS`]: there rounding is noise, which diffusion
 //! averages out, and texture is no staircase.
 
-use super::{Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window};
 
 /// Number of halvings for the widest neighbourhoods, whose standard deviation is 13 pixels.
 const LEVELS: usize = 4;

@@ -6,7 +6,7 @@
 
 use super::squares::{around, mean_over_squares, of_rows, over_squares, sum_over_squares};
 use super::tiled::{lay_tiles, of_tiles};
-use super::{Frame, Mask, Plane, Projection, Vector3Planes, Window};
+use crate::frame::{Frame, Mask, Plane, Projection, Vector3Planes, Window};
 
 /// Half size of the square of normals around a pixel that must be mixed. In sharp renders some 3x3 squares are, at
 /// corners of outlines, but no 5x5 ones.
@@ -265,7 +265,7 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::tiled::TILE;
+    use crate::frame::repair::tiled::TILE;
     use glam::DVec3;
 
     fn lengths(width: usize, height: usize, length: impl Fn(usize, usize) -> f32) -> Plane {

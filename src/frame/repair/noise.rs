@@ -5,9 +5,8 @@
 //! and the divergence around. Which way y is stored need not be known: the lower curl and the higher divergence of both
 //! readings count, so that noise is missed rather than a surface smoothed.
 
-use super::plane::each_row_of;
 use super::unrounded::{double_row, halved, smoothed, unwritten, with_margins};
-use super::{Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window, each_row_of};
 
 /// Octaves of detail looked at: of 1 to 4 pixels.
 const OCTAVES: usize = 3;

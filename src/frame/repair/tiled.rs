@@ -1,6 +1,6 @@
 //! What is made of a picture tile by tile, from each tile and what lies around it.
 
-use super::{Mask, Plane, Window};
+use crate::frame::{Mask, Plane, Window};
 use rayon::prelude::*;
 
 /// Columns and rows of a tile, besides those around it that it is made from: so few that its planes stay in a core's

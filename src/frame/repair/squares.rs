@@ -1,6 +1,6 @@
 //! Extremes, sums and means over the square around each pixel.
 
-use super::Plane;
+use crate::frame::Plane;
 use std::ops::Range;
 
 /// The samples of the square around each pixel combined, cut off at the plane's border: of `start`, each column from top to

@@ -3,9 +3,9 @@
 //! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth sometimes writes the depth of
 //! the background, or none: every such pixel would be surrounded by silhouettes.
 
-use super::depth::is_distance;
-use super::normals::MIN_LENGTH;
-use super::{MOST_ROWS_PER_TASK, Plane, Vector3Planes};
+use crate::frame::depth::is_distance;
+use crate::frame::normals::MIN_LENGTH;
+use crate::frame::{MOST_ROWS_PER_TASK, Plane, Vector3Planes};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -46,26 +46,16 @@ const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 /// pixels away, the depth is (i + j) / (j / a + i / b).
 pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     let mut filled = 0;
-    let height = depth.height();
-    // After the first pass only rows near samples that were filled.
-    let mut may_have_holes = vec![true; height];
     for _ in 0..PASSES {
-        let found: Vec<_> = (1..height.saturating_sub(1))
+        let found: Vec<_> = (1..depth.height().saturating_sub(1))
             .into_par_iter()
             .with_max_len(MOST_ROWS_PER_TASK)
-            .filter(|&y| may_have_holes[y])
             .flat_map_iter(|y| holes_in_row(depth, normal, y))
             .collect();
         if found.is_empty() {
             break;
         }
-        filled += found.len();
-        may_have_holes.fill(false);
-        for ([x, y], surface) in found {
-            depth.row_mut(y)[x] = surface;
-            let near = y.saturating_sub(WIDEST)..(y + WIDEST + 1).min(height);
-            may_have_holes[near].fill(true);
-        }
+        filled += put(&found, depth);
     }
     filled + fill_border(depth, normal)
 }
@@ -84,7 +74,12 @@ fn fill_border(depth: &mut Plane, normal: &Vector3Planes) -> usize {
         .flat_map(|y| columns(y).map(move |x| [x, y]))
         .filter_map(|at| Some((at, surface_within(depth, normal, at)?)))
         .collect();
-    for &([x, y], surface) in &found {
+    put(&found, depth)
+}
+
+/// Fills holes. Returns their number.
+fn put(found: &[([usize; 2], f32)], depth: &mut Plane) -> usize {
+    for &([x, y], surface) in found {
         depth.row_mut(y)[x] = surface;
     }
     found.len()
