@@ -188,9 +188,20 @@ fn has_short_square(lengths: &Plane, mask: &Mask, within: Window) -> bool {
     let Some(within) = within.common(&Window::from_size(size[0], size[1])) else {
         return false;
     };
-    let [columns, rows] = [within.x0..within.x1, within.y0..within.y1];
-    let mut middles = rows.flat_map(|y| columns.clone().map(move |x| (x as usize, y as usize)));
-    middles.any(|(x, y)| is_short_at(x, y) && is_square(x, y))
+    let columns = within.x0 as usize..within.x1 as usize;
+    (within.y0 as usize..within.y1 as usize).any(|y| {
+        let pixels = mask.row(y)[columns.clone()]
+            .iter()
+            .zip(&lengths.row(y)[columns.clone()]);
+        // Without branches, the compiler takes several at a time: most rows have none.
+        let any_is_short = pixels.fold(false, |any, (&is_in, &length)| {
+            any | (is_in & is_short(length))
+        });
+        any_is_short
+            && columns
+                .clone()
+                .any(|x| is_short_at(x, y) && is_square(x, y))
+    })
 }
 
 /// The confidence from isolated depths.
