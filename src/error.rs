@@ -154,6 +154,19 @@ pub enum Error {
     },
 }
 
+/// [`Error::BadParameter`].
+pub(crate) fn bad(
+    name: &'static str,
+    found: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Error {
+    Error::BadParameter {
+        name,
+        found: found.into(),
+        remedy: remedy.into(),
+    }
+}
+
 impl Error {
     /// Attaches the file and the action to a system error: `map_err(Error::io(path, "read"))`.
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Error {

@@ -155,7 +155,7 @@ impl Drawing {
     /// Crops the target coverage, which is no product, and lines and dots from the window `from` to the window `to`.
     fn crop(&mut self, from: Window, to: Window) {
         if let Some(asked) = &mut self.asked {
-            asked.crop_in_place(from, to);
+            *asked = asked.crop(from, to);
         }
         let corner = Vec2::new((to.x0 - from.x0) as f32, (to.y0 - from.y0) as f32);
         let page = Page {
@@ -429,7 +429,7 @@ impl Outcome {
 
     /// Crops results of the window `from` to the window `to`.
     pub(crate) fn crop(&mut self, from: Window, to: Window) {
-        self.for_each_plane(|plane| plane.crop_in_place(from, to));
+        self.for_each_plane(|plane| *plane = plane.crop(from, to));
         if let Some(drawing) = &mut self.drawing {
             drawing.crop(from, to);
         }

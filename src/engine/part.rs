@@ -40,7 +40,7 @@ impl Part {
         let around = match plan.tile {
             // Some stages take all of a tile: whatever the region, all of it is run.
             Some(tile) => tile.grown(plan.reach()),
-            None => region.grown_within(plan.reach(), &whole),
+            None => region.grown(plan.reach()).common(&whole).unwrap_or(region),
         };
         let motion = inputs.sequence.and_then(|sequence| sequence.motion);
         Ok(Self {

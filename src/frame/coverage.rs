@@ -1,9 +1,9 @@
 //! Coverage: backgrounds and missing samples only affect the mask.
 
 use super::depth::{HALF_INFINITY, is_distance, to_distances};
-use super::holes::fill;
 use super::normals::{MIN_LENGTH, normalise_row};
 use super::plane::each_row_beside;
+use super::repair::fill;
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
 
@@ -16,12 +16,10 @@ pub(crate) fn of_normals(
     mask: Option<&Plane>,
 ) -> Mask {
     let (width, height) = (normal.x.width(), normal.x.height());
-    let mut covered = Plane::filled(width, height, false);
-    covered.each_row(|y, row| {
+    Mask::new(Plane::of_rows(width, height, |y, row| {
         let normals = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
         cover_row(row, y, normals, depth, [mask, alpha]);
-    });
-    Mask::new(covered)
+    }))
 }
 
 /// The same for row `y`, whose normals these are; mask and alpha are `shares`.

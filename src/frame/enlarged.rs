@@ -34,26 +34,17 @@ impl Frame {
         }
         let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
         let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
-        let [across, down] = self.sides(factor);
-        let (width, height) = (across.data_length, down.data_length);
-        let around = |x, y| self.around(across.place(x), down.place(y));
         begins();
-        let is_covered = |x, y| around(x, y).is_some();
-        let mask = Mask::new(samples_while(width, height, goes_on, is_covered));
+        let mask = Mask::new(self.spread(factor, goes_on, |around| around.is_some()));
         let plane = |plane: &Plane| {
             begins();
-            samples_while(width, height, goes_on, |x, y| {
-                around(x, y).map_or(0.0, |around| mean(plane, &around))
+            self.spread(factor, goes_on, |around| {
+                around.map_or(0.0, |around| mean(plane, &around))
             })
         };
         let mut frame = Frame {
-            data_window: Window::at(across.data_from, down.data_from, width, height),
-            display_window: Window::at(
-                across.display_from,
-                down.display_from,
-                across.display_length,
-                down.display_length,
-            ),
+            data_window: enlarged(self.data_window, self.display_window, factor),
+            display_window: enlarged(self.display_window, self.display_window, factor),
             camera: self.camera.map(|camera| Camera {
                 projection: camera.projection.of_pixels(factor.recip()),
                 ..camera
@@ -61,15 +52,12 @@ impl Frame {
             ..self.with_planes(mask, plane)
         };
         frame.objects = self.objects.as_ref().map(|numbers| {
-            samples_while(width, height, goes_on, |x, y| {
-                around(x, y).map_or(0.0, |around| heaviest(numbers, &around))
-            })
+            let number = |around| heaviest(numbers, &around);
+            self.spread(factor, goes_on, |around| around.map_or(0.0, number))
         });
         if let Some(is_mixed) = self.beside_jumps() {
             let unmixed = |mixed: &Plane| plane(&self.of_one_surface(mixed, &is_mixed));
-            let Vector3Planes { x, y, z } = &self.normal;
-            let [x, y, z] = [x, y, z].map(unmixed);
-            frame.normal = Vector3Planes { x, y, z };
+            frame.normal = self.normal.mapped(unmixed);
             frame.normal_length = self.normal_length.as_ref().map(unmixed);
         }
         if !goes_on() {
@@ -97,25 +85,24 @@ impl Frame {
 
     /// A plane that goes with this frame, enlarged as those of its own are; `outside` where the frame shows nothing.
     pub(super) fn enlarged_plane(&self, plane: &Plane, factor: f64, outside: f32) -> Plane {
-        let [across, down] = self.sides(factor);
-        samples(across.data_length, down.data_length, |x, y| {
-            let around = self.around(across.place(x), down.place(y));
-            around.map_or(outside, |around| mean(plane, &around))
-        })
+        let mean = |around| mean(plane, &around);
+        self.spread(factor, &|| true, |around| around.map_or(outside, mean))
     }
 
-    /// Columns and rows of the enlarged frame.
-    fn sides(&self, factor: f64) -> [Side; 2] {
+    /// A plane of the enlarged frame, of the samples around each pixel, as far as it `goes_on`.
+    fn spread<T: Copy + Default + Send>(
+        &self,
+        factor: f64,
+        goes_on: &(dyn Fn() -> bool + Sync),
+        sample: impl Fn(Option<Around>) -> T + Sync,
+    ) -> Plane<T> {
         let (data, display) = (self.data_window, self.display_window);
-        [
-            Side::new([data.x0, display.x0], data.width(), display.width(), factor),
-            Side::new(
-                [data.y0, display.y0],
-                data.height(),
-                display.height(),
-                factor,
-            ),
-        ]
+        let across = Side::new([data.x0, display.x0], data.width(), factor);
+        let down = Side::new([data.y0, display.y0], data.height(), factor);
+        let window = enlarged(data, display, factor);
+        samples([window.width(), window.height()], goes_on, |x, y| {
+            sample(self.around(across.place(x), down.place(y)))
+        })
     }
 
     /// How many planes an enlarged frame takes: the mask, its own, and beside jumps the normals once more.
@@ -157,7 +144,7 @@ impl Frame {
     fn beside_jumps(&self) -> Option<Plane<bool>> {
         let depth = self.depth.as_ref()?;
         let size = [depth.width(), depth.height()];
-        Some(samples(size[0], size[1], |x, y| {
+        Some(samples(size, &|| true, |x, y| {
             let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| self.mask.at(i, k));
             self.mask.at(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
         }))
@@ -167,22 +154,18 @@ impl Frame {
     /// mixed pixel would be a bend.
     fn of_one_surface(&self, plane: &Plane, is_mixed: &Plane<bool>) -> Plane {
         let size = [plane.width(), plane.height()];
-        samples(size[0], size[1], |x, y| {
+        samples(size, &|| true, |x, y| {
             if !is_mixed.at(x, y) {
                 return plane.at(x, y);
             }
-            let (mut sum, mut count) = (0.0, 0.0);
-            for [i, k] in around_pixel([x, y], size, 2) {
-                let is_pure = self.mask.at(i, k) && !is_mixed.at(i, k);
-                if is_pure && self.is_one_surface([x, y], [i, k]) {
-                    sum += plane.at(i, k);
-                    count += 1.0;
-                }
-            }
-            if count > 0.0 {
-                sum / count
-            } else {
-                plane.at(x, y)
+            let is_pure = |&[i, k]: &[usize; 2]| {
+                self.mask.at(i, k) && !is_mixed.at(i, k) && self.is_one_surface([x, y], [i, k])
+            };
+            let pure = around_pixel([x, y], size, 2).filter(is_pure);
+            let add = |(sum, count), [i, k]: [usize; 2]| (sum + plane.at(i, k), count + 1.0);
+            match pure.fold((0.0, 0.0), add) {
+                (_, 0.0) => plane.at(x, y),
+                (sum, count) => sum / count,
             }
         })
     }
@@ -208,12 +191,10 @@ impl Frame {
         };
         let weights = depths.map(of_surface);
         let most = (0..4).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let Some(kept) = most
-            .map(|most| depths[most])
-            .filter(|kept| kept.is_finite())
-        else {
+        let kept = most.map_or(f32::NAN, |most| depths[most]);
+        if !kept.is_finite() {
             return;
-        };
+        }
         for ((_, weight), depth) in samples.iter_mut().zip(depths) {
             if !is_one_surface(kept, depth) {
                 *weight = 0.0;
@@ -245,7 +226,7 @@ fn is_one_surface(a: f32, b: f32) -> bool {
 
 /// The other pixels of a plane of this `size` within one column and one row of `[x, y]`, and within `steps` across and
 /// down taken together.
-fn around_pixel(
+pub(super) fn around_pixel(
     [x, y]: [usize; 2],
     size: [usize; 2],
     steps: u32,
@@ -265,6 +246,29 @@ fn around_pixel(
 /// The two samples around a position along one axis, and the weight of the second.
 type Place = ([usize; 2], f32);
 
+/// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
+const SHORT_PX: f64 = 0.01;
+
+/// A length, enlarged and rounded to whole pixels.
+fn whole(length: i64, factor: f64) -> i64 {
+    (length as f64 * factor + SHORT_PX).floor() as i64
+}
+
+/// A window of a frame enlarged, whose display window starts where the original's does, since the camera counts from there.
+fn enlarged(window: Window, display: Window, factor: f64) -> Window {
+    let place = |at: i32, from: i32| {
+        let origin = (f64::from(from) * factor).round() as i64;
+        let place = origin + whole(i64::from(at) - i64::from(from), factor);
+        place.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    };
+    Window {
+        x0: place(window.x0, display.x0),
+        y0: place(window.y0, display.y0),
+        x1: place(window.x1, display.x0),
+        y1: place(window.y1, display.y0),
+    }
+}
+
 /// Columns or rows of an enlarged frame.
 struct Side {
     factor: f32,
@@ -272,32 +276,16 @@ struct Side {
     shift: f32,
     /// Number of samples of the original.
     count: usize,
-    data_from: i32,
-    data_length: usize,
-    display_from: i32,
-    display_length: usize,
 }
 
-/// Shortfall of a length from a whole number, in pixels, that is attributed to rounding.
-const SHORT_PX: f64 = 0.01;
-
 impl Side {
-    /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` and `shown`
-    /// pixels. The display window starts where the original's does, since the camera counts from there.
-    fn new([data, display]: [i32; 2], count: usize, shown: usize, factor: f64) -> Self {
-        let whole = |length: i64| (length as f64 * factor + SHORT_PX).floor() as i64;
-        let clamped = |at: i64| at.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-        let origin = (f64::from(display) * factor).round() as i64;
+    /// The axis of a frame whose data and display windows start at `data` and `display`, with `count` pixels.
+    fn new([data, display]: [i32; 2], count: usize, factor: f64) -> Self {
         let before = i64::from(data) - i64::from(display);
-        let from = whole(before);
         Self {
             factor: factor as f32,
-            shift: (from as f64 - before as f64 * factor) as f32,
+            shift: (whole(before, factor) as f64 - before as f64 * factor) as f32,
             count,
-            data_from: clamped(origin + from),
-            data_length: (whole(before + count as i64) - from) as usize,
-            display_from: clamped(origin),
-            display_length: whole(shown as i64) as usize,
         }
     }
 
@@ -310,30 +298,18 @@ impl Side {
     }
 }
 
-/// A plane of `sample(x, y)`, rows in parallel.
+/// A plane of `sample(x, y)`, rows in parallel, of the rows that begin while it `goes_on`.
 fn samples<T: Copy + Default + Send>(
-    width: usize,
-    height: usize,
-    sample: impl Fn(usize, usize) -> T + Sync,
-) -> Plane<T> {
-    samples_while(width, height, &|| true, sample)
-}
-
-/// [`samples`] of the rows that begin while it `goes_on`.
-fn samples_while<T: Copy + Default + Send>(
-    width: usize,
-    height: usize,
+    [width, height]: [usize; 2],
     goes_on: &(dyn Fn() -> bool + Sync),
     sample: impl Fn(usize, usize) -> T + Sync,
 ) -> Plane<T> {
-    let mut plane = Plane::filled(width, height, T::default());
-    plane.each_row(|y, row| {
+    Plane::of_rows(width, height, |y, row| {
         let row = if goes_on() { row } else { &mut [] };
         for (x, out) in row.iter_mut().enumerate() {
             *out = sample(x, y);
         }
-    });
-    plane
+    })
 }
 
 #[cfg(test)]

@@ -148,11 +148,7 @@ impl LightLayers {
 
     /// The same layers with every plane replaced by `plane` of it.
     pub fn map(&self, plane: impl Fn(&Plane) -> Plane) -> Self {
-        let color = |c: &ColorPlanes| ColorPlanes {
-            r: plane(&c.r),
-            g: plane(&c.g),
-            b: plane(&c.b),
-        };
+        let color = |c: &ColorPlanes| c.mapped(&plane);
         let lobe = |layers: &LobeLayers| LobeLayers {
             lobe: layers.lobe,
             direct: layers.direct.as_ref().map(color),

@@ -3,7 +3,6 @@
 #[cfg(feature = "cli")]
 pub(crate) mod bend;
 mod builder;
-mod confidence;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
@@ -11,43 +10,33 @@ pub(crate) mod depth;
 pub(crate) mod detail;
 mod enlarged;
 pub(crate) mod from_depth;
-mod holes;
 mod light_layers;
 mod mask;
 mod motion;
-mod noise;
 pub(crate) mod normals;
 pub(crate) mod objects;
 mod plane;
 mod ray;
 mod reduced;
+mod repair;
 pub(crate) mod sampling;
 mod sight;
 mod slopes;
 mod space;
 mod specular;
-mod squares;
 mod steps;
 mod strength;
 mod surroundings;
-mod tiled;
-mod unrounded;
 mod window;
 
 pub(crate) use builder::PIXEL_ASPECTS;
 #[doc(inline)]
 pub use builder::{FrameBuilder, Normals, Sample, Samples};
-#[cfg(feature = "cli")]
-pub(crate) use confidence::CONFIDENCE_REACH;
-pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub use conventions::{Flip, NormalEncoding, StoredDepth};
-#[cfg(feature = "cli")]
-pub(crate) use holes::HOLE_REACH;
 pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLayers};
 pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
-pub(crate) use noise::{DENOISING_REACH, denoise};
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
 pub use plane::{
@@ -55,6 +44,12 @@ pub use plane::{
 };
 pub(crate) use plane::{each_row_of, parallel_rows};
 pub use ray::Ray;
+#[cfg(feature = "cli")]
+pub(crate) use repair::{CONFIDENCE_REACH, HOLE_REACH};
+pub(crate) use repair::{
+    DENOISING_REACH, UNROUNDING_PHASE, UNROUNDING_REACH, confidence, denoise, lift_out_of_fog,
+    unround, unround_wrapped,
+};
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
@@ -66,7 +61,6 @@ pub use specular::SpecularScene;
 pub(crate) use steps::{SURFACE_JUMP, step_between};
 pub(crate) use strength::strength_of;
 pub use surroundings::{Surroundings, map_direction};
-pub(crate) use unrounded::{UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped};
 pub use window::Window;
 
 use std::collections::BTreeMap;
@@ -203,16 +197,15 @@ impl Frame {
     /// If `part` reaches outside the data window.
     pub fn crop(&self, part: Window) -> Frame {
         let whole = self.data_window;
-        let mask = self.mask.crop(whole, part);
+        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
         // A part of a tile has borders of its own where it does not reach from one to the other.
         let spans = [
             part.width() == whole.width(),
             part.height() == whole.height(),
         ];
         Frame {
-            data_window: part,
             wraps: [0, 1].map(|axis| self.wraps[axis] && spans[axis]),
-            ..self.with_planes(mask, |plane| plane.crop(whole, part))
+            ..self.repeated(part)
         }
     }
 
@@ -234,16 +227,8 @@ impl Frame {
 
     /// The frame with this mask, and `plane` applied to every plane.
     fn with_planes(&self, mask: Mask, plane: impl Fn(&Plane) -> Plane + Copy) -> Frame {
-        let colors = |c: &ColorPlanes| ColorPlanes {
-            r: plane(&c.r),
-            g: plane(&c.g),
-            b: plane(&c.b),
-        };
-        let vectors = |v: &Vector3Planes| Vector3Planes {
-            x: plane(&v.x),
-            y: plane(&v.y),
-            z: plane(&v.z),
-        };
+        let colors = |c: &ColorPlanes| c.mapped(plane);
+        let vectors = |v: &Vector3Planes| v.mapped(plane);
         Frame {
             mask,
             normal: vectors(&self.normal),

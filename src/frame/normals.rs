@@ -10,18 +10,12 @@ pub(crate) const MIN_LENGTH: f32 = 0.05;
 /// Decodes components and flips axes, in place.
 pub(crate) fn decode(stored: &mut Vector3Planes, encoding: NormalEncoding, flip: Flip) {
     if encoding == NormalEncoding::Unsigned {
-        each_row_of(
-            [&mut stored.x, &mut stored.y, &mut stored.z],
-            |_, [x, y, z]| {
-                for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-                    // Black marks a pixel that was never written, not the direction (-1, -1, -1).
-                    let is_written = (*x != 0.0) | (*y != 0.0) | (*z != 0.0);
-                    for v in [x, y, z] {
-                        *v = if is_written { 2.0 * *v - 1.0 } else { *v };
-                    }
-                }
-            },
-        );
+        for components in stored.components_mut() {
+            let is_written = is_written(components.each_ref().map(|code| **code));
+            for code in components {
+                *code = if is_written { 2.0 * *code - 1.0 } else { *code };
+            }
+        }
     }
     match encoding {
         NormalEncoding::Xy | NormalEncoding::Ag => with_rebuilt_z(stored),
@@ -100,24 +94,23 @@ pub(crate) fn turn_to_view(
     camera: &Camera,
     window: Window,
 ) {
-    if space == NormalSpace::View {
-        return;
-    }
-    if space == NormalSpace::Sight {
-        let width = normal.x.width();
-        for (i, components) in normal.components_mut().enumerate() {
-            let stored = Vec3::from(components.each_ref().map(|v| **v)).as_dvec3();
-            let place = window.middle(i % width, i / width);
-            let lean = camera.projection.to_eye(place.x, place.y);
-            write(components, from_sight_line(stored, lean).as_vec3());
-        }
-        return;
-    }
-    let turn = camera.view_from_world.matrix3.to_cols_array();
-    let turn = Mat3::from_cols_array(&turn.map(|v| v as f32));
-    for components in normal.components_mut() {
+    let axes = camera.view_from_world.matrix3.to_cols_array();
+    let from_world = Mat3::from_cols_array(&axes.map(|v| v as f32));
+    let width = normal.x.width();
+    for (i, components) in normal.components_mut().enumerate() {
         let stored = Vec3::from(components.each_ref().map(|v| **v));
-        write(components, turn * stored);
+        let turned = match space {
+            NormalSpace::View => return,
+            NormalSpace::World => from_world * stored,
+            NormalSpace::Sight => {
+                let place = window.middle(i % width, i / width);
+                let lean = camera.projection.to_eye(place.x, place.y);
+                from_sight_line(stored.as_dvec3(), lean).as_vec3()
+            }
+        };
+        for (component, value) in components.into_iter().zip(turned.to_array()) {
+            *component = value;
+        }
     }
 }
 
@@ -127,12 +120,6 @@ pub(crate) fn from_sight_line(stored: DVec3, lean: DVec2) -> DVec3 {
     let eye = lean.extend(1.0).normalize();
     let facing = if stored.z < 0.0 { -stored } else { stored };
     DQuat::from_rotation_arc(DVec3::Z, eye) * facing
-}
-
-fn write(components: [&mut f32; 3], vector: Vec3) {
-    for (component, value) in components.into_iter().zip(vector.to_array()) {
-        *component = value;
-    }
 }
 
 /// Unit vectors of `change` of each normal; 0 stays, where there is none.

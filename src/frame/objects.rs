@@ -1,5 +1,6 @@
 //! Objects: which pixels show the same one.
 
+use super::enlarged::around_pixel;
 use super::{Mask, Plane};
 use std::collections::BTreeMap;
 
@@ -53,7 +54,7 @@ impl Objects {
             return Self::Alike;
         }
         fill(&mut numbered, mask);
-        let covered = mask.plane().samples().iter().filter(|&&is| is).count();
+        let covered = mask.count();
         match borders(&numbered) as f64 > MOST_BORDERS * covered as f64 {
             true => Self::Mesh,
             false => Self::Apart(names.len(), numbered),
@@ -101,10 +102,11 @@ fn fill(numbered: &mut Plane, mask: &Mask) {
             if row[x] != 0.0 {
                 continue;
             }
-            let around = (0..9).map(|j| [(x + j % 3).wrapping_sub(1), (y + j / 3).wrapping_sub(1)]);
-            let mut inside = around.filter(|&[x, y]| x < width && y < height);
-            let beside = inside.find_map(|[x, y]| Some(whole.at(x, y)).filter(|&n| n != 0.0));
-            row[x] = beside.unwrap_or(0.0);
+            let beside = around_pixel([x, y], [width, height], 2).map(|[x, y]| whole.at(x, y));
+            row[x] = beside
+                .into_iter()
+                .find(|&number| number != 0.0)
+                .unwrap_or(0.0);
         }
     });
 }

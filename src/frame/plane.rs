@@ -21,11 +21,7 @@ pub struct Plane<T = f32> {
 impl<T: Copy> Plane<T> {
     /// A plane with every sample equal to `value`.
     pub fn filled(width: usize, height: usize, value: T) -> Self {
-        Self {
-            width,
-            height,
-            samples: vec![value; width * height],
-        }
+        Self::from_samples(width, height, vec![value; width * height])
     }
 
     /// A plane over samples already in row-major order.
@@ -51,11 +47,7 @@ impl<T: Copy> Plane<T> {
         for y in 0..height {
             samples.extend((0..width).map(|x| sample(x, y)));
         }
-        Self {
-            width,
-            height,
-            samples,
-        }
+        Self::from_samples(width, height, samples)
     }
 
     /// Number of columns.
@@ -109,11 +101,22 @@ impl<T: Copy> Plane<T> {
 
     /// The plane of `f(sample)`.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Plane<U> {
-        Plane {
-            width: self.width,
-            height: self.height,
-            samples: self.samples.iter().copied().map(f).collect(),
-        }
+        let samples = self.samples.iter().copied().map(f).collect();
+        Plane::from_samples(self.width, self.height, samples)
+    }
+
+    /// A plane whose rows, initially zero, are filled by `work(y, row)` in parallel.
+    pub(crate) fn of_rows(
+        width: usize,
+        height: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) -> Self
+    where
+        T: Default + Send,
+    {
+        let mut plane = Self::filled(width, height, T::default());
+        plane.each_row(work);
+        plane
     }
 
     /// Calls `work(y, row)` for every row, rows in parallel.
@@ -133,50 +136,24 @@ impl<T: Copy> Plane<T> {
         self.repeated(whole, part)
     }
 
-    /// [`Plane::crop`] in the memory that it has.
-    ///
-    /// # Panics
-    /// If `part` reaches outside `whole`.
-    pub(crate) fn crop_in_place(&mut self, whole: Window, part: Window) {
-        assert!(whole.encloses(&part), "crop {part} reaches outside {whole}");
-        let (x, y) = ((part.x0 - whole.x0) as usize, (part.y0 - whole.y0) as usize);
-        let (width, height) = (part.width(), part.height());
-        for row in 0..height {
-            let from = (y + row) * self.width + x;
-            self.samples.copy_within(from..from + width, row * width);
-        }
-        self.samples.truncate(width * height);
-        (self.width, self.height) = (width, height);
-    }
-
     /// The part inside `part` of this plane repeated in all directions, where the plane itself covers `whole`.
     pub(crate) fn repeated(&self, whole: Window, part: Window) -> Plane<T> {
-        let mut repeated = Plane {
-            width: part.width(),
-            height: part.height(),
-            samples: Vec::with_capacity(part.width() * part.height()),
-        };
-        self.repeat_in(whole, part, &mut repeated);
-        repeated
-    }
-
-    /// [`Plane::repeated`] in the memory of another plane of that size.
-    pub(crate) fn repeat_in(&self, whole: Window, part: Window, repeated: &mut Plane<T>) {
         let source = |at: i32, start: i32, length: usize| {
             (i64::from(at) - i64::from(start)).rem_euclid(length.max(1) as i64) as usize
         };
-        let samples = &mut repeated.samples;
-        samples.clear();
+        let (width, height) = (part.width(), part.height());
+        let mut samples = Vec::with_capacity(width * height);
         for y in part.y0..part.y1 {
             let row = self.row(source(y, whole.y0, self.height));
             let mut x = source(part.x0, whole.x0, self.width);
-            let mut left = part.width();
+            let mut left = width;
             while left > 0 {
                 let run = left.min(self.width - x);
                 samples.extend_from_slice(&row[x..x + run]);
                 (x, left) = (0, left - run);
             }
         }
+        Self::from_samples(width, height, samples)
     }
 
     /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` elsewhere.
@@ -407,6 +384,15 @@ impl ColorPlanes {
     pub(crate) fn of(planes: Vec<Plane>) -> Self {
         let [r, g, b] = three(planes);
         Self { r, g, b }
+    }
+
+    /// The colour of planes that `change` makes of these.
+    pub(crate) fn mapped(&self, change: impl Fn(&Plane) -> Plane) -> Self {
+        Self {
+            r: change(&self.r),
+            g: change(&self.g),
+            b: change(&self.b),
+        }
     }
 
     /// The sample of the pixel in column `x` of row `y`.

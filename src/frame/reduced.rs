@@ -10,18 +10,15 @@ impl Frame {
     /// If `step` is 0.
     pub fn reduced(&self, step: usize) -> Frame {
         assert!(step > 0, "a step leads somewhere");
-        let (width, height) = (self.mask.width(), self.mask.height());
-        let size = [width, height].map(|length| length.div_ceil(step));
-        let place = |window: Window, size: [usize; 2]| {
+        let place = |window: Window| {
             let first = |from: i32| from.div_euclid(step as i32);
-            Window::at(first(window.x0), first(window.y0), size[0], size[1])
+            let [width, height] = [window.width(), window.height()].map(|n| n.div_ceil(step));
+            Window::at(first(window.x0), first(window.y0), width, height)
         };
-        let shown = self.display_window;
-        let shown_size = [shown.width(), shown.height()].map(|length| length.div_ceil(step));
         let mask = Mask::new(of_every(self.mask.plane(), step));
         Frame {
-            data_window: place(self.data_window, size),
-            display_window: place(shown, shown_size),
+            data_window: place(self.data_window),
+            display_window: place(self.display_window),
             camera: self.camera.map(|camera| Camera {
                 projection: camera.projection.of_pixels(step as f64),
                 ..camera

@@ -64,15 +64,11 @@ impl Lattice {
         let [first, end] = [within.start, within.end.min(self.rows.end)]
             .map(|y| y.saturating_sub(self.rows.start));
         let cells = first / self.side as usize..end.div_ceil(self.side as usize);
-        let row = |j: usize| {
-            let y = self.rows.start
-                + lattice_place(
-                    j as u32,
-                    self.side,
-                    self.rows.len() as u32,
-                    scattered(0, j as u32),
-                ) as usize;
-            (j, y)
+        let length = self.rows.len() as u32;
+        let row = move |j: usize| {
+            let random = scattered(0, j as u32);
+            let place = lattice_place(j as u32, self.side, length, random);
+            (j, self.rows.start + place as usize)
         };
         cells.map(row).filter(move |(_, y)| within.contains(y))
     }

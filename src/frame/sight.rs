@@ -39,14 +39,8 @@ impl SightLines {
     /// depth is measured.
     #[inline]
     pub fn line(&self, x: f64, y: f64) -> (DVec3, DVec3) {
-        match self.projection {
-            Projection::Perspective { fx, fy, cx, cy } => {
-                (DVec3::ZERO, DVec3::new((x - cx) / fx, (cy - y) / fy, -1.0))
-            }
-            Projection::Orthographic { sx, sy, cx, cy } => {
-                (DVec3::new((x - cx) / sx, (cy - y) / sy, 0.0), DVec3::NEG_Z)
-            }
-        }
+        let [across, up] = self.across_and_up(x, y);
+        line_of(self.is_perspective(), across, up)
     }
 
     /// The view-space point at picture position (`x`, `y`) and depth `depth`.
@@ -82,10 +76,9 @@ impl SightLines {
 
     /// Pixels per unit of length along x and y, at a depth of 1 in perspective.
     fn pixels_per_unit(&self) -> (f64, f64) {
-        match self.projection {
-            Projection::Perspective { fx, fy, .. } => (fx, fy),
-            Projection::Orthographic { sx, sy, .. } => (sx, sy),
-        }
+        let (Projection::Perspective { fx: x, fy: y, .. }
+        | Projection::Orthographic { sx: x, sy: y, .. }) = self.projection;
+        (x, y)
     }
 
     /// Height of a pixel over its width, signed by the directions of both axes.
@@ -111,9 +104,10 @@ impl SightLines {
     /// What distinguishes the sight line through a position, as [`line_of`] takes it.
     #[inline]
     pub(crate) fn across_and_up(&self, x: f64, y: f64) -> [f64; 2] {
-        let (start, line) = self.line(x, y);
-        let varying = if self.is_perspective() { line } else { start };
-        [varying.x, varying.y]
+        let (Projection::Perspective { cx, cy, .. } | Projection::Orthographic { cx, cy, .. }) =
+            self.projection;
+        let (sx, sy) = self.pixels_per_unit();
+        [(x - cx) / sx, (cy - y) / sy]
     }
 
     pub(crate) fn is_perspective(&self) -> bool {

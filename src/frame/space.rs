@@ -134,17 +134,16 @@ fn check(
     unit: &'static str,
     range: &RangeInclusive<f64>,
 ) -> Result<(), OutOfRange> {
-    let (least, most) = (*range.start(), *range.end());
-    match range.contains(&value) {
-        true => Ok(()),
-        false => Err(OutOfRange {
-            name,
-            unit,
-            value,
-            least,
-            most,
-        }),
+    if range.contains(&value) {
+        return Ok(());
     }
+    Err(OutOfRange {
+        name,
+        unit,
+        value,
+        least: *range.start(),
+        most: *range.end(),
+    })
 }
 
 /// Refuses a world-space position too far from the origin.
@@ -152,10 +151,8 @@ fn check(
 /// # Errors
 /// [`OutOfRange`] naming the first coordinate beyond `PLACE`.
 pub(crate) fn check_place(place: DVec3) -> Result<(), OutOfRange> {
-    let coordinates = place.to_array().into_iter();
-    let mut checked =
-        coordinates.map(|v| check("distance from the origin", v, "", &(-PLACE..=PLACE)));
-    checked.find(Result::is_err).unwrap_or(Ok(()))
+    let mut coordinates = place.to_array().into_iter();
+    coordinates.try_for_each(|at| check("distance from the origin", at, "", &(-PLACE..=PLACE)))
 }
 
 impl Camera {

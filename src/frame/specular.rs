@@ -82,13 +82,8 @@ impl SpecularScene {
         let Some(behind) = &self.behind else {
             return;
         };
-        let own = self.mask.take().unwrap_or_else(|| frame.mask.clone());
         let covered = frame.mask.clone();
-        self.mask = Some(Mask::new(Plane::from_fn(
-            own.width(),
-            own.height(),
-            |x, y| own.at(x, y) && covered.at(x, y),
-        )));
+        self.mask = self.mask_in(frame).or_else(|| Some(covered.clone()));
         let mut filled = covered.plane().clone();
         for y in 0..covered.height() {
             for x in 0..covered.width() {
@@ -110,11 +105,9 @@ impl SpecularScene {
 fn pixel_of(behind: &Frame, frame: &Frame, x: usize, y: usize) -> Option<[usize; 2]> {
     let (own, other) = (frame.data_window, behind.data_window);
     let at = [own.x0 - other.x0 + x as i32, own.y0 - other.y0 + y as i32];
-    let is_inside = at[0] >= 0
-        && at[1] >= 0
-        && (at[0] as usize) < other.width()
-        && (at[1] as usize) < other.height();
-    is_inside.then(|| at.map(|i| i as usize))
+    let [x, y] = at.map(|at| usize::try_from(at).ok());
+    let is_inside = |at: &[usize; 2]| at[0] < other.width() && at[1] < other.height();
+    Some([x?, y?]).filter(is_inside)
 }
 
 fn copy_shape(frame: &mut Frame, behind: &Frame, [x, y]: [usize; 2], [bx, by]: [usize; 2]) {

@@ -68,25 +68,14 @@ impl Window {
         }
     }
 
-    /// The window with `by` more pixels on every side.
+    /// The window with `by` more pixels on every side, as far as there are coordinates.
     pub(crate) fn grown(&self, by: usize) -> Window {
-        let by = by as i32;
+        let by = i32::try_from(by).unwrap_or(i32::MAX);
         Window {
-            x0: self.x0 - by,
-            y0: self.y0 - by,
-            x1: self.x1 + by,
-            y1: self.y1 + by,
-        }
-    }
-
-    /// The pixels of `whole` within `reach` of this window, which lies inside it.
-    pub(crate) fn grown_within(&self, reach: usize, whole: &Window) -> Window {
-        let reach = i32::try_from(reach).unwrap_or(i32::MAX);
-        Window {
-            x0: self.x0.saturating_sub(reach).max(whole.x0),
-            y0: self.y0.saturating_sub(reach).max(whole.y0),
-            x1: self.x1.saturating_add(reach).min(whole.x1),
-            y1: self.y1.saturating_add(reach).min(whole.y1),
+            x0: self.x0.saturating_sub(by),
+            y0: self.y0.saturating_sub(by),
+            x1: self.x1.saturating_add(by),
+            y1: self.y1.saturating_add(by),
         }
     }
 
@@ -119,13 +108,7 @@ impl Window {
 
 impl std::fmt::Display for Window {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{}x{} at ({}, {})",
-            self.width(),
-            self.height(),
-            self.x0,
-            self.y0
-        )
+        let [width, height] = [self.width(), self.height()];
+        write!(f, "{width}x{height} at ({}, {})", self.x0, self.y0)
     }
 }

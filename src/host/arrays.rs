@@ -4,10 +4,9 @@ use super::from_depth::{OfDepth, Seen, check_heights};
 use super::given::Given;
 use super::scene::Scene;
 use super::work::Work;
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::{
-    Camera, Flip, Frame, FrameBuilder, NormalSpace, Normals, Samples, StoredDepth, Window,
-    strength_of,
+    Camera, Flip, Frame, NormalSpace, Normals, Samples, StoredDepth, Window, strength_of,
 };
 use crate::io::camera::camera_of_text;
 use crate::io::inputs::{Inputs, NormalEncoding};
@@ -18,8 +17,8 @@ impl Given<'_> {
     /// that have none, and what has to be guessed is among the warnings.
     ///
     /// # Errors
-    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Error::Unsupported`] for a camera that cannot be
-    /// used; [`Error::Arguments`] for settings that name layers, which arrays have none of.
+    /// As [`FrameBuilder::build`](crate::frame::FrameBuilder::build); [`Unsupported`](crate::Error::Unsupported) for a camera that cannot be
+    /// used; [`Arguments`](crate::Error::Arguments) for settings that name layers, which arrays have none of.
     pub fn scene(mut self, work: &Work) -> Result<Scene> {
         work.refuse_names()?;
         let inputs = work.inputs();
@@ -47,20 +46,23 @@ impl Given<'_> {
                 of_depth.seen(self.depth.take())
             }
         };
-        let builder = Frame::builder(width, height)
+        let mut builder = Frame::builder(width, height)
             .normals(normals)
             .pixel_aspect(self.pixel_aspect)
             .with_confidence();
-        let builder = with(builder, camera.as_ref(), FrameBuilder::camera);
-        let builder = with(builder, self.color, FrameBuilder::color);
-        let builder = with(builder, depth, |b, (samples, stored)| {
-            b.depth(samples, stored)
-        });
-        let builder = with(builder, self.position, FrameBuilder::position);
-        let builder = with(builder, self.coverage, FrameBuilder::mask);
-        let builder = with(builder, self.occlusion, FrameBuilder::occlusion);
-        let builder = with(builder, self.importance, FrameBuilder::importance);
-        let builder = with(builder, self.albedo, FrameBuilder::albedo);
+        if let Some(camera) = &camera {
+            builder = builder.camera(camera);
+        }
+        if let Some((samples, stored)) = depth {
+            builder = builder.depth(samples, stored);
+        }
+        let builder = builder
+            .layer("color", self.color)
+            .layer("position", self.position)
+            .layer("mask", self.coverage)
+            .layer("occlusion", self.occlusion)
+            .layer("importance", self.importance)
+            .layer("albedo", self.albedo);
         let plane = |name, samples: Option<Samples<'_>>| {
             let plane = samples.map(|samples| samples.plane(name, self.size));
             plane.transpose()
@@ -86,11 +88,8 @@ fn as_stored<'a>(
 ) -> Result<Normals<'a>> {
     let normals = match (inputs.normal_space, camera) {
         (Some(space @ (NormalSpace::World | NormalSpace::Sight)), None) => {
-            return Err(Error::BadParameter {
-                name: "camera",
-                found: format!("is missing, and normals are of {} space", space.name()),
-                remedy: "give one".into(),
-            });
+            let found = format!("is missing, and normals are of {} space", space.name());
+            return Err(bad("camera", found, "give one"));
         }
         (Some(NormalSpace::World), Some(camera)) => Normals::world(samples, camera),
         (Some(NormalSpace::Sight), Some(camera)) => Normals::sight(samples, camera),
@@ -102,16 +101,4 @@ fn as_stored<'a>(
     };
     let normals = normals.encoded(inputs.normal_encoding.unwrap_or(own));
     Ok(normals.flipped(inputs.normal_flip.unwrap_or(Flip::NONE)))
-}
-
-/// Adds what there is to a builder.
-fn with<'a, T>(
-    builder: FrameBuilder<'a>,
-    given: Option<T>,
-    add: impl FnOnce(FrameBuilder<'a>, T) -> FrameBuilder<'a>,
-) -> FrameBuilder<'a> {
-    match given {
-        Some(given) => add(builder, given),
-        None => builder,
-    }
 }

@@ -1,9 +1,8 @@
 //! Normals of arrays without any: those of the surface that depth, heights or positions show, read as in files.
 
 use super::given::Given;
-use crate::error::{Error, Result};
-use crate::frame::depth::depth_of_position;
-use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Vector3Planes, Window};
+use crate::error::{Result, bad};
+use crate::frame::{Camera, Normals, Plane, Samples, StoredDepth, Window};
 use crate::io::from_depth::{DepthAlone, ShownByDepth};
 
 /// The normals of a frame, and what belongs to them.
@@ -40,13 +39,17 @@ impl OfDepth {
             }
             (None, Some(depth), _) => (depth, kind.map(as_given), depth.plane("depth", size)?),
             (None, None, Some(position)) => {
-                let plane = depth_of_positions(position, size, camera)?;
+                let Some(camera) = &camera else {
+                    let found = "is in world space, and there is no camera";
+                    return Err(bad("position", found, "give one, or depth instead"));
+                };
+                let plane = position.depths(size, camera)?;
                 (position, Some(as_given(StoredDepth::Planar)), plane)
             }
             (None, None, None) => {
                 return Err(bad(
                     "normal",
-                    "is missing".into(),
+                    "is missing",
                     "give it, or what shows the surface: depth, height, or position with a camera",
                 ));
             }
@@ -103,35 +106,9 @@ pub(super) fn check_heights(given: &Given<'_>, kind: Option<StoredDepth>) -> Res
             Err(bad("height", found, "leave one of them out"))
         }
         (None, _) if given.height_scale.is_some() => {
-            let found = "is given, and no height".into();
+            let found = "is given, and no height";
             Err(bad("height_scale", found, "give height, or leave it out"))
         }
         _ => Ok(()),
-    }
-}
-
-/// Distances of positions along the view axis.
-fn depth_of_positions(
-    position: &Samples<'_>,
-    size: [usize; 2],
-    camera: Option<Camera>,
-) -> Result<Plane> {
-    let Some(camera) = camera else {
-        let found = "is in world space, and there is no camera".into();
-        return Err(bad("position", found, "give one, or depth instead"));
-    };
-    let mut planes = position.planes("position", size, &[3, 4])?.into_iter();
-    let [x, y, z] = std::array::from_fn(|_| planes.next().expect("three or more"));
-    let points = Vector3Planes { x, y, z };
-    Ok(Plane::from_fn(size[0], size[1], |x, y| {
-        depth_of_position(points.at(x, y), &camera)
-    }))
-}
-
-fn bad(name: &'static str, found: String, remedy: &str) -> Error {
-    Error::BadParameter {
-        name,
-        found,
-        remedy: remedy.into(),
     }
 }

@@ -216,7 +216,7 @@ fn changed_part(plan: &Plan, frame: &Frame) -> Option<Window> {
     match changed.reduce(|a, b| a.joined(&b)) {
         None => Some(Window::at(whole.x0, whole.y0, 0, 0)),
         Some(part) => {
-            let around = part.grown_within(plan.reach(), &whole);
+            let around = part.grown(plan.reach()).common(&whole)?;
             (2 * pixels(around) <= pixels(whole)).then_some(part)
         }
     }

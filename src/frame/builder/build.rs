@@ -2,13 +2,13 @@
 
 use super::FrameBuilder;
 use super::light::{colors, colors_of};
-use super::samples::{Name, Samples, bad};
-use crate::error::Result;
+use super::samples::{Name, Samples};
+use crate::error::{Result, bad};
 use crate::frame::coverage::{self, Covered, cover};
-use crate::frame::depth::{depth_of_position, depth_rounding};
+use crate::frame::depth::depth_rounding;
 use crate::frame::{
-    Camera, ColorPlanes, DepthKind, Frame, Mask, NormalEncoding, Plane, Source, Vector3Planes,
-    Window, confidence, lift_out_of_fog, normals, unround,
+    Camera, ColorPlanes, DepthKind, Frame, NormalEncoding, Plane, Source, Window, confidence,
+    lift_out_of_fog, normals, unround,
 };
 use glam::DMat3;
 use std::ops::RangeInclusive;
@@ -32,39 +32,44 @@ impl FrameBuilder<'_> {
         let camera = self.known_camera(display_window)?;
         let Some(stored) = &self.normals else {
             let remedy = "give them with normals()";
-            return Err(bad("normals", "are missing".into(), remedy));
+            return Err(bad("normals", "are missing", remedy));
         };
-        let [x, y, z] = self.vector("normals", &stored.samples, &[3, 4])?;
-        let mut normal = Vector3Planes { x, y, z };
+        let mut normal = stored.samples.vectors("normals", self.size)?;
         if stored.samples.is_coarse() {
             // As stored they range from 0 to 1.
             unround(&mut normal, 0.5 * stored.samples.rounding);
         }
         normals::decode(&mut normal, stored.encoding, stored.flip);
         let (color, alpha) = self.picture()?;
-        let (mut depth, mut depth_kind) = self.stored_depth()?;
-        let own_mask = self.scalar("mask", &self.mask)?;
-        let stored_depth = self.depth.as_ref().map(|(_, stored)| *stored);
+        let mut depth = self.scalar("depth")?;
+        let own_mask = self.scalar("mask")?;
         let Covered {
             mut mask, lengths, ..
         } = cover(
             &mut normal,
-            depth.as_mut().map(|depth| (depth, stored_depth)),
+            depth.as_mut().map(|depth| (depth, self.stored_depth)),
             alpha.as_ref(),
             own_mask.as_ref(),
         );
         if let Some(camera) = &camera {
             normals::turn_to_view(&mut normal, stored.space, camera, data_window);
         }
-        if let (None, Some(position)) = (&depth, &self.position) {
-            let (made, kind) = self.depth_of(position, camera.as_ref(), &mut mask)?;
-            (depth, depth_kind) = (Some(made), kind);
+        let position = self.layers.get("position");
+        if let (None, Some(position)) = (&depth, position) {
+            let Some(camera) = &camera else {
+                let found = "is in world space, and there is no camera";
+                let remedy = "give one with camera(), or depth instead";
+                return Err(bad("position", found, remedy));
+            };
+            let mut made = position.depths(self.size, camera)?;
+            coverage::narrow_to(&mut mask, &mut made);
+            depth = Some(made);
         }
-        let of_depth = self.depth.as_ref().map(|(samples, _)| samples);
-        let of_depth = of_depth.or(self.position.as_ref());
+        let of_depth = self.layers.get("depth").or(position);
+        let is_half = of_depth.is_some_and(Samples::is_half);
         // Silhouettes follow depth where there is any.
         let shown = alpha.as_ref().filter(|_| depth.is_none());
-        let occlusion = self.scalar("occlusion", &self.occlusion)?;
+        let occlusion = self.scalar("occlusion")?;
         let occlusion = occlusion.or_else(|| coverage::varying(shown));
         let mut frame = Frame {
             display_window,
@@ -73,17 +78,21 @@ impl FrameBuilder<'_> {
             normal_length: (stored.encoding == NormalEncoding::Signed).then_some(lengths),
             depth,
             occlusion,
-            importance: self.scalar("importance", &self.importance)?,
-            albedo: self.colors("albedo", &self.albedo)?,
-            light: self.light.layers(self.size)?,
+            importance: self.scalar("importance")?,
+            albedo: self.colors("albedo")?,
+            light: self.light_layers()?,
             camera,
             color,
             alpha,
             source: Source {
-                depth_kind,
+                depth_kind: match self.stored_depth {
+                    Some(stored) => stored.kind_of(is_half),
+                    None if is_half => DepthKind::Relative,
+                    None => DepthKind::Planar,
+                },
                 normal_rounding: stored.samples.rounding,
                 depth_rounding: of_depth.map_or([0.0; 2], |samples| {
-                    depth_rounding(samples.is_half(), samples.rounding)
+                    depth_rounding(is_half, samples.rounding)
                 }),
                 luminance_weights: self.checked_weights()?,
                 ..Source::default()
@@ -106,11 +115,8 @@ impl FrameBuilder<'_> {
         let [x, y] = self.origin;
         if !(fits(width, x) && fits(height, y)) {
             let found = format!("of {width}x{height} pixels from ({x}, {y}) cannot be");
-            return Err(bad(
-                "a frame",
-                found,
-                "give at least one pixel, and coordinates below 2^31",
-            ));
+            let remedy = "give at least one pixel, and coordinates below 2^31";
+            return Err(bad("a frame", found, remedy));
         }
         let data = Window::at(x, y, width, height);
         let display = self.display_window.unwrap_or(data);
@@ -131,7 +137,7 @@ impl FrameBuilder<'_> {
         if let (Some(own), Some(other)) = (self.camera, with_normals)
             && own != other
         {
-            let found = "is another than that of the normals".into();
+            let found = "is another than that of the normals";
             return Err(bad("camera", found, "give one of them"));
         }
         let Some(camera) = self.camera.or(with_normals) else {
@@ -139,7 +145,7 @@ impl FrameBuilder<'_> {
         };
         camera
             .check(display)
-            .map_err(|number| bad("camera", cannot(&number.found()), &number.remedy()))?;
+            .map_err(|number| bad("camera", cannot(&number.found()), number.remedy()))?;
         let axes = camera.view_from_world.matrix3;
         let error = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array();
         let is_rigid = error.iter().all(|e| e.abs() <= AXES_ERROR);
@@ -152,8 +158,8 @@ impl FrameBuilder<'_> {
     }
 
     fn picture(&self) -> Result<(Option<ColorPlanes>, Option<Plane>)> {
-        let own_alpha = self.scalar("alpha", &self.alpha)?;
-        let Some(samples) = &self.color else {
+        let own_alpha = self.scalar("alpha")?;
+        let Some(samples) = self.layers.get("color") else {
             return Ok((None, own_alpha.map(coverage::shares)));
         };
         samples.refuse_integers("color")?;
@@ -161,43 +167,6 @@ impl FrameBuilder<'_> {
         let with_color = (planes.len() == 4).then(|| planes.remove(3));
         let alpha = own_alpha.or(with_color).map(coverage::shares);
         Ok((Some(colors_of(planes)), alpha))
-    }
-
-    /// Depth as stored, and its kind after decoding.
-    fn stored_depth(&self) -> Result<(Option<Plane>, DepthKind)> {
-        let Some((samples, stored)) = &self.depth else {
-            return Ok((None, DepthKind::default()));
-        };
-        let plane = samples.plane("depth", self.size)?;
-        let kind = stored.kind_of(samples.is_half());
-        Ok((Some(plane), kind))
-    }
-
-    /// Depth from positions; pixels without a position are removed from `mask`.
-    fn depth_of(
-        &self,
-        position: &Samples,
-        camera: Option<&Camera>,
-        mask: &mut Mask,
-    ) -> Result<(Plane, DepthKind)> {
-        let Some(camera) = camera else {
-            let found = "is in world space, and there is no camera".into();
-            return Err(bad(
-                "position",
-                found,
-                "give one with camera(), or depth instead",
-            ));
-        };
-        let [x, y, z] = self.vector("position", position, &[3, 4])?;
-        let (width, height, points) = (x.width(), x.height(), Vector3Planes { x, y, z });
-        let depth_at = |x, y| depth_of_position(points.at(x, y), camera);
-        let mut depth = Plane::from_fn(width, height, depth_at);
-        coverage::narrow_to(mask, &mut depth);
-        let kind = match position.is_half() {
-            true => DepthKind::Relative,
-            false => DepthKind::Planar,
-        };
-        Ok((depth, kind))
     }
 
     fn checked_weights(&self) -> Result<Option<[f32; 3]>> {
@@ -215,21 +184,16 @@ impl FrameBuilder<'_> {
         }
     }
 
-    fn scalar(&self, name: Name, samples: &Option<Samples>) -> Result<Option<Plane>> {
-        let plane = |samples: &Samples| samples.plane(name, self.size);
-        samples.as_ref().map(plane).transpose()
+    /// The only plane of a layer, if it is given.
+    pub(super) fn scalar(&self, name: Name) -> Result<Option<Plane>> {
+        let samples = self.layers.get(name);
+        samples.map(|s| s.plane(name, self.size)).transpose()
     }
 
-    fn vector(&self, name: Name, samples: &Samples, accepted: &[usize]) -> Result<[Plane; 3]> {
-        let mut planes = samples.planes(name, self.size, accepted)?.into_iter();
-        Ok(std::array::from_fn(|_| {
-            planes.next().expect("three or more")
-        }))
-    }
-
-    fn colors(&self, name: Name, samples: &Option<Samples>) -> Result<Option<ColorPlanes>> {
-        let colors = |samples: &Samples| colors(name, samples, self.size);
-        samples.as_ref().map(colors).transpose()
+    /// A layer of linear colour, if it is given.
+    fn colors(&self, name: Name) -> Result<Option<ColorPlanes>> {
+        let samples = self.layers.get(name);
+        samples.map(|s| colors(name, s, self.size)).transpose()
     }
 }
 

@@ -1,50 +1,38 @@
 //! Light layers in memory.
 
-use super::samples::{Name, Samples, Size, bad};
-use crate::error::Result;
+use super::FrameBuilder;
+use super::samples::{Name, Samples, Size};
+use crate::error::{Result, bad};
 use crate::frame::coverage::sanitise;
-use crate::frame::{ColorPlanes, LightGroup, LightLayers, Lobe, LobeLayer, Plane};
+use crate::frame::{ColorPlanes, LightGroup, LightLayers, Plane};
 use glam::Vec3;
 
 /// Largest difference of a direction's length from 1.
 const LENGTH_ERROR: f32 = 1e-3;
 
-/// The given light layers of a picture.
-#[derive(Default)]
-pub(super) struct Light<'a> {
-    pub(super) lobes: Vec<(Lobe, LobeLayer, Samples<'a>)>,
-    pub(super) groups: Vec<(String, Samples<'a>, Vec<Vec3>)>,
-    pub(super) occlusion: Option<Samples<'a>>,
-    pub(super) picture_is_occlusion: bool,
-}
-
-impl Light<'_> {
-    pub(super) fn layers(&self, size: Size) -> Result<LightLayers> {
+impl FrameBuilder<'_> {
+    /// The given light layers of the picture.
+    pub(super) fn light_layers(&self) -> Result<LightLayers> {
         let mut layers = LightLayers {
             picture_is_occlusion: self.picture_is_occlusion,
+            occlusion: self.scalar("light_occlusion")?.map(finite),
             ..LightLayers::default()
         };
         for (lobe, layer, samples) in &self.lobes {
-            *layers.layer_mut(*lobe, *layer) = Some(colors("lobe", samples, size)?);
+            *layers.layer_mut(*lobe, *layer) = Some(colors("lobe", samples, self.size)?);
         }
         for (name, samples, to_light) in &self.groups {
             let is_unit = |to: &Vec3| (to.length() - 1.0).abs() <= LENGTH_ERROR;
             if to_light.is_empty() || !to_light.iter().all(is_unit) {
                 let found = format!("{name} has no directions of unit length to its lights");
-                return Err(bad(
-                    "light_group",
-                    found,
-                    "give at least one, in view space",
-                ));
+                let remedy = "give at least one, in view space";
+                return Err(bad("light_group", found, remedy));
             }
             layers.groups.push(LightGroup {
                 name: name.clone(),
-                light: colors("light_group", samples, size)?,
+                light: colors("light_group", samples, self.size)?,
                 to_light: to_light.clone(),
             });
-        }
-        if let Some(samples) = &self.occlusion {
-            layers.occlusion = Some(finite(samples.plane("light_occlusion", size)?));
         }
         Ok(layers)
     }

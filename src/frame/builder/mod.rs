@@ -11,8 +11,8 @@ use super::{
     Camera, Flip, Frame, Lobe, LobeLayer, NormalEncoding, NormalSpace, StoredDepth, Window,
 };
 use glam::Vec3;
-use light::Light;
-use samples::Size;
+use samples::{Name, Size};
+use std::collections::BTreeMap;
 
 /// Normals in memory, and their encoding: signed in -1..1 by default, no axis flipped.
 ///
@@ -73,6 +73,7 @@ impl<'a> Normals<'a> {
 }
 
 /// Makes a [`Frame`] from borrowed samples: see [`Frame::builder`].
+#[derive(Default)]
 #[must_use = "nothing is made before build()"]
 pub struct FrameBuilder<'a> {
     size: Size,
@@ -81,17 +82,14 @@ pub struct FrameBuilder<'a> {
     pixel_aspect: f32,
     camera: Option<Camera>,
     normals: Option<Normals<'a>>,
-    depth: Option<(Samples<'a>, StoredDepth)>,
-    position: Option<Samples<'a>>,
-    mask: Option<Samples<'a>>,
-    color: Option<Samples<'a>>,
-    alpha: Option<Samples<'a>>,
-    albedo: Option<Samples<'a>>,
-    occlusion: Option<Samples<'a>>,
-    importance: Option<Samples<'a>>,
+    /// All other layers of the surface and of the picture, by the name of their method.
+    layers: BTreeMap<Name, Samples<'a>>,
+    stored_depth: Option<StoredDepth>,
+    lobes: Vec<(Lobe, LobeLayer, Samples<'a>)>,
+    groups: Vec<(String, Samples<'a>, Vec<Vec3>)>,
+    picture_is_occlusion: bool,
     luminance_weights: Option<[f32; 3]>,
     finds_confidence: bool,
-    light: Light<'a>,
 }
 
 impl Frame {
@@ -118,33 +116,23 @@ impl Frame {
     pub fn builder<'a>(width: usize, height: usize) -> FrameBuilder<'a> {
         FrameBuilder {
             size: [width, height],
-            origin: [0, 0],
-            display_window: None,
             pixel_aspect: 1.0,
-            camera: None,
-            normals: None,
-            depth: None,
-            position: None,
-            mask: None,
-            color: None,
-            alpha: None,
-            albedo: None,
-            occlusion: None,
-            importance: None,
-            luminance_weights: None,
-            finds_confidence: false,
-            light: Light::default(),
+            ..FrameBuilder::default()
         }
     }
 }
 
 impl<'a> FrameBuilder<'a> {
+    /// The layer of this name, if it is given.
+    pub(crate) fn layer(mut self, name: Name, samples: Option<Samples<'a>>) -> Self {
+        self.layers.extend(samples.map(|samples| (name, samples)));
+        self
+    }
+
     /// Normals. Without depth, mask and alpha the surface is wherever they have a direction.
-    pub fn normals(self, normals: Normals<'a>) -> Self {
-        Self {
-            normals: Some(normals),
-            ..self
-        }
+    pub fn normals(mut self, normals: Normals<'a>) -> Self {
+        self.normals = Some(normals);
+        self
     }
 
     /// Depth of any kind, 1 channel, in scene units if it is a distance. Pixels without surface are 0, negative, 65504,
@@ -152,75 +140,54 @@ impl<'a> FrameBuilder<'a> {
     /// so the mask or alpha must. An inverse in half floats is too coarse for distances and counts as relative.
     pub fn depth(self, samples: impl Into<Samples<'a>>, stored: StoredDepth) -> Self {
         Self {
-            depth: Some((samples.into(), stored)),
-            ..self
+            stored_depth: Some(stored),
+            ..self.layer("depth", Some(samples.into()))
         }
     }
 
     /// Positions in world space, 3 channels, in scene units: they give the depth if there is no other, and need a
     /// camera. Depth from half floats is relative, from floats along the view axis.
     pub fn position(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            position: Some(samples.into()),
-            ..self
-        }
+        self.layer("position", Some(samples.into()))
     }
 
     /// Coverage of the surface, 1 channel: covered above 0.5.
     pub fn mask(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            mask: Some(samples.into()),
-            ..self
-        }
+        self.layer("mask", Some(samples.into()))
     }
 
     /// The picture, scene-linear: 1 channel (grey), 3, or 4 with coverage 0..1 by which the colour is premultiplied.
     /// NaN becomes 0, infinity 65504. Integers are refused.
     pub fn color(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            color: Some(samples.into()),
-            ..self
-        }
+        self.layer("color", Some(samples.into()))
     }
 
     /// Coverage of the picture, 0..1, 1 channel; it overrides a fourth channel of the colour. Without a mask, and
     /// without depth that marks coverage, the surface is where alpha is above 0.5.
     pub fn alpha(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            alpha: Some(samples.into()),
-            ..self
-        }
+        self.layer("alpha", Some(samples.into()))
     }
 
     /// Albedo, scene-linear, 1 or 3 channels. NaN becomes 0, infinity 65504.
     pub fn albedo(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            albedo: Some(samples.into()),
-            ..self
-        }
+        self.layer("albedo", Some(samples.into()))
     }
 
     /// Ambient occlusion, 0 (hidden) to 1 (open), 1 channel: gives silhouettes without depth. Without it, varying alpha
     /// is used instead.
     pub fn occlusion(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            occlusion: Some(samples.into()),
-            ..self
-        }
+        self.layer("occlusion", Some(samples.into()))
     }
 
     /// Importance: the share of the diffusion that each pixel gets, 0 (keeps all detail) to 1, 1 channel.
     pub fn importance(self, samples: impl Into<Samples<'a>>) -> Self {
-        Self {
-            importance: Some(samples.into()),
-            ..self
-        }
+        self.layer("importance", Some(samples.into()))
     }
 
     /// A layer of one lobe of the picture's light, scene-linear, 1 or 3 channels. The lobe's radiance is `(direct +
     /// indirect) * color`; if a layer is given twice, the last counts.
     pub fn lobe(mut self, lobe: Lobe, layer: LobeLayer, samples: impl Into<Samples<'a>>) -> Self {
-        self.light.lobes.push((lobe, layer, samples.into()));
+        self.lobes.push((lobe, layer, samples.into()));
         self
     }
 
@@ -233,69 +200,54 @@ impl<'a> FrameBuilder<'a> {
         to_light: impl IntoIterator<Item = Vec3>,
     ) -> Self {
         let to_light = to_light.into_iter().collect();
-        self.light
-            .groups
-            .push((name.into(), samples.into(), to_light));
+        self.groups.push((name.into(), samples.into(), to_light));
         self
     }
 
     /// Ambient occlusion to scale by curvature as part of the light, 1 where the surface is open, 1 channel.
-    pub fn light_occlusion(mut self, samples: impl Into<Samples<'a>>) -> Self {
-        self.light.occlusion = Some(samples.into());
-        self
+    pub fn light_occlusion(self, samples: impl Into<Samples<'a>>) -> Self {
+        self.layer("light_occlusion", Some(samples.into()))
     }
 
     /// Marks the picture as ambient occlusion, to be scaled as such.
     pub fn picture_is_occlusion(mut self) -> Self {
-        self.light.picture_is_occlusion = true;
+        self.picture_is_occlusion = true;
         self
     }
 
     /// The camera, in pixels of the picture's coordinates. [`Normals::world`] gives it too; two must be equal.
-    pub fn camera(self, camera: &Camera) -> Self {
-        Self {
-            camera: Some(*camera),
-            ..self
-        }
+    pub fn camera(mut self, camera: &Camera) -> Self {
+        self.camera = Some(*camera);
+        self
     }
 
     /// Column and row of the first sample in the picture's coordinates, (0, 0) by default; negative for overscan.
-    pub fn origin(self, x: i32, y: i32) -> Self {
-        Self {
-            origin: [x, y],
-            ..self
-        }
+    pub fn origin(mut self, x: i32, y: i32) -> Self {
+        self.origin = [x, y];
+        self
     }
 
     /// The pixels meant to be shown; by default those of the samples.
-    pub fn display_window(self, window: Window) -> Self {
-        Self {
-            display_window: Some(window),
-            ..self
-        }
+    pub fn display_window(mut self, window: Window) -> Self {
+        self.display_window = Some(window);
+        self
     }
 
     /// Width of a pixel over its height, 0.001 to 1000; 1 by default.
-    pub fn pixel_aspect(self, aspect: f32) -> Self {
-        Self {
-            pixel_aspect: aspect,
-            ..self
-        }
+    pub fn pixel_aspect(mut self, aspect: f32) -> Self {
+        self.pixel_aspect = aspect;
+        self
     }
 
     /// Weights of linear red, green and blue in luminance, non-negative with sum 1; those of Rec. 709 by default.
-    pub fn luminance_weights(self, weights: [f32; 3]) -> Self {
-        Self {
-            luminance_weights: Some(weights),
-            ..self
-        }
+    pub fn luminance_weights(mut self, weights: [f32; 3]) -> Self {
+        self.luminance_weights = Some(weights);
+        self
     }
 
     /// Finds where pixels blend several surfaces: see [`Frame::confidence`].
-    pub fn with_confidence(self) -> Self {
-        Self {
-            finds_confidence: true,
-            ..self
-        }
+    pub fn with_confidence(mut self) -> Self {
+        self.finds_confidence = true;
+        self
     }
 }

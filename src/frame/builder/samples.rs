@@ -1,8 +1,9 @@
 //! Borrowed samples in any layout and number type.
 
-use crate::error::{Error, Result};
-use crate::frame::{Mask, Plane};
-use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
+use crate::error::{Result, bad};
+use crate::frame::depth::depth_of_position;
+use crate::frame::{Camera, Mask, Plane, Vector3Planes};
+use ndarray::{Array2, Array3, ArrayView2, ArrayView3, ArrayViewMut1, Axis};
 
 /// A type that samples are stored in: `f32`, `f16`, `u8`, `u16` or `bool`.
 ///
@@ -16,54 +17,35 @@ mod stored {
 
     /// Seals [`super::Sample`], and converts values.
     #[allow(unnameable_types, reason = "it seals `Sample`")]
-    pub trait Stored: Copy + Send + Sync {
+    pub trait Stored: Copy + Send + Sync + Into<f32> {
+        /// The value that stands for 1.
+        const ONE: f32 = 1.0;
         /// Largest rounding error of a value in -1..1 stored in this type.
-        const ROUNDING: f32;
+        const ROUNDING: f32 = 1.0 / Self::ONE;
         /// Whether it stores 0..1 only.
-        const IS_INTEGER: bool;
-        fn value(self) -> f32;
+        const IS_INTEGER: bool = true;
     }
 
     impl Stored for f32 {
         const ROUNDING: f32 = 0.0;
         const IS_INTEGER: bool = false;
-        fn value(self) -> f32 {
-            self
-        }
     }
 
     impl Stored for f16 {
         // Half a step between numbers just below 1.
         const ROUNDING: f32 = f16::EPSILON.to_f32_const() / 4.0;
         const IS_INTEGER: bool = false;
-        fn value(self) -> f32 {
-            self.to_f32()
-        }
     }
 
     impl Stored for u8 {
-        const ROUNDING: f32 = 1.0 / 255.0;
-        const IS_INTEGER: bool = true;
-        fn value(self) -> f32 {
-            f32::from(self) / 255.0
-        }
+        const ONE: f32 = 255.0;
     }
 
     impl Stored for u16 {
-        const ROUNDING: f32 = 1.0 / 65535.0;
-        const IS_INTEGER: bool = true;
-        fn value(self) -> f32 {
-            f32::from(self) / 65535.0
-        }
+        const ONE: f32 = 65535.0;
     }
 
-    impl Stored for bool {
-        const ROUNDING: f32 = 1.0;
-        const IS_INTEGER: bool = true;
-        fn value(self) -> f32 {
-            f32::from(u8::from(self))
-        }
-    }
+    impl Stored for bool {}
 }
 
 /// Borrowed samples of one layer, with one or more channels per pixel.
@@ -77,32 +59,70 @@ mod stored {
 ///
 /// [`FrameBuilder::build`](super::FrameBuilder::build) checks that they match the frame.
 pub struct Samples<'a> {
-    channels: Box<dyn Channels + 'a>,
+    planes: Box<DecodedPlanes<'a>>,
     /// Largest rounding error of a value in -1..1.
     pub(crate) rounding: f32,
     is_integer: bool,
 }
 
+/// The planes of a layer of this name in a frame of this size, if it has one of these numbers of channels.
+type DecodedPlanes<'a> = dyn Fn(Name, Size, &[usize]) -> Result<Vec<Plane>> + 'a;
+
 impl<'a> Samples<'a> {
-    fn of<T: Sample>(layout: Layout<'a, T>) -> Self {
+    /// Samples of which `views` gives one view of the frame's size for each channel.
+    fn of<T: Sample + 'a>(
+        views: impl Fn(Name, Size, &[usize]) -> Result<Vec<ArrayView2<'a, T>>> + 'a,
+    ) -> Self {
+        let planes = move |name: Name, size: Size, accepted: &[usize]| {
+            let views = views(name, size, accepted)?;
+            Ok(views.iter().map(decoded).collect())
+        };
         Self {
-            channels: Box::new(layout),
+            planes: Box::new(planes),
             rounding: T::ROUNDING,
             is_integer: T::IS_INTEGER,
         }
     }
 
+    /// Samples of one view for each channel.
+    fn of_views<T: Sample + 'a>(views: Vec<ArrayView2<'a, T>>) -> Self {
+        Self::of(move |name, [width, height], accepted| {
+            check_count(name, views.len(), accepted)?;
+            let dims = views.iter().map(ArrayView2::dim);
+            match dims.into_iter().find(|dim| *dim != (height, width)) {
+                Some((rows, columns)) => {
+                    let found = format!("is {rows} rows of {columns}, for {width}x{height} pixels");
+                    let remedy = "give an array indexed [row, column] of the frame's size";
+                    Err(bad(name, found, remedy))
+                }
+                None => Ok(views.clone()),
+            }
+        })
+    }
+
     /// One plane per channel of the layer that messages call `name`; `accepted` lists the permitted numbers of
     /// channels.
     pub(crate) fn planes(&self, name: Name, size: Size, accepted: &[usize]) -> Result<Vec<Plane>> {
-        let channels = self.channels.count(name, size, accepted)?;
-        let planes = (0..channels).map(|channel| self.channels.plane(size, channels, channel));
-        Ok(planes.collect())
+        (self.planes)(name, size, accepted)
     }
 
     /// The only plane of a layer.
     pub(crate) fn plane(&self, name: Name, size: Size) -> Result<Plane> {
         Ok(self.planes(name, size, &[1])?.remove(0))
+    }
+
+    /// Vectors of three channels; a fourth is ignored.
+    pub(crate) fn vectors(&self, name: Name, size: Size) -> Result<Vector3Planes> {
+        let mut planes = self.planes(name, size, &[3, 4])?;
+        planes.truncate(3);
+        Ok(Vector3Planes::of(planes))
+    }
+
+    /// Depths along the view axis of positions in world space.
+    pub(crate) fn depths(&self, size: Size, camera: &Camera) -> Result<Plane> {
+        let points = self.vectors("position", size)?;
+        let depth_at = |x, y| depth_of_position(points.at(x, y), camera);
+        Ok(Plane::from_fn(size[0], size[1], depth_at))
     }
 
     /// Whether all samples are half floats.
@@ -122,7 +142,7 @@ impl<'a> Samples<'a> {
         }
         Err(bad(
             name,
-            "holds integers, which are rarely linear light".into(),
+            "holds integers, which are rarely linear light",
             "decode it, as with io::srgb::decoded, and give f32",
         ))
     }
@@ -134,100 +154,51 @@ pub(crate) type Name = &'static str;
 /// Columns and rows.
 pub(crate) type Size = [usize; 2];
 
-pub(super) fn bad(name: Name, found: String, remedy: &str) -> Error {
-    Error::BadParameter {
-        name,
-        found,
-        remedy: remedy.into(),
-    }
-}
-
-/// Samples with their type erased.
-trait Channels {
-    /// The number of channels, if the samples cover a frame of this size.
-    fn count(&self, name: Name, size: Size, accepted: &[usize]) -> Result<usize>;
-    /// A channel of `channels`, as a plane.
-    fn plane(&self, size: Size, channels: usize, channel: usize) -> Plane;
-}
-
-enum Layout<'a, T> {
-    /// Interleaved channels, contiguous.
-    Packed(&'a [T]),
-    /// A contiguous slice per channel.
-    Planes(Vec<&'a [T]>),
-    /// `[row, column]`, one per channel.
-    Views(Vec<ArrayView2<'a, T>>),
-}
-
-impl<T: Sample> Channels for Layout<'_, T> {
-    fn count(&self, name: Name, [width, height]: Size, accepted: &[usize]) -> Result<usize> {
-        let pixels = width * height;
+/// A view of each channel of interleaved samples, if they fill a frame of this size.
+fn interleaved<'a, T>(
+    slice: &'a [T],
+    name: Name,
+    [width, height]: Size,
+    accepted: &[usize],
+) -> Result<Vec<ArrayView2<'a, T>>> {
+    let mut shapes = accepted.iter().map(|&count| (height, width, count));
+    let view = shapes.find_map(|shape| match shape.0 * shape.1 * shape.2 == slice.len() {
+        true => ArrayView3::from_shape(shape, slice).ok(),
+        false => None,
+    });
+    view.map(channels).ok_or_else(|| {
+        let found = format!("holds {} samples for {width}x{height} pixels", slice.len());
         let wanted = one_of(accepted);
-        let short = |held: usize| {
-            let found = format!("holds {held} samples for {width}x{height} pixels");
-            let remedy = format!("give {wanted} for each pixel, or a view where there are gaps");
-            bad(name, found, &remedy)
-        };
-        let count = match self {
-            Self::Packed(slice) => {
-                let count = accepted
-                    .iter()
-                    .find(|&&count| count * pixels == slice.len());
-                return count.copied().ok_or_else(|| short(slice.len()));
-            }
-            Self::Planes(slices) => slices.len(),
-            Self::Views(views) => views.len(),
-        };
-        if !accepted.contains(&count) {
-            let found = format!("has {count} channels");
-            return Err(bad(name, found, &format!("give {wanted}")));
-        }
-        match self {
-            Self::Packed(_) => unreachable!("returned above"),
-            Self::Planes(slices) => match slices.iter().find(|slice| slice.len() != pixels) {
-                Some(slice) => {
-                    let found = format!(
-                        "has a channel of {} samples for {width}x{height} pixels",
-                        slice.len()
-                    );
-                    Err(bad(name, found, "give one sample for each pixel"))
-                }
-                None => Ok(count),
-            },
-            Self::Views(views) => match views[0].dim() == (height, width) {
-                true => Ok(count),
-                false => {
-                    let (rows, columns) = views[0].dim();
-                    let found = format!("is {rows} rows of {columns}, for {width}x{height} pixels");
-                    Err(bad(
-                        name,
-                        found,
-                        "give an array indexed [row, column] of the frame's size",
-                    ))
-                }
-            },
-        }
-    }
-
-    fn plane(&self, [width, height]: Size, channels: usize, channel: usize) -> Plane {
-        let mut plane = Plane::filled(width, height, 0.0);
-        plane.each_row(|y, row| match self {
-            Self::Packed(slice) => {
-                let stored = &slice[y * width * channels..][channel..];
-                fill(row, stored.iter().step_by(channels));
-            }
-            Self::Planes(slices) => fill(row, &slices[channel][y * width..]),
-            Self::Views(views) => fill(row, views[channel].row(y)),
-        });
-        plane
-    }
+        let remedy = format!("give {wanted} for each pixel, or a view where there are gaps");
+        bad(name, found, remedy)
+    })
 }
 
-/// Decodes samples into a row.
-fn fill<'a, T: Sample + 'a>(row: &mut [f32], stored: impl IntoIterator<Item = &'a T>) {
-    for (value, stored) in row.iter_mut().zip(stored) {
-        *value = stored.value();
+/// A view of each channel.
+fn channels<T>(view: ArrayView3<'_, T>) -> Vec<ArrayView2<'_, T>> {
+    let channels = 0..view.len_of(Axis(2));
+    let channel = |c| view.clone().index_axis_move(Axis(2), c);
+    channels.map(channel).collect()
+}
+
+/// Refuses a number of channels that is not accepted.
+fn check_count(name: Name, count: usize, accepted: &[usize]) -> Result<()> {
+    if accepted.contains(&count) {
+        return Ok(());
     }
+    let remedy = format!("give {}", one_of(accepted));
+    Err(bad(name, format!("has {count} channels"), remedy))
+}
+
+/// The values of stored samples.
+fn decoded<T: Sample>(stored: &ArrayView2<T>) -> Plane {
+    let (height, width) = stored.dim();
+    Plane::of_rows(width, height, |y, row| {
+        let mut row = ArrayViewMut1::from(row);
+        row.zip_mut_with(&stored.row(y), |value, &stored| {
+            *value = stored.into() / T::ONE;
+        });
+    })
 }
 
 /// "1", "1 or 3", "1, 3 or 4".
@@ -242,7 +213,7 @@ fn one_of(counts: &[usize]) -> String {
 
 impl<'a, T: Sample> From<&'a [T]> for Samples<'a> {
     fn from(slice: &'a [T]) -> Self {
-        Self::of(Layout::Packed(slice))
+        Self::of(move |name, size, accepted| interleaved(slice, name, size, accepted))
     }
 }
 
@@ -254,7 +225,11 @@ impl<'a, T: Sample> From<&'a Vec<T>> for Samples<'a> {
 
 impl<'a, T: Sample, const N: usize> From<[&'a [T]; N]> for Samples<'a> {
     fn from(slices: [&'a [T]; N]) -> Self {
-        Self::of(Layout::Planes(slices.to_vec()))
+        Self::of(move |name, size, accepted| {
+            check_count(name, N, accepted)?;
+            let view = |slice| Ok(interleaved(slice, name, size, &[1])?.remove(0));
+            slices.into_iter().map(view).collect()
+        })
     }
 }
 
@@ -266,7 +241,7 @@ impl<'a, T: Sample> From<&'a Plane<T>> for Samples<'a> {
 
 impl<'a, T: Sample, const N: usize> From<[&'a Plane<T>; N]> for Samples<'a> {
     fn from(planes: [&'a Plane<T>; N]) -> Self {
-        Self::of(Layout::Views(planes.map(Plane::view).to_vec()))
+        Self::of_views(planes.map(Plane::view).to_vec())
     }
 }
 
@@ -278,7 +253,7 @@ impl<'a> From<&'a Mask> for Samples<'a> {
 
 impl<'a, T: Sample> From<ArrayView2<'a, T>> for Samples<'a> {
     fn from(view: ArrayView2<'a, T>) -> Self {
-        Self::of(Layout::Views(vec![view]))
+        Self::of_views(vec![view])
     }
 }
 
@@ -290,9 +265,7 @@ impl<'a, T: Sample> From<&'a Array2<T>> for Samples<'a> {
 
 impl<'a, T: Sample> From<ArrayView3<'a, T>> for Samples<'a> {
     fn from(view: ArrayView3<'a, T>) -> Self {
-        let channels = 0..view.len_of(Axis(2));
-        let channel = |c| view.index_axis_move(Axis(2), c);
-        Self::of(Layout::Views(channels.map(channel).collect()))
+        Self::of_views(channels(view))
     }
 }
 

@@ -12,7 +12,7 @@ mod noise;
 mod smoothing;
 
 use crate::frame::Plane;
-use crate::frame::unrounded::unround_values;
+use crate::frame::repair::unround_values;
 use links::Links;
 use noise::Noise;
 
@@ -22,16 +22,6 @@ pub(crate) enum Rounding<'a> {
     Step(f32),
     /// The distance of the codes around a value.
     Of(&'a (dyn Fn(f32) -> f32 + Sync)),
-}
-
-/// Slopes of a plane of values.
-pub(crate) struct Slopes {
-    /// Change of the value per pixel to the right; 0 where not found.
-    pub across: Plane,
-    /// Change of the value per pixel down; 0 where not found.
-    pub down: Plane,
-    /// The pixels that have a neighbour on the same surface along both axes.
-    pub found: Plane<bool>,
 }
 
 /// Values from here on are no samples: their squares have to be finite.
@@ -45,18 +35,13 @@ const FINE: f32 = 1e-6;
 /// slopes can be smoothed.
 const FEW_CODES: f32 = 300.0;
 
-/// The slopes of `values`, affine in x and y on planes; NaN is no value, and neither is what is too large. Values in few
-/// codes are moved to the smoothest ones.
-pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
-    let [width, height] = [values.width(), values.height()];
+/// The slopes of `values`, affine in x and y on planes, across and down: change per pixel, 0 where not found; and the
+/// pixels that have a neighbour on the same surface along both axes. NaN is no value, and neither is what is too large.
+/// Values in few codes are moved to the smoothest ones.
+pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> ([Plane; 2], Plane<bool>) {
     if values.samples().is_empty() {
-        let [across, down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
-        let found = Plane::filled(width, height, false);
-        return Slopes {
-            across,
-            down,
-            found,
-        };
+        let none = values.map(|_| false);
+        return ([values.clone(), values.clone()], none);
     }
     // NaN breaks all links.
     values.each_row(|_, row| {
@@ -79,12 +64,7 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
     if !noise.is_below(FINE) {
         slopes = choice::choose(slopes, &links, &noise);
     }
-    let [across, down] = slopes;
-    Slopes {
-        across,
-        down,
-        found,
-    }
+    (slopes, found)
 }
 
 /// Moves values in few codes to the smoothest ones that round to these. Links, found before, keep them apart at steps.

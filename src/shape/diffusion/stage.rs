@@ -106,7 +106,7 @@ fn diffuse(run: &mut Execution) {
 
 /// Diffusion in a frame, of the window `whole`, that repeats a tile: in the tile alone, with its borders joined.
 fn in_tile(
-    mut gradient: Vector2Planes,
+    gradient: Vector2Planes,
     medium: Medium,
     tile: Tile,
     whole: Window,
@@ -117,9 +117,7 @@ fn in_tile(
         weights: levels.weights.clone(),
         ..*levels
     });
-    for plane in [&mut gradient.x, &mut gradient.y] {
-        plane.crop_in_place(whole, tile.window);
-    }
+    let gradient = gradient.mapped(|plane| plane.crop(whole, tile.window));
     let of_tile = Medium {
         conductance: &medium.conductance.crop(whole, tile.window),
         mask: &medium.mask.crop(whole, tile.window),

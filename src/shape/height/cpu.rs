@@ -48,7 +48,7 @@ fn made(plan: &Plan, frame: &Frame, conductance: &Plane) -> (Plane, Option<Plane
     let (mut mask, mut conductance) = (Cow::Borrowed(&frame.mask), Cow::Borrowed(conductance));
     if plan.tile.is_some() {
         let planes = [&mut slopes.x, &mut slopes.y].into_iter().chain(&mut known);
-        planes.for_each(|plane| plane.crop_in_place(whole, part));
+        planes.for_each(|plane| *plane = plane.crop(whole, part));
         mask = Cow::Owned(mask.crop(whole, part));
         conductance = Cow::Owned(conductance.crop(whole, part));
     }

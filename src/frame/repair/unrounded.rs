@@ -6,7 +6,7 @@
 //! unchanged where its codes rise and fall by more than [`MOST_STEPS`]: there rounding is noise, which diffusion
 //! averages out, and texture is no staircase.
 
-use super::{Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window};
 
 /// Number of halvings for the widest neighbourhoods, whose standard deviation is 13 pixels.
 const LEVELS: usize = 4;
@@ -37,26 +37,10 @@ pub(crate) fn unround_wrapped(stored: &mut Vector3Planes, half_step: f32, wraps:
     let whole = Window::from_size(stored.x.width(), stored.x.height());
     let margin = UNROUNDING_REACH.next_multiple_of(UNROUNDING_PHASE);
     let around = with_margins(whole, margin, wraps);
-    let [mx, my] = [around.x0, around.y0].map(|first| first.unsigned_abs() as usize);
-    // Components take turns in the same memory.
-    let [mut codes, mut steps] = [(); 2].map(|()| stored.x.repeated(whole, around));
-    let mut tiled = (around != whole).then(|| codes.clone());
     for plane in [&mut stored.x, &mut stored.y, &mut stored.z] {
-        match &mut tiled {
-            None => {
-                codes.samples_mut().copy_from_slice(plane.samples());
-                unround_plane(plane, &codes, &mut steps, half_step);
-            }
-            Some(tiled) => {
-                plane.repeat_in(whole, around, &mut codes);
-                tiled.samples_mut().copy_from_slice(codes.samples());
-                unround_plane(tiled, &codes, &mut steps, half_step);
-                plane.each_row(|y, row| {
-                    let own = &tiled.row(y + my)[mx..];
-                    row.copy_from_slice(&own[..row.len()]);
-                });
-            }
-        }
+        let mut field = plane.repeated(whole, around);
+        unround_values(&mut field, half_step);
+        *plane = field.crop(around, whole);
         unwritten.iter().for_each(|&i| plane.samples_mut()[i] = 0.0);
     }
 }
@@ -80,17 +64,12 @@ pub(super) fn unwritten(stored: &Vector3Planes) -> Vec<usize> {
 }
 
 /// [`unround`] of one plane of values, all of them written.
-pub(crate) fn unround_values(values: &mut Plane, half_step: f32) {
-    let (codes, mut steps) = (values.clone(), values.clone());
-    unround_plane(values, &codes, &mut steps, half_step);
-}
-
-fn unround_plane(field: &mut Plane, codes: &Plane, steps: &mut Plane, half_step: f32) {
+pub(crate) fn unround_values(field: &mut Plane, half_step: f32) {
     if field.samples().is_empty() {
         return;
     }
-    steps_of(codes, 0.5 / half_step, steps);
-    let mut steps = halved(steps);
+    let codes = &field.clone();
+    let mut steps = halved(&steps_of(codes, 0.5 / half_step));
     let steps: [Plane; LEVELS] = std::array::from_fn(|_| {
         let next = halved(&steps);
         std::mem::replace(&mut steps, next)
@@ -131,9 +110,9 @@ fn toward(field: &mut Plane, codes: &Plane, halves: [&Plane; 2], half_step: f32)
     });
 }
 
-/// Sum of a field's changes from each pixel to the next ones, times `scale`, written to `steps`.
-fn steps_of(field: &Plane, scale: f32, steps: &mut Plane) {
-    steps.each_row(|y, steps| {
+/// Sum of a field's changes from each pixel to the next ones, times `scale`.
+fn steps_of(field: &Plane, scale: f32) -> Plane {
+    Plane::of_rows(field.width(), field.height(), |y, steps| {
         let (row, below) = (field.row(y), field.row((y + 1).min(field.height() - 1)));
         let right = row[1..].iter().chain(row.last());
         for (step, ((&here, &right), &below)) in
@@ -142,7 +121,7 @@ fn steps_of(field: &Plane, scale: f32, steps: &mut Plane) {
             let (dx, dy) = (right - here, below - here);
             *step = scale * (dx * dx + dy * dy).sqrt();
         }
-    });
+    })
 }
 
 /// Twice a mean minus its own mean: restores the amount that the mean takes off a bend.
@@ -158,38 +137,32 @@ fn without_bias(mean: &Plane) -> Plane {
 
 /// The mean over 3x3 pixels.
 pub(super) fn smoothed(plane: &Plane) -> Plane {
-    let mut smooth = Plane::filled(plane.width(), plane.height(), 0.0);
-    smooth.each_row(|y, row| {
+    Plane::of_rows(plane.width(), plane.height(), |y, row| {
         let column = weighted(plane, y, &[1.0 / 3.0; 3]);
         for (smooth, three) in row.iter_mut().zip(column.windows(3)) {
             *smooth = (three[0] + three[1] + three[2]) / 3.0;
         }
-    });
-    smooth
+    })
 }
 
 /// Every second sample of every second row, after binomial smoothing over five.
 pub(super) fn halved(plane: &Plane) -> Plane {
     let size = [plane.width(), plane.height()].map(|length| length.div_ceil(2));
-    let mut half = Plane::filled(size[0], size[1], 0.0);
-    half.each_row(|y, row| {
+    Plane::of_rows(size[0], size[1], |y, row| {
         let column = weighted(plane, 2 * y, &[1.0, 4.0, 6.0, 4.0, 1.0].map(|w| w / 16.0));
         let pairs = |from: usize| column[from..].chunks_exact(2);
         let taps = pairs(0).zip(pairs(2)).zip(pairs(4));
         for (half, ((left, here), right)) in row.iter_mut().zip(taps) {
             *half = (left[0] + right[0] + 4.0 * (left[1] + here[1]) + 6.0 * here[0]) / 16.0;
         }
-    });
-    half
+    })
 }
 
 /// A plane after this many halvings, upsampled by the same binomials to the first halving of the `whole`.
 fn doubled(plane: Plane, halvings: usize, whole: &Plane) -> Plane {
     (1..halvings).rev().fold(plane, |half, finer| {
         let size = [whole.width(), whole.height()].map(|length| length.div_ceil(1 << finer));
-        let mut double = Plane::filled(size[0], size[1], 0.0);
-        double.each_row(|y, row| double_row(&half, y, row));
-        double
+        Plane::of_rows(size[0], size[1], |y, row| double_row(&half, y, row))
     })
 }
 

@@ -5,9 +5,8 @@
 //! and the divergence around. Which way y is stored need not be known: the lower curl and the higher divergence of both
 //! readings count, so that noise is missed rather than a surface smoothed.
 
-use super::plane::each_row_of;
 use super::unrounded::{double_row, halved, smoothed, unwritten, with_margins};
-use super::{Plane, Vector3Planes, Window};
+use crate::frame::{Plane, Vector3Planes, Window, each_row_of};
 
 /// Octaves of detail looked at: of 1 to 4 pixels.
 const OCTAVES: usize = 3;
@@ -52,7 +51,7 @@ pub(crate) fn denoise(stored: &mut Vector3Planes, wraps: [bool; 2]) {
     }
     quieten([x, y], OCTAVES);
     for plane in [x, y] {
-        plane.crop_in_place(around, whole);
+        *plane = plane.crop(around, whole);
         plane.each_row(|y, row| {
             for (slope, z) in row.iter_mut().zip(z.row(y)) {
                 *slope = 0.5 * (*slope * run(z) + 1.0);
@@ -128,9 +127,8 @@ fn share_of_noise(p: &Plane, q: &Plane) -> Plane {
             *share = is_noise * (2.0 - mean / LARGE).clamp(0.0, 1.0);
         }
     });
-    let mut double = Plane::filled(size[0].div_ceil(2), size[1].div_ceil(2), 0.0);
-    double.each_row(|y, row| double_row(&share, y, row));
-    double
+    let [width, height] = size.map(|side| side.div_ceil(2));
+    Plane::of_rows(width, height, |y, row| double_row(&share, y, row))
 }
 
 #[cfg(test)]

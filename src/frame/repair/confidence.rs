@@ -5,10 +5,8 @@
 //! mixed only where a whole square of normals is short, or many depths around it are isolated.
 
 use super::squares::{around, mean_over_squares, of_rows, over_squares, sum_over_squares};
-use super::tiled::{Made, Part, of_tiles};
-use super::{Frame, Mask, Plane, Projection, Vector3Planes, Window};
-use rayon::prelude::*;
-use std::ops::Range;
+use super::tiled::{lay_tiles, of_tiles};
+use crate::frame::{Frame, Mask, Plane, Projection, Vector3Planes, Window};
 
 /// Half size of the square of normals around a pixel that must be mixed. In sharp renders some 3x3 squares are, at
 /// corners of outlines, but no 5x5 ones.
@@ -31,8 +29,9 @@ const FOG_REACH: usize = 8;
 /// only in length.
 const SPREADS: [f32; 2] = [0.001, 0.005];
 
-/// Half size of the square of depths around a pixel.
+/// Half size of the square of depths around a pixel, and the number of its pixels.
 const DEPTHS_REACH: usize = 5;
+const DEPTHS: usize = (2 * DEPTHS_REACH + 1).pow(2);
 
 /// A depth is isolated if both its neighbours along a row or a column differ from it by more than this share of the
 /// picture's longer side: a tenth of the distance for a lens of 44 degrees across.
@@ -64,13 +63,14 @@ pub(crate) fn confidence(frame: &Frame) -> Option<Plane> {
 /// Divides normals that fog or blur has shortened, together with all around, by their mean length: a short normal then
 /// hides a crease only where it is short among its neighbours.
 pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
-    let lifted = of_tiles(lengths, |tile| {
-        let squares = short_squares(lengths, mask, tile)?;
-        let part = Part::around(squares.common(&tile)?, NORMALS_REACH, lengths);
-        let (lengths, mask) = part.of(lengths, mask);
-        let longest = over_squares(&ended(&lengths, &mask), NORMALS_REACH, f32::max);
+    let lifted = of_tiles(lengths, NORMALS_REACH, |tile| {
+        if !has_short_square(lengths, mask, tile.window) {
+            return None;
+        }
+        let (lengths, mask) = tile.parts(lengths, mask);
+        let longest = longest(&ended(&lengths, &mask), NORMALS_REACH);
         let mean = mean_of_covered(&lengths, &covered_in_squares(&mask));
-        let lifted = of_rows(&lengths, |y, row| {
+        Some(of_rows(&lengths, |y, row| {
             let squares = longest.row(y).iter().zip(mean.row(y));
             for ((sample, &length), (&longest, &mean)) in
                 row.iter_mut().zip(lengths.row(y)).zip(squares)
@@ -83,12 +83,9 @@ pub(crate) fn lift_out_of_fog(lengths: &mut Plane, mask: &Mask) {
                     length
                 };
             }
-        });
-        Some(part.cut(&lifted))
+        }))
     });
-    for made in lifted {
-        made.write_to(lengths);
-    }
+    lay_tiles(&lifted, lengths);
 }
 
 /// The difference from which a depth is isolated: a share of it, and a length.
@@ -105,25 +102,25 @@ fn isolation(frame: &Frame) -> Isolation {
 
 /// The confidence from the lengths of normals before normalisation.
 fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Plane> {
-    let found = of_tiles(lengths, |tile| {
+    let found = of_tiles(lengths, CONFIDENCE_REACH, |tile| {
         // Only pixels of short squares are mixed, and the mean takes their deficit as far again.
-        let squares = short_squares(lengths, mask, tile.grown(2 * NORMALS_REACH))?;
-        let mixed = squares.grown(2 * NORMALS_REACH).common(&tile)?;
-        let part = Part::around(mixed, CONFIDENCE_REACH, lengths);
-        let (lengths, mask) = part.of(lengths, mask);
+        if !has_short_square(lengths, mask, tile.window.grown(2 * NORMALS_REACH)) {
+            return None;
+        }
+        let (lengths, mask) = tile.parts(lengths, mask);
         let counts = covered_in_squares(&mask);
         let mean = |plane: &Plane| mean_of_covered(plane, &counts);
-        let around = over_squares(&mean(&lengths), FOG_REACH, f32::max);
+        let around = longest(&mean(&lengths), FOG_REACH);
         let compared = of_two(&ended(&lengths, &mask), &around, |length, around| {
             // Never shorter than before.
             length / around.clamp(f32::MIN_POSITIVE, 1.0)
         });
-        let longest = over_squares(&compared, NORMALS_REACH, f32::max);
+        let longest = longest(&compared, NORMALS_REACH);
         if !longest.samples().iter().any(|&length| is_short(length)) {
             return None;
         }
-        let mixed = over_squares(&longest, NORMALS_REACH, f32::min);
-        let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(|plane| mean(&part.plane(plane)));
+        let mixed = over_squares(&longest, NORMALS_REACH, f32::MAX, f32::min);
+        let [x, y, z] = [&normal.x, &normal.y, &normal.z].map(|plane| mean(&tile.part(plane)));
         let squared = of_two(&of_two(&x, &y, |x, y| x * x + y * y), &z, |sum, z| {
             sum + z * z
         });
@@ -133,19 +130,24 @@ fn of_normals(lengths: &Plane, normal: &Vector3Planes, mask: &Mask) -> Option<Pl
         });
         // The mean smooths away the corners of squares.
         let mean = mean_over_squares(&deficit, NORMALS_REACH);
-        Some(part.cut(&mean.map(|deficit| 1.0 - deficit)))
+        Some(mean.map(|deficit| 1.0 - deficit))
     });
     joined(lengths, &found)
 }
 
 /// The confidence of the whole picture, 1 outside `tiles`; `None` if it is 1 everywhere.
-fn joined(like: &Plane, tiles: &[Made]) -> Option<Plane> {
-    let is_mixed = |made: &Made| made.plane.samples().iter().any(|&sample| sample < 1.0);
-    tiles.iter().any(is_mixed).then(|| {
+fn joined(like: &Plane, tiles: &[(Window, Plane)]) -> Option<Plane> {
+    let mut samples = tiles.iter().flat_map(|(_, made)| made.samples());
+    samples.any(|&sample| sample < 1.0).then(|| {
         let mut whole = Plane::filled(like.width(), like.height(), 1.0);
-        tiles.iter().for_each(|made| made.write_to(&mut whole));
+        lay_tiles(tiles, &mut whole);
         whole
     })
+}
+
+/// The longest length of the square around each pixel.
+fn longest(lengths: &Plane, reach: usize) -> Plane {
+    over_squares(lengths, reach, f32::MIN, f32::max)
 }
 
 /// Lengths as they end a square: pixels without surface do, like long normals.
@@ -174,91 +176,46 @@ fn is_short(length: f32) -> bool {
     length < LENGTHS[0]
 }
 
-/// A window that holds the middle of every square around a pixel of `within` whose normals are all covered and short, be
-/// the square cut off at the picture's border or not; `None` if there is no such square.
-///
-/// Every square holds a pixel of a lattice as wide as it, so only the squares of short pixels there are looked at.
-fn short_squares(lengths: &Plane, mask: &Mask, within: Window) -> Option<Window> {
+/// Whether the normals of a whole square around a pixel of `within` are covered and short, be the square cut off at the
+/// picture's border or not.
+fn has_short_square(lengths: &Plane, mask: &Mask, within: Window) -> bool {
     let size = [lengths.width(), lengths.height()];
-    let within = within.common(&Window::from_size(size[0], size[1]))?;
-    let is_short = |x: usize, y: usize| mask.at(x, y) && is_short(lengths.at(x, y));
+    let is_short_at = |x: usize, y: usize| mask.at(x, y) && is_short(lengths.at(x, y));
     let is_square = |x: usize, y: usize| {
         let columns = around(x, NORMALS_REACH, size[0]);
-        around(y, NORMALS_REACH, size[1]).all(|y| columns.clone().all(|x| is_short(x, y)))
+        around(y, NORMALS_REACH, size[1]).all(|y| columns.clone().all(|x| is_short_at(x, y)))
     };
-    let near = |(x, y): (usize, usize)| {
-        let place = Window::at(x as i32, y as i32, 1, 1);
-        place.grown(NORMALS_REACH).common(&within)
+    let Some(within) = within.common(&Window::from_size(size[0], size[1])) else {
+        return false;
     };
-    let has_square = |middles: &Window| {
-        let [columns, rows] = [middles.x0..middles.x1, middles.y0..middles.y1];
-        rows.into_iter()
-            .any(|y| columns.clone().any(|x| is_square(x as usize, y as usize)))
-    };
-    let columns = lattice(size[0], within.x0..within.x1);
-    let places =
-        lattice(size[1], within.y0..within.y1).flat_map(|y| columns.clone().map(move |x| (x, y)));
-    places
-        .filter(|&(x, y)| is_short(x, y))
-        .filter_map(near)
-        .filter(has_square)
-        .reduce(|all, middles| all.joined(&middles))
-}
-
-/// Places on a line, as far apart as a square is wide, so that each square around a place of `range` holds one.
-fn lattice(length: usize, range: Range<i32>) -> impl Iterator<Item = usize> + Clone {
-    let last = length.saturating_sub(NORMALS_REACH + 1);
-    let reach = NORMALS_REACH as i32;
-    let is_near =
-        move |&place: &usize| (range.start - reach..range.end + reach).contains(&(place as i32));
-    let inner = (NORMALS_REACH..last).step_by(2 * NORMALS_REACH + 1);
-    let places = inner.chain((length > 0).then_some(last));
-    places.filter(is_near)
+    let columns = within.x0 as usize..within.x1 as usize;
+    (within.y0 as usize..within.y1 as usize).any(|y| {
+        let pixels = mask.row(y)[columns.clone()]
+            .iter()
+            .zip(&lengths.row(y)[columns.clone()]);
+        // Without branches, the compiler takes several at a time: most rows have none.
+        let any_is_short = pixels.fold(false, |any, (&is_in, &length)| {
+            any | (is_in & is_short(length))
+        });
+        any_is_short
+            && columns
+                .clone()
+                .any(|x| is_short_at(x, y) && is_square(x, y))
+    })
 }
 
 /// The confidence from isolated depths.
 fn of_depths(depth: &Plane, mask: &Mask, from: Isolation) -> Option<Plane> {
-    if !may_be_alone_together(depth, mask, from) {
-        return None;
-    }
-    let found = of_tiles(depth, |tile| {
-        let part = Part::around(tile, DEPTHS_REACH + 1, depth);
-        let (depth, mask) = part.of(depth, mask);
+    let found = of_tiles(depth, DEPTHS_REACH + 1, |tile| {
+        let (depth, mask) = tile.parts(depth, mask);
         let alone = of_rows(&depth, |y, row| alone_in_row((&depth, &mask), from, y, row));
+        if alone.samples().iter().sum::<f32>() <= SHARES_ALONE[0] * DEPTHS as f32 {
+            return None;
+        }
         let share = mean_over_squares(&alone, DEPTHS_REACH);
-        let is_mixed = |share: &f32| *share > SHARES_ALONE[0];
-        let any_is_mixed = share.samples().iter().any(is_mixed);
-        any_is_mixed.then(|| part.cut(&share.map(|share| 1.0 - ramp(share, SHARES_ALONE))))
+        Some(share.map(|share| 1.0 - ramp(share, SHARES_ALONE)))
     });
     joined(depth, &found)
-}
-
-/// Whether some square may hold enough isolated depths to count: every square lies within two by two tiles of its width,
-/// so it has no more than they do.
-fn may_be_alone_together(depth: &Plane, mask: &Mask, from: Isolation) -> bool {
-    const SIDE: usize = 2 * DEPTHS_REACH + 1;
-    let (width, height) = (depth.width(), depth.height());
-    let counts_of = |band: usize| {
-        let mut counts = vec![0.0; width.div_ceil(SIDE) + 1];
-        let mut alone = vec![0.0; width];
-        for y in band * SIDE..height.min((band + 1) * SIDE) {
-            alone_in_row((depth, mask), from, y, &mut alone);
-            let tiles = counts.iter_mut().zip(alone.chunks(SIDE));
-            tiles.for_each(|(count, alone)| *count += alone.iter().sum::<f32>());
-        }
-        counts
-    };
-    let bands: Vec<Vec<f32>> = (0..height.div_ceil(SIDE) + 1)
-        .into_par_iter()
-        .map(counts_of)
-        .collect();
-    let enough = SHARES_ALONE[0] * (SIDE * SIDE) as f32;
-    bands.windows(2).any(|bands| {
-        let pairs = bands[0].windows(2).zip(bands[1].windows(2));
-        pairs
-            .into_iter()
-            .any(|(upper, lower)| upper.iter().chain(lower).sum::<f32>() > enough)
-    })
 }
 
 /// 1 where the depth of a pixel of row `y` is isolated, else 0.
@@ -319,7 +276,7 @@ fn of_two(a: &Plane, b: &Plane, make: impl Fn(f32, f32) -> f32) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::tiled::TILE;
+    use crate::frame::repair::tiled::TILE;
     use glam::DVec3;
 
     fn lengths(width: usize, height: usize, length: impl Fn(usize, usize) -> f32) -> Plane {
@@ -435,23 +392,17 @@ mod tests {
             let ended = Plane::from_fn(width, height, |x, y| {
                 if mask.at(x, y) { short.at(x, y) } else { 1.0 }
             });
-            let longest = over_squares(&ended, NORMALS_REACH, f32::max);
+            let longest = longest(&ended, NORMALS_REACH);
             let has_square = longest.samples().iter().any(|&length| is_short(length));
             // The whole picture, and a part of it.
             for within in [Window::from_size(16, 16), Window::at(3, 2, 7, 6)] {
-                let middles = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-                let middles = middles
-                    .filter(|&(x, y)| is_short(longest.at(x, y)))
-                    .map(|(x, y)| Window::at(x as i32, y as i32, 1, 1))
-                    .filter(|middle| within.encloses(middle));
-                let squares = short_squares(&short, &mask, within);
-                let mut any = false;
-                for middle in middles {
-                    any = true;
-                    let encloses = squares.is_some_and(|squares| squares.encloses(&middle));
-                    assert!(encloses, "{width}x{height}: {middle} not in {squares:?}");
-                }
-                assert_eq!(squares.is_some(), any, "{width}x{height}");
+                let mut middles = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+                let any = middles.any(|(x, y)| {
+                    let middle = Window::at(x as i32, y as i32, 1, 1);
+                    is_short(longest.at(x, y)) && within.encloses(&middle)
+                });
+                let found = has_short_square(&short, &mask, within);
+                assert_eq!(found, any, "{width}x{height}");
             }
             let depth = Plane::from_fn(width, height, |_, _| if chance(0.12) { 9.0 } else { 5.0 });
             let alone = of_rows(&depth, |y, row| {
@@ -462,10 +413,8 @@ mod tests {
                 .samples()
                 .iter()
                 .any(|&share| share > SHARES_ALONE[0]);
-            assert!(
-                may_be_alone_together(&depth, &mask, [0.1, 0.0]) || !is_mixed,
-                "{width}x{height}"
-            );
+            let confidence = of_depths(&depth, &mask, [0.1, 0.0]);
+            assert_eq!(confidence.is_some(), is_mixed, "{width}x{height}");
             found[0] += usize::from(has_square);
             found[1] += usize::from(is_mixed);
         }

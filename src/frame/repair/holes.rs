@@ -3,9 +3,9 @@
 //! Through fog, glass or a leaf's alpha, a renderer that keeps the first sample's depth sometimes writes the depth of
 //! the background, or none: every such pixel would be surrounded by silhouettes.
 
-use super::depth::is_distance;
-use super::normals::MIN_LENGTH;
-use super::{MOST_ROWS_PER_TASK, Plane, Vector3Planes};
+use crate::frame::depth::is_distance;
+use crate::frame::normals::MIN_LENGTH;
+use crate::frame::{MOST_ROWS_PER_TASK, Plane, Vector3Planes};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -46,26 +46,16 @@ const OPPOSITE: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 /// pixels away, the depth is (i + j) / (j / a + i / b).
 pub(crate) fn fill(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     let mut filled = 0;
-    let height = depth.height();
-    // After the first pass only rows near samples that were filled.
-    let mut may_have_holes = vec![true; height];
     for _ in 0..PASSES {
-        let found: Vec<_> = (1..height.saturating_sub(1))
+        let found: Vec<_> = (1..depth.height().saturating_sub(1))
             .into_par_iter()
             .with_max_len(MOST_ROWS_PER_TASK)
-            .filter(|&y| may_have_holes[y])
             .flat_map_iter(|y| holes_in_row(depth, normal, y))
             .collect();
         if found.is_empty() {
             break;
         }
-        filled += found.len();
-        may_have_holes.fill(false);
-        for ([x, y], surface) in found {
-            depth.row_mut(y)[x] = surface;
-            let near = y.saturating_sub(WIDEST)..(y + WIDEST + 1).min(height);
-            may_have_holes[near].fill(true);
-        }
+        filled += put(&found, depth);
     }
     filled + fill_border(depth, normal)
 }
@@ -76,17 +66,20 @@ fn fill_border(depth: &mut Plane, normal: &Vector3Planes) -> usize {
     if width < 3 || height < 3 {
         return 0;
     }
-    let rows = [0, height - 1]
-        .into_iter()
-        .flat_map(|y| (0..width).map(move |x| [x, y]));
-    let columns = [0, width - 1]
-        .into_iter()
-        .flat_map(|x| (1..height - 1).map(move |y| [x, y]));
-    let found: Vec<_> = rows
-        .chain(columns)
+    let columns = |y: usize| match y == 0 || y + 1 == height {
+        true => (0..width).step_by(1),
+        false => (0..width).step_by(width - 1),
+    };
+    let found: Vec<_> = (0..height)
+        .flat_map(|y| columns(y).map(move |x| [x, y]))
         .filter_map(|at| Some((at, surface_within(depth, normal, at)?)))
         .collect();
-    for &([x, y], surface) in &found {
+    put(&found, depth)
+}
+
+/// Fills holes. Returns their number.
+fn put(found: &[([usize; 2], f32)], depth: &mut Plane) -> usize {
+    for &([x, y], surface) in found {
         depth.row_mut(y)[x] = surface;
     }
     found.len()
@@ -121,41 +114,24 @@ fn surface_within(depth: &Plane, normal: &Vector3Planes, [x, y]: [usize; 2]) -> 
         |[x, y]: [usize; 2]| direction(normal, x, y).is_some_and(|n| n.dot(here) > SAME_DIRECTION);
     // Along the border; a corner has no such neighbours.
     let is_between = || {
-        let along = [1, -1].map(|by| moved(by, [dy.abs(), dx.abs()]));
-        (dx == 0 || dy == 0)
-            && along
-                .into_iter()
-                .all(|at| sample(at).is_some_and(|s| is_near(s, surface)))
+        let mut along = [1, -1]
+            .map(|by| moved(by, [dy.abs(), dx.abs()]))
+            .into_iter();
+        let is_on_plane = |at| sample(at).is_some_and(|sample| is_near(sample, surface));
+        (dx == 0 || dy == 0) && along.all(is_on_plane)
     };
     (resembles(next) && resembles(second) && (farther.is_none() || is_between())).then_some(surface)
 }
 
-/// Columns that are looked at together.
-const AT_ONCE: usize = 64;
-
 /// The holes of row `y`, neither the first nor the last, with the depth of the surface there.
-fn holes_in_row(depth: &Plane, normal: &Vector3Planes, y: usize) -> Vec<([usize; 2], f32)> {
-    let row = depth.row(y);
-    let last = row.len().saturating_sub(1);
-    let mut found = Vec::new();
-    for from in (1..last).step_by(AT_ONCE) {
-        let columns = from..(from + AT_ONCE).min(last);
-        let (before, after) = (&row[from - 1..], &row[from + 1..]);
-        let beside = before.iter().zip(after);
-        let pixels = row[columns.clone()].iter().zip(beside);
-        // Without branches, the compiler takes several at a time.
-        let is_any = pixels.fold(false, |any, (&here, (&before, &after))| {
-            any | may_be_hole(here, [before, after])
-        });
-        if is_any {
-            let is_hole = |x: &usize| may_be_hole(row[*x], [row[x - 1], row[x + 1]]);
-            let holes = columns.filter(is_hole);
-            found.extend(
-                holes.filter_map(|x| Some(([x, y], surface_of_hole(depth, normal, [x, y])?))),
-            );
-        }
-    }
-    found
+fn holes_in_row(
+    depth: &Plane,
+    normal: &Vector3Planes,
+    y: usize,
+) -> impl Iterator<Item = ([usize; 2], f32)> {
+    let pixels = (1..).zip(depth.row(y).windows(3));
+    let holes = pixels.filter(|(_, near)| may_be_hole(near[1], [near[0], near[2]]));
+    holes.filter_map(move |(x, _)| Some(([x, y], surface_of_hole(depth, normal, [x, y])?)))
 }
 
 /// Whether a sample is none, or farther than both neighbours: most are not.
