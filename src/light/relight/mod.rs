@@ -88,7 +88,7 @@ pub(crate) fn relight(run: &mut Run) {
     let shape = std::mem::take(&mut run.outcome.shape);
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
-    let shading = shading(plan, relighting, gain, eye.is_none());
+    let shading = shading(plan, relighting, gain);
     let mirror_shading = shading.filter(|_| relighting.gloss);
     let mirror_shading = mirror_shading.map(|shading| Shading {
         lobes: Lobes::Mirror,
@@ -114,10 +114,6 @@ pub(crate) fn relight(run: &mut Run) {
         gloss: frame.light.gloss.as_ref().filter(|_| relighting.gloss),
         mirror_shading,
         keeps_mirrored: around.ready.gloss.is_none(),
-        is_glossy: mirrors.is_some()
-            || relighting.gloss
-            || around.is_mirrored()
-            || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
         lights: Directed::all(&illumination.directional),
         around_lights: Directed::all(around.lights()),
@@ -155,7 +151,7 @@ fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
 }
 
 /// Shading by single lights, if any are summed.
-fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
+fn shading(plan: &Plan, relighting: &Relighting, gain: f32) -> Option<Shading> {
     let scaling = &plan.scaling;
     let magnitudes = scaling.magnitudes();
     let toward_light = relighting.toward_light.then_some(TowardLight {
@@ -163,7 +159,7 @@ fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option
         anisotropy: scaling.anisotropy,
         magnitudes: [magnitudes.diffuse, magnitudes.specular],
     });
-    let lobes = Lobes::of(&relighting.params.material, far)?;
+    let lobes = Lobes::of(&relighting.params.material)?;
     relighting.sums.then_some(Shading {
         warped: relighting.has_jacobian(),
         scaled: relighting.scales.then_some(Scaled {
