@@ -20,8 +20,8 @@ use crate::line::stippling::cpu::most_dots_per_px;
 use crate::line::streamlines::{Streamline, Tool};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Ink, LineParams, Material, ObjectLines, RelightParams, ScalingParams, ShapeParams,
-    SoftThreshold, StrokeParams, StrokeScale, Style, ToneSource,
+    Ink, LineParams, ObjectLines, RelightParams, ScalingParams, ShapeParams, SoftThreshold,
+    StrokeParams, StrokeScale, Style, ToneSource,
 };
 use crate::plan::{Available, LightKinds, Plan, ToneFrom};
 use std::path::Path;
@@ -298,8 +298,7 @@ impl HatchArgs {
             ToneSource::Auto => is_lit || !available.color,
             ToneSource::Enhance | ToneSource::Picture => false,
         };
-        let material = looks.light.material.material;
-        let is_mirror = matches!(material, Material::Mirror | Material::Glass);
+        let is_mirror = looks.light.material.material.shows_surroundings();
         if relit && !is_lit && !(is_mirror && is_specular) {
             illumination
                 .directional

@@ -13,9 +13,7 @@ use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
-use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Material, RelightParams, Samples, in_range,
-};
+use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, RelightParams, Samples, in_range};
 use crate::plan::{Available, LightKinds, Plan};
 use glam::Vec3;
 use std::sync::Arc;
@@ -74,7 +72,7 @@ pub(crate) fn specular_scene(
     loaded: &mut Loaded,
 ) -> Result<SpecularScene> {
     let material = params.material.material;
-    if !matches!(material, Material::Mirror | Material::Glass) {
+    if !material.shows_surroundings() {
         return Err(Error::BadParameter {
             name: "--material",
             found: "is neither mirror nor glass, and shows nothing of what is around it".into(),
@@ -82,7 +80,7 @@ pub(crate) fn specular_scene(
                 .into(),
         });
     }
-    if inputs.back.is_some() && material == Material::Mirror {
+    if inputs.back.is_some() && !material.is_clear() {
         return Err(Error::BadParameter {
             name: "--back",
             found: "are the back faces of a lens, and --material is mirror".into(),

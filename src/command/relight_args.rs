@@ -5,7 +5,7 @@ use super::flags::Section;
 use super::sequence::numbered;
 use super::specular_args::SpecularFlags;
 use crate::light::lights::Illumination;
-use crate::params::{AlbedoSource, Group, Material, MaterialParams, RelightParams};
+use crate::params::{AlbedoSource, Group, MaterialParams, RelightParams};
 use crate::plan::LightKinds;
 use clap::Args;
 use std::path::PathBuf;
@@ -126,7 +126,7 @@ impl RelightArgs {
         let MaterialParams {
             material, ambient, ..
         } = self.params().material;
-        let shows_around = matches!(material, Material::Mirror | Material::Glass);
+        let shows_around = material.shows_surroundings();
         let is_lit = LightKinds::in_light(light) != LightKinds::default();
         !is_lit && !shows_around && ambient == MaterialParams::default().ambient
     }

@@ -2,7 +2,7 @@
 
 use super::sequence::numbered;
 use crate::io::SpecularInputs;
-use crate::params::{Bend, Material, Params, SpecularParams};
+use crate::params::{Bend, Params, SpecularParams};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ impl SpecularFlags {
     /// The bend of sight lines: refracted if back faces are named or the material is glass, else mirrored.
     pub(super) fn params(&self, params: &Params) -> SpecularParams {
         let material = &params.relight.material;
-        let is_glass = self.back.is_some() || material.material == Material::Glass;
+        let is_glass = self.back.is_some() || material.material.is_clear();
         let bend = match (is_glass, material.thin) {
             (false, _) => Bend::Mirror,
             (true, true) => Bend::Straight,

@@ -3,8 +3,8 @@
 //! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
-use super::batch::{BATCH, Lanes, Pixels};
-use super::cosines::{at_most_1, positive, scalar_product};
+use super::batch::Pixels;
+use super::cosines::{at_most_1, positive};
 use super::sum::exponent::Exponent;
 use crate::kernel::fast_math::{exp_to_normal, ln_of_normal};
 use crate::params::{Material, MaterialParams};
@@ -26,8 +26,6 @@ pub(crate) enum Lobes {
     BlinnPhong {
         /// The exponent eta, halved, since it applies to the square of the cosine.
         power: Exponent,
-        /// Whether the viewer is far away, along z at every pixel.
-        far: bool,
     },
     /// See [`AshikhminShirley`].
     AshikhminShirley(AshikhminShirley),
@@ -35,12 +33,12 @@ pub(crate) enum Lobes {
     /// specular light what is mirrored at grazing angles.
     Mirror,
     /// Its base alone.
-    Base,
+    Base(AshikhminShirley),
 }
 
 impl Lobes {
     /// The lobes of a material lit by a sum over lights; `None` for mirrors and glass.
-    pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
+    pub(crate) fn of(params: &MaterialParams) -> Option<Self> {
         match params.material {
             Material::Lambert | Material::Toon => Some(Self::Diffuse {
                 power: Exponent::of(1.0),
@@ -53,7 +51,6 @@ impl Lobes {
             }),
             Material::BlinnPhong => Some(Self::BlinnPhong {
                 power: Exponent::of(0.5 * params.shininess),
-                far,
             }),
             Material::AshikhminShirley => {
                 Some(Self::AshikhminShirley(AshikhminShirley::new(params)))
@@ -68,55 +65,23 @@ impl Lobes {
             Self::Phong { .. } | Self::BlinnPhong { .. } => Self::Diffuse {
                 power: Exponent::Integer(1),
             },
-            Self::AshikhminShirley(_) => Self::Base,
-            Self::Diffuse { .. } | Self::Mirror | Self::Base => self,
+            Self::AshikhminShirley(brdf) => Self::Base(brdf),
+            Self::Diffuse { .. } | Self::Mirror | Self::Base(_) => self,
         }
     }
 
-    /// The share of diffuse light, prefiltered as the base's, that the surface shows.
+    /// The share of diffuse light, prefiltered as the base's, that a lane's surface shows.
     #[inline(always)]
-    pub(crate) fn base_share(&self, pixels: &Pixels) -> Lanes {
+    pub(crate) fn base_share(&self, pixels: &Pixels, lane: usize) -> f32 {
         match self {
-            Self::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
-            _ => [1.0; BATCH],
-        }
-    }
-
-    /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
-    #[inline(always)]
-    pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
-        let unwarp = &pixels.unwarp;
-        match self {
-            Self::Diffuse { .. } | Self::Base | Self::BlinnPhong { far: true, .. } => {}
-            Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
-            Self::BlinnPhong { far: false, .. } | Self::Mirror => pixels.to_eye.unwarp(unwarp),
-            Self::AshikhminShirley(_) => {
-                pixels.to_eye.unwarp(unwarp);
-                pixels.along.unwarp(unwarp);
-                pixels.across.unwarp(unwarp);
-            }
-        }
-    }
-
-    /// Computes what these lobes show toward the eye of every pixel, if that takes more than directions.
-    #[inline(always)]
-    pub(crate) fn see(&self, pixels: &mut Pixels) {
-        let Self::AshikhminShirley(brdf) = self else {
-            return;
-        };
-        for i in 0..BATCH {
-            let eye = pixels.to_eye.at(i);
-            pixels.coat.eye[0][i] = scalar_product(pixels.along.at(i), eye);
-            pixels.coat.eye[1][i] = scalar_product(pixels.across.at(i), eye);
-            let cosine = at_most_1(positive(scalar_product(pixels.normal.at(i), eye)));
-            pixels.coat.per_cosine[i] = 1.0 / cosine.max(GRAZING);
-            pixels.coat.base[i] = brdf.leaving(cosine);
+            Self::AshikhminShirley(brdf) => brdf.leaving(pixels.normal_eye(lane)) / BASE_SCALE,
+            _ => 1.0,
         }
     }
 
     /// Whether there is a lobe other than the diffuse one.
     pub(crate) fn are_glossy(&self) -> bool {
-        !matches!(self, Self::Diffuse { .. } | Self::Base)
+        !matches!(self, Self::Diffuse { .. } | Self::Base(_))
     }
 }
 
@@ -138,10 +103,8 @@ impl Lobes {
     /// The exponent of the lobe; 1 if it has none or others.
     pub(crate) fn exponent(&self) -> Exponent {
         match self {
-            Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power, .. } => {
-                *power
-            }
-            Self::AshikhminShirley(_) | Self::Mirror | Self::Base => Exponent::Integer(1),
+            Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power } => *power,
+            Self::AshikhminShirley(_) | Self::Mirror | Self::Base(_) => Exponent::Integer(1),
         }
     }
 
@@ -152,7 +115,7 @@ impl Lobes {
             | Self::Phong { .. }
             | Self::BlinnPhong { .. }
             | Self::Mirror
-            | Self::Base => [0.0; 4],
+            | Self::Base(_) => [0.0; 4],
             Self::AshikhminShirley(coat) => {
                 let [along, across] = coat.coat;
                 [along, across, coat.normalisation, coat.reflectance]
@@ -229,8 +192,7 @@ impl AshikhminShirley {
     pub fn specular(&self, c: Cosines) -> f32 {
         let (uu, vv) = (c.hu * c.hu, c.hv * c.hv);
         let lobe = exp_to_normal(Self::log_lobe(1.0 - (uu + vv), self.exponent(uu, vv)));
-        let [per_ne, per_he] = [c.ne, c.he].map(|cosine| 1.0 / cosine.max(GRAZING));
-        self.normalisation * lobe * (self.reflected(c.he) * share_seen(c.nl, per_ne, per_he))
+        self.normalisation * lobe * (self.reflected(c.he) * share_seen(c.nl, c.ne, c.he))
     }
 
     /// Share of the light in the base that leaves at an angle of this cosine.
@@ -267,10 +229,10 @@ impl AshikhminShirley {
 /// others take many times as long.
 pub(crate) const FAINTEST: f32 = -64.0;
 
-/// The coat's `n.l / (h.e max(n.l, n.e))`, from the reciprocals of n.e and h.e.
+/// The coat's `n.l / (h.e max(n.l, n.e))`.
 #[inline(always)]
-pub(crate) fn share_seen(nl: f32, per_ne: f32, per_he: f32) -> f32 {
-    (nl * per_ne).min(1.0) * per_he
+pub(crate) fn share_seen(nl: f32, ne: f32, he: f32) -> f32 {
+    nl / (he.max(GRAZING) * nl.max(ne).max(GRAZING))
 }
 
 /// The light that enters the base from a light of this cosine.

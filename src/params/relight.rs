@@ -224,6 +224,71 @@ params! {
     }
 }
 
+/// What is asked of materials, so that a new one has to answer.
+impl Material {
+    /// Whether it shows what is around it in place of light that it scatters.
+    pub fn shows_surroundings(self) -> bool {
+        match self {
+            Self::Mirror | Self::Glass => true,
+            Self::Lambert | Self::Toon | Self::Sublambert => false,
+            Self::Phong | Self::BlinnPhong | Self::AshikhminShirley => false,
+        }
+    }
+
+    /// Whether light passes through it.
+    pub fn is_clear(self) -> bool {
+        match self {
+            Self::Glass => true,
+            Self::Lambert | Self::Toon | Self::Sublambert => false,
+            Self::Phong | Self::BlinnPhong | Self::AshikhminShirley | Self::Mirror => false,
+        }
+    }
+
+    /// Whether it scatters a highlight.
+    pub fn has_highlight(self) -> bool {
+        match self {
+            Self::Phong | Self::BlinnPhong | Self::AshikhminShirley => true,
+            Self::Lambert | Self::Toon | Self::Sublambert | Self::Mirror | Self::Glass => false,
+        }
+    }
+
+    /// Whether its highlight is about the mirrored view, and not about the normal.
+    pub fn glows_about_mirrored_view(self) -> bool {
+        match self {
+            Self::Phong => true,
+            Self::BlinnPhong | Self::AshikhminShirley => false,
+            Self::Lambert | Self::Toon | Self::Sublambert | Self::Mirror | Self::Glass => false,
+        }
+    }
+
+    /// Whether it has a grain.
+    pub fn has_grain(self) -> bool {
+        match self {
+            Self::AshikhminShirley => true,
+            Self::Lambert | Self::Toon | Self::Sublambert | Self::Phong | Self::BlinnPhong => false,
+            Self::Mirror | Self::Glass => false,
+        }
+    }
+
+    /// Whether each of its lobes follows one direction, by which an environment can be filtered beforehand.
+    pub fn can_prefilter(self) -> bool {
+        match self {
+            Self::Lambert | Self::Toon | Self::Phong => true,
+            Self::Sublambert | Self::BlinnPhong | Self::AshikhminShirley => false,
+            Self::Mirror | Self::Glass => false,
+        }
+    }
+
+    /// Whether the light on it has few tones, and not its colours.
+    pub fn has_toned_light(self) -> bool {
+        match self {
+            Self::Toon => true,
+            Self::Lambert | Self::Sublambert | Self::Phong | Self::BlinnPhong => false,
+            Self::AshikhminShirley | Self::Mirror | Self::Glass => false,
+        }
+    }
+}
+
 /// Factor of highlights defined by shape alone.
 const HIGHLIGHT: f32 = 0.25;
 
@@ -233,7 +298,8 @@ impl MaterialParams {
     pub fn specular(&self) -> f32 {
         self.specular_gain.unwrap_or(match self.material {
             Material::Phong | Material::BlinnPhong => HIGHLIGHT,
-            _ => 1.0,
+            Material::Lambert | Material::Toon | Material::Sublambert => 1.0,
+            Material::AshikhminShirley | Material::Mirror | Material::Glass => 1.0,
         })
     }
 }
@@ -241,7 +307,7 @@ impl MaterialParams {
 impl RelightParams {
     /// The tones, if luminance is quantised.
     pub fn tones(&self) -> Option<Quantisation> {
-        let toon = self.material.material == Material::Toon;
+        let toon = self.material.material.has_toned_light();
         let levels = self.toon_levels.or_else(|| toon.then_some(TOON_LEVELS))?;
         Some(Quantisation {
             levels,

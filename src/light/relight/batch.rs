@@ -1,10 +1,10 @@
 //! Gathering covered pixels from the planes, and scattering their results.
 
 use crate::frame::{ColorPlanes, DepthKind, Plane};
-use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
-use crate::light::relight::curvature::{Curvature, CurvatureRow};
+use crate::light::batch::{BATCH, Lanes, Pixels, Vectors, put};
+use crate::light::relight::curvature::CurvatureRow;
 use crate::light::relight::scene::Scene;
-use crate::light::sum::{LightSum, Sums};
+use crate::light::sum::{LightLanes, LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -39,8 +39,6 @@ pub(crate) struct GlossLanes {
 pub(crate) struct Batch {
     pub(crate) pixels: Pixels,
     pub(crate) sum: LightSum,
-    /// Trace of the Hessian.
-    pub(crate) trace: Lanes,
     /// Mapped curvature.
     pub(crate) kappa: Lanes,
     pub(crate) albedo: [Lanes; 3],
@@ -53,9 +51,9 @@ pub(crate) struct Batch {
     /// Grain direction in the picture.
     pub(crate) grain: [Lanes; 2],
     /// Points of the surface, for lights near it.
-    pub(crate) points: [Lanes; 3],
-    /// Directions to a light near the surface, and the share that arrives.
-    pub(crate) near: ([Lanes; 3], Lanes),
+    pub(crate) points: Vectors,
+    /// A light near the surface, or looked up.
+    pub(crate) lamp: LightLanes,
     /// Directions of look-ups.
     pub(crate) toward: Vectors,
     /// Weight of the look-ups.
@@ -74,9 +72,8 @@ impl Batch {
     pub(crate) fn new() -> Self {
         Self {
             pieces: Vec::new(),
-            pixels: Pixels::new(),
-            sum: LightSum::new(),
-            trace: ZERO,
+            pixels: Pixels::NONE,
+            sum: LightSum::NONE,
             kappa: ZERO,
             albedo: [ONE; 3],
             gloss: GlossLanes {
@@ -88,7 +85,7 @@ impl Batch {
             alpha: ONE,
             grain: [ZERO; 2],
             points: [ZERO; 3],
-            near: ([ZERO; 3], ZERO),
+            lamp: LightLanes::NONE,
             toward: [ZERO; 3],
             share: ZERO,
             looked_up: [ZERO; 3],
@@ -148,16 +145,10 @@ impl Batch {
         for (lanes, row) in self.pixels.normal.vector.iter_mut().zip(normal) {
             copy_row(lanes, row);
         }
-        match scene.curvature {
-            Some(Curvature::Hessian(_)) => {
-                for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
-                    copy_row(lanes, curvature.entry(k));
-                }
+        if scene.curvature.is_some() {
+            for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
+                copy_row(lanes, curvature.entry(k));
             }
-            Some(Curvature::Trace(_) | Curvature::Made(_)) => {
-                copy_row(&mut self.trace, curvature.entry(0))
-            }
-            None => {}
         }
         if let Some(color) = scene.albedo {
             let [r, g, b] = &mut self.albedo;
@@ -213,11 +204,7 @@ impl Batch {
             let depth = f64::from(depth.at(x, y));
             let point = scene.sight.point(position[0], position[1], depth, kind);
             let DVec3 { x, y, z } = point;
-            (
-                self.points[0][lane],
-                self.points[1][lane],
-                self.points[2][lane],
-            ) = (x as f32, y as f32, z as f32);
+            put(&mut self.points, lane, [x as f32, y as f32, z as f32]);
         }
     }
 

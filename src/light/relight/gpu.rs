@@ -4,7 +4,7 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
+use crate::engine::gpu::sight::{starts, to_eye};
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
@@ -20,7 +20,7 @@ use crate::light::relight::gpu_lights::{Light, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
-use crate::params::{Material, Quantisation, Tangent};
+use crate::params::{Quantisation, Tangent};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
@@ -195,7 +195,6 @@ impl Recording<'_> {
         let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
             .map(|plane| plane.map(|plane| self.uploaded(plane.samples())));
         let of_frame = [
-            ("FAR_EYE", is_eye_far(frame)),
             (
                 "HAS_HESSIAN",
                 hessian.is_some_and(|hessian| hessian.entries.is_some()),
@@ -205,7 +204,7 @@ impl Recording<'_> {
             ("HAS_ALPHA", alpha.is_some()),
             ("HAS_ALBEDO", has_albedo),
         ];
-        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
+        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material));
         let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
         let [red, green, blue] = &picture;
         let params = light_params(plan, frame, light, self.gain());
@@ -264,25 +263,24 @@ pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
 
 /// Switches of `relight.wgsl` shared by all frames in this light.
 fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14] {
-    let is = |kind: Material| relighting.params.material.material == kind;
+    let material = relighting.params.material.material;
     let used = &light.around.ready.used;
-    let lobes = Lobes::of(&relighting.params.material, false);
     let is_covered = matches!(relighting.albedo, Albedo::Layer | Albedo::Picture);
     [
         ("WARPS", relighting.warps),
         ("HAS_JACOBIAN", relighting.has_jacobian()),
         ("SCALES", relighting.scales),
-        ("GLOSSY", lobes.is_some_and(|lobes| lobes.are_glossy())),
+        ("GLOSSY", material.has_highlight()),
         ("TOWARD_LIGHT", relighting.toward_light),
         ("ALBEDO_IS_COVERED", is_covered),
         ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),
         ("MIRRORED", matches!(used, Used::Mirrored(_))),
-        ("GLASS", is(Material::Glass)),
+        ("GLASS", material.is_clear()),
         ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
         ("TWO_SPHERES", light.around.spheres.len() == 2),
         ("HAS_CONTRAST", relighting.contrasts),
         ("FEW_TONES", relighting.params.tones().is_some()),
-        ("TOON", is(Material::Toon)),
+        ("TOON", material.has_toned_light()),
     ]
 }
 
@@ -293,7 +291,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
     let magnitudes = scaling.magnitudes();
     let weights = frame.luminance_weights();
     // Mirrors and glass are not summed over lights.
-    let lobes = Lobes::of(material, is_eye_far(frame));
+    let lobes = Lobes::of(material);
     let (whole_power, power) = match lobes.map(|lobes| lobes.exponent()) {
         Some(Exponent::Integer(whole)) => (whole, 0.0),
         Some(Exponent::Real(any)) => (0, any),

@@ -1,32 +1,29 @@
 //! Look-ups made once per pixel, in an environment or a lit sphere.
 
 use crate::frame::luminance;
-use crate::light::batch::{BATCH, Term, Vectors};
+use crate::light::batch::{BATCH, Term, Vectors, at, put};
 use crate::light::brdf::{grazing, seen_in_glass};
 use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
 use crate::light::intensity::{Intensity, Map};
-use crate::light::light_warping::{Warp, half_vector};
+use crate::light::light_warping::warped;
 use crate::light::lit_sphere::LitSphere;
 use crate::light::prepared_environment::Used;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::pilot::Base;
 use crate::light::relight::scene::Scene;
 use crate::light::relight::traced::add_traced;
-use crate::params::{Material, MaterialParams};
+use crate::params::MaterialParams;
 
 /// Looks `map` up in the directions `toward`: positions of all lanes first, then the samples.
 #[inline(always)]
 pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, count: usize) {
-    let [x, y, z] = toward;
-    let mut positions = [[0.0; BATCH]; 2];
-    let [columns, rows] = &mut positions;
+    let [mut columns, mut rows] = [[0.0; BATCH]; 2];
     for i in 0..BATCH {
-        [columns[i], rows[i]] = map.position([x[i], y[i], z[i]]);
+        [columns[i], rows[i]] = map.position(at(toward, i));
     }
-    let [r, g, b] = found;
     for i in 0..count {
-        [r[i], g[i], b[i]] = map.at_position(columns[i], rows[i]);
+        put(found, i, map.at_position(columns[i], rows[i]));
     }
 }
 
@@ -43,8 +40,8 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::Sampled(sampled) => {
             if let Base::Map(map) = &sampled.base {
                 let shading = scene.shading.expect("samples have lobes");
-                let shares = shading.lobes.base_share(&batch.pixels);
-                for (i, share) in shares.into_iter().enumerate() {
+                for i in 0..BATCH {
+                    let share = shading.lobes.base_share(&batch.pixels, i);
                     batch.share[i] = gain * batch.occlusion[i] * share;
                 }
                 batch.toward = batch.pixels.normal.vector;
@@ -68,7 +65,7 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::Mirrored(map) => {
             let material = scene.params().material;
             batch.share = [gain; BATCH];
-            if material.material == Material::Glass {
+            if material.material.is_clear() {
                 add_refracted(batch, scene, map, &material);
             }
             batch.toward = batch.pixels.mirrored.vector;
@@ -126,12 +123,10 @@ fn see(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
         &batch.toward,
         batch.pixels.count,
     );
-    let [r, g, b] = &batch.looked_up;
-    let w = scene.luminance;
     if scene.relighting.scales {
-        let curves = batch.pixels.curve(term as usize);
+        let curves = batch.pixels.curve(term);
         for i in 0..BATCH {
-            let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
+            let luminance = luminance(at(&batch.looked_up, i), scene.luminance);
             let intensity = map.intensity.of(luminance);
             let sigma = curves.at(i).at(intensity, scene.invariant_point);
             batch.share[i] *= sigma;
@@ -146,8 +141,8 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
     let all = batch.share;
     for i in 0..batch.pixels.count {
         let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
-        let (share, [x, y, z]) = seen_in_glass(n, eye, material);
-        (batch.toward[0][i], batch.toward[1][i], batch.toward[2][i]) = (x, y, z);
+        let (share, through) = seen_in_glass(n, eye, material);
+        put(&mut batch.toward, i, through);
         mirrored[i] = share;
         batch.share[i] = all[i] * (1.0 - mirrored[i]);
     }
@@ -178,7 +173,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], intensit
         let sigma = match scene.relighting.scales {
             true => {
                 let luminance = luminance(color, scene.luminance);
-                let curves = batch.pixels.curve(Term::Diffuse as usize);
+                let curves = batch.pixels.curve(Term::Diffuse);
                 curves
                     .at(i)
                     .at(intensity.of(luminance), scene.invariant_point)
@@ -197,15 +192,9 @@ pub(crate) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
     if !scene.relighting.warps {
         return;
     }
-    let [xx, xy, yy] = &batch.pixels.unwarp;
-    let [x, y, z] = &mut batch.toward;
     for i in 0..BATCH {
-        let inverse = Warp {
-            xx: xx[i],
-            xy: xy[i],
-            yy: yy[i],
-        };
-        let half = half_vector([x[i], y[i], z[i]]);
-        [x[i], y[i], z[i]] = inverse.inverse().direction(half);
+        let warp = batch.pixels.inverse_warp(i).inverse();
+        let toward = warped(at(&batch.toward, i), warp);
+        put(&mut batch.toward, i, toward);
     }
 }

@@ -86,7 +86,7 @@ pub(crate) fn relight(run: &mut Execution) {
     let shape = std::mem::take(&mut run.outcome.shape);
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
-    let shading = shading(plan, relighting, gain, eye.is_none());
+    let shading = shading(plan, relighting, gain);
     let mirror_shading = shading.filter(|_| relighting.gloss);
     let mirror_shading = mirror_shading.map(|shading| Shading {
         lobes: Lobes::Mirror,
@@ -112,10 +112,6 @@ pub(crate) fn relight(run: &mut Execution) {
         gloss: frame.light.gloss.as_ref().filter(|_| relighting.gloss),
         mirror_shading,
         keeps_mirrored: around.ready.gloss.is_none(),
-        is_glossy: mirrors.is_some()
-            || relighting.gloss
-            || around.is_mirrored()
-            || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
         lights: Directed::all(&illumination.directional),
         around_lights: Directed::all(around.lights()),
@@ -153,7 +149,7 @@ fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
 }
 
 /// Shading by single lights, if any are summed.
-fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
+fn shading(plan: &Plan, relighting: &Relighting, gain: f32) -> Option<Shading> {
     let scaling = &plan.scaling;
     let magnitudes = scaling.magnitudes();
     let toward_light = relighting.toward_light.then_some(TowardLight {
@@ -161,7 +157,7 @@ fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option
         anisotropy: scaling.anisotropy,
         magnitudes: [magnitudes.diffuse, magnitudes.specular],
     });
-    let lobes = Lobes::of(&relighting.params.material, far)?;
+    let lobes = Lobes::of(&relighting.params.material)?;
     relighting.sums.then_some(Shading {
         warped: relighting.has_jacobian(),
         scaled: relighting.scales.then_some(Scaled {
@@ -190,7 +186,7 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
     let mask = scene.lit;
     let width = mask.width();
     let light = |batch: &mut Batch, rows: &mut [&mut [f32]; 3], first| {
-        wide!(|fma| shade::light_batch(fma, batch, scene));
+        wide!(shade::light_batch(batch, scene));
         batch.scatter(rows, first, width);
     };
     let is_in_place = normals.is_some();

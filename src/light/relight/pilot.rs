@@ -8,7 +8,7 @@
 use crate::frame::luminance;
 use crate::kernel::quantile::quantile;
 use crate::kernel::simd::wide;
-use crate::light::batch::{BATCH, Lanes, Pixels};
+use crate::light::batch::{BATCH, Lanes, Pixels, put};
 use crate::light::brdf::{Lobes, mirrored};
 use crate::light::cosines::{at_most_1, positive};
 use crate::light::environment::Environment;
@@ -209,8 +209,8 @@ struct Pilot {
 
 impl Pilot {
     fn new(map: &Environment, material: &MaterialParams, warp: f32, gain: f32) -> Self {
-        let lobes = Lobes::of(material, true).expect("mirrors have no lights");
-        let mut pixels = Box::new(Pixels::new());
+        let lobes = Lobes::of(material).expect("mirrors have no lights");
+        let mut pixels = Box::new(Pixels::NONE);
         let stride = ball().count() / BATCH;
         for (i, n) in ball().step_by(stride).take(BATCH).enumerate() {
             pixels.normal.set(i, n);
@@ -223,14 +223,12 @@ impl Pilot {
             pixels.hessian[2][i] = mean - 0.5 * difference;
         }
         pixels.count = BATCH;
-        let is_phong = material.material == Material::Phong;
-        pixels.set_tangents(is_phong, |_| [1.0, 0.0]);
-        lobes.see(&mut pixels);
+        let faces_eye = material.material.glows_about_mirrored_view();
+        pixels.set_tangents(faces_eye, |_| [1.0, 0.0]);
         pixels.warp_by(warp);
-        lobes.unwarp_axes(&mut pixels);
         let mut pilot = Self {
             pixels,
-            sum: Box::new(LightSum::new()),
+            sum: Box::new(LightSum::NONE),
             shading: Shading {
                 warped: warp > 0.0,
                 scaled: None,
@@ -262,7 +260,7 @@ impl Pilot {
     ) -> Sums {
         let lights = Directed::all(lights);
         let (pixels, sum) = (&self.pixels, &mut self.sum);
-        wide!(|fma| light_ball(fma, pixels, sum, shading, &lights, samples));
+        wide!(light_ball(pixels, sum, shading, &lights, samples));
         self.sum.sums.clone()
     }
 
@@ -274,12 +272,10 @@ impl Pilot {
 
     /// Takes the diffuse light that `map` tells.
     fn look_base_up(&mut self, map: &Environment) {
-        let shares = self.shading.lobes.base_share(&self.pixels);
         for i in 0..BATCH {
+            let share = self.gain * self.shading.lobes.base_share(&self.pixels, i);
             let found = map.radiance(self.pixels.normal.at(i));
-            for (base, found) in self.base.iter_mut().zip(found) {
-                base[i] = self.gain * shares[i] * found;
-            }
+            put(&mut self.base, i, found.map(|channel| share * channel));
         }
     }
 
@@ -318,16 +314,14 @@ impl Pilot {
 /// Lights the ball.
 #[inline(always)]
 fn light_ball(
-    fma: bool,
     pixels: &Pixels,
     sum: &mut LightSum,
     shading: &Shading,
     lights: &[Directed],
     samples: Option<&FilteredSamples>,
 ) {
-    sum.clear();
-    sum.add_directed(fma, pixels, shading, lights);
-    sum.finish(pixels, shading);
+    sum.sums = Sums::NONE;
+    sum.add_directed(pixels, shading, lights);
     if let Some(samples) = samples {
         samples.add(pixels, sum, shading);
     }

@@ -8,9 +8,9 @@
 //! error of the few samples used here; and what is far brighter than the mean is left to lights, see [`super::pilot`].
 
 use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
-use crate::light::brdf::Lobes;
+use crate::light::brdf::{GRAZING, Lobes};
 use crate::light::cosines::{at_most_1, positive, scalar_product};
-use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
+use crate::light::light_warping::MOST_BRIGHTENED;
 use crate::light::octahedral::OctahedralMaps;
 use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{LightSum, Shading};
@@ -133,7 +133,7 @@ impl FilteredSamples {
                 }
                 scratch.weigh(at, pixels, &shading.lobes);
                 if let Some(scaled) = shading.scaled {
-                    let curves = pixels.curve(Term::Specular as usize);
+                    let curves = pixels.curve(Term::Specular);
                     for i in 0..BATCH {
                         let sigma = curves.at(i).at(sample.seen, scaled.invariant_point);
                         scratch.share[at][i] *= sigma;
@@ -183,14 +183,9 @@ impl Scratch {
 
     #[inline(always)]
     fn find_warp(&mut self, pixels: &Pixels) {
-        let ([xx, xy, yy], [to_xx, to_xy, to_yy, determinant]) = (&pixels.unwarp, &mut self.warp);
+        let [to_xx, to_xy, to_yy, determinant] = &mut self.warp;
         for i in 0..BATCH {
-            let inverse = Warp {
-                xx: xx[i],
-                xy: xy[i],
-                yy: yy[i],
-            };
-            let warp = inverse.inverse();
+            let warp = pixels.inverse_warp(i).inverse();
             (to_xx[i], to_xy[i], to_yy[i]) = (warp.xx, warp.xy, warp.yy);
             determinant[i] = warp.determinant();
         }
@@ -254,9 +249,9 @@ impl Scratch {
         let (share, cosine, slant) = (&mut self.share[at], &self.cosine, &self.slant);
         match lobes {
             Lobes::AshikhminShirley(coat) => {
-                let per_cosine = &pixels.coat.per_cosine;
                 for i in 0..BATCH {
-                    let seen = at_most_1(positive(cosine[i] * per_cosine[i]));
+                    let per_cosine = 1.0 / pixels.normal_eye(i).max(GRAZING);
+                    let seen = at_most_1(positive(cosine[i] * per_cosine));
                     share[i] = coat.reflected(slant[i]) * seen;
                 }
             }

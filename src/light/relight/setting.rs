@@ -150,7 +150,7 @@ impl Relighting {
             environment,
             EnvironmentUse::Lights(_) | EnvironmentUse::ToError(_) | EnvironmentUse::Lookups(_)
         );
-        let reflects = !mirrors(params.material.material);
+        let reflects = !params.material.material.shows_surroundings();
         let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
         let coat = params.material.coat;
         let albedo = albedo(&params, kinds, available)?;
@@ -161,7 +161,7 @@ impl Relighting {
             contrasts: warps && params.warping.contrast != 0.0,
             toward_light: scales && sums && scaling.anisotropy != 0.0,
             grain: sums
-                && params.material.material == Material::AshikhminShirley
+                && params.material.material.has_grain()
                 && params.material.tangent == Tangent::Curvature
                 && coat[0] != coat[1],
             sums,
@@ -207,17 +207,13 @@ fn bad(name: &'static str, found: &str, remedy: &str) -> Error {
     }
 }
 
-fn mirrors(material: Material) -> bool {
-    matches!(material, Material::Mirror | Material::Glass)
-}
-
 /// Errors allowed in light from an environment by default, in grey levels: bright highlights hide more.
 const DIFFUSE_ERROR: f32 = 2.0;
 const COAT_ERROR: f32 = 4.0;
 
 /// Whether look-ups give the complete result.
 fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
-    mirrors(material) || kinds.lit_spheres > 0
+    material.shows_surroundings() || kinds.lit_spheres > 0
 }
 
 fn refuse_what_lacks(
@@ -225,7 +221,7 @@ fn refuse_what_lacks(
     kinds: LightKinds,
     available: Available,
 ) -> Result<()> {
-    let is_specular = mirrors(params.material.material);
+    let is_specular = params.material.material.shows_surroundings();
     let surrounded = kinds.environment || kinds.lit_spheres > 0 || available.specular.is_some();
     if is_specular && !surrounded {
         return Err(bad(
@@ -234,7 +230,7 @@ fn refuse_what_lacks(
             "give --environment FILE, --surroundings FILE or --behind FILE",
         ));
     }
-    if mirrors(params.material.material) && (kinds.directional || kinds.points) {
+    if is_specular && (kinds.directional || kinds.points) {
         return Err(bad(
             "--light",
             "is no larger than a point: mirrors and glass do not show it",
@@ -276,13 +272,10 @@ fn environment_use(
 ) -> Result<EnvironmentUse> {
     let material = params.material.material;
     let toward_light = scales && is_anisotropic;
-    if mirrors(material) {
+    if material.shows_surroundings() {
         return Ok(EnvironmentUse::Mirrored);
     }
-    let can_prefilter = matches!(
-        material,
-        Material::Lambert | Material::Toon | Material::Phong
-    ) && !toward_light;
+    let can_prefilter = material.can_prefilter() && !toward_light;
     if params.samples == Samples::Fixed(0) && !can_prefilter {
         return Err(bad(
             "--samples",
@@ -290,10 +283,7 @@ fn environment_use(
             "give a number, or another --material",
         ));
     }
-    let is_glossy = matches!(
-        material,
-        Material::Phong | Material::BlinnPhong | Material::AshikhminShirley
-    );
+    let is_glossy = material.has_highlight();
     let by_lookups = warps && params.warp_by == WarpBy::Lookups;
     Ok(match params.samples {
         Samples::Fixed(0) => EnvironmentUse::Prefiltered,

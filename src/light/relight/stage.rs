@@ -3,7 +3,6 @@
 use crate::light::intensity::White;
 use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
-use crate::params::Material;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
@@ -222,7 +221,7 @@ fn light_lookups(relighting: &Relighting) -> Verdict {
 
 /// How radiance scaling takes the intensity of looked-up light.
 fn intensity(relighting: &Relighting) -> String {
-    let material = relighting.params.material.material;
+    let has_highlight = relighting.params.material.material.has_highlight();
     let is_diffuse = relighting.environment == EnvironmentUse::Prefiltered && !relighting.traced;
     let unlimited = "intensity 1/2 at the median";
     let limited = "intensity 1 at the largest luminance";
@@ -231,7 +230,7 @@ fn intensity(relighting: &Relighting) -> String {
         White::Auto if relighting.lit_spheres > 0 => {
             format!("{limited}, of HDR {unlimited}")
         }
-        _ if is_diffuse && material != Material::Phong => limited.into(),
+        _ if is_diffuse && !has_highlight => limited.into(),
         White::Auto if is_diffuse => format!("{limited}, of highlights {unlimited}"),
         White::Auto => unlimited.into(),
         White::Middle(middle) => format!("intensity 1/2 at luminance {middle}, by --middle-light"),

@@ -3,7 +3,6 @@
 
 use crate::frame::{Frame, luminance};
 use crate::light::batch::{BATCH, Term};
-use crate::light::light_warping::Warp;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::mirrors::{BentSight, Mirrors};
 use crate::light::relight::scene::Scene;
@@ -14,7 +13,7 @@ pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
     let curves = scene
         .relighting
         .scales
-        .then(|| *batch.pixels.curve(Term::Specular as usize));
+        .then(|| *batch.pixels.curve(Term::Specular));
     let mut places = [[0; 2]; BATCH];
     for (lane, x, y) in batch.places() {
         places[lane] = [x, y];
@@ -24,10 +23,7 @@ pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
             tracer: &mirrors.tracer,
             environment: scene.around.mirrored(),
             at,
-            warp: scene.relighting.warps.then(|| {
-                let [xx, xy, yy] = batch.pixels.unwarp.each_ref().map(|lanes| lanes[lane]);
-                Warp { xx, xy, yy }.inverse()
-            }),
+            warp: (scene.relighting.warps).then(|| batch.pixels.inverse_warp(lane).inverse()),
         };
         let (n, eye) = (batch.pixels.normal.at(lane), batch.pixels.to_eye.at(lane));
         let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];

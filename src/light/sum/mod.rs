@@ -10,42 +10,75 @@
 //!
 //! Use: prepare lights of one direction once per run ([`Directed`]), add all lights to a [`LightSum`], read its sums.
 
-mod directed;
 pub(crate) mod exponent;
 mod shading;
 pub(crate) mod terms;
 
-pub(crate) use directed::Directed;
 pub(crate) use shading::{Scaled, Shading, TowardLight};
 
-use super::batch::{Above, BATCH, Lanes, Pixels};
+use super::batch::{BATCH, Lanes, Pixels, Vectors, at};
 use super::light_warping::half_vector;
-use terms::{Arriving, Scratch, Terms};
+use super::lights::DirectionalLight;
+use terms::{Arriving, Terms};
 
-/// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
-const GROUP: usize = 4;
+/// A light of one direction, prepared for all batches of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Directed {
+    arriving: Arriving,
+    intensity: [f32; 3],
+}
 
-/// Lights that are tried before any of them is added: tests between sums wait for what these store.
-const AT_ONCE: usize = 64;
+impl Directed {
+    /// All lights.
+    pub(crate) fn all(lights: &[DirectionalLight]) -> Vec<Self> {
+        let prepared = |light: &DirectionalLight| {
+            let direction = light.to_light.to_array();
+            Self {
+                arriving: Arriving {
+                    direction,
+                    half: half_vector(direction),
+                    share: 1.0,
+                },
+                intensity: light.intensity,
+            }
+        };
+        lights.iter().map(prepared).collect()
+    }
+}
+
+/// A light that differs by pixel: its unit directions, its attenuation, its colours.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(crate) struct LightLanes {
+    pub(crate) direction: Vectors,
+    pub(crate) share: Lanes,
+    pub(crate) rgb: Vectors,
+}
+
+impl LightLanes {
+    /// No light.
+    pub(crate) const NONE: Self = Self {
+        direction: [ZERO; 3],
+        share: ZERO,
+        rgb: [ZERO; 3],
+    };
+}
 
 /// Light reflected from a batch.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 pub(crate) struct Sums {
     /// Red, green and blue of diffusely reflected light, of albedo 1.
-    pub diffuse: [Lanes; 3],
+    pub diffuse: Vectors,
     /// Red, green and blue of specularly reflected light.
-    pub specular: [Lanes; 3],
+    pub specular: Vectors,
 }
 
-/// The sums of a batch, and the terms of the lights being added.
+/// The sums of a batch, and the terms of the light being added.
 #[derive(Debug, Clone)]
 pub(crate) struct LightSum {
-    /// The light added so far; complete after [`LightSum::finish`].
     pub sums: Sums,
-    group: [Directed; GROUP],
-    terms: [Terms; GROUP],
-    scratch: Scratch,
+    terms: Terms,
 }
 
 const ZERO: Lanes = [0.0; BATCH];
@@ -56,170 +89,41 @@ impl Sums {
         diffuse: [ZERO; 3],
         specular: [ZERO; 3],
     };
-
-    /// Adds the terms of one light of colour `rgb`.
-    #[inline(always)]
-    fn add(&mut self, terms: &Terms, rgb: impl Fn(usize) -> [f32; 3], glossy: bool) {
-        add_term(&mut self.diffuse, &terms.diffuse, &rgb);
-        if glossy {
-            add_term(&mut self.specular, &terms.specular, &rgb);
-        }
-    }
-
-    /// Adds the terms of a full group in order: the same bits as one by one.
-    #[inline(always)]
-    fn add_group(&mut self, terms: &[Terms; GROUP], colors: [[f32; 3]; GROUP], glossy: bool) {
-        let [a, b, c, d] = terms;
-        let diffuse = [&a.diffuse, &b.diffuse, &c.diffuse, &d.diffuse];
-        add_group(&mut self.diffuse, diffuse, colors);
-        if glossy {
-            let specular = [&a.specular, &b.specular, &c.specular, &d.specular];
-            add_group(&mut self.specular, specular, colors);
-        }
-    }
-}
-
-impl Default for LightSum {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 impl LightSum {
     /// Sums of no light.
-    pub(crate) fn new() -> Self {
-        Self {
-            sums: Sums::NONE,
-            group: [Directed::none(); GROUP],
-            terms: [Terms::NONE; GROUP],
-            scratch: Scratch::NONE,
-        }
-    }
-
-    /// Resets the sums.
-    pub(crate) fn clear(&mut self) {
-        self.sums = Sums::NONE;
-    }
+    pub(crate) const NONE: Self = Self {
+        sums: Sums::NONE,
+        terms: Terms::NONE,
+    };
 
     /// Adds lights of one direction each.
     #[inline(always)]
-    pub(crate) fn add_directed(
-        &mut self,
-        fma: bool,
-        pixels: &Pixels,
-        shading: &Shading,
-        lights: &[Directed],
-    ) {
-        for some in lights.chunks(AT_ONCE) {
-            let mut tried = [Above::Nowhere; AT_ONCE];
-            for (tried, light) in tried.iter_mut().zip(some) {
-                *tried = pixels.facing.above(light.direction);
-            }
-            let mut found = some.iter().zip(tried);
-            loop {
-                // The next few that reach any of the pixels.
-                let (mut count, mut above) = (0, [Above::Everywhere; GROUP]);
-                while count < GROUP
-                    && let Some((light, tried)) = found.next()
-                {
-                    above[count] = tried;
-                    if tried != Above::Nowhere {
-                        self.group[count] = *light;
-                        count += 1;
-                    }
-                }
-                if count == 0 {
-                    break;
-                }
-                self.add_group(fma, pixels, shading, &above[..count]);
+    pub(crate) fn add_directed(&mut self, pixels: &Pixels, shading: &Shading, lights: &[Directed]) {
+        for &Directed {
+            arriving,
+            intensity,
+        } in lights
+        {
+            if pixels.facing.may_see(arriving.direction) {
+                self.add(pixels, shading, |_| (arriving, intensity));
             }
         }
     }
 
-    /// Adds the first lights of the group, as many as `above` has entries.
+    /// Adds a light that differs by pixel.
     #[inline(always)]
-    fn add_group(&mut self, fma: bool, pixels: &Pixels, shading: &Shading, above: &[Above]) {
-        let Self {
-            sums,
-            group,
-            terms,
-            scratch,
-        } = self;
-        if let Some(lobes) = shading.group_lobes() {
-            group[above.len()..].fill(Directed::none());
-            let everywhere = above.iter().all(|&above| above == Above::Everywhere);
-            lobes.add(fma, sums, terms, pixels, (group, everywhere));
-            return;
-        }
-        for ((light, above), terms) in group.iter().zip(above).zip(&mut *terms) {
-            // By value: loops over lanes do not read them again after each store.
-            let (direction, half) = (light.direction, light.half);
+    pub(crate) fn add_by_lane(&mut self, pixels: &Pixels, shading: &Shading, light: &LightLanes) {
+        self.add(pixels, shading, |lane| {
+            let direction = at(&light.direction, lane);
             let arriving = Arriving {
-                direction: |_| direction,
-                half: |_| half,
-                share: |_| 1.0,
-                everywhere: *above == Above::Everywhere,
+                direction,
+                half: half_vector(direction),
+                share: light.share[lane],
             };
-            scratch.reflect(terms, pixels, shading, arriving);
-        }
-        let glossy = shading.lobes.are_glossy();
-        let colors = group.map(|light| light.intensity);
-        if above.len() == GROUP {
-            sums.add_group(terms, colors, glossy);
-        } else {
-            for (terms, rgb) in terms.iter().zip(colors).take(above.len()) {
-                sums.add(terms, |_| rgb, glossy);
-            }
-        }
-    }
-
-    /// Adds light from one direction, of colour `rgb` by pixel.
-    #[inline(always)]
-    pub(crate) fn add_looked_up(
-        &mut self,
-        pixels: &Pixels,
-        shading: &Shading,
-        direction: [f32; 3],
-        rgb: &[Lanes; 3],
-    ) {
-        let above = pixels.facing.above(direction);
-        if above == Above::Nowhere {
-            return;
-        }
-        let half = half_vector(direction);
-        let arriving = Arriving {
-            direction: |_| direction,
-            half: |_| half,
-            share: |_| 1.0,
-            everywhere: above == Above::Everywhere,
-        };
-        self.scratch
-            .reflect(&mut self.terms[0], pixels, shading, arriving);
-        let rgb = |i: usize| [rgb[0][i], rgb[1][i], rgb[2][i]];
-        let glossy = shading.lobes.are_glossy();
-        self.sums.add(&self.terms[0], rgb, glossy);
-    }
-
-    /// Adds a light near the surface, with its unit directions and its attenuation by pixel.
-    #[inline(always)]
-    pub(crate) fn add_near(
-        &mut self,
-        pixels: &Pixels,
-        shading: &Shading,
-        (directions, share): (&[Lanes; 3], &Lanes),
-        rgb: [f32; 3],
-    ) {
-        let direction = |i: usize| [directions[0][i], directions[1][i], directions[2][i]];
-        let arriving = Arriving {
-            direction,
-            half: |i| half_vector(direction(i)),
-            share: |i| share[i],
-            everywhere: false,
-        };
-        self.scratch
-            .reflect(&mut self.terms[0], pixels, shading, arriving);
-        let glossy = shading.lobes.are_glossy();
-        self.sums.add(&self.terms[0], |_| rgb, glossy);
+            (arriving, at(&light.rgb, lane))
+        });
     }
 
     /// Adds lights that stand for an environment before any others; with `base` they make its highlights alone, and those of
@@ -227,70 +131,44 @@ impl LightSum {
     #[inline(always)]
     pub(crate) fn add_around(
         &mut self,
-        fma: bool,
         pixels: &Pixels,
         shading: &Shading,
         (lights, base): (&[Directed], Option<&[Directed]>),
     ) {
-        self.add_directed(fma, pixels, shading, lights);
+        self.add_directed(pixels, shading, lights);
         if let Some(base) = base {
             self.sums.diffuse = Sums::NONE.diffuse;
-            self.add_directed(fma, pixels, &shading.diffuse(), base);
+            self.add_directed(pixels, &shading.diffuse(), base);
         }
     }
 
-    /// Multiplies the diffuse light added so far by `share`.
+    /// Adds a light, given with its colour by lane.
     #[inline(always)]
-    pub(crate) fn dim(&mut self, share: &Lanes) {
-        for sum in &mut self.sums.diffuse {
-            for (sum, share) in sum.iter_mut().zip(share) {
-                *sum *= share;
-            }
+    fn add(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        light: impl Fn(usize) -> (Arriving, [f32; 3]),
+    ) {
+        let Self { sums, terms } = self;
+        match shading.warped {
+            true => terms.reflect::<true>(pixels, shading, |lane| light(lane).0),
+            false => terms.reflect::<false>(pixels, shading, |lane| light(lane).0),
         }
-    }
-
-    /// Completes the sums.
-    #[inline(always)]
-    pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
-        if shading.warped {
-            let Sums { diffuse, specular } = &mut self.sums;
-            for sum in diffuse.iter_mut().chain(specular) {
-                for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
-                    *sum *= spread;
-                }
-            }
+        add_term(&mut sums.diffuse, &terms.diffuse, |lane| light(lane).1);
+        if shading.lobes.are_glossy() {
+            add_term(&mut sums.specular, &terms.specular, |lane| light(lane).1);
         }
     }
 }
 
-/// Adds `term * intensity` to the sums.
+/// Adds `term * rgb` to the sums.
 #[inline(always)]
-fn add_term(sums: &mut [Lanes; 3], term: &Lanes, intensity: impl Fn(usize) -> [f32; 3]) {
-    let [r, g, b] = sums;
-    for i in 0..BATCH {
-        let rgb = intensity(i);
-        r[i] += term[i] * rgb[0];
-        g[i] += term[i] * rgb[1];
-        b[i] += term[i] * rgb[2];
-    }
-}
-
-/// Adds several terms, each times its colour.
-#[inline(always)]
-fn add_group(sums: &mut [Lanes; 3], terms: [&Lanes; GROUP], colors: [[f32; 3]; GROUP]) {
-    let [r, g, b] = sums;
-    let [a, c, d, e] = terms;
-    let [ca, cc, cd, ce] = colors;
-    for i in 0..BATCH {
-        let term = [a[i], c[i], d[i], e[i]];
-        let add = |sum: f32, channel: usize| {
-            let sum = sum + term[0] * ca[channel];
-            let sum = sum + term[1] * cc[channel];
-            let sum = sum + term[2] * cd[channel];
-            sum + term[3] * ce[channel]
-        };
-        r[i] = add(r[i], 0);
-        g[i] = add(g[i], 1);
-        b[i] = add(b[i], 2);
+fn add_term([r, g, b]: &mut Vectors, term: &Lanes, rgb: impl Fn(usize) -> [f32; 3]) {
+    for lane in 0..BATCH {
+        let rgb = rgb(lane);
+        r[lane] += term[lane] * rgb[0];
+        g[lane] += term[lane] * rgb[1];
+        b[lane] += term[lane] * rgb[2];
     }
 }
