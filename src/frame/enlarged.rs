@@ -229,17 +229,12 @@ fn is_one_surface(a: f32, b: f32) -> bool {
 pub(super) fn around_pixel(
     [x, y]: [usize; 2],
     size: [usize; 2],
-    steps: u32,
+    steps: usize,
 ) -> impl Iterator<Item = [usize; 2]> {
-    let near = (-1..=1).flat_map(|down: i32| (-1..=1).map(move |across: i32| [across, down]));
+    let near = (-1..=1).flat_map(|down: isize| (-1..=1).map(move |across: isize| [across, down]));
     let near =
         near.filter(move |[a, d]| (1..=steps).contains(&(a.unsigned_abs() + d.unsigned_abs())));
-    let places = near.map(move |[a, d]| {
-        [
-            x.wrapping_add_signed(a as isize),
-            y.wrapping_add_signed(d as isize),
-        ]
-    });
+    let places = near.map(move |[a, d]| [x.wrapping_add_signed(a), y.wrapping_add_signed(d)]);
     places.filter(move |[x, y]| *x < size[0] && *y < size[1])
 }
 

@@ -9,11 +9,8 @@ pub const AWAY: f32 = 1e9;
 /// seen now. [`AWAY`] if it was behind the eye, and outside the mask. `None` without a camera, or without depth that is
 /// a distance.
 pub fn static_world_motion(frame: &Frame, before: &Camera) -> Option<Vector2Planes> {
-    let (depth, camera, kind) = (
-        frame.depth.as_ref()?,
-        frame.camera?,
-        frame.source.depth_kind,
-    );
+    let (depth, camera) = (frame.depth.as_ref()?, frame.camera?);
+    let kind = frame.source.depth_kind;
     if kind == DepthKind::Relative {
         return None;
     }

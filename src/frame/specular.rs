@@ -23,11 +23,8 @@ impl SpecularScene {
     /// The specular pixels of `frame`; `None` for all covered ones.
     pub fn mask_in(&self, frame: &Frame) -> Option<Mask> {
         let own = self.mask.as_ref()?;
-        Some(Mask::new(Plane::from_fn(
-            own.width(),
-            own.height(),
-            |x, y| own.at(x, y) && frame.mask.at(x, y),
-        )))
+        let is_in = |x, y| self.is_specular(frame, x, y);
+        Some(Mask::new(Plane::from_fn(own.width(), own.height(), is_in)))
     }
 
     /// The scene for `frame` [enlarged](Frame::enlarged) `factor` times. Points that sight lines end at are interpolated
@@ -72,9 +69,7 @@ impl SpecularScene {
     pub fn is_specular(&self, frame: &Frame, x: usize, y: usize) -> bool {
         frame.mask.at(x, y) && self.mask.as_ref().is_none_or(|mask| mask.at(x, y))
     }
-}
 
-impl SpecularScene {
     /// Fills pixels of `frame` without a surface from [`behind`](SpecularScene::behind), so that both are drawn as one
     /// picture. A colour with alpha is composited over the one behind; without alpha it is assumed to include both. The
     /// filled pixels are not specular.

@@ -448,7 +448,7 @@ mod tests {
                     false => 1.0,
                 }
             });
-            short_squares(&short, &Mask::full(20, 17), Window::from_size(20, 17)).is_some()
+            has_short_square(&short, &Mask::full(20, 17), Window::from_size(20, 17))
         };
         for (left, top) in (0..=15).flat_map(|x| (0..=12).map(move |y| (x, y))) {
             assert!(is_found(left, top, 5), "{left}, {top}");

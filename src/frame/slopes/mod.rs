@@ -97,8 +97,11 @@ mod tests {
     use crate::frame::Mask;
     use std::f32::consts::TAU;
 
+    /// Slopes across and down, and where they are found.
+    type Found = ([Plane; 2], Plane<bool>);
+
     /// The slopes of the values within a mask.
-    fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Slopes {
+    fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Found {
         let within = |x, y| {
             if valid.at(x, y) {
                 values.at(x, y)
@@ -125,15 +128,15 @@ mod tests {
     }
 
     /// Largest errors of slopes within these pixels.
-    fn worst(found: &Slopes, exact: impl Fn(usize, usize) -> Option<[f32; 2]>) -> f32 {
-        let (width, height) = (found.found.width(), found.found.height());
+    fn worst(found: &Found, exact: impl Fn(usize, usize) -> Option<[f32; 2]>) -> f32 {
+        let (width, height) = (found.1.width(), found.1.height());
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         pixels.fold(0.0, |worst: f32, (x, y)| {
             let Some([across, down]) = exact(x, y) else {
                 return worst;
             };
-            assert!(found.found.at(x, y), "{x} {y}");
-            let errors = [found.across.at(x, y) - across, found.down.at(x, y) - down];
+            assert!(found.1.at(x, y), "{x} {y}");
+            let errors = [found.0[0].at(x, y) - across, found.0[1].at(x, y) - down];
             worst.max(errors[0].abs()).max(errors[1].abs())
         })
     }
@@ -152,7 +155,7 @@ mod tests {
             let found = slopes_within(&values, &valid, &Rounding::Step(step));
             let error = worst(&found, |x, y| (!is_gap(x, y)).then_some([0.25, -0.5]));
             assert!(error <= limit, "{step} {error}");
-            assert!(!found.found.at(20, 60) && found.across.at(20, 60) == 0.0);
+            assert!(!found.1.at(20, 60) && found.0[0].at(20, 60) == 0.0);
         }
     }
 
@@ -225,7 +228,7 @@ mod tests {
         for found in [found, steps] {
             let exact = |x: usize, y: usize| 0.3 * (x as f32 * 0.1).cos() * (y as f32 * 0.07).cos();
             let inside = (8..152).flat_map(|y| (8..152).map(move |x| (x, y)));
-            let squares = inside.map(|(x, y)| (found.across.at(x, y) - exact(x, y)).powi(2));
+            let squares = inside.map(|(x, y)| (found.0[0].at(x, y) - exact(x, y)).powi(2));
             let error = (squares.sum::<f32>() / 144.0_f32.powi(2)).sqrt();
             assert!(error < 0.25 * 0.071, "{error}");
         }
@@ -272,13 +275,13 @@ mod tests {
                 ];
                 for step in &steps {
                     let slopes = slopes_within(&values, &valid, step);
-                    let mut all = slopes.across.samples().iter().chain(slopes.down.samples());
+                    let mut all = slopes.0.iter().flat_map(Plane::samples);
                     assert!(
                         all.all(|slope| slope.is_finite()),
                         "{width} {height} {from}"
                     );
                     let found = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-                    let mut found = found.filter(|&(x, y)| slopes.found.at(x, y));
+                    let mut found = found.filter(|&(x, y)| slopes.1.at(x, y));
                     assert!(
                         found.all(|(x, y)| valid.at(x, y) && values.at(x, y).abs() < TOO_LARGE)
                     );
