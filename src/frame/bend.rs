@@ -54,10 +54,8 @@ impl Bend {
         let mut sigma = f64::INFINITY;
         for _ in 0..ROUNDS {
             bend.terms = bend.refitted(&slopes, sigma)?;
-            let errors = slopes
-                .iter()
-                .map(|(at, slope)| (*slope - bend.slope(*at)).length());
-            let mut errors: Vec<f64> = errors.collect();
+            let error = |(at, slope): &(DVec2, DVec2)| (*slope - bend.slope(*at)).length();
+            let mut errors: Vec<f64> = slopes.iter().map(error).collect();
             let median = quantile(&mut errors, 0.5, f64::total_cmp)?;
             sigma = (median / MEDIAN_LENGTH).max(LEAST_ERROR);
         }
@@ -104,11 +102,8 @@ impl Bend {
     pub(crate) fn in_words(&self) -> String {
         let [a, b, c, d, e] = self.terms;
         let lean = d.hypot(e).atan().to_degrees();
-        let turn = (2.0 * a)
-            .hypot(b)
-            .max((2.0 * c).hypot(b))
-            .atan()
-            .to_degrees();
+        let [along_x, along_y] = [a, c].map(|along| (2.0 * along).hypot(b));
+        let turn = along_x.max(along_y).atan().to_degrees();
         format!(
             "a surface that leans by {lean:.1} degrees and bends by {turn:.1} from its middle is subtracted"
         )

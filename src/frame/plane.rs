@@ -159,10 +159,9 @@ impl<T: Copy> Plane<T> {
     /// The part of this plane inside `to`, where the plane itself covers `from`; `outside` elsewhere.
     pub fn moved(&self, from: Window, to: Window, outside: T) -> Plane<T> {
         let mut moved = Plane::filled(to.width(), to.height(), outside);
-        let Some(both) = from.common(&to) else {
-            return moved;
-        };
-        moved.paste(to, both, self, from);
+        if let Some(both) = from.common(&to) {
+            moved.paste(to, both, self, from);
+        }
         moved
     }
 

@@ -88,8 +88,8 @@ impl<'a> Samples<'a> {
     fn of_views<T: Sample + 'a>(views: Vec<ArrayView2<'a, T>>) -> Self {
         Self::of(move |name, [width, height], accepted| {
             check_count(name, views.len(), accepted)?;
-            let dims = views.iter().map(ArrayView2::dim);
-            match dims.into_iter().find(|dim| *dim != (height, width)) {
+            let mut sizes = views.iter().map(ArrayView2::dim);
+            match sizes.find(|size| *size != (height, width)) {
                 Some((rows, columns)) => {
                     let found = format!("is {rows} rows of {columns}, for {width}x{height} pixels");
                     let remedy = "give an array indexed [row, column] of the frame's size";

@@ -34,10 +34,8 @@ pub(super) fn of_tiles(
     make: impl Fn(&Tile) -> Option<Plane> + Sync,
 ) -> Vec<(Window, Plane)> {
     let whole = Window::from_size(like.width(), like.height());
-    let [across, down] = [
-        whole.width().div_ceil(TILE[0]),
-        whole.height().div_ceil(TILE[1]),
-    ];
+    let across = whole.width().div_ceil(TILE[0]);
+    let down = whole.height().div_ceil(TILE[1]);
     let made = |i: usize| {
         let corner = [i % across * TILE[0], i / across * TILE[1]].map(|from| from as i32);
         let window = Window::at(corner[0], corner[1], TILE[0], TILE[1]).common(&whole)?;

@@ -81,7 +81,7 @@ fn down(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
         |block, (i, (mut p, mut q))| {
             for (field, block) in [&p, &q].into_iter().zip(&mut block.fields) {
                 for (lanes, piece) in block.iter_mut().zip(field) {
-                    lanes[..piece.len()].copy_from_slice(piece);
+                    copy(piece, lanes);
                 }
             }
             let (from, count) = (i * LANES, p[0].len());
@@ -94,11 +94,20 @@ fn down(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
             block.smooth();
             for (field, block) in [&mut p, &mut q].into_iter().zip(&block.fields) {
                 for (lanes, piece) in block.iter().zip(field) {
-                    piece.copy_from_slice(&lanes[..piece.len()]);
+                    copy(lanes, piece);
                 }
             }
         },
     );
+}
+
+/// Copies as many values as both have, nearly always all lanes.
+#[inline(always)]
+fn copy(from: &[f32], to: &mut [f32]) {
+    match (<&Lanes>::try_from(from), <&mut Lanes>::try_from(&mut *to)) {
+        (Ok(from), Ok(to)) => *to = *from,
+        _ => to.iter_mut().zip(from).for_each(|(to, from)| *to = *from),
+    }
 }
 
 /// The parts of all rows in each group of adjacent columns.
