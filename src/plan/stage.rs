@@ -23,6 +23,10 @@ pub(crate) struct Stage {
     /// How far, in pixels, samples of those products reach.
     pub(crate) reach_px: fn(&Plan) -> usize,
     /// Whether rows of its results take nothing but those rows of what it reads, with its reach, and the mask.
+    #[cfg_attr(
+        not(feature = "cli"),
+        expect(dead_code, reason = "the command line alone writes layers by rows")
+    )]
     pub(crate) by_rows: bool,
     /// Whether it reads the lengths that the normals of the frame had.
     pub(crate) reads_lengths: bool,
