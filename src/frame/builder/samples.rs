@@ -177,7 +177,7 @@ fn interleaved<'a, T>(
 /// A view of each channel.
 fn channels<T>(view: ArrayView3<'_, T>) -> Vec<ArrayView2<'_, T>> {
     let channels = 0..view.len_of(Axis(2));
-    let channel = |c| view.clone().index_axis_move(Axis(2), c);
+    let channel = |c| view.index_axis_move(Axis(2), c);
     channels.map(channel).collect()
 }
 
