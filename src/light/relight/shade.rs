@@ -88,8 +88,8 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
     let magnitudes = scene.magnitudes;
     let magnitudes = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
     for (curves, magnitude) in pixels.curves.iter_mut().zip(magnitudes) {
-        for i in 0..BATCH {
-            curves.set(i, ScalingCurve::of(magnitude * kappa[i]));
+        for (i, &kappa) in kappa.iter().enumerate() {
+            curves.set(i, ScalingCurve::of(magnitude * kappa));
         }
     }
 }
