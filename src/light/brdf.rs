@@ -4,7 +4,7 @@
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
 use super::batch::Pixels;
-use super::cosines::{at_most_1, positive};
+use super::cosines::{at_most_1, positive, scalar_product};
 use super::sum::exponent::Exponent;
 use crate::kernel::fast_math::{exp_to_normal, ln_of_normal};
 use crate::params::{Material, MaterialParams};
@@ -301,13 +301,13 @@ pub fn fresnel(cosine: f32, ior: f32) -> f32 {
 /// The direction `to_eye` mirrored at the unit normal `n`.
 #[inline(always)]
 pub fn mirrored(n: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
-    let twice = 2.0 * (n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2]);
+    let twice = 2.0 * scalar_product(n, to_eye);
     std::array::from_fn(|i| twice * n[i] - to_eye[i])
 }
 
 /// The direction of a sight line refracted into a surface of relative index `ior`; `None` for total reflection.
 pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
-    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
+    let cosine = scalar_product(n, to_eye);
     let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
     (inside >= 0.0).then(|| {
         // Snell: the component along the surface shrinks by the index.
@@ -323,15 +323,24 @@ pub(crate) fn seen_in_glass(
     to_eye: [f32; 3],
     material: &MaterialParams,
 ) -> (f32, [f32; 3]) {
-    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
-    let one_surface = fresnel(cosine, material.ior);
+    let share = mirrored_by_glass(scalar_product(n, to_eye), material);
     let straight_on = to_eye.map(|component| -component);
     match material.thin {
-        true => (thin_sheet(one_surface), straight_on),
+        true => (share, straight_on),
         false => match refracted(n, to_eye, material.ior) {
-            Some(through) => (one_surface, through),
+            Some(through) => (share, through),
             None => (1.0, straight_on),
         },
+    }
+}
+
+/// The share of light that glass seen at this cosine mirrors.
+#[inline(always)]
+pub(crate) fn mirrored_by_glass(cosine: f32, material: &MaterialParams) -> f32 {
+    let one_surface = fresnel(cosine, material.ior);
+    match material.thin {
+        true => thin_sheet(one_surface),
+        false => one_surface,
     }
 }
 

@@ -261,8 +261,8 @@ impl Material {
         }
     }
 
-    /// Whether it has a grain.
-    pub fn has_grain(self) -> bool {
+    /// Whether its diffuse base is under a coat, which may be brushed.
+    pub fn has_coat(self) -> bool {
         match self {
             Self::AshikhminShirley => true,
             Self::Lambert | Self::Toon | Self::Sublambert | Self::Phong | Self::BlinnPhong => false,

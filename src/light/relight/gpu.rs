@@ -9,7 +9,7 @@ use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::wgsl;
-use crate::frame::{ColorPlanes, DepthKind, Frame};
+use crate::frame::{DepthKind, Frame};
 use crate::light::batch::SHORTEST_TANGENT;
 use crate::light::brdf::{BASE_SCALE, FAINTEST, GRAZING, Lobes};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
@@ -17,7 +17,6 @@ use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::light::relight::gpu_lights::{Light, relighting};
-use crate::light::relight::rim::light_rims;
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
 use crate::params::{Quantisation, Tangent};
@@ -233,31 +232,6 @@ impl Recording<'_> {
             self.surface.size,
         );
         picture
-    }
-}
-
-/// Completes the lit pixels: unlit ones get the frame's picture, or black, and partly covered rims the light of their
-/// neighbours.
-pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
-    let mask = &frame.mask;
-    let picture = frame.color.as_ref();
-    let kept = picture.map(|picture| [&picture.r, &picture.g, &picture.b]);
-    let planes = [&mut color.r, &mut color.g, &mut color.b];
-    for (k, plane) in planes.into_iter().enumerate() {
-        for y in 0..mask.height() {
-            let row = plane.row_mut(y);
-            for gap in mask.gaps(y) {
-                match kept {
-                    Some(kept) => row[gap.clone()].copy_from_slice(&kept[k].row(y)[gap]),
-                    None => row[gap].fill(0.0),
-                }
-            }
-        }
-    }
-    if let Some(alpha) = &frame.alpha
-        && mask.count() < alpha.samples().len()
-    {
-        light_rims(color, alpha, mask);
     }
 }
 

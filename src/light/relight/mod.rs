@@ -208,7 +208,6 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
         |(batch, curvature, normal), (task, ((r, g), b))| {
             let first = task * ROWS_PER_TASK;
             let mut rows = [r, g, b];
-            keep_uncovered(scene, first, &mut rows);
             let count = rows[0].len() / width;
             for y in (first..first + count).take_while(|_| !memory.is_cancelled()) {
                 if let Some(made_of) = &scene.curvature {
@@ -235,30 +234,6 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
     );
     let [r, g, b] = planes;
     let mut color = ColorPlanes { r, g, b };
-    if let Some(alpha) = &scene.frame.alpha
-        && mask.count() < alpha.samples().len()
-    {
-        rim::light_rims(&mut color, alpha, mask);
-    }
+    rim::frame_lit(&mut color, scene.frame, mask);
     color
-}
-
-/// Fills pixels without a surface from the frame's picture, or with black.
-fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
-    let mask = scene.lit;
-    let width = mask.width();
-    let planes = scene.frame.color.as_ref();
-    let planes = planes.map(|color| [&color.r, &color.g, &color.b]);
-    for (k, rows) in rows.iter_mut().enumerate() {
-        for (i, row) in rows.chunks_mut(width).enumerate() {
-            let y = first + i;
-            for gap in mask.gaps(y) {
-                let out = &mut row[gap.clone()];
-                match planes {
-                    Some(planes) => out.copy_from_slice(&planes[k].row(y)[gap]),
-                    None => out.fill(0.0),
-                }
-            }
-        }
-    }
 }

@@ -20,7 +20,7 @@ use crate::light::median_cut::cut_by_spread;
 use crate::light::octahedral::OctahedralMaps;
 use crate::light::relight::samples::FilteredSamples;
 use crate::light::sum::{Directed, LightSum, Shading, Sums};
-use crate::params::{Material, MaterialParams};
+use crate::params::MaterialParams;
 use crate::plan::ToError;
 use crate::srgb;
 use std::f64::consts::PI;
@@ -115,9 +115,9 @@ pub(crate) fn chosen(
     let base = match allowed.apart {
         true => Base::Lights(base_lights(OF_BASE * allowed.levels).0),
         false => {
-            let filter = match material.material {
-                Material::AshikhminShirley => GlossyFilter::base(&coarse),
-                _ => irradiance_filter(&coarse),
+            let filter = match material.material.has_coat() {
+                true => GlossyFilter::base(&coarse),
+                false => irradiance_filter(&coarse),
             };
             let map = filter.filtered(&goes_on);
             pilot.look_base_up(&map);

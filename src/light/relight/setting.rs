@@ -161,7 +161,7 @@ impl Relighting {
             contrasts: warps && params.warping.contrast != 0.0,
             toward_light: scales && sums && scaling.anisotropy != 0.0,
             grain: sums
-                && params.material.material.has_grain()
+                && params.material.material.has_coat()
                 && params.material.tangent == Tangent::Curvature
                 && coat[0] != coat[1],
             sums,
@@ -295,9 +295,9 @@ fn environment_use(
         // The curves of samples do not depend on their directions.
         Samples::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
         Samples::Auto => EnvironmentUse::ToError(ToError {
-            levels: params.light_error.unwrap_or(match material {
-                Material::AshikhminShirley => COAT_ERROR,
-                _ => DIFFUSE_ERROR,
+            levels: params.light_error.unwrap_or(match material.has_coat() {
+                true => COAT_ERROR,
+                false => DIFFUSE_ERROR,
             }),
             apart: warps || scales,
             glossy: is_glossy,

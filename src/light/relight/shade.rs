@@ -13,7 +13,7 @@ use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::Scene;
-use crate::light::sum::{LightLanes, Shading, Sums};
+use crate::light::sum::{Shading, Sums};
 use crate::light::tones::tone_factor;
 use crate::params::Tangent;
 use crate::plan::Albedo;
@@ -51,7 +51,7 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     }
     let material = &scene.params().material;
     let has_grain = scene.around.sampled().is_some();
-    if has_grain || material.material.has_grain() {
+    if has_grain || material.material.has_coat() {
         let fixed = match material.tangent {
             Tangent::Degrees(angle) => angle.to_radians(),
             Tangent::Curvature => 0.0,
@@ -83,8 +83,8 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
     let magnitudes = scene.magnitudes;
     let magnitudes = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
     for (curves, magnitude) in pixels.curves.iter_mut().zip(magnitudes) {
-        for i in 0..BATCH {
-            curves.set(i, ScalingCurve::of(magnitude * kappa[i]));
+        for (i, &kappa) in kappa.iter().enumerate() {
+            curves.set(i, ScalingCurve::of(magnitude * kappa));
         }
     }
 }
@@ -177,11 +177,7 @@ fn add_lamps(batch: &mut Batch, scene: &Scene, shading: &Shading) {
 /// Directions to a light near the surface, and its attenuation.
 #[inline(always)]
 fn approach(batch: &mut Batch, light: &PointLight) {
-    let LightLanes {
-        direction,
-        share,
-        rgb,
-    } = &mut batch.lamp;
+    let lamp = &mut batch.lamp;
     let [x, y, z] = light.position.to_array();
     for i in 0..BATCH {
         let [from_x, from_y, from_z] = at(&batch.points, i);
@@ -191,10 +187,11 @@ fn approach(batch: &mut Batch, light: &PointLight) {
         let apart = square > f32::MIN_POSITIVE;
         let inverse = if apart { 1.0 / square } else { 0.0 };
         let per_length = inverse.sqrt();
-        put(direction, i, to.map(|component| component * per_length));
-        share[i] = inverse;
+        let direction = to.map(|component| component * per_length);
+        put(&mut lamp.direction, i, direction);
+        lamp.share[i] = inverse;
     }
-    *rgb = light.intensity.map(|channel| [channel; BATCH]);
+    lamp.rgb = light.intensity.map(|channel| [channel; BATCH]);
 }
 
 /// One of the even directions, with the light looked up where it is warped to ([LW] equation 1), and cosines limited by
@@ -210,14 +207,18 @@ fn look_even_up(
     batch.lamp.direction = direction.map(|component| [component; BATCH]);
     batch.toward = batch.lamp.direction;
     warp_lookups(batch, scene);
-    let LightLanes { share, rgb, .. } = &mut batch.lamp;
-    look_up(rgb, environment, &batch.toward, batch.pixels.count);
+    look_up(
+        &mut batch.lamp.rgb,
+        environment,
+        &batch.toward,
+        batch.pixels.count,
+    );
     for i in 0..BATCH {
         let n = batch.pixels.normal.at(i);
         let cosine = scalar_product(n, direction);
         let held = (MOST_BRIGHTENED * scalar_product(n, at(&batch.toward, i))).max(0.0);
         let is_limited = scene.relighting.warps && held < cosine;
-        share[i] = even_share * if is_limited { held / cosine } else { 1.0 };
+        batch.lamp.share[i] = even_share * if is_limited { held / cosine } else { 1.0 };
     }
 }
 

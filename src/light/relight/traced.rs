@@ -3,6 +3,7 @@
 
 use crate::frame::{Frame, luminance};
 use crate::light::batch::{BATCH, Term};
+use crate::light::cosines::scalar_product;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::mirrors::{BentSight, Mirrors};
 use crate::light::relight::scene::Scene;
@@ -26,7 +27,7 @@ pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
             warp: (scene.relighting.warps).then(|| batch.pixels.inverse_warp(lane).inverse()),
         };
         let (n, eye) = (batch.pixels.normal.at(lane), batch.pixels.to_eye.at(lane));
-        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
+        let cosine = scalar_product(n, eye);
         let light = sight.light(cosine, &material, |color| {
             curves.as_ref().map_or(1.0, |curves| {
                 // Files can hold infinities.

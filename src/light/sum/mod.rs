@@ -172,3 +172,95 @@ fn add_term([r, g, b]: &mut Vectors, term: &Lanes, rgb: impl Fn(usize) -> [f32; 
         b[lane] += term[lane] * rgb[2];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::brdf::{AshikhminShirley, Lobes};
+    use crate::light::light_samples::uniform_directions;
+    use crate::light::sum::exponent::Exponent;
+    use crate::params::MaterialParams;
+    use glam::Vec3;
+
+    fn shading(lobes: Lobes, warped: bool) -> Shading {
+        Shading {
+            warped,
+            scaled: None,
+            lobes,
+        }
+    }
+
+    fn light(to_light: Vec3) -> DirectionalLight {
+        DirectionalLight {
+            to_light,
+            intensity: [0.5, 1.0, 2.0],
+        }
+    }
+
+    #[test]
+    fn a_light_behind_lights_what_faces_it() {
+        // Its half vector is in the picture plane, where z is 0. A surface seen from behind, turned by a from it, shows
+        // the cosine of a.
+        let mut pixels = Pixels::NONE;
+        let angle = |i: usize| 1.5 * i as f32 / BATCH as f32;
+        for i in 0..BATCH {
+            pixels.normal.set(i, [angle(i).sin(), 0.0, -angle(i).cos()]);
+        }
+        pixels.warp_by(0.0);
+        let power = Exponent::Integer(1);
+        let mut sum = LightSum::NONE;
+        let lights = Directed::all(&[light(-Vec3::Z)]);
+        sum.add_directed(&pixels, &shading(Lobes::Diffuse { power }, true), &lights);
+        for i in 0..BATCH {
+            let error = sum.sums.diffuse[1][i] - angle(i).cos();
+            assert!(error.abs() < 5e-6, "{error} at {}", angle(i));
+        }
+    }
+
+    #[test]
+    fn a_light_by_lane_has_the_bits_of_the_same_light_of_one_direction() {
+        let mut pixels = Pixels::NONE;
+        for (i, normal) in uniform_directions(2 * BATCH)
+            .into_iter()
+            .take(BATCH)
+            .enumerate()
+        {
+            // All over the visible half sphere, with curvatures of both signs.
+            pixels.normal.set(i, [normal.x, normal.y, normal.z.abs()]);
+            pixels.mirrored.set(i, normal.to_array());
+            pixels.hessian[0][i] = 0.1 * normal.x;
+            pixels.hessian[1][i] = 0.05 * normal.y;
+            pixels.hessian[2][i] = 0.2 * normal.z - 0.1;
+        }
+        pixels.set_tangents(false, |_| [1.0, 0.0]);
+        pixels.warp_by(20.0);
+        pixels.find_facing();
+        let power = Exponent::Integer(16);
+        let coat = AshikhminShirley::new(&MaterialParams::default());
+        let lobes = [
+            Lobes::Diffuse { power },
+            Lobes::Phong { power },
+            Lobes::BlinnPhong { power },
+            Lobes::AshikhminShirley(coat),
+            Lobes::Base(coat),
+            Lobes::Mirror,
+        ];
+        for (lobes, warped) in lobes.into_iter().flat_map(|l| [(l, false), (l, true)]) {
+            let shading = shading(lobes, warped);
+            let [mut directed, mut by_lane] = [LightSum::NONE, LightSum::NONE];
+            for to_light in uniform_directions(9) {
+                let far = light(to_light);
+                directed.add_directed(&pixels, &shading, &Directed::all(&[far]));
+                let lanes = LightLanes {
+                    direction: to_light.to_array().map(|component| [component; BATCH]),
+                    share: [1.0; BATCH],
+                    rgb: far.intensity.map(|channel| [channel; BATCH]),
+                };
+                by_lane.add_by_lane(&pixels, &shading, &lanes);
+            }
+            assert_eq!(directed.sums.diffuse, by_lane.sums.diffuse, "{shading:?}");
+            assert_eq!(directed.sums.specular, by_lane.sums.specular, "{shading:?}");
+            assert!(directed.sums.diffuse[1].iter().any(|&v| v > 0.1));
+        }
+    }
+}

@@ -112,7 +112,8 @@ impl<'a, const WARPED: bool> Meeting<'a, WARPED> {
                 inverse: 1.0,
             },
         };
-        if !(arrived.cosine > 0.0) {
+        let is_above = arrived.cosine > 0.0;
+        if !is_above {
             (arrived.weight, arrived.cosine) = (0.0, 0.0);
         }
         Self {
