@@ -5,7 +5,7 @@
 
 use super::depth::is_distance;
 use super::plane::each_row_of;
-use super::slopes::{Rounding, slopes};
+use super::slopes::{Rounding, Slopes, slopes};
 use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
 use half::f16;
 
@@ -29,7 +29,7 @@ pub(crate) fn normals_of_depth(
     precision: Precision,
 ) -> Vector3Planes {
     let is_perspective = matches!(projection, Projection::Perspective { .. });
-    let has_sky = has_sky(depth, stored);
+    let sky = sky_of(depth, stored);
     let value = |x: usize, y: usize, d: f32| -> f32 {
         let range = d.clamp(0.0, 1.0);
         let if_distance = |near: f32| if is_distance(d) { near } else { f32::NAN };
@@ -42,9 +42,9 @@ pub(crate) fn normals_of_depth(
             }
             StoredDepth::Inverse if d > 0.0 => d,
             StoredDepth::Inverse => f32::NAN,
-            StoredDepth::NormalizedNearIsOne if has_sky && range == 0.0 => f32::NAN,
+            _ if sky == Some(range) => f32::NAN,
             StoredDepth::WhiteFar => 1.0 / (1.0 + (FAR_TO_NEAR - 1.0) * range),
-            StoredDepth::NormalizedNearIsOne if has_sky => range,
+            StoredDepth::NormalizedNearIsOne if sky.is_some() => range,
             StoredDepth::NormalizedNearIsOne => range + (1.0 - range) / FAR_TO_NEAR,
         };
         if is_perspective {
@@ -63,28 +63,33 @@ pub(crate) fn normals_of_depth(
             };
         }
     });
-    let (is_near, far) = match stored {
-        StoredDepth::Height => (true, 1.0),
-        StoredDepth::Inverse => (is_perspective, 1.0),
-        StoredDepth::NormalizedNearIsOne => (is_perspective, FAR_TO_NEAR - 1.0),
-        StoredDepth::WhiteFar => (false, FAR_TO_NEAR - 1.0),
-        StoredDepth::Planar | StoredDepth::Ray | StoredDepth::Relative => (false, 1.0),
-    };
-    let share = match stored {
-        StoredDepth::NormalizedNearIsOne if !has_sky => 1.0 - 1.0 / FAR_TO_NEAR,
-        _ => 1.0,
-    };
-    let of_nearness = |value: f32| precision.step(value);
     // Rounding of distances, as it is in their inverses: the derivative of 1/z is -1/z^2.
-    let of_distance = |value: f32| match is_perspective {
-        true => far * precision.step(1.0 / value) * value * value,
-        false => far * precision.step(value),
+    let of_distance = |far: f32| {
+        move |value: f32| match is_perspective {
+            true => far * precision.step(1.0 / value) * value * value,
+            false => far * precision.step(value),
+        }
     };
-    let rounding = match precision {
-        Precision::Float => Rounding::Step(0.0),
-        Precision::Codes(step) if is_near => Rounding::Step(share * step),
-        _ if is_near => Rounding::Of(&of_nearness),
-        _ => Rounding::Of(&of_distance),
+    let (plain, mapped) = (of_distance(1.0), of_distance(FAR_TO_NEAR - 1.0));
+    let near = |value: f32| precision.step(value);
+    let rounding = match (stored, precision) {
+        (_, Precision::Float) => Rounding::Step(0.0),
+        (StoredDepth::NormalizedNearIsOne, Precision::Codes(step)) if is_perspective => {
+            let share = if sky.is_some() {
+                1.0
+            } else {
+                1.0 - 1.0 / FAR_TO_NEAR
+            };
+            Rounding::Step(share * step)
+        }
+        (StoredDepth::Height, Precision::Codes(step)) => Rounding::Step(step),
+        (StoredDepth::Height, _) => Rounding::Of(&near),
+        (StoredDepth::Inverse, Precision::Codes(step)) if is_perspective => Rounding::Step(step),
+        (StoredDepth::Inverse | StoredDepth::NormalizedNearIsOne, _) if is_perspective => {
+            Rounding::Of(&near)
+        }
+        (StoredDepth::WhiteFar | StoredDepth::NormalizedNearIsOne, _) => Rounding::Of(&mapped),
+        _ => Rounding::Of(&plain),
     };
     let found = slopes(&mut values, &rounding);
     normals(&values, found, projection, window)
@@ -146,14 +151,14 @@ impl Precision {
     }
 }
 
-/// Whether the least value of depth that marks no near and no far stands for the sky.
-fn has_sky(depth: &Plane, stored: StoredDepth) -> bool {
+/// The least value of depth that marks no near and no far, where it stands for the sky.
+fn sky_of(depth: &Plane, stored: StoredDepth) -> Option<f32> {
     if stored != StoredDepth::NormalizedNearIsOne {
-        return false;
+        return None;
     }
     let at_least = depth.samples().iter().filter(|&&d| d <= 0.0).count();
     let share = at_least as f64 / depth.samples().len().max(1) as f64;
-    share >= SKY
+    (share >= SKY).then_some(0.0)
 }
 
 /// The normals of affine values by their slopes.
@@ -162,36 +167,45 @@ fn has_sky(depth: &Plane, stored: StoredDepth) -> bool {
 /// -nx X / fx + ny Y / fy + nz: its slopes are -nx / fx and ny / fy, and nz is what is left at X = Y = 0.
 fn normals(
     values: &Plane,
-    ([mut x, mut y], found): ([Plane; 2], Plane<bool>),
+    slopes: Slopes,
     projection: Projection,
     window: Window,
 ) -> Vector3Planes {
+    let Slopes {
+        across: mut x,
+        down: mut y,
+        found,
+    } = slopes;
     let mut z = Plane::filled(values.width(), values.height(), 0.0);
-    let is_perspective = matches!(projection, Projection::Perspective { .. });
-    let (Projection::Perspective { fx, fy, cx, cy }
-    | Projection::Orthographic {
-        sx: fx,
-        sy: fy,
-        cx,
-        cy,
-    }) = projection;
-    let (fx, fy) = (fx as f32, fy as f32);
-    let columns = 0..values.width();
-    let from_axis: Vec<f32> = columns
-        .map(|column| (window.middle(column, 0).x - cx) as f32)
-        .collect();
+    let from_axis: Vec<f32> = match projection {
+        Projection::Perspective { cx, .. } => {
+            let columns = 0..values.width();
+            columns
+                .map(|column| (window.middle(column, 0).x - cx) as f32)
+                .collect()
+        }
+        Projection::Orthographic { .. } => Vec::new(),
+    };
     each_row_of([&mut x, &mut y, &mut z], |row, [x, y, z]| {
-        let slopes = x.iter_mut().zip(y).zip(z).zip(found.row(row));
-        let down = (window.middle(0, row).y - cy) as f32;
-        let seen = values.row(row).iter().zip(&from_axis);
-        for ((((x, y), z), found), (value, right)) in slopes.zip(seen) {
-            let (p, q) = (*x, *y);
-            let at_axis = if is_perspective {
-                value - right * p - down * q
-            } else {
-                1.0
-            };
-            [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
+        let slopes = x.iter_mut().zip(y).zip(z);
+        let found = found.row(row).iter();
+        match projection {
+            Projection::Perspective { fx, fy, cy, .. } => {
+                let (fx, fy) = (fx as f32, fy as f32);
+                let down = (window.middle(0, row).y - cy) as f32;
+                let seen = values.row(row).iter().zip(&from_axis);
+                for ((((x, y), z), found), (value, right)) in slopes.zip(found).zip(seen) {
+                    let (p, q) = (*x, *y);
+                    let at_axis = value - right * p - down * q;
+                    [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
+                }
+            }
+            Projection::Orthographic { sx, sy, .. } => {
+                let (sx, sy) = (sx as f32, sy as f32);
+                for (((x, y), z), found) in slopes.zip(found) {
+                    [*x, *y, *z] = unit([-sx * *x, sy * *y, 1.0], *found);
+                }
+            }
         }
     });
     Vector3Planes { x, y, z }

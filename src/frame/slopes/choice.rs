@@ -69,7 +69,7 @@ fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise
     let slopes = wider[0].iter().zip(wider[1]).zip(noise.steps(y));
     for (half, ((p, q), &step)) in half.iter_mut().zip(slopes) {
         *half = scale * noise.deviation(step);
-        if noise.most_step > 0.0 {
+        if noise.has_steps() {
             *half += ripple(p * p + q * q, step, WIDTHS[level]);
         }
     }

@@ -103,56 +103,89 @@ pub(super) fn differences(values: &Plane, links: &Links) -> ([Plane; 2], Plane<b
     let (width, height) = (values.width(), values.height());
     let mut found = Plane::filled(width, height, true);
     let [mut across, mut down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
-    let axes = [(&links.across, 1), (&links.down, width)];
-    let planes = [&mut across, &mut down];
-    each_row_beside(&mut found, planes, |y, found, [across, down]| {
-        for (x, found) in found.iter_mut().enumerate() {
-            let i = y * width + x;
-            let slopes = [[axes[0], axes[1]], [axes[1], axes[0]]].map(|[along, other]| {
-                let own = slope(values, along, i);
-                match own.is_nan() {
-                    true => beside_slope(values, along, other, i),
-                    false => own,
+    let unlinked = vec![false; width];
+    each_row_beside(
+        &mut found,
+        [&mut across, &mut down],
+        |y, found, [across, down]| {
+            let row = values.row(y);
+            let right = links.across.row(y);
+            let (inner, pairs) = (row.windows(3), right.windows(2));
+            for (slope, (values, links)) in across[1..].iter_mut().zip(inner.zip(pairs)) {
+                *slope = mean([links[0], links[1]], [values[0], values[1], values[2]]);
+            }
+            for x in [0, width - 1] {
+                across[x] = slope(values, &links.across, 1, y * width + x);
+            }
+            let (above, upward) = match y.checked_sub(1) {
+                Some(above) => (values.row(above), links.down.row(above)),
+                None => (row, &unlinked[..]),
+            };
+            let below = values.row((y + 1).min(height - 1));
+            let beside = upward
+                .iter()
+                .zip(links.down.row(y))
+                .zip(above.iter().zip(row).zip(below));
+            for (slope, ((&up, &down), ((&above, &here), &below))) in down.iter_mut().zip(beside) {
+                *slope = mean([up, down], [above, here, below]);
+            }
+            for (x, found) in found.iter_mut().enumerate() {
+                if across[x].is_nan() | down[x].is_nan() {
+                    let i = y * width + x;
+                    let other = |along, stride, other, turned| {
+                        beside_slope(values, [along, other], [stride, turned], i)
+                    };
+                    if across[x].is_nan() {
+                        across[x] = other(&links.across, 1, &links.down, width);
+                    }
+                    if down[x].is_nan() {
+                        down[x] = other(&links.down, width, &links.across, 1);
+                    }
+                    *found = !(across[x].is_nan() | down[x].is_nan());
+                    for slope in [&mut across[x], &mut down[x]] {
+                        *slope = if slope.is_nan() { 0.0 } else { *slope };
+                    }
                 }
-            });
-            *found = !slopes.iter().any(|slope| slope.is_nan());
-            [across[x], down[x]] = slopes.map(|slope| if slope.is_nan() { 0.0 } else { slope });
-        }
-    });
+            }
+        },
+    );
     ([across, down], found)
 }
 
-/// The links along an axis, and how far apart their samples are.
-type Axis<'a> = (&'a Plane<bool>, usize);
+/// The mean difference along links between the second of three values and its neighbours; NaN without links.
+#[inline(always)]
+fn mean(links: [bool; 2], values: [f32; 3]) -> f32 {
+    let difference = |i: usize| {
+        if links[i] {
+            values[i + 1] - values[i]
+        } else {
+            0.0
+        }
+    };
+    let count = f32::from(u8::from(links[0]) + u8::from(links[1]));
+    (difference(0) + difference(1)) / count
+}
 
-/// Indices of the samples that sample `i` is linked with, before and after it.
-#[inline]
-fn linked((links, stride): Axis, i: usize) -> impl Iterator<Item = usize> {
+/// Indices of the samples that sample `i` is linked with, `stride` before and after it.
+fn linked(links: &Plane<bool>, stride: usize, i: usize) -> impl Iterator<Item = usize> {
     let links = links.samples();
     let before = i.checked_sub(stride).filter(|&before| links[before]);
     before.into_iter().chain(links[i].then_some(i + stride))
 }
 
-/// The mean difference along links of sample `i` and those before and after it; NaN without links.
-#[inline]
-fn slope(values: &Plane, axis: Axis, i: usize) -> f32 {
+/// The mean difference along links of sample `i` and those `stride` before and after it; NaN without links.
+fn slope(values: &Plane, links: &Plane<bool>, stride: usize, i: usize) -> f32 {
     let values = values.samples();
     let differences =
-        linked(axis, i).map(|j| (values[j] - values[i]) * if j > i { 1.0 } else { -1.0 });
-    mean(differences)
+        linked(links, stride, i).map(|j| (values[j] - values[i]) * if j > i { 1.0 } else { -1.0 });
+    let (sum, count) = differences.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
+    sum / count
 }
 
-/// The mean slope along an axis of the samples that sample `i` is linked with along the other one; NaN without.
-fn beside_slope(values: &Plane, along: Axis, other: Axis, i: usize) -> f32 {
-    let slopes = linked(other, i).map(|j| slope(values, along, j));
-    mean(slopes.filter(|slope| !slope.is_nan()))
-}
-
-/// The mean of numbers; NaN without any.
-#[inline]
-fn mean(numbers: impl Iterator<Item = f32>) -> f32 {
-    let (sum, count) = numbers.fold((0.0, 0.0), |(sum, count), number| {
-        (sum + number, count + 1.0)
-    });
+/// The mean slope along the first links of the samples that sample `i` is linked with by the second ones; NaN without.
+fn beside_slope(values: &Plane, links: [&Plane<bool>; 2], strides: [usize; 2], i: usize) -> f32 {
+    let slopes = linked(links[1], strides[1], i).map(|j| slope(values, links[0], strides[0], j));
+    let slopes = slopes.filter(|slope| !slope.is_nan());
+    let (sum, count) = slopes.fold((0.0, 0.0), |(sum, count), s| (sum + s, count + 1.0));
     sum / count
 }

@@ -24,6 +24,16 @@ pub(crate) enum Rounding<'a> {
     Of(&'a (dyn Fn(f32) -> f32 + Sync)),
 }
 
+/// Slopes of a plane of values.
+pub(crate) struct Slopes {
+    /// Change of the value per pixel to the right; 0 where not found.
+    pub across: Plane,
+    /// Change of the value per pixel down; 0 where not found.
+    pub down: Plane,
+    /// The pixels that have a neighbour on the same surface along both axes.
+    pub found: Plane<bool>,
+}
+
 /// Values from here on are no samples: their squares have to be finite.
 const TOO_LARGE: f32 = 1e15;
 
@@ -35,13 +45,18 @@ const FINE: f32 = 1e-6;
 /// slopes can be smoothed.
 const FEW_CODES: f32 = 300.0;
 
-/// The slopes of `values`, affine in x and y on planes, across and down: change per pixel, 0 where not found; and the
-/// pixels that have a neighbour on the same surface along both axes. NaN is no value, and neither is what is too large.
-/// Values in few codes are moved to the smoothest ones.
-pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> ([Plane; 2], Plane<bool>) {
+/// The slopes of `values`, affine in x and y on planes; NaN is no value, and neither is what is too large. Values in few
+/// codes are moved to the smoothest ones.
+pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
+    let [width, height] = [values.width(), values.height()];
     if values.samples().is_empty() {
-        let none = values.map(|_| false);
-        return ([values.clone(), values.clone()], none);
+        let [across, down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
+        let found = Plane::filled(width, height, false);
+        return Slopes {
+            across,
+            down,
+            found,
+        };
     }
     // NaN breaks all links.
     values.each_row(|_, row| {
@@ -64,7 +79,12 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> ([Plane; 2], Pl
     if !noise.is_below(FINE) {
         slopes = choice::choose(slopes, &links, &noise);
     }
-    (slopes, found)
+    let [across, down] = slopes;
+    Slopes {
+        across,
+        down,
+        found,
+    }
 }
 
 /// Moves values in few codes to the smoothest ones that round to these. Links, found before, keep them apart at steps.
@@ -97,11 +117,8 @@ mod tests {
     use crate::frame::Mask;
     use std::f32::consts::TAU;
 
-    /// Slopes across and down, and where they are found.
-    type Found = ([Plane; 2], Plane<bool>);
-
     /// The slopes of the values within a mask.
-    fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Found {
+    fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Slopes {
         let within = |x, y| {
             if valid.at(x, y) {
                 values.at(x, y)
@@ -128,15 +145,15 @@ mod tests {
     }
 
     /// Largest errors of slopes within these pixels.
-    fn worst(found: &Found, exact: impl Fn(usize, usize) -> Option<[f32; 2]>) -> f32 {
-        let (width, height) = (found.1.width(), found.1.height());
+    fn worst(found: &Slopes, exact: impl Fn(usize, usize) -> Option<[f32; 2]>) -> f32 {
+        let (width, height) = (found.found.width(), found.found.height());
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         pixels.fold(0.0, |worst: f32, (x, y)| {
             let Some([across, down]) = exact(x, y) else {
                 return worst;
             };
-            assert!(found.1.at(x, y), "{x} {y}");
-            let errors = [found.0[0].at(x, y) - across, found.0[1].at(x, y) - down];
+            assert!(found.found.at(x, y), "{x} {y}");
+            let errors = [found.across.at(x, y) - across, found.down.at(x, y) - down];
             worst.max(errors[0].abs()).max(errors[1].abs())
         })
     }
@@ -155,7 +172,7 @@ mod tests {
             let found = slopes_within(&values, &valid, &Rounding::Step(step));
             let error = worst(&found, |x, y| (!is_gap(x, y)).then_some([0.25, -0.5]));
             assert!(error <= limit, "{step} {error}");
-            assert!(!found.1.at(20, 60) && found.0[0].at(20, 60) == 0.0);
+            assert!(!found.found.at(20, 60) && found.across.at(20, 60) == 0.0);
         }
     }
 
@@ -228,7 +245,7 @@ mod tests {
         for found in [found, steps] {
             let exact = |x: usize, y: usize| 0.3 * (x as f32 * 0.1).cos() * (y as f32 * 0.07).cos();
             let inside = (8..152).flat_map(|y| (8..152).map(move |x| (x, y)));
-            let squares = inside.map(|(x, y)| (found.0[0].at(x, y) - exact(x, y)).powi(2));
+            let squares = inside.map(|(x, y)| (found.across.at(x, y) - exact(x, y)).powi(2));
             let error = (squares.sum::<f32>() / 144.0_f32.powi(2)).sqrt();
             assert!(error < 0.25 * 0.071, "{error}");
         }
@@ -275,13 +292,13 @@ mod tests {
                 ];
                 for step in &steps {
                     let slopes = slopes_within(&values, &valid, step);
-                    let mut all = slopes.0.iter().flat_map(Plane::samples);
+                    let mut all = slopes.across.samples().iter().chain(slopes.down.samples());
                     assert!(
                         all.all(|slope| slope.is_finite()),
                         "{width} {height} {from}"
                     );
                     let found = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-                    let mut found = found.filter(|&(x, y)| slopes.1.at(x, y));
+                    let mut found = found.filter(|&(x, y)| slopes.found.at(x, y));
                     assert!(
                         found.all(|(x, y)| valid.at(x, y) && values.at(x, y).abs() < TOO_LARGE)
                     );

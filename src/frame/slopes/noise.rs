@@ -29,8 +29,7 @@ pub(super) struct Noise {
     pub(super) size: f32,
     /// The distance of codes around every value; one row if it is the same in all rows.
     steps: Plane,
-    /// The largest of them; 0 if no value is rounded.
-    pub(super) most_step: f32,
+    has_steps: bool,
 }
 
 impl Noise {
@@ -51,12 +50,12 @@ impl Noise {
                 steps
             }
         };
-        let most_step = steps.samples().iter().copied().fold(0.0, f32::max);
+        let has_steps = steps.samples().iter().any(|&step| step > 0.0);
         Self {
             white,
             size,
             steps,
-            most_step,
+            has_steps,
         }
     }
 
@@ -71,9 +70,19 @@ impl Noise {
         self.white.max(step * STEP_DEVIATION)
     }
 
+    /// Whether values are rounded to codes.
+    pub(super) fn has_steps(&self) -> bool {
+        self.has_steps
+    }
+
     /// Whether noise and rounding are below this share of the values' median size everywhere.
     pub(super) fn is_below(&self, share: f32) -> bool {
-        self.deviation(self.most_step) <= share * self.size
+        let most = self
+            .steps
+            .samples()
+            .iter()
+            .fold(0.0_f32, |most, &step| most.max(step));
+        self.deviation(most) <= share * self.size
     }
 }
 
