@@ -1,7 +1,7 @@
 //! Sheets of sprites: reading their cells, each as a frame of its own, and putting together what is made of them.
 
 use crate::command::args::WorkArgs;
-use crate::command::grid::Grid;
+use crate::command::grid::CellSize;
 use crate::engine::outcome::{Outcome, add_timings};
 use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Window};
@@ -19,14 +19,14 @@ use std::time::Duration;
 
 /// A sheet that is being made.
 pub(super) struct Sheet {
-    grid: Grid,
-    read: OnceLock<Read>,
+    grid: CellSize,
+    read: OnceLock<ReadSheet>,
     albedo: OnceLock<AlbedoEstimate>,
-    made: Mutex<Made>,
+    made: Mutex<MadeCells>,
 }
 
 /// The decoded sheet, and how its cells are read.
-struct Read {
+struct ReadSheet {
     photos: Arc<Vec<WholePhoto>>,
     inputs: Inputs,
     needs: Needs,
@@ -36,7 +36,7 @@ struct Read {
 
 /// What the cells that are done have made.
 #[derive(Default)]
-pub(super) struct Made {
+pub(super) struct MadeCells {
     /// Planes by the file they go to.
     pub(super) files: BTreeMap<PathBuf, (Form, Vec<Plane>)>,
     pub(super) timings: Vec<(&'static str, Duration)>,
@@ -59,13 +59,13 @@ pub(super) enum Form {
 
 /// The part of a sheet that a job is about.
 #[derive(Clone, Copy)]
-pub(super) struct Part<'a> {
+pub(super) struct SheetPart<'a> {
     sheet: &'a Sheet,
     /// One of its cells; the whole sheet is looked at for what is chosen.
     cell: Option<Window>,
 }
 
-impl Part<'_> {
+impl SheetPart<'_> {
     pub(super) fn is_cell(&self) -> bool {
         self.cell.is_some()
     }
@@ -120,7 +120,7 @@ impl Part<'_> {
 }
 
 impl Sheet {
-    pub(super) fn new(grid: Grid) -> Self {
+    pub(super) fn new(grid: CellSize) -> Self {
         Self {
             grid,
             read: OnceLock::new(),
@@ -130,8 +130,8 @@ impl Sheet {
     }
 
     /// A cell of it, or the whole.
-    pub(super) fn part(&self, cell: Option<Window>) -> Part<'_> {
-        Part { sheet: self, cell }
+    pub(super) fn part(&self, cell: Option<Window>) -> SheetPart<'_> {
+        SheetPart { sheet: self, cell }
     }
 
     /// Its cells, once it has been looked at.
@@ -140,17 +140,17 @@ impl Sheet {
     }
 
     /// It as it was read, and what its cells have made.
-    pub(super) fn finish(self) -> Result<(Loaded, Made)> {
+    pub(super) fn finish(self) -> Result<(Loaded, MadeCells)> {
         let loaded = self.read().load(self.read().window)?;
         let made = self.made.into_inner();
         Ok((loaded, made.unwrap_or_else(PoisonError::into_inner)))
     }
 
-    fn read(&self) -> &Read {
+    fn read(&self) -> &ReadSheet {
         self.read.get().expect("the sheet is looked at first")
     }
 
-    fn made(&self) -> MutexGuard<'_, Made> {
+    fn made(&self) -> MutexGuard<'_, MadeCells> {
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -170,7 +170,7 @@ impl Sheet {
             Wrap::Auto => common_wrap(&loaded.frame, &cells),
             given => given,
         };
-        let read = self.read.get_or_init(|| Read {
+        let read = self.read.get_or_init(|| ReadSheet {
             photos,
             inputs,
             needs,
@@ -186,7 +186,7 @@ impl Sheet {
 
     /// The mask without the outermost pixels of each cell.
     fn apart(&self, mask: &Mask) -> Mask {
-        let Grid([width, height]) = self.grid;
+        let CellSize([width, height]) = self.grid;
         let is_inside = |at: usize, side: usize| (1..side - 1).contains(&(at % side));
         Mask::new(Plane::from_fn(mask.width(), mask.height(), |x, y| {
             mask.at(x, y) && is_inside(x, width) && is_inside(y, height)
@@ -194,7 +194,7 @@ impl Sheet {
     }
 }
 
-impl Read {
+impl ReadSheet {
     fn load(&self, window: Window) -> Result<Loaded> {
         let part = PartOfPhotos {
             photos: self.photos.clone(),

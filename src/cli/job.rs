@@ -1,6 +1,6 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
-use super::cells::{Form, Part};
+use super::cells::{Form, SheetPart};
 use super::explained;
 use super::message;
 use super::output::{ReadyOutput, attributes, color_channels};
@@ -40,7 +40,7 @@ pub(super) struct Job<'a> {
     /// Its place among the frames of the run.
     index: Option<usize>,
     /// What it is of a sheet.
-    pub(super) part: Option<Part<'a>>,
+    pub(super) part: Option<SheetPart<'a>>,
     writes: bool,
     log: &'a RunLog,
     recipe: &'a RecipeText,
@@ -96,7 +96,7 @@ impl<'a> Job<'a> {
     /// A part of a sheet: nothing is written before all cells are done.
     pub(super) fn of_sheet(
         work: WorkArgs,
-        part: Part<'a>,
+        part: SheetPart<'a>,
         log: &'a RunLog,
         recipe: &'a RecipeText,
     ) -> Self {
@@ -128,8 +128,8 @@ impl<'a> Job<'a> {
     }
 
     /// The sheet that it is a cell of.
-    fn cell(&self) -> Option<Part<'a>> {
-        self.part.filter(Part::is_cell)
+    fn cell(&self) -> Option<SheetPart<'a>> {
+        self.part.filter(SheetPart::is_cell)
     }
 
     /// The same, to be made only so that the next ones can be: nothing is written.

@@ -1,6 +1,6 @@
 //! A command on a sheet of sprites: all cells are made by what is chosen once, over the sheet.
 
-use super::cells::{Form, Made, Sheet};
+use super::cells::{Form, MadeCells, Sheet};
 use super::frames::{self, FrameCommand, begin, command_of, save_recipe};
 use super::job::{Done, Job};
 use super::message;
@@ -10,7 +10,7 @@ use super::run_log::RunLog;
 use super::threads::Lanes;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::grid::Grid;
+use crate::command::grid::CellSize;
 use crate::command::hatch::is_svg;
 use crate::command::invocation::Invocation;
 use crate::command::output::MadePicture;
@@ -41,7 +41,7 @@ fn make<C: FrameCommand>(
     command: &C,
     recipe: &RecipeText,
     invocation: &Invocation,
-    grid: Grid,
+    grid: CellSize,
 ) -> Result<()> {
     begin(command, invocation)?;
     let work = command.work();
@@ -103,7 +103,7 @@ fn command_by<C: FrameCommand>(command: &C, invocation: &Invocation) -> (C, Reci
 /// Writes what all cells have made.
 fn write(sheet: Sheet, job: &Job) -> Result<()> {
     let began = Instant::now();
-    let (loaded, Made { files, timings }) = sheet.finish()?;
+    let (loaded, MadeCells { files, timings }) = sheet.finish()?;
     let done = Done {
         loaded,
         outcome: Outcome {

@@ -10,9 +10,9 @@ const MOST_CELLS: usize = 1 << 16;
 
 /// Columns and rows of the cells of a sheet, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Grid(pub(crate) [usize; 2]);
+pub(crate) struct CellSize(pub(crate) [usize; 2]);
 
-impl FromStr for Grid {
+impl FromStr for CellSize {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
@@ -26,13 +26,13 @@ impl FromStr for Grid {
     }
 }
 
-impl fmt::Display for Grid {
+impl fmt::Display for CellSize {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}x{}", self.0[0], self.0[1])
     }
 }
 
-impl Grid {
+impl CellSize {
     /// The cells of the sheet, from left to right and from top to bottom.
     ///
     /// # Errors
@@ -91,16 +91,16 @@ mod tests {
 
     #[test]
     fn a_sheet_is_cut_into_whole_cells() {
-        let grid: Grid = "32x16".parse().unwrap();
+        let grid: CellSize = "32x16".parse().unwrap();
         let cells = grid.cells(Window::from_size(64, 48)).unwrap();
         assert_eq!(cells.len(), 6);
         assert_eq!(cells[3], Window::at(32, 16, 32, 16));
         for wrong in ["", "32", "0x32", "32x", "-1x4", "x", "32x32x3", "1.5x2"] {
-            assert!(wrong.parse::<Grid>().is_err(), "{wrong}");
+            assert!(wrong.parse::<CellSize>().is_err(), "{wrong}");
         }
         let refused = |grid: [usize; 2], size: [usize; 2]| {
             let sheet = Window::from_size(size[0], size[1]);
-            Grid(grid).cells(sheet).unwrap_err().to_string()
+            CellSize(grid).cells(sheet).unwrap_err().to_string()
         };
         // Of 250 the divisors next to 32 are 25 and 50; 7 x 32 = 224.
         assert_eq!(

@@ -1,6 +1,6 @@
 //! Sequences: frame numbers, and the names of their files.
 
-use super::grid::Grid;
+use super::grid::CellSize;
 use super::role_args::RoleArgs;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
@@ -63,7 +63,7 @@ pub(crate) struct SequenceArgs {
         value_name = "WxH",
         conflicts_with = "frames"
     )]
-    pub(crate) grid: Option<Grid>,
+    pub(crate) grid: Option<CellSize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -56,9 +56,9 @@ pub(crate) struct Execution<'a> {
     pub(crate) canvas: Canvas,
 }
 
-/// What the stages so far have made for later ones.
+/// What the stages so far have made, between two of them.
 #[derive(Default)]
-pub(crate) struct Made {
+pub(crate) struct Interim {
     pub(crate) outcome: Outcome,
     undiffused: Option<Vector2Planes>,
     more_gradients: Vec<Vector2Planes>,
@@ -94,20 +94,20 @@ impl<'a> Execution<'a> {
     }
 
     /// The same with what earlier stages have made.
-    pub(crate) fn after(self, made: Made) -> Self {
+    pub(crate) fn after(self, interim: Interim) -> Self {
         Self {
-            outcome: made.outcome,
-            undiffused: made.undiffused,
-            more_gradients: made.more_gradients,
-            trace: made.trace,
-            canvas: made.canvas,
+            outcome: interim.outcome,
+            undiffused: interim.undiffused,
+            more_gradients: interim.more_gradients,
+            trace: interim.trace,
+            canvas: interim.canvas,
             ..self
         }
     }
 
     /// Ends it, or interrupts it before a stage.
-    pub(crate) fn into_made(self) -> Made {
-        Made {
+    pub(crate) fn into_interim(self) -> Interim {
+        Interim {
             outcome: self.outcome,
             undiffused: self.undiffused,
             more_gradients: self.more_gradients,

@@ -1,6 +1,6 @@
 //! The runner of the CPU: plans run one at a time, in recycled memory.
 
-use crate::engine::cpu::execution::{Execution, Made, Runner};
+use crate::engine::cpu::execution::{Execution, Interim, Runner};
 use crate::engine::cpu::frame_cache::FrameCache;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::{Outcome, Shape};
@@ -78,17 +78,17 @@ impl Runner {
             let albedo = frame.albedo.take().into_iter();
             memory.recycle(albedo.flat_map(|ColorPlanes { r, g, b }| [r, g, b]));
         }
-        let mut made = Made::default();
+        let mut interim = Interim::default();
         for (i, &stage) in plan.stages.iter().enumerate() {
             let (now, later) = (&plan.stages[i..], &plan.stages[i + 1..]);
             // A drawing takes its tone from the picture that was made, and most of its planes have other sizes.
             let begins_to_draw = stage.makes == Makes::Drawing
                 && (i == 0 || plan.stages[i - 1].makes != Makes::Drawing);
-            if begins_to_draw && made.outcome.color.is_some() && !finds_shadows {
+            if begins_to_draw && interim.outcome.color.is_some() && !finds_shadows {
                 (frame.color, frame.albedo) = (None, None);
                 memory.release();
             }
-            let of_shape = &mut made.outcome.shape;
+            let of_shape = &mut interim.outcome.shape;
             memory.recycle(of_shape.take_others(&taken_by(now, plan)));
             let normals = take_unread(plan, frame, stage, later, memory);
             let lengths = lengths_for(stage, plan, frame);
@@ -97,17 +97,17 @@ impl Runner {
                 watch,
                 normals,
                 lengths,
-                ..Execution::new(self, plan, frame, inputs).after(made)
+                ..Execution::new(self, plan, frame, inputs).after(interim)
             };
             let read_later = taken_by(later, plan);
             run.read_last = (stage.takes)(plan);
             run.read_last
                 .retain(|product| !read_later.contains(product));
             run.go_through([stage])?;
-            made = run.into_made();
+            interim = run.into_interim();
         }
-        memory.recycle(made.outcome.shape.take_others(&[]));
-        Ok(made.outcome)
+        memory.recycle(interim.outcome.shape.take_others(&[]));
+        Ok(interim.outcome)
     }
 
     /// The picture, made where `changed` and copied elsewhere, and what was chosen for it; no picture if nothing changes.
