@@ -1,8 +1,8 @@
 //! A batch of covered pixels and their light-independent samples, component by component, so that loops over a batch
 //! vectorise.
 
-use super::cosines::{at_most_1, positive, scalar_product};
-use super::light_warping::Warp;
+use super::cosines::scalar_product;
+use super::light_warping::{Bend, MOST_BRIGHTENED, factor};
 use super::radiance_scaling::ScalingCurve;
 
 /// Pixels of a batch. All its planes fit the first-level cache.
@@ -14,20 +14,6 @@ pub(crate) type Lanes = [f32; BATCH];
 
 /// One vector per pixel of a batch.
 pub(crate) type Vectors = [Lanes; 3];
-
-/// The vector of a lane.
-#[inline(always)]
-pub(crate) fn at(vectors: &Vectors, lane: usize) -> [f32; 3] {
-    let [x, y, z] = vectors;
-    [x[lane], y[lane], z[lane]]
-}
-
-/// Sets the vector of a lane.
-#[inline(always)]
-pub(crate) fn put(vectors: &mut Vectors, lane: usize, vector: [f32; 3]) {
-    let [x, y, z] = vectors;
-    [x[lane], y[lane], z[lane]] = vector;
-}
 
 /// A vector per pixel, and its image under the inverse of the warp: the two inputs of its dot product with an unwarped
 /// direction.
@@ -54,6 +40,8 @@ pub(crate) struct Pixels {
     pub along: Axis,
     /// Unit tangents across it.
     pub across: Axis,
+    /// What a coat shows toward the eye; set for coated surfaces only.
+    pub coat: CoatLanes,
     /// Inverse of Lambda: xx, xy, yy.
     pub unwarp: Vectors,
     /// Its square: xx, twice xy, yy.
@@ -62,8 +50,10 @@ pub(crate) struct Pixels {
     pub spread: Lanes,
     /// Hessian of the height: xx, xy, yy; convex is negative.
     pub hessian: Vectors,
-    /// Scaling curves of ambient, diffuse and specular light.
+    /// Scaling curves, indexed by [`Pixels::curve_of`].
     pub curves: [CurveLanes; 3],
+    /// Index of the curve of ambient, diffuse and specular light: terms of equal magnitude share one.
+    pub curve_of: [usize; 3],
     /// Number of lanes in use; the others hold arbitrary finite numbers.
     pub count: usize,
     /// Box around their normals.
@@ -73,7 +63,7 @@ pub(crate) struct Pixels {
 /// Squared length below which the grain is along the normal, and gives no tangent.
 pub(crate) const SHORTEST_TANGENT: f32 = 1e-12;
 
-/// A term of the light, by its place among [`Pixels::curves`].
+/// The curve among [`Pixels::curves`] that scales a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Term {
     Ambient,
@@ -115,6 +105,26 @@ impl CurveLanes {
     }
 }
 
+/// The eye of every pixel as the lobes of a coated surface see it.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(crate) struct CoatLanes {
+    /// The components of the direction to the eye along the grain and across it.
+    pub eye: [Lanes; 2],
+    /// One over the cosine of the normal and the direction to the eye.
+    pub per_cosine: Lanes,
+    /// Share of the light in the base that leaves toward the eye.
+    pub base: Lanes,
+}
+
+impl CoatLanes {
+    const NONE: Self = Self {
+        eye: [ZERO; 2],
+        per_cosine: ZERO,
+        base: ZERO,
+    };
+}
+
 /// A box containing all normals of a batch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Facing {
@@ -123,15 +133,36 @@ pub(crate) struct Facing {
     reach: [f32; 3],
 }
 
+/// Pixels of a batch for which a direction is above the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Above {
+    /// None.
+    Nowhere,
+    /// Possibly some.
+    Somewhere,
+    /// All, by a wide margin: no warp can brighten it beyond the limit.
+    Everywhere,
+}
+
 impl Facing {
+    /// The box that contains every normal.
+    pub(crate) const ANYWHERE: Self = Self {
+        middle: [0.0; 3],
+        reach: [1.0; 3],
+    };
+
     /// Margin of cosines for rounding.
     const MARGIN: f32 = 1e-5;
 
-    /// The box around all lanes: numbers in lanes that are not in use only make it larger.
+    /// Cosines above this are never limited by [`MOST_BRIGHTENED`], since no cosine exceeds 1.
+    const HIGH: f32 = 1.0 / MOST_BRIGHTENED + Self::MARGIN;
+
+    /// The box around the first `count` normals.
     #[inline(always)]
-    fn of(normals: &Vectors) -> Self {
+    pub(crate) fn of(normals: &Vectors, count: usize) -> Self {
         let (mut middle, mut reach) = ([0.0; 3], [0.0; 3]);
         for ((middle, reach), values) in middle.iter_mut().zip(&mut reach).zip(normals) {
+            let values = &values[..count];
             let (low, high) = (first(values, |a, b| a < b), first(values, |a, b| a > b));
             *middle = 0.5 * (low + high);
             *reach = 0.5 * (high - low);
@@ -139,26 +170,45 @@ impl Facing {
         Self { middle, reach }
     }
 
-    /// Whether a unit direction may be above the surface at any of the pixels.
+    /// For which pixels a unit direction is above the surface.
     #[inline]
-    pub(crate) fn may_see(&self, direction: [f32; 3]) -> bool {
-        let reach = scalar_product(self.reach, direction.map(f32::abs));
-        scalar_product(self.middle, direction) + reach > -Self::MARGIN
+    pub(crate) fn above(&self, direction: [f32; 3]) -> Above {
+        let middle = scalar_product(self.middle, direction);
+        let [x, y, z] = direction;
+        let reach = scalar_product(self.reach, [x.abs(), y.abs(), z.abs()]);
+        if middle + reach <= -Self::MARGIN {
+            Above::Nowhere
+        } else if middle - reach >= Self::HIGH {
+            Above::Everywhere
+        } else {
+            Above::Somewhere
+        }
     }
 }
 
-/// The value that comes before all others, found in several columns at a time.
+/// Independent partial results, where the order of operations does not matter.
+const SIDE_BY_SIDE: usize = 16;
+
+/// The value that comes before all others.
 #[inline(always)]
-fn first(values: &Lanes, is_before: impl Fn(f32, f32) -> bool) -> f32 {
+fn first(values: &[f32], is_before: impl Fn(f32, f32) -> bool) -> f32 {
+    let mut found = [values[0]; SIDE_BY_SIDE];
+    let (chunks, rest) = values.as_chunks::<SIDE_BY_SIDE>();
     let sooner = |a: f32, b: f32| if is_before(b, a) { b } else { a };
-    let (chunks, _) = values.as_chunks::<16>();
-    let mut found = chunks[0];
     for chunk in chunks {
-        for (found, &value) in found.iter_mut().zip(chunk) {
-            *found = sooner(*found, value);
+        for i in 0..SIDE_BY_SIDE {
+            found[i] = sooner(found[i], chunk[i]);
         }
     }
-    found.into_iter().fold(found[0], sooner)
+    for (found, &value) in found.iter_mut().zip(rest) {
+        *found = sooner(*found, value);
+    }
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            found[i] = sooner(found[i], found[i + half]);
+        }
+    }
+    found[0]
 }
 
 const ZERO: Lanes = [0.0; BATCH];
@@ -172,20 +222,15 @@ impl Axis {
     /// The vector of lane `i`.
     #[inline(always)]
     pub(crate) fn at(&self, i: usize) -> [f32; 3] {
-        at(&self.vector, i)
-    }
-
-    /// The vector of lane `i`, and its image's x and y.
-    #[inline(always)]
-    pub(crate) fn pair(&self, i: usize) -> ([f32; 3], [f32; 2]) {
-        let [x, y] = &self.unwarped;
-        (self.at(i), [x[i], y[i]])
+        [self.vector[0][i], self.vector[1][i], self.vector[2][i]]
     }
 
     /// Sets the vector of lane `i`.
     #[inline(always)]
     pub(crate) fn set(&mut self, i: usize, vector: [f32; 3]) {
-        put(&mut self.vector, i, vector);
+        self.vector[0][i] = vector[0];
+        self.vector[1][i] = vector[1];
+        self.vector[2][i] = vector[2];
     }
 
     /// Recomputes the images under the inverse warps.
@@ -203,73 +248,55 @@ impl Axis {
 
 impl Pixels {
     /// No pixels.
-    pub(crate) const NONE: Self = Self {
-        count: 0,
-        normal: Axis::NONE,
-        facing: Facing {
-            middle: [0.0; 3],
-            reach: [1.0; 3],
-        },
-        to_eye: Axis {
-            vector: [ZERO, ZERO, [1.0; BATCH]],
-            ..Axis::NONE
-        },
-        mirrored: Axis::NONE,
-        along: Axis::NONE,
-        across: Axis::NONE,
-        unwarp: [ZERO; 3],
-        unwarp_squared: [ZERO; 3],
-        spread: ZERO,
-        hessian: [ZERO; 3],
-        curves: [CurveLanes::FLAT; 3],
-    };
-
-    /// The scaling curves of a term.
-    #[inline(always)]
-    pub(crate) fn curve(&self, term: Term) -> &CurveLanes {
-        &self.curves[term as usize]
+    pub(crate) fn new() -> Self {
+        Self {
+            count: 0,
+            normal: Axis::NONE,
+            facing: Facing::ANYWHERE,
+            to_eye: Axis {
+                vector: [ZERO, ZERO, [1.0; BATCH]],
+                ..Axis::NONE
+            },
+            mirrored: Axis::NONE,
+            along: Axis::NONE,
+            across: Axis::NONE,
+            coat: CoatLanes::NONE,
+            unwarp: [ZERO; 3],
+            unwarp_squared: [ZERO; 3],
+            spread: ZERO,
+            hessian: [ZERO; 3],
+            curves: [CurveLanes::FLAT; 3],
+            curve_of: [0, 1, 2],
+        }
     }
 
-    /// The inverse warp of lane `i`.
+    /// The scaling curves of ambient (0), diffuse (1) or specular (2) light.
     #[inline(always)]
-    pub(crate) fn inverse_warp(&self, i: usize) -> Warp {
-        let [xx, xy, yy] = at(&self.unwarp, i);
-        Warp { xx, xy, yy }
-    }
-
-    /// The cosine of the normal and the direction to the eye.
-    #[inline(always)]
-    pub(crate) fn normal_eye(&self, i: usize) -> f32 {
-        let cosine = scalar_product(self.normal.at(i), self.to_eye.at(i));
-        at_most_1(positive(cosine))
-    }
-
-    /// Finds the box around the normals.
-    #[inline(always)]
-    pub(crate) fn find_facing(&mut self) {
-        self.facing = Facing::of(&self.normal.vector);
+    pub(crate) fn curve(&self, term: usize) -> &CurveLanes {
+        &self.curves[self.curve_of[term]]
     }
 
     /// Sets the unit tangents, along the `grain` and across it, of the surface or of what faces the eye.
     #[inline(always)]
     pub(crate) fn set_tangents(&mut self, faces_eye: bool, grain: impl Fn(usize) -> [f32; 2]) {
         for i in 0..BATCH {
-            let axis = if faces_eye {
-                &self.to_eye
-            } else {
-                &self.normal
+            let n = match faces_eye {
+                true => self.to_eye.at(i),
+                false => self.normal.at(i),
             };
-            let n = axis.at(i);
             let [x, y] = grain(i);
             // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
             let along = x * n[0] + y * n[1];
             let tangent = [x - along * n[0], y - along * n[1], -along * n[2]];
-            let square = scalar_product(tangent, tangent);
+            let square =
+                tangent[0] * tangent[0] + tangent[1] * tangent[1] + tangent[2] * tangent[2];
+            let seen = square > SHORTEST_TANGENT;
             let inverse = 1.0 / square.max(SHORTEST_TANGENT).sqrt();
-            let u = match square > SHORTEST_TANGENT {
-                true => tangent.map(|t| t * inverse),
-                false => [0.0, 0.0, 1.0],
-            };
+            let u = [
+                if seen { tangent[0] * inverse } else { 0.0 },
+                if seen { tangent[1] * inverse } else { 0.0 },
+                if seen { tangent[2] * inverse } else { 1.0 },
+            ];
             self.along.set(i, u);
             let v = [
                 n[1] * u[2] - n[2] * u[1],
@@ -280,23 +307,42 @@ impl Pixels {
         }
     }
 
-    /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`, and the images of
-    /// all axes.
+    /// Sets the inverse warps, their squares and determinants from the Hessians, for strength `alpha`.
     #[inline(always)]
     pub(crate) fn warp_by(&mut self, alpha: f32) {
+        let [h_xx, h_xy, h_yy] = &self.hessian;
+        let [xx, xy, yy] = &mut self.unwarp;
+        let [square_xx, square_xy, square_yy] = &mut self.unwarp_squared;
         for i in 0..BATCH {
             // The inverse is the warp of the opposite strength.
-            let inverse = Warp::of(at(&self.hessian, i), -alpha);
-            let Warp { xx, xy, yy } = inverse;
-            put(&mut self.unwarp, i, [xx, xy, yy]);
-            let square = [xx * xx + xy * xy, 2.0 * xy * (xx + yy), xy * xy + yy * yy];
-            put(&mut self.unwarp_squared, i, square);
+            let bend = Bend::of([h_xx[i], h_xy[i], h_yy[i]], -alpha);
+            [xx[i], xy[i], yy[i]] = bend.turn;
+            [square_xx[i], square_yy[i]] = bend.principal;
+        }
+        for lanes in [&mut *square_xx, &mut *square_yy] {
+            for x in lanes {
+                *x = factor(*x);
+            }
+        }
+        for i in 0..BATCH {
+            let bend = Bend {
+                principal: [square_xx[i], square_yy[i]],
+                turn: [xx[i], xy[i], yy[i]],
+            };
+            let inverse = bend.warp();
+            (xx[i], xy[i], yy[i]) = (inverse.xx, inverse.xy, inverse.yy);
+            square_xx[i] = inverse.xx * inverse.xx + inverse.xy * inverse.xy;
+            square_xy[i] = 2.0 * inverse.xy * (inverse.xx + inverse.yy);
+            square_yy[i] = inverse.xy * inverse.xy + inverse.yy * inverse.yy;
             self.spread[i] = inverse.determinant();
         }
-        let axes = [&mut self.normal, &mut self.to_eye, &mut self.mirrored];
-        for axis in axes.into_iter().chain([&mut self.along, &mut self.across]) {
-            axis.unwarp(&self.unwarp);
-        }
+        self.normal.unwarp(&self.unwarp);
+    }
+}
+
+impl Default for Pixels {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -315,22 +361,31 @@ mod tests {
 
     #[test]
     fn a_direction_is_above_what_it_is_said_to_be() {
+        // A batch that is not full: the other lanes say nothing.
         for axis in spiral(40) {
             let mut normals = Axis::NONE;
             let near = |i: usize, k: usize| axis[k] + 0.2 * (0.7 * i as f32 + k as f32).sin();
-            for i in 0..BATCH {
+            let count = 101;
+            for i in 0..count {
                 let n = [near(i, 0), near(i, 1), near(i, 2)];
                 let length = scalar_product(n, n).sqrt();
                 normals.set(i, n.map(|c| c / length));
             }
-            let facing = Facing::of(&normals.vector);
+            let facing = Facing::of(&normals.vector, count);
             for direction in spiral(500) {
-                let cosines = (0..BATCH).map(|i| scalar_product(normals.at(i), direction));
-                let most = cosines.fold(-1.0, f32::max);
-                assert!(most <= 0.0 || facing.may_see(direction), "{most}");
+                let cosines = (0..count).map(|i| scalar_product(normals.at(i), direction));
+                let (least, most) = cosines.fold((1.0_f32, -1.0_f32), |(least, most), c| {
+                    (least.min(c), most.max(c))
+                });
+                match facing.above(direction) {
+                    Above::Nowhere => assert!(most <= 0.0, "{most}"),
+                    Above::Everywhere => assert!(least * MOST_BRIGHTENED >= 1.0, "{least}"),
+                    Above::Somewhere => {}
+                }
             }
             // The normals are within asin(0.2 sqrt 3), 20 degrees, of the axis.
-            assert!(facing.may_see(axis) && !facing.may_see(axis.map(|a| -a)));
+            assert_eq!(facing.above(axis), Above::Everywhere);
+            assert_eq!(facing.above(axis.map(|a| -a)), Above::Nowhere);
         }
     }
 }

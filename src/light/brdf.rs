@@ -3,7 +3,7 @@
 //! Lobes are in units of lights as in [`super::lights::DirectionalLight`], radiance times solid angle over pi: they are
 //! the BRDF times pi times the cosine, so that a white Lambertian surface shows the cosine.
 
-use super::batch::Pixels;
+use super::batch::{BATCH, Lanes, Pixels};
 use super::cosines::{at_most_1, positive, scalar_product};
 use super::sum::exponent::Exponent;
 use crate::kernel::fast_math::{exp_to_normal, ln_of_normal};
@@ -26,6 +26,8 @@ pub(crate) enum Lobes {
     BlinnPhong {
         /// The exponent eta, halved, since it applies to the square of the cosine.
         power: Exponent,
+        /// Whether the viewer is far away, along z at every pixel.
+        far: bool,
     },
     /// See [`AshikhminShirley`].
     AshikhminShirley(AshikhminShirley),
@@ -33,12 +35,12 @@ pub(crate) enum Lobes {
     /// specular light what is mirrored at grazing angles.
     Mirror,
     /// Its base alone.
-    Base(AshikhminShirley),
+    Base,
 }
 
 impl Lobes {
     /// The lobes of a material lit by a sum over lights; `None` for mirrors and glass.
-    pub(crate) fn of(params: &MaterialParams) -> Option<Self> {
+    pub(crate) fn of(params: &MaterialParams, far: bool) -> Option<Self> {
         match params.material {
             Material::Lambert | Material::Toon => Some(Self::Diffuse {
                 power: Exponent::of(1.0),
@@ -51,6 +53,7 @@ impl Lobes {
             }),
             Material::BlinnPhong => Some(Self::BlinnPhong {
                 power: Exponent::of(0.5 * params.shininess),
+                far,
             }),
             Material::AshikhminShirley => {
                 Some(Self::AshikhminShirley(AshikhminShirley::new(params)))
@@ -65,23 +68,55 @@ impl Lobes {
             Self::Phong { .. } | Self::BlinnPhong { .. } => Self::Diffuse {
                 power: Exponent::Integer(1),
             },
-            Self::AshikhminShirley(brdf) => Self::Base(brdf),
-            Self::Diffuse { .. } | Self::Mirror | Self::Base(_) => self,
+            Self::AshikhminShirley(_) => Self::Base,
+            Self::Diffuse { .. } | Self::Mirror | Self::Base => self,
         }
     }
 
-    /// The share of diffuse light, prefiltered as the base's, that a lane's surface shows.
+    /// The share of diffuse light, prefiltered as the base's, that the surface shows.
     #[inline(always)]
-    pub(crate) fn base_share(&self, pixels: &Pixels, lane: usize) -> f32 {
+    pub(crate) fn base_share(&self, pixels: &Pixels) -> Lanes {
         match self {
-            Self::AshikhminShirley(brdf) => brdf.leaving(pixels.normal_eye(lane)) / BASE_SCALE,
-            _ => 1.0,
+            Self::AshikhminShirley(_) => pixels.coat.base.map(|leaving| leaving / BASE_SCALE),
+            _ => [1.0; BATCH],
+        }
+    }
+
+    /// Computes the images under the inverse warps of the vectors that these lobes use beside the normal.
+    #[inline(always)]
+    pub(crate) fn unwarp_axes(&self, pixels: &mut Pixels) {
+        let unwarp = &pixels.unwarp;
+        match self {
+            Self::Diffuse { .. } | Self::Base | Self::BlinnPhong { far: true, .. } => {}
+            Self::Phong { .. } => pixels.mirrored.unwarp(unwarp),
+            Self::BlinnPhong { far: false, .. } | Self::Mirror => pixels.to_eye.unwarp(unwarp),
+            Self::AshikhminShirley(_) => {
+                pixels.to_eye.unwarp(unwarp);
+                pixels.along.unwarp(unwarp);
+                pixels.across.unwarp(unwarp);
+            }
+        }
+    }
+
+    /// Computes what these lobes show toward the eye of every pixel, if that takes more than directions.
+    #[inline(always)]
+    pub(crate) fn see(&self, pixels: &mut Pixels) {
+        let Self::AshikhminShirley(brdf) = self else {
+            return;
+        };
+        for i in 0..BATCH {
+            let eye = pixels.to_eye.at(i);
+            pixels.coat.eye[0][i] = scalar_product(pixels.along.at(i), eye);
+            pixels.coat.eye[1][i] = scalar_product(pixels.across.at(i), eye);
+            let cosine = at_most_1(positive(scalar_product(pixels.normal.at(i), eye)));
+            pixels.coat.per_cosine[i] = 1.0 / cosine.max(GRAZING);
+            pixels.coat.base[i] = brdf.leaving(cosine);
         }
     }
 
     /// Whether there is a lobe other than the diffuse one.
     pub(crate) fn are_glossy(&self) -> bool {
-        !matches!(self, Self::Diffuse { .. } | Self::Base(_))
+        !matches!(self, Self::Diffuse { .. } | Self::Base)
     }
 }
 
@@ -103,8 +138,10 @@ impl Lobes {
     /// The exponent of the lobe; 1 if it has none or others.
     pub(crate) fn exponent(&self) -> Exponent {
         match self {
-            Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power } => *power,
-            Self::AshikhminShirley(_) | Self::Mirror | Self::Base(_) => Exponent::Integer(1),
+            Self::Diffuse { power } | Self::Phong { power } | Self::BlinnPhong { power, .. } => {
+                *power
+            }
+            Self::AshikhminShirley(_) | Self::Mirror | Self::Base => Exponent::Integer(1),
         }
     }
 
@@ -115,7 +152,7 @@ impl Lobes {
             | Self::Phong { .. }
             | Self::BlinnPhong { .. }
             | Self::Mirror
-            | Self::Base(_) => [0.0; 4],
+            | Self::Base => [0.0; 4],
             Self::AshikhminShirley(coat) => {
                 let [along, across] = coat.coat;
                 [along, across, coat.normalisation, coat.reflectance]
@@ -192,7 +229,8 @@ impl AshikhminShirley {
     pub fn specular(&self, c: Cosines) -> f32 {
         let (uu, vv) = (c.hu * c.hu, c.hv * c.hv);
         let lobe = exp_to_normal(Self::log_lobe(1.0 - (uu + vv), self.exponent(uu, vv)));
-        self.normalisation * lobe * (self.reflected(c.he) * share_seen(c.nl, c.ne, c.he))
+        let [per_ne, per_he] = [c.ne, c.he].map(|cosine| 1.0 / cosine.max(GRAZING));
+        self.normalisation * lobe * (self.reflected(c.he) * share_seen(c.nl, per_ne, per_he))
     }
 
     /// Share of the light in the base that leaves at an angle of this cosine.
@@ -229,10 +267,10 @@ impl AshikhminShirley {
 /// others take many times as long.
 pub(crate) const FAINTEST: f32 = -64.0;
 
-/// The coat's `n.l / (h.e max(n.l, n.e))`.
+/// The coat's `n.l / (h.e max(n.l, n.e))`, from the reciprocals of n.e and h.e.
 #[inline(always)]
-pub(crate) fn share_seen(nl: f32, ne: f32, he: f32) -> f32 {
-    nl / (he.max(GRAZING) * nl.max(ne).max(GRAZING))
+pub(crate) fn share_seen(nl: f32, per_ne: f32, per_he: f32) -> f32 {
+    (nl * per_ne).min(1.0) * per_he
 }
 
 /// The light that enters the base from a light of this cosine.
@@ -301,13 +339,13 @@ pub fn fresnel(cosine: f32, ior: f32) -> f32 {
 /// The direction `to_eye` mirrored at the unit normal `n`.
 #[inline(always)]
 pub fn mirrored(n: [f32; 3], to_eye: [f32; 3]) -> [f32; 3] {
-    let twice = 2.0 * scalar_product(n, to_eye);
+    let twice = 2.0 * (n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2]);
     std::array::from_fn(|i| twice * n[i] - to_eye[i])
 }
 
 /// The direction of a sight line refracted into a surface of relative index `ior`; `None` for total reflection.
 pub fn refracted(n: [f32; 3], to_eye: [f32; 3], ior: f32) -> Option<[f32; 3]> {
-    let cosine = scalar_product(n, to_eye);
+    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
     let inside = 1.0 - (1.0 - cosine * cosine) / (ior * ior);
     (inside >= 0.0).then(|| {
         // Snell: the component along the surface shrinks by the index.
@@ -323,24 +361,15 @@ pub(crate) fn seen_in_glass(
     to_eye: [f32; 3],
     material: &MaterialParams,
 ) -> (f32, [f32; 3]) {
-    let share = mirrored_by_glass(scalar_product(n, to_eye), material);
+    let cosine = n[0] * to_eye[0] + n[1] * to_eye[1] + n[2] * to_eye[2];
+    let one_surface = fresnel(cosine, material.ior);
     let straight_on = to_eye.map(|component| -component);
     match material.thin {
-        true => (share, straight_on),
+        true => (thin_sheet(one_surface), straight_on),
         false => match refracted(n, to_eye, material.ior) {
-            Some(through) => (share, through),
+            Some(through) => (one_surface, through),
             None => (1.0, straight_on),
         },
-    }
-}
-
-/// The share of light that glass seen at this cosine mirrors.
-#[inline(always)]
-pub(crate) fn mirrored_by_glass(cosine: f32, material: &MaterialParams) -> f32 {
-    let one_surface = fresnel(cosine, material.ior);
-    match material.thin {
-        true => thin_sheet(one_surface),
-        false => one_surface,
     }
 }
 

@@ -42,7 +42,9 @@ fn ashikhmin_shirley_specular(c: Cosines) -> f32 {
     let uu = c.hu * c.hu;
     let vv = c.hv * c.hv;
     let lobe = exp_of(ashikhmin_shirley_log_lobe(1.0 - (uu + vv), ashikhmin_shirley_exponent(uu, vv)));
-    return params.lobe_2 * lobe * (ashikhmin_shirley_reflected(c.he) * share_seen(c.nl, c.ne, c.he));
+    let per_ne = 1.0 / max(c.ne, GRAZING);
+    let per_he = 1.0 / max(c.he, GRAZING);
+    return params.lobe_2 * lobe * (ashikhmin_shirley_reflected(c.he) * share_seen(c.nl, per_ne, per_he));
 }
 
 // Share of the light in the base that leaves at an angle of this cosine.
@@ -68,9 +70,9 @@ fn ashikhmin_shirley_reflected(he: f32) -> f32 {
     return params.lobe_3 + (1.0 - params.lobe_3) * fifth_power(1.0 - he);
 }
 
-// The coat's n.l / (h.e max(n.l, n.e)).
-fn share_seen(nl: f32, ne: f32, he: f32) -> f32 {
-    return nl / (max(he, GRAZING) * max(max(nl, ne), GRAZING));
+// The coat's n.l / (h.e max(n.l, n.e)), from the reciprocals of n.e and h.e.
+fn share_seen(nl: f32, per_ne: f32, per_he: f32) -> f32 {
+    return min(nl * per_ne, 1.0) * per_he;
 }
 
 // The light that enters the base from a light of this cosine.
@@ -89,15 +91,18 @@ fn reflect_by_lobes(light: Arriving, arrived: Incidence) -> Reflected {
         return Reflected(cosine, lobe, cosine, lobe);
     }
     if BLINN_PHONG {
-        let light_eye = product(light, arrived.inverse, pixel.to_eye);
-        // n . l is recomputed, since the cosine may be limited.
-        let light_normal = product(light, arrived.inverse, pixel.normal);
-        let normal_eye = scalar_product(pixel.normal.vector, pixel.to_eye.vector);
-        let lobe = exponent_raise(half_way(light_eye, light_normal, normal_eye));
+        var lobe = arrived.lobe;
+        if !FAR_EYE {
+            let light_eye = product(light, arrived.inverse, pixel.to_eye);
+            // Recomputed, since the stored cosine may be limited.
+            let light_normal = product(light, arrived.inverse, pixel.normal);
+            lobe = half_way(light_eye, light_normal, scalar_product(pixel.normal.vector, pixel.to_eye.vector));
+        }
+        lobe = exponent_raise(lobe);
         return Reflected(cosine, lobe, cosine, cosine * lobe);
     }
     let power = exponent_raise(cosine);
-    return Reflected(power, 0.0, power, 0.0);
+    return Reflected(power, arrived.lobe, power, 0.0);
 }
 
 // Both terms of the coated model.

@@ -26,7 +26,12 @@ use crate::kernel::fast_math::{exp, ln, polynomial, select};
 /// `alpha k` is NaN, as for 0 times infinity, lambda is 1.
 #[inline(always)]
 pub fn scale_factor(k: f32, alpha: f32) -> f32 {
-    let x = alpha * k;
+    factor(alpha * k)
+}
+
+/// [`scale_factor`] where `alpha k` is `x`.
+#[inline(always)]
+pub(crate) fn factor(x: f32) -> f32 {
     let size = if x.is_nan() { 0.0 } else { x.abs() };
     let (steep, middle) = (size > COT_EIGHTH_PI, size > TAN_EIGHTH_PI);
     let y = rest_of_tangent(size);
@@ -95,22 +100,12 @@ impl Warp {
     /// count as very large ones, NaN as 0.
     #[inline(always)]
     pub fn of(hessian: [f32; 3], alpha: f32) -> Self {
-        let [xx, xy, yy] = hessian.map(bounded_entry);
-        // In units of the largest entry, so that squares neither overflow nor vanish.
-        let size = xx.abs().max(xy.abs()).max(yy.abs());
-        let unit = 1.0 / size.max(f32::MIN_POSITIVE);
-        let (mean, difference) = (0.5 * (xx + yy) * unit, 0.5 * (xx - yy) * unit);
-        let cross = xy * unit;
-        let spread = (difference * difference + cross * cross).sqrt();
-        let strength = alpha * size;
-        let [u, v] = [mean + spread, mean - spread].map(|k| scale_factor(k, strength));
-        let turn = 0.5 * (u - v) / spread.max(f32::MIN_POSITIVE);
-        let middle = 0.5 * (u + v);
-        Self {
-            xx: middle + turn * difference,
-            xy: turn * cross,
-            yy: middle - turn * difference,
+        let Bend { principal, turn } = Bend::of(hessian, alpha);
+        Bend {
+            principal: principal.map(factor),
+            turn,
         }
+        .warp()
     }
 
     /// The inverse warp: reciprocal factors along the same directions, equal to [`Warp::of`] for `-alpha`.
@@ -155,6 +150,48 @@ impl Warp {
     #[inline(always)]
     pub(crate) fn apply(self, [x, y, _]: [f32; 3]) -> [f32; 2] {
         [self.xx * x + self.xy * y, self.xy * x + self.yy * y]
+    }
+}
+
+/// What a [`Warp`] consists of: [`Warp::of`] in steps, for loops that vectorise in each of them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bend {
+    /// The principal curvatures, times the strength of the warp: arguments of [`factor`].
+    pub(crate) principal: [f32; 2],
+    /// Half the difference of the entries xx and yy, the entry xy, and the length of both, in the unit of the largest
+    /// entry: cosine and sine of twice the angle of the first direction, times that length.
+    pub(crate) turn: [f32; 3],
+}
+
+impl Bend {
+    /// The first step.
+    #[inline(always)]
+    pub(crate) fn of(hessian: [f32; 3], alpha: f32) -> Self {
+        let [xx, xy, yy] = hessian.map(bounded_entry);
+        // In units of the largest entry, so that squares neither overflow nor vanish.
+        let size = xx.abs().max(xy.abs()).max(yy.abs());
+        let unit = 1.0 / size.max(f32::MIN_POSITIVE);
+        let (mean, difference) = (0.5 * (xx + yy) * unit, 0.5 * (xx - yy) * unit);
+        let cross = xy * unit;
+        let spread = (difference * difference + cross * cross).sqrt();
+        let strength = alpha * size;
+        Self {
+            principal: [mean + spread, mean - spread].map(|k| strength * k),
+            turn: [difference, cross, spread],
+        }
+    }
+
+    /// The last step: the warp, once the principal curvatures are replaced by their factors.
+    #[inline(always)]
+    pub(crate) fn warp(self) -> Warp {
+        let ([u, v], [difference, cross, spread]) = (self.principal, self.turn);
+        let turn = 0.5 * (u - v) / spread.max(f32::MIN_POSITIVE);
+        let middle = 0.5 * (u + v);
+        Warp {
+            xx: middle + turn * difference,
+            xy: turn * cross,
+            yy: middle - turn * difference,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::light::lights::{DirectionalLight, Illumination, LightChoice, brighten
 use crate::light::lit_sphere::LitSphere;
 use crate::light::median_cut::median_cut;
 use crate::light::relight::pilot::{Base, Chosen, Sampled, chosen};
-use crate::params::{Adaptive, MaterialParams};
+use crate::params::{Adaptive, Material, MaterialParams};
 use crate::plan::{EnvironmentUse, Relighting};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -198,7 +198,7 @@ impl<'a> Illuminants<'a> {
     ) -> f32 {
         let material = &relighting.params.material;
         let is_changed = relighting.warps || relighting.scales;
-        let has_last = material.material.has_toned_light() && is_changed && light.points.is_empty();
+        let has_last = material.material == Material::Toon && is_changed && light.points.is_empty();
         let Some(tones) = relighting.params.tones().filter(|_| has_last) else {
             return f32::MAX;
         };
@@ -262,6 +262,19 @@ impl<'a> Illuminants<'a> {
                     ..
                 })
         )
+    }
+
+    /// Whether the environment is looked up in the mirrored view direction.
+    pub(crate) fn is_mirrored(&self) -> bool {
+        self.ready.gloss.is_some()
+            || matches!(
+                self.ready.used,
+                Used::Mirrored(_)
+                    | Used::Prefiltered {
+                        specular: Some(_),
+                        ..
+                    }
+            )
     }
 
     /// The map in which bent sight lines are looked up, and the gain of its radiance.
@@ -338,7 +351,7 @@ impl PreparedEnvironment {
                         _ => Intensity::by_level(largest.expect("found above")),
                     },
                 },
-                specular: (purpose.material.material.glows_about_mirrored_view())
+                specular: (purpose.material.material == Material::Phong)
                     .then(|| glossy(purpose.material.shininess)),
             },
             EnvironmentUse::Mirrored => Used::Mirrored(Map::of_views(environment.clone(), purpose)),
@@ -360,7 +373,7 @@ impl Map {
         let to_eye = [0.0, 0.0, 1.0];
         let seen = |n| {
             let mirrored = environment.radiance(mirrored(n, to_eye));
-            if !material.material.is_clear() {
+            if material.material != Material::Glass {
                 return mirrored;
             }
             let (share, through) = seen_in_glass(n, to_eye, material);

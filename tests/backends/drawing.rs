@@ -45,17 +45,12 @@ pub(super) fn assert_drawn(
 /// Asserts that a drawing is that of the CPU, and gives the ink of its strokes and contours in all.
 #[track_caller]
 fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] {
-    // Where a line that is laid ends depends on comparisons, which rounding decides: one of them may be a step shorter, of
-    // two pixels or so, three pixels wide with its soft sides.
-    let laid = expected.drawing.as_ref().unwrap();
-    let decided = match laid.lines.is_empty() {
-        true => 0.0,
-        false => 6.0 / laid.hatching.samples().len() as f64,
-    };
-    assert_alike(name, &found, &expected, |product| match product {
-        Product::Picture | Product::Contours => Some(product.tolerance()),
-        Product::Strokes => Some(product.tolerance() + decided),
-        _ => None,
+    assert_alike(name, &found, &expected, |product| {
+        let is_drawn = matches!(
+            product,
+            Product::Picture | Product::Strokes | Product::Contours
+        );
+        is_drawn.then(|| product.tolerance())
     });
     let [found, expected] = [found, expected].map(|outcome| outcome.drawing.unwrap());
     let white = [&found, &expected].map(|drawing| drawing.white_point);

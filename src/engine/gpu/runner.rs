@@ -18,8 +18,8 @@ use crate::engine::watch::Watch;
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::kernel::memory::Memory;
+use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
-use crate::light::relight::rim::frame_lit;
 use crate::line::hatching::gpu_texture::TextureCache;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
@@ -346,7 +346,7 @@ impl Recording<'_> {
             outcome.put(Product::Picture, &mut planes);
         }
         if let Some(color) = outcome.color.as_mut().filter(|_| is_lit) {
-            frame_lit(color, frame, &frame.mask);
+            frame_lit(color, frame);
         }
         put_layers(outcome, plan, frame, &layers, read);
         add_timings(&mut self.waited, &[(READ_BACK, start.elapsed())]);

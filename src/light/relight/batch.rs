@@ -1,10 +1,10 @@
 //! Gathering covered pixels from the planes, and scattering their results.
 
 use crate::frame::{ColorPlanes, DepthKind, Plane};
-use crate::light::batch::{BATCH, Lanes, Pixels, Vectors, put};
-use crate::light::relight::curvature::CurvatureRow;
+use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
+use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
-use crate::light::sum::{LightLanes, LightSum, Sums};
+use crate::light::sum::{LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -39,6 +39,8 @@ pub(crate) struct GlossLanes {
 pub(crate) struct Batch {
     pub(crate) pixels: Pixels,
     pub(crate) sum: LightSum,
+    /// Trace of the Hessian.
+    pub(crate) trace: Lanes,
     /// Mapped curvature.
     pub(crate) kappa: Lanes,
     pub(crate) albedo: [Lanes; 3],
@@ -51,9 +53,9 @@ pub(crate) struct Batch {
     /// Grain direction in the picture.
     pub(crate) grain: [Lanes; 2],
     /// Points of the surface, for lights near it.
-    pub(crate) points: Vectors,
-    /// A light near the surface, or looked up.
-    pub(crate) lamp: LightLanes,
+    pub(crate) points: [Lanes; 3],
+    /// Directions to a light near the surface, and the share that arrives.
+    pub(crate) near: ([Lanes; 3], Lanes),
     /// Directions of look-ups.
     pub(crate) toward: Vectors,
     /// Weight of the look-ups.
@@ -72,8 +74,9 @@ impl Batch {
     pub(crate) fn new() -> Self {
         Self {
             pieces: Vec::new(),
-            pixels: Pixels::NONE,
-            sum: LightSum::NONE,
+            pixels: Pixels::new(),
+            sum: LightSum::new(),
+            trace: ZERO,
             kappa: ZERO,
             albedo: [ONE; 3],
             gloss: GlossLanes {
@@ -85,7 +88,7 @@ impl Batch {
             alpha: ONE,
             grain: [ZERO; 2],
             points: [ZERO; 3],
-            lamp: LightLanes::NONE,
+            near: ([ZERO; 3], ZERO),
             toward: [ZERO; 3],
             share: ZERO,
             looked_up: [ZERO; 3],
@@ -145,10 +148,16 @@ impl Batch {
         for (lanes, row) in self.pixels.normal.vector.iter_mut().zip(normal) {
             copy_row(lanes, row);
         }
-        if scene.curvature.is_some() {
-            for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
-                copy_row(lanes, curvature.entry(k));
+        match scene.curvature {
+            Some(Curvature::Hessian(_)) => {
+                for (k, lanes) in self.pixels.hessian.iter_mut().enumerate() {
+                    copy_row(lanes, curvature.entry(k));
+                }
             }
+            Some(Curvature::Trace(_) | Curvature::Made(_)) => {
+                copy_row(&mut self.trace, curvature.entry(0))
+            }
+            None => {}
         }
         if let Some(color) = scene.albedo {
             let [r, g, b] = &mut self.albedo;
@@ -204,7 +213,11 @@ impl Batch {
             let depth = f64::from(depth.at(x, y));
             let point = scene.sight.point(position[0], position[1], depth, kind);
             let DVec3 { x, y, z } = point;
-            put(&mut self.points, lane, [x as f32, y as f32, z as f32]);
+            (
+                self.points[0][lane],
+                self.points[1][lane],
+                self.points[2][lane],
+            ) = (x as f32, y as f32, z as f32);
         }
     }
 

@@ -23,7 +23,7 @@ pub(crate) struct Slopes<'a> {
     pub(crate) factor: f32,
 }
 
-/// The entries xx, xy and yy of a row; of a trace, the first, and the others 0.
+/// The entries xx, xy and yy of a row, or its trace in the first row.
 pub(crate) struct CurvatureRow {
     rows: [Vec<f32>; 3],
 }

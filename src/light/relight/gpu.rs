@@ -4,12 +4,12 @@ use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::sight::{starts, to_eye};
+use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
 use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::wgsl;
-use crate::frame::{DepthKind, Frame};
+use crate::frame::{ColorPlanes, DepthKind, Frame};
 use crate::light::batch::SHORTEST_TANGENT;
 use crate::light::brdf::{BASE_SCALE, FAINTEST, GRAZING, Lobes};
 use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
@@ -17,9 +17,10 @@ use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
 use crate::light::relight::gpu_lights::{Light, relighting};
+use crate::light::relight::rim::light_rims;
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
-use crate::params::{Quantisation, Tangent};
+use crate::params::{Material, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
@@ -194,6 +195,7 @@ impl Recording<'_> {
         let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
             .map(|plane| plane.map(|plane| self.uploaded(plane.samples())));
         let of_frame = [
+            ("FAR_EYE", is_eye_far(frame)),
             (
                 "HAS_HESSIAN",
                 hessian.is_some_and(|hessian| hessian.entries.is_some()),
@@ -203,7 +205,7 @@ impl Recording<'_> {
             ("HAS_ALPHA", alpha.is_some()),
             ("HAS_ALBEDO", has_albedo),
         ];
-        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material));
+        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
         let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
         let [red, green, blue] = &picture;
         let params = light_params(plan, frame, light, self.gain());
@@ -235,26 +237,52 @@ impl Recording<'_> {
     }
 }
 
+/// Completes the lit pixels: unlit ones get the frame's picture, or black, and partly covered rims the light of their
+/// neighbours.
+pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame) {
+    let mask = &frame.mask;
+    let picture = frame.color.as_ref();
+    let kept = picture.map(|picture| [&picture.r, &picture.g, &picture.b]);
+    let planes = [&mut color.r, &mut color.g, &mut color.b];
+    for (k, plane) in planes.into_iter().enumerate() {
+        for y in 0..mask.height() {
+            let row = plane.row_mut(y);
+            for gap in mask.gaps(y) {
+                match kept {
+                    Some(kept) => row[gap.clone()].copy_from_slice(&kept[k].row(y)[gap]),
+                    None => row[gap].fill(0.0),
+                }
+            }
+        }
+    }
+    if let Some(alpha) = &frame.alpha
+        && mask.count() < alpha.samples().len()
+    {
+        light_rims(color, alpha, mask);
+    }
+}
+
 /// Switches of `relight.wgsl` shared by all frames in this light.
 fn of_light(relighting: &Relighting, light: &Light) -> [(&'static str, bool); 14] {
-    let material = relighting.params.material.material;
+    let is = |kind: Material| relighting.params.material.material == kind;
     let used = &light.around.ready.used;
+    let lobes = Lobes::of(&relighting.params.material, false);
     let is_covered = matches!(relighting.albedo, Albedo::Layer | Albedo::Picture);
     [
         ("WARPS", relighting.warps),
         ("HAS_JACOBIAN", relighting.has_jacobian()),
         ("SCALES", relighting.scales),
-        ("GLOSSY", material.has_highlight()),
+        ("GLOSSY", lobes.is_some_and(|lobes| lobes.are_glossy())),
         ("TOWARD_LIGHT", relighting.toward_light),
         ("ALBEDO_IS_COVERED", is_covered),
         ("PREFILTERED", matches!(used, Used::Prefiltered { .. })),
         ("MIRRORED", matches!(used, Used::Mirrored(_))),
-        ("GLASS", material.is_clear()),
+        ("GLASS", is(Material::Glass)),
         ("LIT_SPHERE", matches!(used, Used::LitSpheres(_))),
         ("TWO_SPHERES", light.around.spheres.len() == 2),
         ("HAS_CONTRAST", relighting.contrasts),
         ("FEW_TONES", relighting.params.tones().is_some()),
-        ("TOON", material.has_toned_light()),
+        ("TOON", is(Material::Toon)),
     ]
 }
 
@@ -265,7 +293,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
     let magnitudes = scaling.magnitudes();
     let weights = frame.luminance_weights();
     // Mirrors and glass are not summed over lights.
-    let lobes = Lobes::of(material);
+    let lobes = Lobes::of(material, is_eye_far(frame));
     let (whole_power, power) = match lobes.map(|lobes| lobes.exponent()) {
         Some(Exponent::Integer(whole)) => (whole, 0.0),
         Some(Exponent::Real(any)) => (0, any),

@@ -1,12 +1,12 @@
 //! Look-ups made once per pixel, in an environment or a lit sphere.
 
 use crate::frame::luminance;
-use crate::light::batch::{BATCH, Term, Vectors, at, put};
+use crate::light::batch::{BATCH, Term, Vectors};
 use crate::light::brdf::{grazing, seen_in_glass};
 use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
 use crate::light::intensity::{Intensity, Map};
-use crate::light::light_warping::warped;
+use crate::light::light_warping::{Warp, half_vector};
 use crate::light::lit_sphere::LitSphere;
 use crate::light::prepared_environment::Used;
 use crate::light::relight::batch::Batch;
@@ -18,12 +18,15 @@ use crate::params::MaterialParams;
 /// Looks `map` up in the directions `toward`: positions of all lanes first, then the samples.
 #[inline(always)]
 pub(crate) fn look_up(found: &mut Vectors, map: &Environment, toward: &Vectors, count: usize) {
-    let [mut columns, mut rows] = [[0.0; BATCH]; 2];
+    let [x, y, z] = toward;
+    let mut positions = [[0.0; BATCH]; 2];
+    let [columns, rows] = &mut positions;
     for i in 0..BATCH {
-        [columns[i], rows[i]] = map.position(at(toward, i));
+        [columns[i], rows[i]] = map.position([x[i], y[i], z[i]]);
     }
+    let [r, g, b] = found;
     for i in 0..count {
-        put(found, i, map.at_position(columns[i], rows[i]));
+        [r[i], g[i], b[i]] = map.at_position(columns[i], rows[i]);
     }
 }
 
@@ -40,8 +43,8 @@ pub(crate) fn add_lookups(batch: &mut Batch, scene: &Scene) {
         Used::Sampled(sampled) => {
             if let Base::Map(map) = &sampled.base {
                 let shading = scene.shading.expect("samples have lobes");
-                for i in 0..BATCH {
-                    let share = shading.lobes.base_share(&batch.pixels, i);
+                let shares = shading.lobes.base_share(&batch.pixels);
+                for (i, share) in shares.into_iter().enumerate() {
                     batch.share[i] = gain * batch.occlusion[i] * share;
                 }
                 batch.toward = batch.pixels.normal.vector;
@@ -123,10 +126,12 @@ fn see(batch: &mut Batch, scene: &Scene, term: Term, map: &Map) {
         &batch.toward,
         batch.pixels.count,
     );
+    let [r, g, b] = &batch.looked_up;
+    let w = scene.luminance;
     if scene.relighting.scales {
-        let curves = batch.pixels.curve(term);
+        let curves = batch.pixels.curve(term as usize);
         for i in 0..BATCH {
-            let luminance = luminance(at(&batch.looked_up, i), scene.luminance);
+            let luminance = w[0] * r[i] + w[1] * g[i] + w[2] * b[i];
             let intensity = map.intensity.of(luminance);
             let sigma = curves.at(i).at(intensity, scene.invariant_point);
             batch.share[i] *= sigma;
@@ -141,8 +146,8 @@ fn add_refracted(batch: &mut Batch, scene: &Scene, map: &Map, material: &Materia
     let all = batch.share;
     for i in 0..batch.pixels.count {
         let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
-        let (share, through) = seen_in_glass(n, eye, material);
-        put(&mut batch.toward, i, through);
+        let (share, [x, y, z]) = seen_in_glass(n, eye, material);
+        (batch.toward[0][i], batch.toward[1][i], batch.toward[2][i]) = (x, y, z);
         mirrored[i] = share;
         batch.share[i] = all[i] * (1.0 - mirrored[i]);
     }
@@ -173,7 +178,7 @@ fn add_spheres(batch: &mut Batch, scene: &Scene, spheres: &[LitSphere], intensit
         let sigma = match scene.relighting.scales {
             true => {
                 let luminance = luminance(color, scene.luminance);
-                let curves = batch.pixels.curve(Term::Diffuse);
+                let curves = batch.pixels.curve(Term::Diffuse as usize);
                 curves
                     .at(i)
                     .at(intensity.of(luminance), scene.invariant_point)
@@ -192,9 +197,15 @@ pub(crate) fn warp_lookups(batch: &mut Batch, scene: &Scene) {
     if !scene.relighting.warps {
         return;
     }
+    let [xx, xy, yy] = &batch.pixels.unwarp;
+    let [x, y, z] = &mut batch.toward;
     for i in 0..BATCH {
-        let warp = batch.pixels.inverse_warp(i).inverse();
-        let toward = warped(at(&batch.toward, i), warp);
-        put(&mut batch.toward, i, toward);
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        let half = half_vector([x[i], y[i], z[i]]);
+        [x[i], y[i], z[i]] = inverse.inverse().direction(half);
     }
 }

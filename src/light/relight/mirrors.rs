@@ -1,12 +1,12 @@
 //! The mirrors and lenses of a frame: what their sight lines meet, and the intensity of its light.
 
 use crate::frame::{Frame, Mask, Ray, SightLines, SpecularScene};
-use crate::light::brdf::mirrored_by_glass;
+use crate::light::brdf::{fresnel, thin_sheet};
 use crate::light::intensity::Map;
 use crate::light::intensity::{Intensity, median};
 use crate::light::light_warping::{Warp, warped};
 use crate::light::prepared_environment::Illuminants;
-use crate::params::{Bend, MaterialParams, SpecularParams};
+use crate::params::{Bend, Material, MaterialParams, SpecularParams};
 use crate::plan::Relighting;
 use crate::trace::Tracer;
 use glam::{DVec3, Vec3};
@@ -60,11 +60,18 @@ fn cosine(frame: &Frame, [x, y]: [usize; 2]) -> f32 {
 
 /// The shares of light seen at this cosine that are mirrored and transmitted.
 fn shares(cosine: f32, material: &MaterialParams) -> impl Iterator<Item = (f32, Option<Bend>)> {
-    let mirrored = match material.material.is_clear() {
-        true => mirrored_by_glass(cosine, material),
-        false => 1.0,
+    let mirror = Some(Bend::Mirror);
+    let both = match material.material {
+        Material::Glass => {
+            let one_surface = fresnel(cosine, material.ior);
+            let mirrored = match material.thin {
+                true => thin_sheet(one_surface),
+                false => one_surface,
+            };
+            [(1.0 - mirrored, None), (mirrored, mirror)]
+        }
+        _ => [(1.0, mirror), (0.0, mirror)],
     };
-    let both = [(1.0 - mirrored, None), (mirrored, Some(Bend::Mirror))];
     both.into_iter().filter(|(share, _)| *share > 0.0)
 }
 

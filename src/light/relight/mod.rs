@@ -86,7 +86,7 @@ pub(crate) fn relight(run: &mut Execution) {
     let shape = std::mem::take(&mut run.outcome.shape);
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
-    let shading = shading(plan, relighting, gain);
+    let shading = shading(plan, relighting, gain, eye.is_none());
     let mirror_shading = shading.filter(|_| relighting.gloss);
     let mirror_shading = mirror_shading.map(|shading| Shading {
         lobes: Lobes::Mirror,
@@ -112,6 +112,10 @@ pub(crate) fn relight(run: &mut Execution) {
         gloss: frame.light.gloss.as_ref().filter(|_| relighting.gloss),
         mirror_shading,
         keeps_mirrored: around.ready.gloss.is_none(),
+        is_glossy: mirrors.is_some()
+            || relighting.gloss
+            || around.is_mirrored()
+            || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
         lights: Directed::all(&illumination.directional),
         around_lights: Directed::all(around.lights()),
@@ -149,7 +153,7 @@ fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
 }
 
 /// Shading by single lights, if any are summed.
-fn shading(plan: &Plan, relighting: &Relighting, gain: f32) -> Option<Shading> {
+fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
     let scaling = &plan.scaling;
     let magnitudes = scaling.magnitudes();
     let toward_light = relighting.toward_light.then_some(TowardLight {
@@ -157,7 +161,7 @@ fn shading(plan: &Plan, relighting: &Relighting, gain: f32) -> Option<Shading> {
         anisotropy: scaling.anisotropy,
         magnitudes: [magnitudes.diffuse, magnitudes.specular],
     });
-    let lobes = Lobes::of(&relighting.params.material)?;
+    let lobes = Lobes::of(&relighting.params.material, far)?;
     relighting.sums.then_some(Shading {
         warped: relighting.has_jacobian(),
         scaled: relighting.scales.then_some(Scaled {
@@ -186,7 +190,7 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
     let mask = scene.lit;
     let width = mask.width();
     let light = |batch: &mut Batch, rows: &mut [&mut [f32]; 3], first| {
-        wide!(shade::light_batch(batch, scene));
+        wide!(|fma| shade::light_batch(fma, batch, scene));
         batch.scatter(rows, first, width);
     };
     let is_in_place = normals.is_some();
@@ -208,6 +212,7 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
         |(batch, curvature, normal), (task, ((r, g), b))| {
             let first = task * ROWS_PER_TASK;
             let mut rows = [r, g, b];
+            keep_uncovered(scene, first, &mut rows);
             let count = rows[0].len() / width;
             for y in (first..first + count).take_while(|_| !memory.is_cancelled()) {
                 if let Some(made_of) = &scene.curvature {
@@ -234,6 +239,30 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
     );
     let [r, g, b] = planes;
     let mut color = ColorPlanes { r, g, b };
-    rim::frame_lit(&mut color, scene.frame, mask);
+    if let Some(alpha) = &scene.frame.alpha
+        && mask.count() < alpha.samples().len()
+    {
+        rim::light_rims(&mut color, alpha, mask);
+    }
     color
+}
+
+/// Fills pixels without a surface from the frame's picture, or with black.
+fn keep_uncovered(scene: &Scene, first: usize, rows: &mut [&mut [f32]; 3]) {
+    let mask = scene.lit;
+    let width = mask.width();
+    let planes = scene.frame.color.as_ref();
+    let planes = planes.map(|color| [&color.r, &color.g, &color.b]);
+    for (k, rows) in rows.iter_mut().enumerate() {
+        for (i, row) in rows.chunks_mut(width).enumerate() {
+            let y = first + i;
+            for gap in mask.gaps(y) {
+                let out = &mut row[gap.clone()];
+                match planes {
+                    Some(planes) => out.copy_from_slice(&planes[k].row(y)[gap]),
+                    None => out.fill(0.0),
+                }
+            }
+        }
+    }
 }

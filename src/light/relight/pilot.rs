@@ -8,7 +8,7 @@
 use crate::frame::luminance;
 use crate::kernel::quantile::quantile;
 use crate::kernel::simd::wide;
-use crate::light::batch::{BATCH, Lanes, Pixels, put};
+use crate::light::batch::{BATCH, Lanes, Pixels};
 use crate::light::brdf::{Lobes, mirrored};
 use crate::light::cosines::{at_most_1, positive};
 use crate::light::environment::Environment;
@@ -20,7 +20,7 @@ use crate::light::median_cut::cut_by_spread;
 use crate::light::octahedral::OctahedralMaps;
 use crate::light::relight::samples::FilteredSamples;
 use crate::light::sum::{Directed, LightSum, Shading, Sums};
-use crate::params::MaterialParams;
+use crate::params::{Material, MaterialParams};
 use crate::plan::ToError;
 use crate::srgb;
 use std::f64::consts::PI;
@@ -115,9 +115,9 @@ pub(crate) fn chosen(
     let base = match allowed.apart {
         true => Base::Lights(base_lights(OF_BASE * allowed.levels).0),
         false => {
-            let filter = match material.material.has_coat() {
-                true => GlossyFilter::base(&coarse),
-                false => irradiance_filter(&coarse),
+            let filter = match material.material {
+                Material::AshikhminShirley => GlossyFilter::base(&coarse),
+                _ => irradiance_filter(&coarse),
             };
             let map = filter.filtered(&goes_on);
             pilot.look_base_up(&map);
@@ -209,8 +209,8 @@ struct Pilot {
 
 impl Pilot {
     fn new(map: &Environment, material: &MaterialParams, warp: f32, gain: f32) -> Self {
-        let lobes = Lobes::of(material).expect("mirrors have no lights");
-        let mut pixels = Box::new(Pixels::NONE);
+        let lobes = Lobes::of(material, true).expect("mirrors have no lights");
+        let mut pixels = Box::new(Pixels::new());
         let stride = ball().count() / BATCH;
         for (i, n) in ball().step_by(stride).take(BATCH).enumerate() {
             pixels.normal.set(i, n);
@@ -223,12 +223,14 @@ impl Pilot {
             pixels.hessian[2][i] = mean - 0.5 * difference;
         }
         pixels.count = BATCH;
-        let faces_eye = material.material.glows_about_mirrored_view();
-        pixels.set_tangents(faces_eye, |_| [1.0, 0.0]);
+        let is_phong = material.material.glows_about_mirrored_view();
+        pixels.set_tangents(is_phong, |_| [1.0, 0.0]);
+        lobes.see(&mut pixels);
         pixels.warp_by(warp);
+        lobes.unwarp_axes(&mut pixels);
         let mut pilot = Self {
             pixels,
-            sum: Box::new(LightSum::NONE),
+            sum: Box::new(LightSum::new()),
             shading: Shading {
                 warped: warp > 0.0,
                 scaled: None,
@@ -260,7 +262,7 @@ impl Pilot {
     ) -> Sums {
         let lights = Directed::all(lights);
         let (pixels, sum) = (&self.pixels, &mut self.sum);
-        wide!(light_ball(pixels, sum, shading, &lights, samples));
+        wide!(|fma| light_ball(fma, pixels, sum, shading, &lights, samples));
         self.sum.sums.clone()
     }
 
@@ -272,10 +274,12 @@ impl Pilot {
 
     /// Takes the diffuse light that `map` tells.
     fn look_base_up(&mut self, map: &Environment) {
+        let shares = self.shading.lobes.base_share(&self.pixels);
         for i in 0..BATCH {
-            let share = self.gain * self.shading.lobes.base_share(&self.pixels, i);
             let found = map.radiance(self.pixels.normal.at(i));
-            put(&mut self.base, i, found.map(|channel| share * channel));
+            for (base, found) in self.base.iter_mut().zip(found) {
+                base[i] = self.gain * shares[i] * found;
+            }
         }
     }
 
@@ -314,14 +318,16 @@ impl Pilot {
 /// Lights the ball.
 #[inline(always)]
 fn light_ball(
+    fma: bool,
     pixels: &Pixels,
     sum: &mut LightSum,
     shading: &Shading,
     lights: &[Directed],
     samples: Option<&FilteredSamples>,
 ) {
-    sum.sums = Sums::NONE;
-    sum.add_directed(pixels, shading, lights);
+    sum.clear();
+    sum.add_directed(fma, pixels, shading, lights);
+    sum.finish(pixels, shading);
     if let Some(samples) = samples {
         samples.add(pixels, sum, shading);
     }

@@ -1,32 +1,11 @@
-//! Pixels beside the lit ones, and those with little coverage: too little for a normal of their own, enough to be visible.
+//! Pixels with little coverage: too little for a normal of their own, enough to be visible.
 
-use crate::frame::{ColorPlanes, Frame, Mask, Plane, parallel_rows};
+use crate::frame::{ColorPlanes, Mask, Plane};
 use rayon::prelude::*;
-
-/// Completes the pixels lit at `mask`: others get the frame's picture, or black, and partly covered rims the light of
-/// their neighbours.
-pub(crate) fn frame_lit(color: &mut ColorPlanes, frame: &Frame, mask: &Mask) {
-    let picture = frame.color.as_ref().map(|own| [&own.r, &own.g, &own.b]);
-    parallel_rows([&mut color.r, &mut color.g, &mut color.b]).for_each(|(y, rows)| {
-        for (k, row) in rows.into_iter().enumerate() {
-            for gap in mask.gaps(y) {
-                match picture {
-                    Some(own) => row[gap.clone()].copy_from_slice(&own[k].row(y)[gap]),
-                    None => row[gap].fill(0.0),
-                }
-            }
-        }
-    });
-    if let Some(alpha) = &frame.alpha
-        && mask.count() < alpha.samples().len()
-    {
-        light_rims(color, alpha, mask);
-    }
-}
 
 /// Sets pixels that are partly covered by alpha but outside the mask to the mean light of the covered ones around them.
 /// Left unchanged they would keep the old light as a seam.
-fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
+pub(crate) fn light_rims(color: &mut ColorPlanes, alpha: &Plane, mask: &Mask) {
     let planes = [&color.r, &color.g, &color.b];
     let rows = (0..mask.height()).into_par_iter();
     let found: Vec<_> = rows

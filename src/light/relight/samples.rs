@@ -7,11 +7,12 @@
 //! own, so neighbours err alike and nothing is grainy; maps are a step finer than that, not one coarser, which halves the
 //! error of the few samples used here; and what is far brighter than the mean is left to lights, see [`super::pilot`].
 
-use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors, at, put};
-use crate::light::brdf::{GRAZING, Lobes};
+use crate::light::batch::{BATCH, Lanes, Pixels, Term, Vectors};
+use crate::light::brdf::Lobes;
 use crate::light::cosines::{at_most_1, positive, scalar_product};
-use crate::light::light_warping::{MOST_BRIGHTENED, half_vector};
+use crate::light::light_warping::{MOST_BRIGHTENED, Warp};
 use crate::light::octahedral::OctahedralMaps;
+use crate::light::sum::terms::SHORTEST;
 use crate::light::sum::{LightSum, Shading};
 use crate::light::texels::Texel;
 use crate::params::{Material, MaterialParams};
@@ -60,6 +61,8 @@ struct Scratch {
     solid_angle: Lanes,
     share: [Lanes; AT_ONCE],
     texels: [[u32; BATCH]; AT_ONCE],
+    /// The warp, xx, xy and yy, and its determinant.
+    warp: [Lanes; 4],
 }
 
 impl FilteredSamples {
@@ -70,29 +73,40 @@ impl FilteredSamples {
         count: usize,
         gain: f32,
     ) -> Self {
-        let highlight = Highlight::of(material);
-        let sample = |i: usize| {
+        let exponents = exponents(material);
+        let lobe_of = |i: usize| {
             let share = (i as f64 + 0.5) / count as f64;
-            let turn = (i as f64 * TURN).fract();
-            let Lobe { direction, density } = lobe(highlight.exponents, share, turn);
+            lobe(exponents, share, (i as f64 * TURN).fract())
+        };
+        let sample = |i: usize| {
+            let Lobe { direction, density } = lobe_of(i);
+            let [_, _, z] = direction;
             Sample {
                 direction,
-                solid_angle: (highlight.solid_angle(density) / count as f64) as f32,
-                seen: direction[2].powf(highlight.seen),
+                solid_angle: (solid_angle(material, density) / count as f64) as f32,
+                seen: match material.material {
+                    Material::AshikhminShirley => z,
+                    _ => z.powf(material.shininess),
+                },
             }
+        };
+        // A lobe of peak 1 has 2 pi over its exponent and 1; that of directions is four h.e times that of half vectors.
+        let peak = match material.material {
+            Material::AshikhminShirley => 1.0,
+            Material::Phong => 2.0 / (material.shininess + 1.0),
+            _ => 8.0 / (material.shininess + 1.0),
         };
         Self {
             pattern: (0..count).map(sample).collect(),
             maps: maps.clone(),
-            intensity: gain * highlight.energy / count as f32,
+            intensity: gain * peak / count as f32,
         }
     }
 
     /// The least solid angle of a pixel of the maps for that many samples, in steradians.
     pub(crate) fn finest(material: &MaterialParams, count: usize) -> f32 {
-        let highlight = Highlight::of(material);
-        let peak = lobe(highlight.exponents, 0.0, 0.0).density;
-        SLANTED * (highlight.solid_angle(peak) / count as f64) as f32
+        let peak = lobe(exponents(material), 0.0, 0.0).density;
+        SLANTED * (solid_angle(material, peak) / count as f64) as f32
     }
 
     /// Number of samples.
@@ -104,6 +118,9 @@ impl FilteredSamples {
     #[inline(always)]
     pub(crate) fn add(&self, pixels: &Pixels, sum: &mut LightSum, shading: &Shading) {
         let mut scratch = Scratch::NONE;
+        if shading.warped {
+            scratch.find_warp(pixels);
+        }
         let mut light = [[0.0; 4]; BATCH];
         for some in self.pattern.as_chunks::<AT_ONCE>().0 {
             for (at, sample) in some.iter().enumerate() {
@@ -116,7 +133,7 @@ impl FilteredSamples {
                 }
                 scratch.weigh(at, pixels, &shading.lobes);
                 if let Some(scaled) = shading.scaled {
-                    let curves = pixels.curve(Term::Specular);
+                    let curves = pixels.curve(Term::Specular as usize);
                     for i in 0..BATCH {
                         let sigma = curves.at(i).at(sample.seen, scaled.invariant_point);
                         scratch.share[at][i] *= sigma;
@@ -161,11 +178,28 @@ impl Scratch {
         solid_angle: [0.0; BATCH],
         share: [[0.0; BATCH]; AT_ONCE],
         texels: [[0; BATCH]; AT_ONCE],
+        warp: [[0.0; BATCH]; 4],
     };
+
+    #[inline(always)]
+    fn find_warp(&mut self, pixels: &Pixels) {
+        let ([xx, xy, yy], [to_xx, to_xy, to_yy, determinant]) = (&pixels.unwarp, &mut self.warp);
+        for i in 0..BATCH {
+            let inverse = Warp {
+                xx: xx[i],
+                xy: xy[i],
+                yy: yy[i],
+            };
+            let warp = inverse.inverse();
+            (to_xx[i], to_xy[i], to_yy[i]) = (warp.xx, warp.xy, warp.yy);
+            determinant[i] = warp.determinant();
+        }
+    }
 
     /// Directions, cosines and solid angles of a sample.
     #[inline(always)]
     fn aim<const IS_HALF: bool>(&mut self, sample: &Sample, pixels: &Pixels) {
+        let [toward_x, toward_y, toward_z] = &mut self.toward;
         let [x, y, z] = sample.direction;
         for i in 0..BATCH {
             let (u, v) = (pixels.along.at(i), pixels.across.at(i));
@@ -179,12 +213,9 @@ impl Scratch {
             // Half vectors mirror the eye; about the eye, the normal mirrors directions.
             let (mirror, image) = if IS_HALF { (d, eye) } else { (n, d) };
             let along = scalar_product(mirror, image);
-            let toward = [
-                2.0 * along * mirror[0] - image[0],
-                2.0 * along * mirror[1] - image[1],
-                2.0 * along * mirror[2] - image[2],
-            ];
-            put(&mut self.toward, i, toward);
+            toward_x[i] = 2.0 * along * mirror[0] - image[0];
+            toward_y[i] = 2.0 * along * mirror[1] - image[1];
+            toward_z[i] = 2.0 * along * mirror[2] - image[2];
             let slant = if IS_HALF { positive(along) } else { 1.0 };
             self.slant[i] = slant;
             self.cosine[i] = if IS_HALF {
@@ -199,15 +230,19 @@ impl Scratch {
     /// Bends the directions, with cosines limited by [`MOST_BRIGHTENED`]; solid angles change as a bend gathers them.
     #[inline(always)]
     fn bend(&mut self, pixels: &Pixels) {
+        let ([x, y, z], [xx, xy, yy, determinant]) = (&mut self.toward, &self.warp);
         for i in 0..BATCH {
-            let (half, warp) = (
-                half_vector(at(&self.toward, i)),
-                pixels.inverse_warp(i).inverse(),
-            );
-            let bent = warp.direction(half);
-            put(&mut self.toward, i, bent);
-            self.solid_angle[i] *= warp.jacobian(half);
-            let most = MOST_BRIGHTENED * scalar_product(pixels.normal.at(i), bent);
+            // The half vector of light and z, of the length that makes it cheap.
+            let half = [x[i], y[i], 1.0 + z[i]];
+            let square = (2.0 * half[2]).max(SHORTEST);
+            let bent_x = xx[i] * half[0] + xy[i] * half[1];
+            let bent_y = xy[i] * half[0] + yy[i] * half[1];
+            let (across, along) = (bent_x * bent_x + bent_y * bent_y, half[2] * half[2]);
+            let unit = 1.0 / (across + along).max(SHORTEST * SHORTEST);
+            let twice = 2.0 * half[2] * unit;
+            (x[i], y[i], z[i]) = (twice * bent_x, twice * bent_y, (along - across) * unit);
+            self.solid_angle[i] *= determinant[i] * (square * unit) * (square * unit);
+            let most = MOST_BRIGHTENED * scalar_product(pixels.normal.at(i), [x[i], y[i], z[i]]);
             let cosine = self.cosine[i];
             self.cosine[i] = if cosine < most { cosine } else { most };
         }
@@ -219,9 +254,9 @@ impl Scratch {
         let (share, cosine, slant) = (&mut self.share[at], &self.cosine, &self.slant);
         match lobes {
             Lobes::AshikhminShirley(coat) => {
+                let per_cosine = &pixels.coat.per_cosine;
                 for i in 0..BATCH {
-                    let per_cosine = 1.0 / pixels.normal_eye(i).max(GRAZING);
-                    let seen = at_most_1(positive(cosine[i] * per_cosine));
+                    let seen = at_most_1(positive(cosine[i] * per_cosine[i]));
                     share[i] = coat.reflected(slant[i]) * seen;
                 }
             }
@@ -239,47 +274,22 @@ impl Scratch {
     }
 }
 
-/// What samples take of the highlight of a material.
-struct Highlight {
-    /// Exponents of the lobe along and across the grain.
-    exponents: [f64; 2],
-    /// The solid angle of directions over that of half vectors, for h.e = 1; 1 where the lobe is of directions.
-    per_half: f64,
-    /// What a lobe of peak 1 has, over pi: 2 over its exponent and 1, times `per_half`. A coat's is in its reflectance.
-    energy: f32,
-    /// The exponent of the intensity that radiance scaling takes.
-    seen: f32,
+/// The exponents of the lobe along and across the grain.
+fn exponents(material: &MaterialParams) -> [f64; 2] {
+    match material.material {
+        Material::AshikhminShirley => material.coat.map(f64::from),
+        _ => [f64::from(material.shininess); 2],
+    }
 }
 
-impl Highlight {
-    fn of(material: &MaterialParams) -> Self {
-        let of_shininess = |per_half: f32| Self {
-            exponents: [f64::from(material.shininess); 2],
-            per_half: f64::from(per_half),
-            energy: 2.0 * per_half / (material.shininess + 1.0),
-            seen: material.shininess,
-        };
-        match material.material {
-            Material::Phong => of_shininess(1.0),
-            Material::BlinnPhong => of_shininess(4.0),
-            Material::AshikhminShirley => Self {
-                exponents: material.coat.map(f64::from),
-                per_half: 4.0,
-                energy: 1.0,
-                seen: 1.0,
-            },
-            Material::Lambert
-            | Material::Toon
-            | Material::Sublambert
-            | Material::Mirror
-            | Material::Glass => unreachable!("samples are of highlights"),
-        }
-    }
-
-    /// The solid angle of a pixel for one sample of this density; of half vectors, for h.e = 1.
-    fn solid_angle(&self, density: f64) -> f64 {
-        SHARPER * self.per_half / density
-    }
+/// The solid angle of a pixel for one sample of this density; of half vectors, for h.e = 1.
+fn solid_angle(material: &MaterialParams, density: f64) -> f64 {
+    let per_half = if material.material.glows_about_mirrored_view() {
+        1.0
+    } else {
+        4.0
+    };
+    SHARPER * per_half / density
 }
 
 /// A direction of a lobe, and its density by solid angle.

@@ -34,6 +34,8 @@ pub(crate) struct Scene<'a> {
     pub(super) mirror_shading: Option<Shading>,
     /// Whether the scene mirrored in the render stays.
     pub(super) keeps_mirrored: bool,
+    /// Whether anything adds to specular light.
+    pub(super) is_glossy: bool,
     pub(super) lights: Vec<Directed>,
     /// The lights that stand for the environment.
     pub(super) around_lights: Vec<Directed>,

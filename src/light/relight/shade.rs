@@ -1,16 +1,16 @@
 //! Lighting of one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors of the
 //! machine.
 
-use crate::frame::{Gloss, luminance};
+use crate::frame::Gloss;
 use crate::light::albedo::AlbedoEstimate;
-use crate::light::batch::{BATCH, Lanes, Term, at, put};
+use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
+use crate::light::brdf::Lobes;
 use crate::light::brdf::mirrored;
-use crate::light::cosines::scalar_product;
 use crate::light::environment::Environment;
-use crate::light::light_warping::{MOST_BRIGHTENED, contrast};
-use crate::light::lights::PointLight;
+use crate::light::light_warping::{MOST_BRIGHTENED, Warp, contrast};
 use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::{Batch, GlossLanes};
+use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
 use crate::light::relight::scene::Scene;
 use crate::light::sum::{Shading, Sums};
@@ -22,12 +22,15 @@ use crate::shape::curvature::mapped_curvature;
 /// One over the reflectance below which a surface mirrors less at grazing angles too: no clear matter reflects less.
 const ANY_GLOSS: f32 = 50.0;
 
+/// Number of lights from which computing the box of the batch's normals pays off.
+const WORTH_A_BOX: usize = 4;
+
 /// Lights the pixels of a batch.
 #[inline(always)]
-pub(crate) fn light_batch(batch: &mut Batch, scene: &Scene) {
+pub(crate) fn light_batch(fma: bool, batch: &mut Batch, scene: &Scene) {
     prepare(batch, scene);
-    batch.sum.sums = Sums::NONE;
-    add_lights(batch, scene);
+    batch.sum.clear();
+    add_lights(fma, batch, scene);
     compose(batch, scene);
 }
 
@@ -44,47 +47,104 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
     if let Some(estimate) = &scene.estimate {
         estimate_albedo(batch, estimate);
     }
-    let Batch { pixels, grain, .. } = batch;
-    for i in 0..BATCH {
-        let (n, eye) = (pixels.normal.at(i), pixels.to_eye.at(i));
-        pixels.mirrored.set(i, mirrored(n, eye));
+    let lobes = scene.shading.map(|shading| shading.lobes);
+    let phong = relighting
+        .params
+        .material
+        .material
+        .glows_about_mirrored_view();
+    if phong || scene.around.is_mirrored() {
+        for i in 0..BATCH {
+            let (n, eye) = (batch.pixels.normal.at(i), batch.pixels.to_eye.at(i));
+            batch.pixels.mirrored.set(i, mirrored(n, eye));
+        }
     }
-    let material = &scene.params().material;
-    let has_grain = scene.around.sampled().is_some();
-    if has_grain || material.material.has_coat() {
-        let fixed = match material.tangent {
+    let samples = scene.around.sampled().is_some();
+    if samples || matches!(lobes, Some(Lobes::AshikhminShirley(_))) {
+        let fixed = match scene.params().material.tangent {
             Tangent::Degrees(angle) => angle.to_radians(),
             Tangent::Curvature => 0.0,
         };
-        let fixed = [fixed.cos(), fixed.sin()];
-        let faces_eye = material.material.glows_about_mirrored_view();
-        pixels.set_tangents(faces_eye, |i| match scene.grain {
+        let (sine, cosine) = fixed.sin_cos();
+        let Batch { pixels, grain, .. } = batch;
+        let grain = |i: usize| match scene.grain {
             Some(_) => [grain[0][i], grain[1][i]],
-            None => fixed,
-        });
+            None => [cosine, sine],
+        };
+        pixels.set_tangents(phong, grain);
+    }
+    if let Some(lobes) = lobes {
+        lobes.see(&mut batch.pixels);
     }
     if relighting.warps {
+        let pixels = &mut batch.pixels;
         pixels.warp_by(relighting.params.warping.warp * scene.gain);
+        let mirror = scene.mirror_shading.map(|shading| shading.lobes);
+        for lobes in lobes.into_iter().chain(mirror) {
+            lobes.unwarp_axes(pixels);
+        }
     }
-    pixels.find_facing();
-    if relighting.scales || relighting.lit_spheres == 2 {
+    if relighting.scales {
         set_curves(batch, scene);
+    } else if relighting.lit_spheres == 2 {
+        find_kappa(batch, scene);
+    }
+    let around = &scene.around;
+    let lights = scene.lights.len() + scene.around_lights.len() + scene.base_lights.len();
+    let directions = lights + around.even_directions().len();
+    if directions >= WORTH_A_BOX {
+        let pixels = &mut batch.pixels;
+        pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
     }
 }
 
-/// Mapped curvature, and the scaling curve of every term.
+/// Mapped curvature.
+#[inline(always)]
+fn find_kappa(batch: &mut Batch, scene: &Scene) {
+    let Batch {
+        pixels,
+        trace,
+        kappa,
+        ..
+    } = batch;
+    if matches!(scene.curvature, Some(Curvature::Hessian(_))) {
+        let [xx, _, yy] = &pixels.hessian;
+        for i in 0..BATCH {
+            trace[i] = xx[i] + yy[i];
+        }
+    }
+    for i in 0..BATCH {
+        kappa[i] = mapped_curvature(trace[i], scene.gain);
+    }
+}
+
+/// The scaling curve of every active term; terms of equal magnitude share one.
 #[inline(always)]
 fn set_curves(batch: &mut Batch, scene: &Scene) {
-    let Batch { pixels, kappa, .. } = batch;
-    let [xx, _, yy] = &pixels.hessian;
-    for i in 0..BATCH {
-        kappa[i] = mapped_curvature(xx[i] + yy[i], scene.gain);
-    }
+    find_kappa(batch, scene);
     let magnitudes = scene.magnitudes;
-    let magnitudes = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
-    for (curves, magnitude) in pixels.curves.iter_mut().zip(magnitudes) {
-        for (i, &kappa) in kappa.iter().enumerate() {
-            curves.set(i, ScalingCurve::of(magnitude * kappa));
+    let terms = [
+        (magnitudes.ambient, scene.params().material.ambient > 0.0),
+        (magnitudes.diffuse, true),
+        (magnitudes.specular, scene.is_glossy),
+    ];
+    let mut done: Option<(f32, usize)> = None;
+    for (term, (magnitude, used)) in terms.into_iter().enumerate() {
+        if !used {
+            continue;
+        }
+        match done {
+            Some((same, of)) if same == magnitude => {
+                batch.pixels.curve_of[term] = of;
+            }
+            _ => {
+                let curves = &mut batch.pixels.curves[term];
+                for i in 0..BATCH {
+                    curves.set(i, ScalingCurve::of(magnitude * batch.kappa[i]));
+                }
+                batch.pixels.curve_of[term] = term;
+                done = Some((magnitude, term));
+            }
         }
     }
 }
@@ -98,19 +158,21 @@ fn demodulate(batch: &mut Batch, has_gloss: bool) {
     }
     let own = has_gloss.then_some(&mut batch.gloss.reflectance);
     for lanes in batch.albedo.iter_mut().chain(own.into_iter().flatten()) {
-        multiply(lanes, &batch.share);
+        for (albedo, per_cover) in lanes.iter_mut().zip(&batch.share) {
+            *albedo *= per_cover;
+        }
     }
 }
 
 /// Turns the picture's colours into the albedo estimated from them.
 #[inline(always)]
 fn estimate_albedo(batch: &mut Batch, estimate: &AlbedoEstimate) {
+    let [r, g, b] = &mut batch.albedo;
     for i in 0..BATCH {
         let cover = batch.alpha[i];
         let per_cover = if cover > 0.0 { 1.0 / cover } else { 0.0 };
-        let bare = at(&batch.albedo, i).map(|channel| channel * per_cover);
-        let albedo = estimate.at(batch.pixels.normal.at(i), bare);
-        put(&mut batch.albedo, i, albedo);
+        let bare = [r[i] * per_cover, g[i] * per_cover, b[i] * per_cover];
+        [r[i], g[i], b[i]] = estimate.at(batch.pixels.normal.at(i), bare);
     }
 }
 
@@ -127,12 +189,12 @@ fn normalise_eyes(batch: &mut Batch) {
 
 /// The sum over single lights; first as gloss mirrors them, but for those that stand for an environment, which it looks up.
 #[inline(always)]
-fn add_lights(batch: &mut Batch, scene: &Scene) {
+fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     if scene.relighting.gloss {
         batch.gloss.sums = Sums::NONE;
     }
     if let Some(shading) = &scene.mirror_shading {
-        add_lamps(batch, scene, shading);
+        add_lamps(fma, batch, scene, shading);
         std::mem::swap(&mut batch.gloss.sums, &mut batch.sum.sums);
     }
     let Some(shading) = &scene.shading else {
@@ -142,83 +204,100 @@ fn add_lights(batch: &mut Batch, scene: &Scene) {
     let sampled = scene.around.sampled();
     let base = sampled.map(|_| &scene.base_lights[..]);
     let Batch { pixels, sum, .. } = batch;
-    sum.add_around(pixels, shading, (&scene.around_lights, base));
+    sum.add_around(fma, pixels, shading, (&scene.around_lights, base));
     if let Some((environment, share)) = scene.around.looked_up() {
         for direction in scene.around.even_directions() {
             let direction = direction.to_array();
-            if batch.pixels.facing.may_see(direction) {
-                look_even_up(batch, scene, environment, direction, share);
-                batch.sum.add_by_lane(&batch.pixels, shading, &batch.lamp);
+            if batch.pixels.facing.above(direction) == Above::Nowhere {
+                continue;
             }
+            look_even_up(batch, scene, environment, direction, share);
+            let Batch {
+                pixels,
+                sum,
+                looked_up,
+                ..
+            } = batch;
+            sum.add_looked_up(pixels, shading, direction, looked_up);
         }
     }
     if scene.frame.light.occlusion.is_some() {
-        for lanes in &mut batch.sum.sums.diffuse {
-            multiply(lanes, &batch.occlusion);
-        }
+        batch.sum.dim(&batch.occlusion);
     }
-    add_lamps(batch, scene, shading);
+    add_lamps(fma, batch, scene, shading);
     if let Some(sampled) = sampled {
         sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
     }
 }
 
-/// Adds lights far away and near.
+/// Adds lights far away and near, and completes the sum.
 #[inline(always)]
-fn add_lamps(batch: &mut Batch, scene: &Scene, shading: &Shading) {
-    let Batch { pixels, sum, .. } = batch;
-    sum.add_directed(pixels, shading, &scene.lights);
+fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
+    batch
+        .sum
+        .add_directed(fma, &batch.pixels, shading, &scene.lights);
     for point in scene.points {
-        approach(batch, point);
-        batch.sum.add_by_lane(&batch.pixels, shading, &batch.lamp);
+        approach(batch, point.position.to_array());
+        let Batch {
+            pixels, sum, near, ..
+        } = batch;
+        sum.add_near(pixels, shading, (&near.0, &near.1), point.intensity);
     }
+    batch.sum.finish(&batch.pixels, shading);
 }
 
-/// Directions to a light near the surface, and its attenuation.
+/// Directions to a light at `position`, and its attenuation.
 #[inline(always)]
-fn approach(batch: &mut Batch, light: &PointLight) {
-    let lamp = &mut batch.lamp;
-    let [x, y, z] = light.position.to_array();
+fn approach(batch: &mut Batch, position: [f32; 3]) {
+    let ([x, y, z], share) = &mut batch.near;
     for i in 0..BATCH {
-        let [from_x, from_y, from_z] = at(&batch.points, i);
-        let to = [x - from_x, y - from_y, z - from_z];
-        let square = scalar_product(to, to);
+        let to = [
+            position[0] - batch.points[0][i],
+            position[1] - batch.points[1][i],
+            position[2] - batch.points[2][i],
+        ];
+        let square = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
         // A light on the surface itself has no direction.
         let apart = square > f32::MIN_POSITIVE;
         let inverse = if apart { 1.0 / square } else { 0.0 };
         let per_length = inverse.sqrt();
-        let direction = to.map(|component| component * per_length);
-        put(&mut lamp.direction, i, direction);
-        lamp.share[i] = inverse;
+        (x[i], y[i], z[i]) = (to[0] * per_length, to[1] * per_length, to[2] * per_length);
+        share[i] = inverse;
     }
-    lamp.rgb = light.intensity.map(|channel| [channel; BATCH]);
 }
 
-/// One of the even directions, with the light looked up where it is warped to ([LW] equation 1), and cosines limited by
-/// [`MOST_BRIGHTENED`].
+/// The intensities of one of the even directions, looked up where it is warped to ([LW] equation 1), with cosines
+/// limited by [`MOST_BRIGHTENED`].
 #[inline(always)]
 fn look_even_up(
     batch: &mut Batch,
     scene: &Scene,
     environment: &Environment,
     direction: [f32; 3],
-    even_share: f32,
+    share: f32,
 ) {
-    batch.lamp.direction = direction.map(|component| [component; BATCH]);
-    batch.toward = batch.lamp.direction;
+    for (lanes, component) in batch.toward.iter_mut().zip(direction) {
+        lanes.fill(component);
+    }
     warp_lookups(batch, scene);
-    look_up(
-        &mut batch.lamp.rgb,
-        environment,
-        &batch.toward,
-        batch.pixels.count,
-    );
+    let count = batch.pixels.count;
+    look_up(&mut batch.looked_up, environment, &batch.toward, count);
+    let [x, y, z] = &batch.toward;
+    let [r, g, b] = &mut batch.looked_up;
     for i in 0..BATCH {
         let n = batch.pixels.normal.at(i);
-        let cosine = scalar_product(n, direction);
-        let held = (MOST_BRIGHTENED * scalar_product(n, at(&batch.toward, i))).max(0.0);
-        let is_limited = scene.relighting.warps && held < cosine;
-        batch.lamp.share[i] = even_share * if is_limited { held / cosine } else { 1.0 };
+        let cosine = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2];
+        let warped = n[0] * x[i] + n[1] * y[i] + n[2] * z[i];
+        let held = (MOST_BRIGHTENED * warped).max(0.0);
+        let counts = if held < cosine { held / cosine } else { 1.0 };
+        let share = if scene.relighting.warps {
+            share * counts
+        } else {
+            share
+        };
+        r[i] *= share;
+        g[i] *= share;
+        b[i] *= share;
     }
 }
 
@@ -231,7 +310,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         add_lookups(batch, scene);
     }
     let scales = scene.relighting.scales && material.ambient > 0.0;
-    let ambient = batch.pixels.curve(Term::Ambient);
+    let ambient = batch.pixels.curve(Term::Ambient as usize);
     let alpha = scene.invariant_point;
     for i in 0..BATCH {
         // The intensity of ambient light is 1 in the open ([RS] section 5.1), else the occlusion.
@@ -256,7 +335,8 @@ fn compose(batch: &mut Batch, scene: &Scene) {
     if is_toon {
         quantize_tones(batch, scene);
     }
-    if scene.relighting.gloss && material.material.has_highlight() {
+    let has_highlight = Lobes::of(material, true).is_some_and(|lobes| lobes.are_glossy());
+    if scene.relighting.gloss && has_highlight {
         part_highlights(batch);
     }
     for k in 0..3 {
@@ -272,9 +352,7 @@ fn compose(batch: &mut Batch, scene: &Scene) {
         quantize_tones(batch, scene);
     }
     for lanes in &mut batch.shown {
-        for (shown, &alpha) in lanes.iter_mut().zip(&batch.alpha) {
-            *shown = premultiplied(*shown, alpha);
-        }
+        cover(lanes, &batch.alpha);
     }
     if scene.gloss.is_some() {
         for (lanes, kept) in batch.shown.iter_mut().zip(&batch.gloss.kept) {
@@ -288,11 +366,18 @@ fn compose(batch: &mut Batch, scene: &Scene) {
 /// Leaves the highlights of the material to surfaces with a diffuse colour, and those of gloss to the others.
 #[inline(always)]
 fn part_highlights(batch: &mut Batch) {
+    let Batch {
+        albedo: [r, g, b],
+        share,
+        ..
+    } = batch;
     for i in 0..BATCH {
-        batch.share[i] = Gloss::share_diffuse(at(&batch.albedo, i));
+        share[i] = Gloss::share_diffuse([r[i], g[i], b[i]]);
     }
     for lanes in &mut batch.sum.sums.specular {
-        multiply(lanes, &batch.share);
+        for (light, share) in lanes.iter_mut().zip(&batch.share) {
+            *light *= share;
+        }
     }
     for lanes in &mut batch.gloss.reflectance {
         for (own, share) in lanes.iter_mut().zip(&batch.share) {
@@ -325,12 +410,20 @@ fn add_gloss(batch: &mut Batch, scene: &Scene, gain: f32) {
 #[inline(always)]
 fn enhance_contrast(batch: &mut Batch, scene: &Scene) {
     let gamma = scene.params().warping.contrast;
+    let [xx, xy, yy] = &batch.pixels.unwarp;
     for i in 0..BATCH {
         // The contrast of a warp is the reciprocal of that of its inverse.
-        batch.share[i] = contrast(batch.pixels.inverse_warp(i), -gamma);
+        let inverse = Warp {
+            xx: xx[i],
+            xy: xy[i],
+            yy: yy[i],
+        };
+        batch.share[i] = contrast(inverse, -gamma);
     }
     for lanes in batch.shown.iter_mut().chain(&mut batch.sum.sums.specular) {
-        multiply(lanes, &batch.share);
+        for (light, factor) in lanes.iter_mut().zip(&batch.share) {
+            *light *= factor;
+        }
     }
 }
 
@@ -340,17 +433,20 @@ fn quantize_tones(batch: &mut Batch, scene: &Scene) {
     let Some((tones, most)) = scene.tones else {
         return;
     };
+    let w = scene.luminance;
+    let [r, g, b] = &mut batch.shown;
     for i in 0..BATCH {
-        let shown = at(&batch.shown, i);
-        let factor = tone_factor(luminance(shown, scene.luminance), tones, most);
-        put(&mut batch.shown, i, shown.map(|channel| channel * factor));
+        let factor = tone_factor(w[0] * r[i] + w[1] * g[i] + w[2] * b[i], tones, most);
+        r[i] *= factor;
+        g[i] *= factor;
+        b[i] *= factor;
     }
 }
 
 #[inline(always)]
-fn multiply(lanes: &mut Lanes, factors: &Lanes) {
-    for (lane, factor) in lanes.iter_mut().zip(factors) {
-        *lane *= factor;
+fn cover(lanes: &mut Lanes, alpha: &Lanes) {
+    for i in 0..BATCH {
+        lanes[i] = premultiplied(lanes[i], alpha[i]);
     }
 }
 

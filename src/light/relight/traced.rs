@@ -3,7 +3,7 @@
 
 use crate::frame::{Frame, luminance};
 use crate::light::batch::{BATCH, Term};
-use crate::light::cosines::scalar_product;
+use crate::light::light_warping::Warp;
 use crate::light::relight::batch::Batch;
 use crate::light::relight::mirrors::{BentSight, Mirrors};
 use crate::light::relight::scene::Scene;
@@ -14,7 +14,7 @@ pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
     let curves = scene
         .relighting
         .scales
-        .then(|| *batch.pixels.curve(Term::Specular));
+        .then(|| *batch.pixels.curve(Term::Specular as usize));
     let mut places = [[0; 2]; BATCH];
     for (lane, x, y) in batch.places() {
         places[lane] = [x, y];
@@ -24,10 +24,13 @@ pub(crate) fn add_traced(batch: &mut Batch, scene: &Scene, mirrors: &Mirrors) {
             tracer: &mirrors.tracer,
             environment: scene.around.mirrored(),
             at,
-            warp: (scene.relighting.warps).then(|| batch.pixels.inverse_warp(lane).inverse()),
+            warp: scene.relighting.warps.then(|| {
+                let [xx, xy, yy] = batch.pixels.unwarp.each_ref().map(|lanes| lanes[lane]);
+                Warp { xx, xy, yy }.inverse()
+            }),
         };
         let (n, eye) = (batch.pixels.normal.at(lane), batch.pixels.to_eye.at(lane));
-        let cosine = scalar_product(n, eye);
+        let cosine = n[0] * eye[0] + n[1] * eye[1] + n[2] * eye[2];
         let light = sight.light(cosine, &material, |color| {
             curves.as_ref().map_or(1.0, |curves| {
                 // Files can hold infinities.

@@ -10,75 +10,42 @@
 //!
 //! Use: prepare lights of one direction once per run ([`Directed`]), add all lights to a [`LightSum`], read its sums.
 
+mod directed;
 pub(crate) mod exponent;
 mod shading;
 pub(crate) mod terms;
 
+pub(crate) use directed::Directed;
 pub(crate) use shading::{Scaled, Shading, TowardLight};
 
-use super::batch::{BATCH, Lanes, Pixels, Vectors, at};
+use super::batch::{Above, BATCH, Lanes, Pixels};
 use super::light_warping::half_vector;
-use super::lights::DirectionalLight;
-use terms::{Arriving, Terms};
+use terms::{Arriving, Scratch, Terms};
 
-/// A light of one direction, prepared for all batches of a run.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Directed {
-    arriving: Arriving,
-    intensity: [f32; 3],
-}
+/// Lights whose terms are buffered and added together, so that the sums are read and written once for all.
+const GROUP: usize = 4;
 
-impl Directed {
-    /// All lights.
-    pub(crate) fn all(lights: &[DirectionalLight]) -> Vec<Self> {
-        let prepared = |light: &DirectionalLight| {
-            let direction = light.to_light.to_array();
-            Self {
-                arriving: Arriving {
-                    direction,
-                    half: half_vector(direction),
-                    share: 1.0,
-                },
-                intensity: light.intensity,
-            }
-        };
-        lights.iter().map(prepared).collect()
-    }
-}
-
-/// A light that differs by pixel: its unit directions, its attenuation, its colours.
-#[derive(Debug, Clone)]
-#[repr(align(64))]
-pub(crate) struct LightLanes {
-    pub(crate) direction: Vectors,
-    pub(crate) share: Lanes,
-    pub(crate) rgb: Vectors,
-}
-
-impl LightLanes {
-    /// No light.
-    pub(crate) const NONE: Self = Self {
-        direction: [ZERO; 3],
-        share: ZERO,
-        rgb: [ZERO; 3],
-    };
-}
+/// Lights that are tried before any of them is added: tests between sums wait for what these store.
+const AT_ONCE: usize = 64;
 
 /// Light reflected from a batch.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 pub(crate) struct Sums {
     /// Red, green and blue of diffusely reflected light, of albedo 1.
-    pub diffuse: Vectors,
+    pub diffuse: [Lanes; 3],
     /// Red, green and blue of specularly reflected light.
-    pub specular: Vectors,
+    pub specular: [Lanes; 3],
 }
 
-/// The sums of a batch, and the terms of the light being added.
+/// The sums of a batch, and the terms of the lights being added.
 #[derive(Debug, Clone)]
 pub(crate) struct LightSum {
+    /// The light added so far; complete after [`LightSum::finish`].
     pub sums: Sums,
-    terms: Terms,
+    group: [Directed; GROUP],
+    terms: [Terms; GROUP],
+    scratch: Scratch,
 }
 
 const ZERO: Lanes = [0.0; BATCH];
@@ -89,41 +56,170 @@ impl Sums {
         diffuse: [ZERO; 3],
         specular: [ZERO; 3],
     };
+
+    /// Adds the terms of one light of colour `rgb`.
+    #[inline(always)]
+    fn add(&mut self, terms: &Terms, rgb: impl Fn(usize) -> [f32; 3], glossy: bool) {
+        add_term(&mut self.diffuse, &terms.diffuse, &rgb);
+        if glossy {
+            add_term(&mut self.specular, &terms.specular, &rgb);
+        }
+    }
+
+    /// Adds the terms of a full group in order: the same bits as one by one.
+    #[inline(always)]
+    fn add_group(&mut self, terms: &[Terms; GROUP], colors: [[f32; 3]; GROUP], glossy: bool) {
+        let [a, b, c, d] = terms;
+        let diffuse = [&a.diffuse, &b.diffuse, &c.diffuse, &d.diffuse];
+        add_group(&mut self.diffuse, diffuse, colors);
+        if glossy {
+            let specular = [&a.specular, &b.specular, &c.specular, &d.specular];
+            add_group(&mut self.specular, specular, colors);
+        }
+    }
+}
+
+impl Default for LightSum {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl LightSum {
     /// Sums of no light.
-    pub(crate) const NONE: Self = Self {
-        sums: Sums::NONE,
-        terms: Terms::NONE,
-    };
+    pub(crate) fn new() -> Self {
+        Self {
+            sums: Sums::NONE,
+            group: [Directed::none(); GROUP],
+            terms: [Terms::NONE; GROUP],
+            scratch: Scratch::NONE,
+        }
+    }
+
+    /// Resets the sums.
+    pub(crate) fn clear(&mut self) {
+        self.sums = Sums::NONE;
+    }
 
     /// Adds lights of one direction each.
     #[inline(always)]
-    pub(crate) fn add_directed(&mut self, pixels: &Pixels, shading: &Shading, lights: &[Directed]) {
-        for &Directed {
-            arriving,
-            intensity,
-        } in lights
-        {
-            if pixels.facing.may_see(arriving.direction) {
-                self.add(pixels, shading, |_| (arriving, intensity));
+    pub(crate) fn add_directed(
+        &mut self,
+        fma: bool,
+        pixels: &Pixels,
+        shading: &Shading,
+        lights: &[Directed],
+    ) {
+        for some in lights.chunks(AT_ONCE) {
+            let mut tried = [Above::Nowhere; AT_ONCE];
+            for (tried, light) in tried.iter_mut().zip(some) {
+                *tried = pixels.facing.above(light.direction);
+            }
+            let mut found = some.iter().zip(tried);
+            loop {
+                // The next few that reach any of the pixels.
+                let (mut count, mut above) = (0, [Above::Everywhere; GROUP]);
+                while count < GROUP
+                    && let Some((light, tried)) = found.next()
+                {
+                    above[count] = tried;
+                    if tried != Above::Nowhere {
+                        self.group[count] = *light;
+                        count += 1;
+                    }
+                }
+                if count == 0 {
+                    break;
+                }
+                self.add_group(fma, pixels, shading, &above[..count]);
             }
         }
     }
 
-    /// Adds a light that differs by pixel.
+    /// Adds the first lights of the group, as many as `above` has entries.
     #[inline(always)]
-    pub(crate) fn add_by_lane(&mut self, pixels: &Pixels, shading: &Shading, light: &LightLanes) {
-        self.add(pixels, shading, |lane| {
-            let direction = at(&light.direction, lane);
+    fn add_group(&mut self, fma: bool, pixels: &Pixels, shading: &Shading, above: &[Above]) {
+        let Self {
+            sums,
+            group,
+            terms,
+            scratch,
+        } = self;
+        if let Some(lobes) = shading.group_lobes() {
+            group[above.len()..].fill(Directed::none());
+            let everywhere = above.iter().all(|&above| above == Above::Everywhere);
+            lobes.add(fma, sums, terms, pixels, (group, everywhere));
+            return;
+        }
+        for ((light, above), terms) in group.iter().zip(above).zip(&mut *terms) {
+            // By value: loops over lanes do not read them again after each store.
+            let (direction, half) = (light.direction, light.half);
             let arriving = Arriving {
-                direction,
-                half: half_vector(direction),
-                share: light.share[lane],
+                direction: |_| direction,
+                half: |_| half,
+                share: |_| 1.0,
+                everywhere: *above == Above::Everywhere,
             };
-            (arriving, at(&light.rgb, lane))
-        });
+            scratch.reflect(terms, pixels, shading, arriving);
+        }
+        let glossy = shading.lobes.are_glossy();
+        let colors = group.map(|light| light.intensity);
+        if above.len() == GROUP {
+            sums.add_group(terms, colors, glossy);
+        } else {
+            for (terms, rgb) in terms.iter().zip(colors).take(above.len()) {
+                sums.add(terms, |_| rgb, glossy);
+            }
+        }
+    }
+
+    /// Adds light from one direction, of colour `rgb` by pixel.
+    #[inline(always)]
+    pub(crate) fn add_looked_up(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        direction: [f32; 3],
+        rgb: &[Lanes; 3],
+    ) {
+        let above = pixels.facing.above(direction);
+        if above == Above::Nowhere {
+            return;
+        }
+        let half = half_vector(direction);
+        let arriving = Arriving {
+            direction: |_| direction,
+            half: |_| half,
+            share: |_| 1.0,
+            everywhere: above == Above::Everywhere,
+        };
+        self.scratch
+            .reflect(&mut self.terms[0], pixels, shading, arriving);
+        let rgb = |i: usize| [rgb[0][i], rgb[1][i], rgb[2][i]];
+        let glossy = shading.lobes.are_glossy();
+        self.sums.add(&self.terms[0], rgb, glossy);
+    }
+
+    /// Adds a light near the surface, with its unit directions and its attenuation by pixel.
+    #[inline(always)]
+    pub(crate) fn add_near(
+        &mut self,
+        pixels: &Pixels,
+        shading: &Shading,
+        (directions, share): (&[Lanes; 3], &Lanes),
+        rgb: [f32; 3],
+    ) {
+        let direction = |i: usize| [directions[0][i], directions[1][i], directions[2][i]];
+        let arriving = Arriving {
+            direction,
+            half: |i| half_vector(direction(i)),
+            share: |i| share[i],
+            everywhere: false,
+        };
+        self.scratch
+            .reflect(&mut self.terms[0], pixels, shading, arriving);
+        let glossy = shading.lobes.are_glossy();
+        self.sums.add(&self.terms[0], |_| rgb, glossy);
     }
 
     /// Adds lights that stand for an environment before any others; with `base` they make its highlights alone, and those of
@@ -131,136 +227,70 @@ impl LightSum {
     #[inline(always)]
     pub(crate) fn add_around(
         &mut self,
+        fma: bool,
         pixels: &Pixels,
         shading: &Shading,
         (lights, base): (&[Directed], Option<&[Directed]>),
     ) {
-        self.add_directed(pixels, shading, lights);
+        self.add_directed(fma, pixels, shading, lights);
         if let Some(base) = base {
             self.sums.diffuse = Sums::NONE.diffuse;
-            self.add_directed(pixels, &shading.diffuse(), base);
+            self.add_directed(fma, pixels, &shading.diffuse(), base);
         }
     }
 
-    /// Adds a light, given with its colour by lane.
+    /// Multiplies the diffuse light added so far by `share`.
     #[inline(always)]
-    fn add(
-        &mut self,
-        pixels: &Pixels,
-        shading: &Shading,
-        light: impl Fn(usize) -> (Arriving, [f32; 3]),
-    ) {
-        let Self { sums, terms } = self;
-        match shading.warped {
-            true => terms.reflect::<true>(pixels, shading, |lane| light(lane).0),
-            false => terms.reflect::<false>(pixels, shading, |lane| light(lane).0),
-        }
-        add_term(&mut sums.diffuse, &terms.diffuse, |lane| light(lane).1);
-        if shading.lobes.are_glossy() {
-            add_term(&mut sums.specular, &terms.specular, |lane| light(lane).1);
-        }
-    }
-}
-
-/// Adds `term * rgb` to the sums.
-#[inline(always)]
-fn add_term([r, g, b]: &mut Vectors, term: &Lanes, rgb: impl Fn(usize) -> [f32; 3]) {
-    for lane in 0..BATCH {
-        let rgb = rgb(lane);
-        r[lane] += term[lane] * rgb[0];
-        g[lane] += term[lane] * rgb[1];
-        b[lane] += term[lane] * rgb[2];
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::light::brdf::{AshikhminShirley, Lobes};
-    use crate::light::light_samples::uniform_directions;
-    use crate::light::sum::exponent::Exponent;
-    use crate::params::MaterialParams;
-    use glam::Vec3;
-
-    fn shading(lobes: Lobes, warped: bool) -> Shading {
-        Shading {
-            warped,
-            scaled: None,
-            lobes,
-        }
-    }
-
-    fn light(to_light: Vec3) -> DirectionalLight {
-        DirectionalLight {
-            to_light,
-            intensity: [0.5, 1.0, 2.0],
-        }
-    }
-
-    #[test]
-    fn a_light_behind_lights_what_faces_it() {
-        // Its half vector is in the picture plane, where z is 0. A surface seen from behind, turned by a from it, shows
-        // the cosine of a.
-        let mut pixels = Pixels::NONE;
-        let angle = |i: usize| 1.5 * i as f32 / BATCH as f32;
-        for i in 0..BATCH {
-            pixels.normal.set(i, [angle(i).sin(), 0.0, -angle(i).cos()]);
-        }
-        pixels.warp_by(0.0);
-        let power = Exponent::Integer(1);
-        let mut sum = LightSum::NONE;
-        let lights = Directed::all(&[light(-Vec3::Z)]);
-        sum.add_directed(&pixels, &shading(Lobes::Diffuse { power }, true), &lights);
-        for i in 0..BATCH {
-            let error = sum.sums.diffuse[1][i] - angle(i).cos();
-            assert!(error.abs() < 5e-6, "{error} at {}", angle(i));
-        }
-    }
-
-    #[test]
-    fn a_light_by_lane_has_the_bits_of_the_same_light_of_one_direction() {
-        let mut pixels = Pixels::NONE;
-        for (i, normal) in uniform_directions(2 * BATCH)
-            .into_iter()
-            .take(BATCH)
-            .enumerate()
-        {
-            // All over the visible half sphere, with curvatures of both signs.
-            pixels.normal.set(i, [normal.x, normal.y, normal.z.abs()]);
-            pixels.mirrored.set(i, normal.to_array());
-            pixels.hessian[0][i] = 0.1 * normal.x;
-            pixels.hessian[1][i] = 0.05 * normal.y;
-            pixels.hessian[2][i] = 0.2 * normal.z - 0.1;
-        }
-        pixels.set_tangents(false, |_| [1.0, 0.0]);
-        pixels.warp_by(20.0);
-        pixels.find_facing();
-        let power = Exponent::Integer(16);
-        let coat = AshikhminShirley::new(&MaterialParams::default());
-        let lobes = [
-            Lobes::Diffuse { power },
-            Lobes::Phong { power },
-            Lobes::BlinnPhong { power },
-            Lobes::AshikhminShirley(coat),
-            Lobes::Base(coat),
-            Lobes::Mirror,
-        ];
-        for (lobes, warped) in lobes.into_iter().flat_map(|l| [(l, false), (l, true)]) {
-            let shading = shading(lobes, warped);
-            let [mut directed, mut by_lane] = [LightSum::NONE, LightSum::NONE];
-            for to_light in uniform_directions(9) {
-                let far = light(to_light);
-                directed.add_directed(&pixels, &shading, &Directed::all(&[far]));
-                let lanes = LightLanes {
-                    direction: to_light.to_array().map(|component| [component; BATCH]),
-                    share: [1.0; BATCH],
-                    rgb: far.intensity.map(|channel| [channel; BATCH]),
-                };
-                by_lane.add_by_lane(&pixels, &shading, &lanes);
+    pub(crate) fn dim(&mut self, share: &Lanes) {
+        for sum in &mut self.sums.diffuse {
+            for (sum, share) in sum.iter_mut().zip(share) {
+                *sum *= share;
             }
-            assert_eq!(directed.sums.diffuse, by_lane.sums.diffuse, "{shading:?}");
-            assert_eq!(directed.sums.specular, by_lane.sums.specular, "{shading:?}");
-            assert!(directed.sums.diffuse[1].iter().any(|&v| v > 0.1));
         }
+    }
+
+    /// Completes the sums.
+    #[inline(always)]
+    pub(crate) fn finish(&mut self, pixels: &Pixels, shading: &Shading) {
+        if shading.warped {
+            let Sums { diffuse, specular } = &mut self.sums;
+            for sum in diffuse.iter_mut().chain(specular) {
+                for (sum, spread) in sum.iter_mut().zip(&pixels.spread) {
+                    *sum *= spread;
+                }
+            }
+        }
+    }
+}
+
+/// Adds `term * intensity` to the sums.
+#[inline(always)]
+fn add_term(sums: &mut [Lanes; 3], term: &Lanes, intensity: impl Fn(usize) -> [f32; 3]) {
+    let [r, g, b] = sums;
+    for i in 0..BATCH {
+        let rgb = intensity(i);
+        r[i] += term[i] * rgb[0];
+        g[i] += term[i] * rgb[1];
+        b[i] += term[i] * rgb[2];
+    }
+}
+
+/// Adds several terms, each times its colour.
+#[inline(always)]
+fn add_group(sums: &mut [Lanes; 3], terms: [&Lanes; GROUP], colors: [[f32; 3]; GROUP]) {
+    let [r, g, b] = sums;
+    let [a, c, d, e] = terms;
+    let [ca, cc, cd, ce] = colors;
+    for i in 0..BATCH {
+        let term = [a[i], c[i], d[i], e[i]];
+        let add = |sum: f32, channel: usize| {
+            let sum = sum + term[0] * ca[channel];
+            let sum = sum + term[1] * cc[channel];
+            let sum = sum + term[2] * cd[channel];
+            sum + term[3] * ce[channel]
+        };
+        r[i] = add(r[i], 0);
+        g[i] = add(g[i], 1);
+        b[i] = add(b[i], 2);
     }
 }

@@ -2,9 +2,12 @@
 
 use super::exponent::Exponent;
 use super::shading::{Scaled, Shading, TowardLight};
-use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels, Term, at};
+use crate::kernel::fast_math::exp_to_normal;
+use crate::kernel::lanes::multiply_add;
+use crate::light::batch::{Axis, BATCH, CurveLanes, Lanes, Pixels};
 use crate::light::brdf::{
-    AshikhminShirley, Cosines, Lobes, MIRROR_PEAK, facets, grazing, mirror_lobe,
+    AshikhminShirley, Lobes, MIRROR_PEAK, entering, facets, grazing, mirror_lobe, passed,
+    share_seen,
 };
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::light_warping::MOST_BRIGHTENED;
@@ -14,70 +17,145 @@ use crate::shape::curvature::mapped_curvature_toward;
 /// Squared length below which a light is opposite the eye, and has no half vector with it.
 pub(crate) const SHORTEST: f32 = 1e-12;
 
-/// A light at a pixel: its direction, its half vector with z, its attenuation.
+/// The contribution of one light at every pixel, without its colour.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Arriving {
-    pub(crate) direction: [f32; 3],
-    pub(crate) half: [f32; 3],
-    pub(crate) share: f32,
+#[repr(align(64))]
+pub(super) struct Terms {
+    pub(super) diffuse: Lanes,
+    pub(super) specular: Lanes,
 }
 
-/// Inputs of the terms of a light.
+/// Inputs of the terms of one light.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(super) struct Scratch {
+    /// Jacobian (without the pixel's factor) and attenuation; 0 if the light is below the surface.
+    weight: Lanes,
+    /// n . l, undefined where the weight is 0.
+    cosine: Lanes,
+    /// One over |g|^2.
+    inverse: Lanes,
+    /// The intensity of the glossy lobe, 0..1.
+    lobe: Lanes,
+    /// Dot products of l with other vectors.
+    products: [Lanes; 3],
+    /// Scaling curves for this light, if they depend on its direction.
+    curves: [CurveLanes; 2],
+}
+
+/// A light by lane: its direction, its half vector with z, its attenuation; and whether it is known to be above the
+/// surface everywhere.
+#[derive(Clone, Copy)]
+pub(super) struct Arriving<D, H, S> {
+    pub(super) direction: D,
+    pub(super) half: H,
+    pub(super) share: S,
+    pub(super) everywhere: bool,
+}
+
+const ZERO: Lanes = [0.0; BATCH];
+
+impl Terms {
+    pub(super) const NONE: Self = Self {
+        diffuse: ZERO,
+        specular: ZERO,
+    };
+}
+
+/// A half vector of any length, with the products that its length under a warp consists of.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Incidence {
+pub(crate) struct HalfVector {
+    pub(super) vector: [f32; 3],
+    /// z z, x x, x y, y y.
+    pub(super) products: [f32; 4],
+}
+
+impl HalfVector {
+    #[inline(always)]
+    pub(crate) fn of([x, y, z]: [f32; 3]) -> Self {
+        Self {
+            vector: [x, y, z],
+            products: [z * z, x * x, x * y, y * y],
+        }
+    }
+}
+
+/// An unwarped light at one pixel.
+pub(crate) struct Unwarped {
     /// Jacobian, without the pixel's factor, and attenuation.
     pub(crate) weight: f32,
     /// n . l, at most [`MOST_BRIGHTENED`] times that of the light as given.
     pub(crate) cosine: f32,
-    /// One over the squared length of the half vector under the inverse warp.
+    /// 1 / |g|^2.
     pub(crate) inverse: f32,
+    /// The square of n . h for an eye on the axis: there g is the half vector up to its length.
+    pub(crate) lobe: f32,
 }
 
-/// Unwarps a light, with its Jacobian, for the given normal, its x and y under the inverse of Lambda, and the square of
-/// that inverse (xx, twice xy, yy).
+/// Unwarps the light with this half vector and attenuation `share` at a pixel with normal `n`, whose x and y under the
+/// inverse of Lambda are `g`; `squared` is the square of that inverse and `most` the largest cosine.
+///
+/// For a half vector that is not of length 1, the weight lacks the fourth power of its length.
 #[inline(always)]
 pub(crate) fn arrive_unwarped(
-    light: Arriving,
+    fma: bool,
+    half: &HalfVector,
+    share: f32,
     (n, g): ([f32; 3], [f32; 2]),
     squared: [f32; 3],
-) -> Incidence {
-    let [x, y, z] = light.half;
-    let length = z * z + squared[0] * (x * x) + squared[1] * (x * y) + squared[2] * (y * y);
+    most: f32,
+) -> Unwarped {
+    let ([x, y, z], [zz, xx, xy, yy]) = (half.vector, half.products);
+    let length = multiply_add(fma, squared[0], xx, zz);
+    let length = multiply_add(fma, squared[1], xy, length);
+    let length = multiply_add(fma, squared[2], yy, length);
     let inverse = 1.0 / length;
-    let along = g[0] * x + g[1] * y + n[2] * z;
-    let cosine = 2.0 * z * (along * inverse) - n[2];
-    let most = MOST_BRIGHTENED * scalar_product(n, light.direction);
-    Incidence {
-        weight: light.share * (inverse * inverse),
+    let along = multiply_add(fma, g[1], y, g[0] * x);
+    let along = multiply_add(fma, n[2], z, along);
+    let part = along * inverse;
+    let cosine = multiply_add(fma, 2.0 * z, part, -n[2]);
+    Unwarped {
+        weight: share * (inverse * inverse),
         cosine: if cosine < most { cosine } else { most },
         inverse,
+        lobe: at_most_1(positive(along) * part),
     }
 }
 
-/// The dot product of a vector and the direction of light: as given, or unwarped, where `inverse` is
-/// [`Incidence::inverse`] and `unwarped` the vector's x and y under the inverse of Lambda.
+/// The dot product of a vector and the direction of light: as given, or for an unwarped half vector, where `inverse` is
+/// [`Unwarped::inverse`] and `unwarped` the vector's x and y under the inverse of Lambda.
 #[inline(always)]
-pub(crate) fn product<const WARPED: bool>(
-    light: Arriving,
+pub(crate) fn product(
+    direction: [f32; 3],
+    half: Option<[f32; 3]>,
     inverse: f32,
     (vector, unwarped): ([f32; 3], [f32; 2]),
 ) -> f32 {
-    if !WARPED {
-        return scalar_product(vector, light.direction);
+    match half {
+        None => scalar_product(vector, direction),
+        Some(h) => {
+            let along = unwarped[0] * h[0] + unwarped[1] * h[1] + vector[2] * h[2];
+            2.0 * h[2] * inverse * along - vector[2]
+        }
     }
-    let h = light.half;
-    let along = unwarped[0] * h[0] + unwarped[1] * h[1] + vector[2] * h[2];
-    2.0 * h[2] * inverse * along - vector[2]
 }
 
-/// x and y of the unwarped direction of light, with `inverse` from [`Incidence::inverse`].
+/// x and y of the unwarped direction of light, with `inverse` from [`Unwarped::inverse`].
 #[inline(always)]
 pub(crate) fn unwarped_xy([xx, xy, yy]: [f32; 3], [x, y, z]: [f32; 3], inverse: f32) -> [f32; 2] {
     let twice = 2.0 * z * inverse;
     [twice * (xx * x + xy * y), twice * (xy * x + yy * y)]
 }
 
-/// The square of n . h, with h half-way between light and eye, from the dot products of light, eye and normal.
+/// The square of n . h for an eye on the axis.
+#[inline(always)]
+pub(crate) fn half_vector_lobe(normal: [f32; 3], half: [f32; 3]) -> f32 {
+    let along = positive(scalar_product(normal, half));
+    at_most_1(along * along)
+}
+
+/// The square of n . h, with h half-way between light and an eye off the axis, from the dot products of light, eye and
+/// normal.
 #[inline(always)]
 pub(crate) fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
     let along = positive(light_normal + normal_eye);
@@ -85,308 +163,415 @@ pub(crate) fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f3
     at_most_1(along * along / squared.max(SHORTEST))
 }
 
-/// A light that meets the surface at one pixel.
-struct Meeting<'a, const WARPED: bool> {
-    pixels: &'a Pixels,
-    lane: usize,
-    light: Arriving,
-    arrived: Incidence,
-}
-
-impl<'a, const WARPED: bool> Meeting<'a, WARPED> {
-    #[inline(always)]
-    fn new(pixels: &'a Pixels, lane: usize, light: Arriving) -> Self {
-        let (normal, unwarped) = pixels.normal.pair(lane);
-        let mut arrived = match WARPED {
-            true => {
-                let squared = at(&pixels.unwarp_squared, lane);
-                let arrived = arrive_unwarped(light, (normal, unwarped), squared);
-                Incidence {
-                    weight: arrived.weight * pixels.spread[lane],
-                    ..arrived
-                }
-            }
-            false => Incidence {
-                weight: light.share,
-                cosine: scalar_product(normal, light.direction),
-                inverse: 1.0,
-            },
-        };
-        let is_above = arrived.cosine > 0.0;
-        if !is_above {
-            (arrived.weight, arrived.cosine) = (0.0, 0.0);
-        }
-        Self {
-            pixels,
-            lane,
-            light,
-            arrived,
-        }
-    }
-
-    /// The dot product of the direction of light with a vector of the pixel.
-    #[inline(always)]
-    fn product(&self, axis: &Axis) -> f32 {
-        product::<WARPED>(self.light, self.arrived.inverse, axis.pair(self.lane))
-    }
-
-    /// The square of n . h.
-    #[inline(always)]
-    fn half_way(&self) -> f32 {
-        let Pixels { normal, to_eye, .. } = self.pixels;
-        // n . l is recomputed, since the cosine may be limited.
-        let normal_eye = scalar_product(normal.at(self.lane), to_eye.at(self.lane));
-        half_way(self.product(to_eye), self.product(normal), normal_eye)
-    }
-
-    /// x and y of the direction of light.
-    #[inline(always)]
-    fn direction_xy(&self) -> [f32; 2] {
-        if WARPED {
-            let unwarp = at(&self.pixels.unwarp, self.lane);
-            return unwarped_xy(unwarp, self.light.half, self.arrived.inverse);
-        }
-        let [x, y, _] = self.light.direction;
-        [x, y]
-    }
-
-    /// Diffuse light, before its cosine is raised to a power.
-    #[inline(always)]
-    fn diffuse(&self) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        Reflected {
-            cosine,
-            diffuse: weight,
-            ..Reflected::NONE
-        }
-    }
-
-    /// Lambert, and Phong's lobe before it is raised to a power.
-    #[inline(always)]
-    fn phong(&self) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        Reflected {
-            cosine,
-            lobe: at_most_1(positive(self.product(&self.pixels.mirrored))),
-            diffuse: weight * cosine,
-            specular: weight,
-        }
-    }
-
-    /// Lambert, and Blinn's lobe before it is raised to a power.
-    #[inline(always)]
-    fn blinn_phong(&self) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        Reflected {
-            cosine,
-            lobe: self.half_way(),
-            diffuse: weight * cosine,
-            specular: weight * cosine,
-        }
-    }
-
-    /// The base of the coated model.
-    #[inline(always)]
-    fn base(&self, brdf: &AshikhminShirley) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        Reflected {
-            cosine,
-            diffuse: weight * brdf.diffuse(cosine, self.pixels.normal_eye(self.lane)),
-            ..Reflected::NONE
-        }
-    }
-
-    /// Light reflected by the coated model.
-    #[inline(always)]
-    fn coat(&self, brdf: &AshikhminShirley) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        let Pixels {
-            to_eye,
-            along,
-            across,
-            ..
-        } = self.pixels;
-        let eye = to_eye.at(self.lane);
-        let part = |axis: &Axis| self.product(axis) + scalar_product(axis.at(self.lane), eye);
-        // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e, and h.e is half of |l + e|.
-        let squared = (2.0 + 2.0 * self.product(to_eye)).max(SHORTEST);
-        let inverse = 1.0 / squared.sqrt();
-        let cosines = Cosines {
-            nl: cosine,
-            ne: self.pixels.normal_eye(self.lane),
-            he: at_most_1(0.5 * squared * inverse),
-            hu: part(along) * inverse,
-            hv: part(across) * inverse,
-        };
-        // n . h, from the parts of h along and across the grain.
-        let aside = cosines.hu * cosines.hu + cosines.hv * cosines.hv;
-        Reflected {
-            cosine,
-            lobe: positive(1.0 - aside).sqrt(),
-            diffuse: weight * brdf.diffuse(cosine, cosines.ne),
-            specular: weight * brdf.specular(cosines),
-        }
-    }
-
-    /// Mirrored light: that of the reflectance as diffuse, that of grazing as specular.
-    #[inline(always)]
-    fn mirror(&self) -> Reflected {
-        let Incidence { weight, cosine, .. } = self.arrived;
-        // h.e is half of |l + e|.
-        let he = 0.5 * positive(2.0 + 2.0 * self.product(&self.pixels.to_eye)).sqrt();
-        let (facets, grazing) = (facets(self.half_way()), grazing(he));
-        let light = weight * mirror_lobe(facets, cosine, self.pixels.normal_eye(self.lane));
-        let lobe = at_most_1(MIRROR_PEAK * facets);
-        Reflected {
-            cosine: lobe,
-            lobe,
-            diffuse: light * (1.0 - grazing),
-            specular: light * grazing,
-        }
+/// Calls `each` for every lane with the unwarped light there.
+#[inline(always)]
+fn each_unwarped<D, H, S>(
+    pixels: &Pixels,
+    light: Arriving<D, H, S>,
+    each: impl FnMut(usize, Unwarped),
+) where
+    D: Fn(usize) -> [f32; 3],
+    H: Fn(usize) -> [f32; 3],
+    S: Fn(usize) -> f32,
+{
+    if light.everywhere {
+        each_below(pixels, light, |_, _| f32::MAX, each);
+    } else {
+        let most = |n, direction| MOST_BRIGHTENED * scalar_product(n, direction);
+        each_below(pixels, light, most, each);
     }
 }
 
-/// A light reflected by the lobes at one pixel, and the intensities that radiance scaling takes of it.
-struct Reflected {
-    cosine: f32,
-    lobe: f32,
-    diffuse: f32,
-    specular: f32,
+/// [`each_unwarped`], where `most` bounds the cosine, given a normal and the unwarped direction.
+#[inline(always)]
+fn each_below<D, H, S>(
+    pixels: &Pixels,
+    light: Arriving<D, H, S>,
+    most: impl Fn([f32; 3], [f32; 3]) -> f32,
+    mut each: impl FnMut(usize, Unwarped),
+) where
+    D: Fn(usize) -> [f32; 3],
+    H: Fn(usize) -> [f32; 3],
+    S: Fn(usize) -> f32,
+{
+    let [xx, xy, yy] = &pixels.unwarp_squared;
+    let [gx, gy] = &pixels.normal.unwarped;
+    for i in 0..BATCH {
+        let n = pixels.normal.at(i);
+        let most = most(n, (light.direction)(i));
+        let (g, squared) = ([gx[i], gy[i]], [xx[i], xy[i], yy[i]]);
+        let share = (light.share)(i);
+        let half = HalfVector::of((light.half)(i));
+        each(
+            i,
+            arrive_unwarped(false, &half, share, (n, g), squared, most),
+        );
+    }
 }
 
-impl Reflected {
-    const NONE: Self = Self {
-        cosine: 0.0,
-        lobe: 0.0,
-        diffuse: 0.0,
-        specular: 0.0,
-    };
-}
-
-/// A light reflected by the lobes at every pixel, as [`Reflected`].
-#[derive(Debug, Clone)]
-#[repr(align(64))]
-pub(super) struct Terms {
-    pub(super) diffuse: Lanes,
-    pub(super) specular: Lanes,
-    cosine: Lanes,
-    lobe: Lanes,
-    /// Scaling curves for this light, if they depend on its direction.
-    curves: [CurveLanes; 2],
-}
-
-impl Terms {
+impl Scratch {
     pub(super) const NONE: Self = Self {
-        diffuse: [0.0; BATCH],
-        specular: [0.0; BATCH],
-        cosine: [0.0; BATCH],
-        lobe: [0.0; BATCH],
+        weight: ZERO,
+        cosine: ZERO,
+        inverse: [1.0; BATCH],
+        lobe: ZERO,
+        products: [ZERO; 3],
         curves: [CurveLanes::FLAT; 2],
     };
 
     /// Computes the diffuse and specular terms of a light.
     #[inline(always)]
-    pub(super) fn reflect<const WARPED: bool>(
+    pub(super) fn reflect<D, H, S>(
         &mut self,
+        terms: &mut Terms,
         pixels: &Pixels,
         shading: &Shading,
-        light: impl Fn(usize) -> Arriving,
-    ) {
-        // Loops, not closures: large ones are not inlined into kernels for wider vectors. And lobes by value: they are not
-        // read again after each store.
+        light: Arriving<D, H, S>,
+    ) where
+        D: Fn(usize) -> [f32; 3] + Copy,
+        H: Fn(usize) -> [f32; 3] + Copy,
+        S: Fn(usize) -> f32 + Copy,
+    {
+        let Arriving {
+            direction, half, ..
+        } = light;
+        let unwarped = shading.warped.then_some(half);
+        let far = matches!(shading.lobes, Lobes::BlinnPhong { far: true, .. });
+        match (shading.warped, far) {
+            (false, _) => self.arrive(pixels, light),
+            (true, _) => self.arrive_unwarped(pixels, light),
+        }
+        if far && !shading.warped {
+            self.half_vector_lobe(pixels, half);
+        }
+        if let Some(toward) = shading.scaled.and_then(|scaled| scaled.toward_light) {
+            self.curve_toward(pixels, toward, unwarped, direction);
+        }
         match shading.lobes {
             Lobes::Diffuse { power } => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.diffuse());
+                if power != Exponent::Integer(1) {
+                    power.raise(&mut self.cosine);
                 }
-                raise(&mut self.diffuse, &mut self.cosine, power);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
             }
             Lobes::Phong { power } => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.phong());
+                self.product(&pixels.mirrored, unwarped, direction, 0);
+                for i in 0..BATCH {
+                    self.lobe[i] = at_most_1(positive(self.products[0][i]));
                 }
-                raise(&mut self.specular, &mut self.lobe, power);
+                power.raise(&mut self.lobe);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                self.scale_lobe(&mut terms.specular, pixels, shading, |_, weight| weight);
             }
-            Lobes::BlinnPhong { power } => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.blinn_phong());
+            Lobes::BlinnPhong { power, far } => {
+                if !far {
+                    self.half_way(pixels, unwarped, direction);
                 }
-                raise(&mut self.specular, &mut self.lobe, power);
+                power.raise(&mut self.lobe);
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                let weigh = |cosine, weight| weight * cosine;
+                self.scale_lobe(&mut terms.specular, pixels, shading, weigh);
             }
-            Lobes::Base(brdf) => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.base(&brdf));
+            Lobes::Base => {
+                self.scale_cosine(&mut terms.diffuse, pixels, shading);
+                for i in 0..BATCH {
+                    let passed = passed(positive(self.cosine[i]));
+                    terms.diffuse[i] *= pixels.coat.base[i] * passed;
                 }
             }
             Lobes::AshikhminShirley(brdf) => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.coat(&brdf));
+                let axes = [&pixels.to_eye, &pixels.along, &pixels.across];
+                for (k, axis) in axes.into_iter().enumerate() {
+                    self.product(axis, unwarped, direction, k);
                 }
+                self.coat(terms, pixels, shading, &brdf);
             }
             Lobes::Mirror => {
-                for lane in 0..BATCH {
-                    let met = Meeting::<WARPED>::new(pixels, lane, light(lane));
-                    self.put(lane, met.mirror());
+                self.half_way(pixels, unwarped, direction);
+                self.mirror(terms, pixels, shading);
+            }
+        }
+    }
+
+    /// Weights and cosines of a light as given, without warping.
+    #[inline(always)]
+    fn arrive<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    where
+        D: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
+        for i in 0..BATCH {
+            let cosine = scalar_product(pixels.normal.at(i), (light.direction)(i));
+            self.weight[i] = if cosine > 0.0 { (light.share)(i) } else { 0.0 };
+            self.cosine[i] = cosine;
+        }
+    }
+
+    /// Sets the lobe to the square of n . h, for an eye on the axis.
+    #[inline(always)]
+    fn half_vector_lobe(&mut self, pixels: &Pixels, half: impl Fn(usize) -> [f32; 3]) {
+        for i in 0..BATCH {
+            self.lobe[i] = half_vector_lobe(pixels.normal.at(i), half(i));
+        }
+    }
+
+    /// [`Scratch::arrive`] with light directions unwarped, and their Jacobian; with the lobe for an eye on the axis.
+    #[inline(always)]
+    fn arrive_unwarped<D, H, S>(&mut self, pixels: &Pixels, light: Arriving<D, H, S>)
+    where
+        D: Fn(usize) -> [f32; 3],
+        H: Fn(usize) -> [f32; 3],
+        S: Fn(usize) -> f32,
+    {
+        each_unwarped(pixels, light, |i, unwarped| {
+            let Unwarped {
+                weight,
+                cosine,
+                inverse,
+                lobe,
+            } = unwarped;
+            self.weight[i] = if cosine > 0.0 { weight } else { 0.0 };
+            self.cosine[i] = cosine;
+            self.inverse[i] = inverse;
+            self.lobe[i] = lobe;
+        });
+    }
+
+    /// Dot products with the vectors of `axis`, as product `k`.
+    #[inline(always)]
+    fn product(
+        &mut self,
+        axis: &Axis,
+        unwarped: Option<impl Fn(usize) -> [f32; 3]>,
+        direction: impl Fn(usize) -> [f32; 3],
+        k: usize,
+    ) {
+        let out = &mut self.products[k];
+        match unwarped {
+            None => {
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = product(direction(i), None, 1.0, (axis.at(i), [0.0; 2]));
+                }
+            }
+            Some(half) => {
+                let [gx, gy] = &axis.unwarped;
+                for i in 0..BATCH {
+                    let axis = (axis.at(i), [gx[i], gy[i]]);
+                    out[i] = product([0.0; 3], Some(half(i)), self.inverse[i], axis);
                 }
             }
         }
-        let Some(scaled) = shading.scaled else {
-            return;
-        };
-        if let Some(toward) = scaled.toward_light {
-            for lane in 0..BATCH {
-                let l_xy = Meeting::<WARPED>::new(pixels, lane, light(lane)).direction_xy();
-                self.curve_toward(lane, at(&pixels.hessian, lane), l_xy, toward);
+    }
+
+    /// Sets the lobe to the square of n . h, with h half-way between light and an eye off the axis.
+    #[inline(always)]
+    fn half_way(
+        &mut self,
+        pixels: &Pixels,
+        unwarped: Option<impl Fn(usize) -> [f32; 3] + Copy>,
+        direction: impl Fn(usize) -> [f32; 3] + Copy,
+    ) {
+        self.product(&pixels.to_eye, unwarped, direction, 0);
+        // Recomputed, since the stored cosine may be limited.
+        self.product(&pixels.normal, unwarped, direction, 1);
+        for i in 0..BATCH {
+            let eye = scalar_product(pixels.normal.at(i), pixels.to_eye.at(i));
+            self.lobe[i] = half_way(self.products[0][i], self.products[1][i], eye);
+        }
+    }
+
+    /// Scaling curves for the light's direction.
+    #[inline(always)]
+    fn curve_toward(
+        &mut self,
+        pixels: &Pixels,
+        toward: TowardLight,
+        unwarped: Option<impl Fn(usize) -> [f32; 3]>,
+        direction: impl Fn(usize) -> [f32; 3],
+    ) {
+        let [across_x, across_y, _] = &mut self.products;
+        for i in 0..BATCH {
+            let [x, y] = match &unwarped {
+                None => {
+                    let [x, y, _] = direction(i);
+                    [x, y]
+                }
+                Some(half) => {
+                    let [xx, xy, yy] = &pixels.unwarp;
+                    unwarped_xy([xx[i], xy[i], yy[i]], half(i), self.inverse[i])
+                }
+            };
+            (across_x[i], across_y[i]) = (x, y);
+        }
+        let [xx, xy, yy] = &pixels.hessian;
+        for (curves, magnitude) in self.curves.iter_mut().zip(toward.magnitudes) {
+            for i in 0..BATCH {
+                let (hessian, l_xy) = ([xx[i], xy[i], yy[i]], [across_x[i], across_y[i]]);
+                let kappa = mapped_curvature_toward(hessian, l_xy, toward.gain, toward.anisotropy);
+                curves.set(i, ScalingCurve::of(magnitude * kappa));
             }
         }
-        self.scale(pixels, &scaled, matches!(shading.lobes, Lobes::Mirror));
     }
 
+    /// The diffuse term: the cosine lobe, scaled by its own intensity.
     #[inline(always)]
-    fn put(&mut self, lane: usize, reflected: Reflected) {
-        self.cosine[lane] = reflected.cosine;
-        self.lobe[lane] = reflected.lobe;
-        self.diffuse[lane] = reflected.diffuse;
-        self.specular[lane] = reflected.specular;
-    }
-
-    /// Scaling curves for a light from a direction with these x and y.
-    #[inline(always)]
-    fn curve_toward(&mut self, lane: usize, hessian: [f32; 3], l_xy: [f32; 2], by: TowardLight) {
-        let kappa = mapped_curvature_toward(hessian, l_xy, by.gain, by.anisotropy);
-        for (curves, magnitude) in self.curves.iter_mut().zip(by.magnitudes) {
-            curves.set(lane, ScalingCurve::of(magnitude * kappa));
+    fn scale_cosine(&self, diffuse: &mut Lanes, pixels: &Pixels, shading: &Shading) {
+        let Self { weight, cosine, .. } = self;
+        match shading.scaled {
+            None => {
+                for i in 0..BATCH {
+                    diffuse[i] = weight[i] * cosine[i];
+                }
+            }
+            Some(scaled) => {
+                let curves = scaled.curves(pixels, &self.curves, 0);
+                for i in 0..BATCH {
+                    let sigma = curves.at(i).at(cosine[i], scaled.invariant_point);
+                    diffuse[i] = weight[i] * cosine[i] * sigma;
+                }
+            }
         }
     }
 
-    /// Scales both terms by their own intensities; what a mirror reflects, as a highlight.
+    /// The specular term: `weigh(cosine, weight)` times the lobe, scaled by the lobe's intensity.
     #[inline(always)]
-    fn scale(&mut self, pixels: &Pixels, scaled: &Scaled, is_mirror: bool) {
-        let [mut diffuse, specular] = match scaled.toward_light {
-            Some(_) => self.curves.each_ref(),
-            None => [Term::Diffuse, Term::Specular].map(|term| pixels.curve(term)),
-        };
-        if is_mirror {
-            diffuse = specular;
+    fn scale_lobe(
+        &self,
+        specular: &mut Lanes,
+        pixels: &Pixels,
+        shading: &Shading,
+        weigh: impl Fn(f32, f32) -> f32,
+    ) {
+        let Self {
+            weight,
+            cosine,
+            lobe,
+            ..
+        } = self;
+        match shading.scaled {
+            None => {
+                for i in 0..BATCH {
+                    specular[i] = weigh(cosine[i], weight[i]) * lobe[i];
+                }
+            }
+            Some(scaled) => {
+                let curves = scaled.curves(pixels, &self.curves, 1);
+                for i in 0..BATCH {
+                    let sigma = curves.at(i).at(lobe[i], scaled.invariant_point);
+                    specular[i] = weigh(cosine[i], weight[i]) * lobe[i] * sigma;
+                }
+            }
         }
-        let alpha = scaled.invariant_point;
-        for lane in 0..BATCH {
-            self.diffuse[lane] *= diffuse.at(lane).at(self.cosine[lane], alpha);
-            self.specular[lane] *= specular.at(lane).at(self.lobe[lane], alpha);
+    }
+
+    /// Mirrored light from l . e and the square of n . h: that of the reflectance and that of grazing, scaled alike.
+    #[inline(always)]
+    fn mirror(&mut self, terms: &mut Terms, pixels: &Pixels, shading: &Shading) {
+        for i in 0..BATCH {
+            let (nl, ne) = (
+                positive(self.cosine[i]),
+                positive(scalar_product(pixels.normal.at(i), pixels.to_eye.at(i))),
+            );
+            // h.e is half of |l + e|.
+            let he = 0.5 * positive(2.0 + 2.0 * self.products[0][i]).sqrt();
+            let (facets, grazing) = (facets(self.lobe[i]), grazing(he));
+            let light = self.weight[i] * mirror_lobe(facets, nl, ne);
+            terms.diffuse[i] = light * (1.0 - grazing);
+            terms.specular[i] = light * grazing;
+            self.lobe[i] = at_most_1(MIRROR_PEAK * facets);
+        }
+        if let Some(scaled) = shading.scaled {
+            let curves = scaled.curves(pixels, &self.curves, 1);
+            for i in 0..BATCH {
+                let sigma = curves.at(i).at(self.lobe[i], scaled.invariant_point);
+                terms.diffuse[i] *= sigma;
+                terms.specular[i] *= sigma;
+            }
+        }
+    }
+
+    /// Both terms of the coated model, from l . e, l . u and l . v.
+    ///
+    /// In steps, of which each is short enough that several vectors of lanes are under way at a time.
+    #[inline(always)]
+    fn coat(
+        &mut self,
+        terms: &mut Terms,
+        pixels: &Pixels,
+        shading: &Shading,
+        brdf: &AshikhminShirley,
+    ) {
+        let [nu, nv] = brdf.coat;
+        if nu == nv {
+            let exponent = brdf.exponent(1.0, 1.0);
+            self.see_coat(terms, pixels, brdf, |_, _| exponent);
+        } else {
+            self.see_coat(terms, pixels, brdf, |uu, vv| brdf.exponent(uu, vv));
+        }
+        let [logarithms, exponents, _] = &mut self.products;
+        for i in 0..BATCH {
+            logarithms[i] = AshikhminShirley::log_lobe(self.lobe[i], exponents[i]);
+        }
+        for (specular, logarithm) in terms.specular.iter_mut().zip(&*logarithms) {
+            *specular *= exp_to_normal(*logarithm);
+        }
+        if let Some(scaled) = shading.scaled {
+            for square in &mut self.lobe {
+                *square = positive(*square).sqrt();
+            }
+            let intensities = [&self.cosine, &self.lobe];
+            let terms = [&mut terms.diffuse, &mut terms.specular];
+            for (k, (term, intensity)) in terms.into_iter().zip(intensities).enumerate() {
+                let curves = scaled.curves(pixels, &self.curves, k);
+                for i in 0..BATCH {
+                    term[i] *= curves.at(i).at(intensity[i], scaled.invariant_point);
+                }
+            }
+        }
+    }
+
+    /// The terms of the coated model without its lobe; the square of n . h as the lobe, and its exponent as the second
+    /// product.
+    #[inline(always)]
+    fn see_coat(
+        &mut self,
+        terms: &mut Terms,
+        pixels: &Pixels,
+        brdf: &AshikhminShirley,
+        exponent: impl Fn(f32, f32) -> f32,
+    ) {
+        let [le, lu, lv] = &mut self.products;
+        let [eye_along, eye_across] = &pixels.coat.eye;
+        for i in 0..BATCH {
+            // h = (l + e) / |l + e|, |l + e|^2 = 2 + 2 l.e, and h.e is half of |l + e|.
+            let squared = (2.0 + 2.0 * le[i]).max(SHORTEST);
+            let inverse = 1.0 / squared.sqrt();
+            let [along, across] = [lu[i] + eye_along[i], lv[i] + eye_across[i]];
+            let (uu, vv) = (along * along, across * across);
+            // n . h, from the parts of h along and across the grain.
+            self.lobe[i] = 1.0 - (uu + vv) * (inverse * inverse);
+            lu[i] = exponent(uu, vv);
+            let (weight, nl) = (self.weight[i], positive(self.cosine[i]));
+            terms.diffuse[i] = weight * (pixels.coat.base[i] * entering(nl));
+            let seen = share_seen(nl, pixels.coat.per_cosine[i], 2.0 * inverse);
+            let reflected = brdf.reflected(0.5 * squared * inverse);
+            terms.specular[i] = weight * brdf.normalisation * (reflected * seen);
         }
     }
 }
 
-/// Raises the intensity of a lobe to its exponent, and multiplies the term by it.
-#[inline(always)]
-fn raise(term: &mut Lanes, intensity: &mut Lanes, power: Exponent) {
-    power.raise(intensity);
-    for (term, intensity) in term.iter_mut().zip(intensity) {
-        *term *= *intensity;
+impl Scaled {
+    /// The curves of diffuse (0) or specular (1) light.
+    #[inline(always)]
+    fn curves<'a>(
+        &self,
+        pixels: &'a Pixels,
+        toward_light: &'a [CurveLanes; 2],
+        term: usize,
+    ) -> &'a CurveLanes {
+        match self.toward_light {
+            Some(_) => &toward_light[term],
+            None => pixels.curve(1 + term),
+        }
     }
 }

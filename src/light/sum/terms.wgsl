@@ -1,5 +1,7 @@
 // The terms of one light at a pixel, before its colour: arrival, reflection by the lobes, scaling.
 
+// Whether the eye is far away, along z at every pixel.
+override FAR_EYE: bool;
 // Whether the mapping of curvature depends on the direction of light.
 override TOWARD_LIGHT: bool;
 
@@ -23,6 +25,8 @@ struct Incidence {
     cosine: f32,
     // One over the squared length of the half vector under the inverse warp.
     inverse: f32,
+    // The square of n . h for an eye on the axis.
+    lobe: f32,
 }
 
 fn positive(x: f32) -> f32 {
@@ -31,6 +35,12 @@ fn positive(x: f32) -> f32 {
 
 fn at_most_1(x: f32) -> f32 {
     return select(1.0, x, x < 1.0);
+}
+
+// The square of n . h for an eye on the axis.
+fn half_vector_lobe(normal: vec3<f32>, half: vec3<f32>) -> f32 {
+    let along = positive(scalar_product(normal, half));
+    return at_most_1(along * along);
 }
 
 // Unwarps a light, with its Jacobian, for the given normal and square of the inverse of Lambda (xx, twice xy, yy).
@@ -43,12 +53,14 @@ fn arrive_unwarped(light: Arriving, normal: Axis, squared: vec3<f32>) -> Inciden
     let length = z * z + squared.x * (x * x) + squared.y * (x * y) + squared.z * (y * y);
     let inverse = 1.0 / length;
     let along = g.x * x + g.y * y + n.z * z;
-    let cosine = 2.0 * z * (along * inverse) - n.z;
+    let part = along * inverse;
+    let cosine = 2.0 * z * part - n.z;
     let most = MOST_BRIGHTENED * scalar_product(n, light.direction);
     return Incidence(
         light.share * (inverse * inverse),
         select(most, cosine, cosine < most),
         inverse,
+        at_most_1(positive(along) * part),
     );
 }
 
@@ -62,7 +74,7 @@ fn product(light: Arriving, inverse: f32, axis: Axis) -> f32 {
     return 2.0 * h.z * inverse * along - axis.vector.z;
 }
 
-// The square of n . h, with h half-way between light and eye.
+// The square of n . h, with h half-way between light and an eye off the axis.
 fn half_way(light_eye: f32, light_normal: f32, normal_eye: f32) -> f32 {
     let along = positive(light_normal + normal_eye);
     let squared = 2.0 + 2.0 * light_eye;
@@ -98,7 +110,11 @@ fn reflect_light(light: Arriving) -> Terms {
     if HAS_JACOBIAN {
         arrived = arrive_unwarped(light, pixel.normal, pixel.unwarp_squared);
     } else {
-        arrived = Incidence(light.share, scalar_product(pixel.normal.vector, light.direction), 1.0);
+        let n = pixel.normal.vector;
+        arrived = Incidence(light.share, scalar_product(n, light.direction), 1.0, 0.0);
+        if BLINN_PHONG && FAR_EYE {
+            arrived.lobe = half_vector_lobe(n, light.half);
+        }
     }
     if !(arrived.cosine > 0.0) {
         return Terms(0.0, 0.0);

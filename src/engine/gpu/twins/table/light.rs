@@ -10,12 +10,14 @@ use crate::light::brdf::{
 use crate::light::cosines::{at_most_1, positive, scalar_product};
 use crate::light::environment::equirectangular_position;
 use crate::light::intensity::Intensity;
-use crate::light::light_warping::{Warp, bounded_entry, contrast, half_vector, scale_factor};
+use crate::light::light_warping::{
+    MOST_BRIGHTENED, Warp, bounded_entry, contrast, half_vector, scale_factor,
+};
 use crate::light::radiance_scaling::{ScalingCurve, scaled, scaling};
 use crate::light::relight::gpu::RELIGHT;
 use crate::light::relight::shade::premultiplied;
 use crate::light::sum::exponent::Exponent;
-use crate::light::sum::terms::{self, Arriving};
+use crate::light::sum::terms;
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
 use crate::params::Quantisation;
@@ -194,22 +196,15 @@ fn lights() -> Vec<Twin> {
             &RELIGHT,
             |direction: [f32; 3],
              half: [f32; 3],
-             share: f32,
+             _: f32,
              inverse: f32,
              axis: ([f32; 3], [f32; 2]),
              is_warped: bool| {
-                let light = Arriving {
-                    direction,
-                    half,
-                    share,
-                };
-                match is_warped {
-                    true => terms::product::<true>(light, inverse, axis),
-                    false => terms::product::<false>(light, inverse, axis),
-                }
+                terms::product(direction, is_warped.then_some(half), inverse, axis)
             },
         )
         .with(&["HAS_JACOBIAN"]),
+        twin("half_vector_lobe", &RELIGHT, terms::half_vector_lobe),
         twin("unwarped_xy", &RELIGHT, terms::unwarped_xy),
         twin("half_way", &RELIGHT, terms::half_way),
         // Integer powers up to the largest computed by multiplication, real ones up to the largest exponent.
@@ -252,12 +247,14 @@ fn arrive_unwarped(
     share: f32,
     axis: ([f32; 3], [f32; 2]),
     squared: [f32; 3],
-) -> [f32; 3] {
-    let light = Arriving {
-        direction,
-        half,
-        share,
-    };
-    let arrived = terms::arrive_unwarped(light, axis, squared);
-    [arrived.weight, arrived.cosine, arrived.inverse]
+) -> [f32; 4] {
+    let most = MOST_BRIGHTENED * scalar_product(axis.0, direction);
+    let half = terms::HalfVector::of(half);
+    let arrived = terms::arrive_unwarped(false, &half, share, axis, squared, most);
+    [
+        arrived.weight,
+        arrived.cosine,
+        arrived.inverse,
+        arrived.lobe,
+    ]
 }
