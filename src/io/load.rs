@@ -189,6 +189,9 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         None => source.surface_of_depth(&mut layers, &mut notes)?,
     };
 
+    if made.is_none() && inputs.rows.is_none() {
+        notes.on_noise(&normal, &mask);
+    }
     let objects = source.numbered(&mask, needs, &mut notes);
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();

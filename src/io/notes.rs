@@ -9,7 +9,7 @@ use super::roles::Role;
 use super::sources::Chosen;
 use crate::error::Result;
 use crate::frame::objects::Objects;
-use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::frame::{Frame, Mask, Plane, Vector3Planes, noise_left};
 use crate::untrusted::{Untrusted, shown};
 use std::rc::Rc;
 
@@ -116,6 +116,15 @@ impl Notes {
         if mask.count() == 0 {
             self.warnings
                 .push("no pixel shows a surface: nothing to do".into());
+        }
+    }
+
+    /// Warns if normals have noise that would be taken for relief.
+    pub(super) fn on_noise(&mut self, normal: &Vector3Planes, mask: &Mask) {
+        if let Some(noise) = noise_left(normal, mask) {
+            self.warnings.push(format!(
+                "normals have noise of {noise:.3} in their slopes, which is taken for relief: compare --scale 8, or denoise them first"
+            ));
         }
     }
 
