@@ -189,7 +189,8 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         None => source.surface_of_depth(&mut layers, &mut notes)?,
     };
 
-    if made.is_none() && inputs.rows.is_none() {
+    let is_whole = inputs.rows.is_none();
+    if is_whole && made.is_none() && !sources.roles[0].is_in_cells() {
         notes.on_noise(&normal, &mask);
     }
     let objects = source.numbered(&mask, needs, &mut notes);

@@ -177,6 +177,14 @@ impl RoleSource {
         }
     }
 
+    /// Whether it is a sheet, whose cells join nowhere.
+    pub(super) fn is_in_cells(&self) -> bool {
+        let Opened::Photo { photo, .. } = self.file.as_ref() else {
+            return false;
+        };
+        photo.cell != [photo.header.width, photo.header.height]
+    }
+
     /// The encoding of its normals as far as it is known without their numbers, and why.
     pub(super) fn encoding(&self) -> Option<(NormalEncoding, &'static str)> {
         let given = self.encoding.map(|encoding| (encoding, "as given"));
