@@ -1,7 +1,6 @@
 //! Relighting: batches of covered pixels, gathered from the frame's planes, lit, and scattered back.
 
 pub(crate) mod albedo;
-#[cfg(feature = "cli")]
 pub(crate) mod albedo_search;
 pub(crate) mod batch;
 pub(crate) mod curvature;
