@@ -3,6 +3,7 @@
 //! Names tell which is what; see [`NAMES`].
 
 use super::inputs::{Inputs, NONE};
+use super::names::is_one_of;
 use super::opened::Opened;
 use super::photo::pictures_in;
 use super::roles::Role;
@@ -22,44 +23,27 @@ pub(super) struct Bundle {
 }
 
 /// Roles by the words of names. A name with several is the first of these: `image_depth` is depth.
-const NAMES: [(Role, &[&str]); 5] = [
-    (Role::Coverage, &["mask", "valid"]),
-    (Role::Normal, &["normal", "normals"]),
-    (Role::Depth, &["depth"]),
-    (
-        Role::Position,
-        &["points", "point", "pts", "pts3d", "position", "positions"],
-    ),
+const NAMES: [(Role, &str); 5] = [
+    (Role::Coverage, "mask valid"),
+    (Role::Normal, "normal normals"),
+    (Role::Depth, "depth"),
+    (Role::Position, "points point pts pts3d position positions"),
     (
         Role::Color,
-        &[
-            "image", "img", "rgb", "color", "colour", "photo", "input", "picture",
-        ],
+        "image img rgb color colour photo input picture",
     ),
 ];
 
 /// Words of names of what is made to be looked at, and of what a frame does not have.
-const NOT_DATA: &[&str] = &[
-    "vis",
-    "viz",
-    "visualization",
-    "preview",
-    "colored",
-    "coloured",
-    "colorized",
-    "confidence",
-    "conf",
-    "uncertainty",
-];
+const NOT_DATA: &str =
+    "vis viz visualization preview colored coloured colorized confidence conf uncertainty";
 
 /// Endings of files that are read, those of floats first.
-const FLOATS: &[&str] = &["exr", "npy", "pfm"];
-const CODES: &[&str] = &[
-    "png", "jpg", "jpeg", "tif", "tiff", "webp", "tga", "bmp", "hdr", "pgm", "ppm", "pnm",
-];
+const FLOATS: &str = "exr npy pfm";
+const CODES: &str = "png jpg jpeg tif tiff webp tga bmp hdr pgm ppm pnm";
 
 /// Names of files that hold a camera.
-const CAMERAS: &[&str] = &["fov.json", "camera.json"];
+const CAMERAS: &str = "fov.json camera.json";
 
 impl Bundle {
     /// What stands at `path`; `None` for a single file.
@@ -70,7 +54,7 @@ impl Bundle {
         if path.is_dir() {
             return Self::of_folder(path).map(Some);
         }
-        let is_archive = path.extension().is_some_and(|own| is_one(own, &["npz"]));
+        let is_archive = path.extension().is_some_and(|own| is_one(own, "npz"));
         match is_archive.then(|| pictures_in(path)).transpose()?.flatten() {
             Some(arrays) if arrays.len() > 1 => Self::named(path, arrays, None).map(Some),
             _ => Ok(None),
@@ -99,10 +83,10 @@ impl Bundle {
     /// Gives each role to the file that is called so. One picture that is called otherwise is the image, where there is
     /// none, or the normals by its numbers.
     fn named(path: &Path, mut files: Vec<PathBuf>, camera: Option<PathBuf>) -> Result<Self> {
-        files.retain(|file| !words(file).any(|word| NOT_DATA.contains(&&*word)));
+        files.retain(|file| !words(file).any(|word| is_one_of(&word, NOT_DATA)));
         let mut members = Vec::new();
         for (role, names) in NAMES {
-            let is_it = |file: &PathBuf| words(file).any(|word| names.contains(&&*word));
+            let is_it = |file: &PathBuf| words(file).any(|word| is_one_of(&word, names));
             let (mut found, rest) = files.into_iter().partition(is_it);
             files = rest;
             keep_floats(&mut found);
@@ -270,8 +254,9 @@ fn called(role: Role) -> String {
     }
 }
 
-fn is_one(name: &OsStr, all: &[&str]) -> bool {
-    all.iter().any(|own| name.eq_ignore_ascii_case(own))
+fn is_one(name: &OsStr, all: &str) -> bool {
+    all.split_whitespace()
+        .any(|own| name.eq_ignore_ascii_case(own))
 }
 
 /// The words of a file's name, in lower case.

@@ -8,7 +8,7 @@
 //! [`IMPLIED`]; to recognise a renderer by its attributes, add a row to [`RENDERERS`].
 
 use super::exr::ExrFile;
-use super::inputs::StoredDepth;
+use super::inputs::StoredDepth::{self, Inverse, NormalizedNearIsOne, Planar, Ray};
 use crate::frame::NormalSpace;
 use serde::Serialize;
 
@@ -186,157 +186,96 @@ pub(super) struct Hint {
     pub(super) depth: Option<StoredDepth>,
 }
 
-const WORLD: Hint = Hint {
-    space: Some(NormalSpace::World),
-    depth: None,
-};
-const VIEW: Hint = Hint {
-    space: Some(NormalSpace::View),
-    depth: None,
-};
-
 impl Hint {
+    const NONE: Self = Self {
+        space: None,
+        depth: None,
+    };
+    const VIEW: Self = Self {
+        space: Some(NormalSpace::View),
+        ..Self::NONE
+    };
+    const WORLD: Self = Self {
+        space: Some(NormalSpace::World),
+        ..Self::NONE
+    };
+
     const fn and(self, stored: StoredDepth) -> Self {
         Self {
             depth: Some(stored),
             ..self
         }
     }
-}
 
-const fn depth(stored: StoredDepth) -> Hint {
-    Hint {
-        space: None,
-        depth: Some(stored),
+    const fn depth(stored: StoredDepth) -> Self {
+        Self::NONE.and(stored)
     }
 }
 
 /// Names with the same meaning from any program.
-const IMPLIED: &[(&str, Hint)] = &[
-    ("nworld", WORLD),
-    ("worldnormal", WORLD),
-    ("worldnormals", WORLD),
-    ("normalworld", WORLD),
-    ("normalsworld", WORLD),
-    ("worldspacenormal", WORLD),
-    ("worldspacenormals", WORLD),
-    ("normalsworldspace", WORLD),
-    ("rayhitn", WORLD),
-    ("nn", VIEW),
-    ("cameranormal", VIEW),
-    ("cameranormals", VIEW),
-    ("normalcamera", VIEW),
-    ("viewnormal", VIEW),
-    ("viewnormals", VIEW),
-    ("normalview", VIEW),
-    ("eyenormal", VIEW),
-    ("denoisingnormal", VIEW),
-    ("pz", depth(StoredDepth::Planar)),
-    ("rayhitpz", depth(StoredDepth::Planar)),
-    ("hitpz", depth(StoredDepth::Planar)),
-    ("worlddepth", depth(StoredDepth::Planar)),
-    ("distance", depth(StoredDepth::Ray)),
-    ("rayhitdist", depth(StoredDepth::Ray)),
-    ("hitdist", depth(StoredDepth::Ray)),
-    ("zdepth", depth(StoredDepth::NormalizedNearIsOne)),
-    ("vrayzdepth", depth(StoredDepth::NormalizedNearIsOne)),
+const IMPLIED: &[(Hint, &str)] = &[
+    (
+        Hint::WORLD,
+        "nworld worldnormal worldnormals normalworld normalsworld worldspacenormal worldspacenormals normalsworldspace \
+         rayhitn",
+    ),
+    (
+        Hint::VIEW,
+        "nn cameranormal cameranormals normalcamera viewnormal viewnormals normalview eyenormal denoisingnormal",
+    ),
+    (Hint::depth(Planar), "pz rayhitpz hitpz worlddepth"),
+    (Hint::depth(Ray), "distance rayhitdist hitdist"),
+    (Hint::depth(NormalizedNearIsOne), "zdepth vrayzdepth"),
 ];
 
-/// A program that writes layers, the marks of its files, and the defaults for their layers unless a name is more
-/// specific.
+/// A program that writes layers, and the defaults for its layers unless a name is more specific.
 struct Renderer {
     name: &'static str,
-    /// Prefix of an attribute name in its files, in lower case.
+    /// Prefixes of the names of attributes in its files, in lower case.
     attributes: &'static [&'static str],
-    /// A word in its files' maker attributes, in lower case.
-    maker: &'static str,
     hint: Hint,
 }
 
-const fn marked(
-    name: &'static str,
-    attributes: &'static [&'static str],
-    maker: &'static str,
-    hint: Hint,
-) -> Renderer {
+const fn renderer(name: &'static str, attributes: &'static [&'static str], hint: Hint) -> Renderer {
     Renderer {
         name,
         attributes,
-        maker,
         hint,
     }
 }
 
-/// Renderers recognised by attributes, with the implications for their layers.
+/// Renderers recognised by attributes, or by their names in those of [`MAKERS`], with the implications for their layers.
 const RENDERERS: &[Renderer] = &[
-    marked(
-        "Blender",
-        &["cycles."],
-        "blender",
-        WORLD.and(StoredDepth::Planar),
-    ),
-    marked(
-        "Arnold",
-        &["arnold/"],
-        "arnold",
-        WORLD.and(StoredDepth::Planar),
-    ),
-    marked(
+    renderer("Blender", &["cycles."], Hint::WORLD.and(Planar)),
+    renderer("Arnold", &["arnold/"], Hint::WORLD.and(Planar)),
+    renderer(
         "V-Ray",
         &["vray", "camerafov"],
-        "v-ray",
-        VIEW.and(StoredDepth::NormalizedNearIsOne),
+        Hint::VIEW.and(NormalizedNearIsOne),
     ),
-    marked(
-        "RenderMan",
-        &["rman"],
-        "renderman",
-        depth(StoredDepth::Planar),
-    ),
-    marked(
-        "Redshift",
-        &["rs/"],
-        "redshift",
-        WORLD.and(StoredDepth::Planar),
-    ),
-    marked("Karma", &["karma"], "karma", WORLD),
-    marked(
-        "Mantra",
-        &["mantra"],
-        "mantra",
-        VIEW.and(StoredDepth::Planar),
-    ),
-    marked("Octane", &["octane"], "octane", depth(StoredDepth::Ray)),
-    marked("Corona", &["corona"], "corona", VIEW),
-    marked(
-        "Mitsuba",
-        &["mitsuba"],
-        "mitsuba",
-        WORLD.and(StoredDepth::Ray),
-    ),
-    marked(
+    renderer("RenderMan", &["rman"], Hint::depth(Planar)),
+    renderer("Redshift", &["rs/"], Hint::WORLD.and(Planar)),
+    renderer("Karma", &["karma"], Hint::WORLD),
+    renderer("Mantra", &["mantra"], Hint::VIEW.and(Planar)),
+    renderer("Octane", &["octane"], Hint::depth(Ray)),
+    renderer("Corona", &["corona"], Hint::VIEW),
+    renderer("Mitsuba", &["mitsuba"], Hint::WORLD.and(Ray)),
+    renderer(
         "pbrt",
         &["rendertimeseconds", "samplesperpixel"],
-        "pbrt",
-        VIEW,
+        Hint::VIEW,
     ),
-    marked("Nuke", &["nuke/"], "nuke", depth(StoredDepth::Inverse)),
-    marked(
-        "Unreal",
-        &["unreal/"],
-        "unreal",
-        WORLD.and(StoredDepth::Planar),
-    ),
+    renderer("Nuke", &["nuke/"], Hint::depth(Inverse)),
+    renderer("Unreal", &["unreal/"], Hint::WORLD.and(Planar)),
 ];
 
 /// Attributes that name the program a file was made with.
-const MAKERS: &[&str] = &[
-    "software",
-    "renderer",
-    "generatedby",
-    "creator",
-    "generator",
-];
+const MAKERS: &str = "software renderer generatedby creator generator";
+
+/// Whether `word` is one of `words`, which have blanks between them.
+pub(super) fn is_one_of(word: &str, words: &str) -> bool {
+    words.split_whitespace().any(|own| own == word)
+}
 
 /// Removes the prefix Nuke adds to attributes of files it has read.
 pub(super) fn plain_attribute(name: &str) -> &str {
@@ -344,7 +283,7 @@ pub(super) fn plain_attribute(name: &str) -> &str {
 }
 
 /// The renderer whose marks a file bears, if any.
-fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
+fn renderer_of(file: &ExrFile) -> Option<&'static Renderer> {
     let attributes = file.attributes.iter();
     let attributes: Vec<_> = attributes
         .map(|(name, text)| (plain_attribute(name).to_ascii_lowercase(), text))
@@ -354,8 +293,10 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
         attributes.iter().any(|(name, text)| {
             let starts = |mark: &&str| name.starts_with(mark);
             renderer.attributes.iter().any(starts)
-                || MAKERS.contains(&name.as_str())
-                    && text.to_ascii_lowercase().contains(renderer.maker)
+                || is_one_of(name, MAKERS)
+                    && text
+                        .to_ascii_lowercase()
+                        .contains(&renderer.name.to_ascii_lowercase())
         })
     })
 }
@@ -364,10 +305,10 @@ fn renderer(file: &ExrFile) -> Option<&'static Renderer> {
 /// origin in words.
 pub(super) fn hint(layer: &str, space: Option<NormalSpace>, file: &ExrFile) -> (Hint, String) {
     let word = key(last_word(layer));
-    if let Some((name, hint)) = IMPLIED.iter().find(|(name, _)| *name == word) {
-        return (*hint, format!("by its name, {name}"));
+    if let Some((hint, _)) = IMPLIED.iter().find(|(_, names)| is_one_of(&word, names)) {
+        return (*hint, format!("by its name, {word}"));
     }
-    let renderer = renderer(file);
+    let renderer = renderer_of(file);
     if space.is_some() {
         let depth = renderer.and_then(|renderer| renderer.hint.depth);
         return (Hint { space, depth }, format!("by its name, {word}"));

@@ -5,6 +5,7 @@
 
 use super::fault::{Fault, Parsed};
 use crate::frame::Window;
+use crate::io::names::is_one_of;
 use std::borrow::Cow;
 use std::io::Read;
 
@@ -20,23 +21,9 @@ const MAX_ATTRIBUTES: usize = 1 << 16;
 const MAX_TEXT: usize = 4096;
 
 /// Attributes of simple kinds that say how pixels are stored.
-const PIXEL_NAMES: [&[u8]; 6] = [
-    b"type",
-    b"name",
-    b"version",
-    b"chunkCount",
-    b"maxSamplesPerPixel",
-    b"dwaCompressionLevel",
-];
+const PIXEL_NAMES: &str = "type name version chunkCount maxSamplesPerPixel dwaCompressionLevel";
 /// Kinds of the others.
-const PIXEL_KINDS: [&[u8]; 6] = [
-    b"chlist",
-    b"compression",
-    b"box2i",
-    b"lineOrder",
-    b"tiledesc",
-    b"preview",
-];
+const PIXEL_KINDS: &str = "chlist compression box2i lineOrder tiledesc preview";
 
 /// One attribute.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,8 +125,8 @@ impl Attributes {
     /// Those that say where the pixels are and how they are stored, and those of their kinds, which must be sound too.
     pub(super) fn of_pixels(&self) -> Self {
         let all = self.iter().filter(|attribute| {
-            PIXEL_NAMES.contains(&attribute.name.as_slice())
-                || PIXEL_KINDS.contains(&attribute.kind.as_slice())
+            is_one_of(&text_of_bytes(&attribute.name), PIXEL_NAMES)
+                || is_one_of(&text_of_bytes(&attribute.kind), PIXEL_KINDS)
         });
         Self(all.cloned().collect())
     }

@@ -6,6 +6,7 @@ use super::fault::Fault;
 use super::header::{LONG_NAMES, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
+use crate::io::names::is_one_of;
 use ::exr::meta::header::Header;
 use std::path::Path;
 
@@ -13,28 +14,9 @@ pub(super) const VERSION: u32 = 2;
 /// OpenEXR's standard attribute of pixels per inch along x.
 pub(crate) const X_DENSITY: &str = "xDensity";
 /// Attributes that describe the part and are not free to be given.
-const RESERVED: [&str; 20] = [
-    "channels",
-    "compression",
-    "dataWindow",
-    "displayWindow",
-    "lineOrder",
-    "pixelAspectRatio",
-    "screenWindowCenter",
-    "screenWindowWidth",
-    "name",
-    "type",
-    "chunkCount",
-    "tiles",
-    "version",
-    "maxSamplesPerPixel",
-    "chromaticities",
-    "timeCode",
-    "preview",
-    "envmap",
-    "multiView",
-    "dwaCompressionLevel",
-];
+const RESERVED: &str = "channels compression dataWindow displayWindow lineOrder pixelAspectRatio screenWindowCenter \
+                        screenWindowWidth name type chunkCount tiles version maxSamplesPerPixel chromaticities timeCode \
+                        preview envmap multiView dwaCompressionLevel";
 
 /// A part to be written.
 #[derive(Debug, Clone)]
@@ -254,7 +236,7 @@ pub(super) fn set_added(attributes: &mut Attributes, part: &PartDescription) -> 
 }
 
 pub(super) fn check_attribute_name(name: &str) -> Result<()> {
-    match RESERVED.contains(&name) {
+    match is_one_of(name, RESERVED) {
         true => Err(Error::BadParameter {
             name: "attribute",
             found: format!("{name:?} describes the file itself"),

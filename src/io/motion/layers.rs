@@ -14,25 +14,8 @@ use std::rc::Rc;
 /// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation:
 /// Arnold's `motionvector`, RenderMan's `motionFore` and `motionBack`, V-Ray's `VRayVelocity`, Nuke's `forward`, Mantra's
 /// `Vpixel`, `MotionVectors` of Karma, Redshift, Octane and Unreal, and the common `mv`.
-const NAMES: &[&str] = &[
-    "motionvector",
-    "motionvectors",
-    "motionvec",
-    "motionback",
-    "motionbackward",
-    "motionfore",
-    "motionforward",
-    "velocity",
-    "forward",
-    "backwards",
-    "vectors",
-    "vpixel",
-    "mv",
-    "mvec",
-    "mvecs",
-    "opticalflow",
-    "flow",
-];
+const NAMES: &str = "motionvector motionvectors motionvec motionback motionbackward motionfore motionforward velocity \
+                     forward backwards vectors vpixel mv mvec mvecs opticalflow flow";
 
 /// Components that are x and y of motion, the best first. Blender's `Vector` leads to the previous frame by x and y, and
 /// from the next by z and w.
@@ -111,7 +94,7 @@ fn is_motion(layer: &Layer) -> bool {
     let listed = Role::Motion.names();
     let mut words = layer.said().words.iter().map(String::as_str);
     layer.matched(Role::Motion).is_some()
-        && words.any(|word| listed.contains(&word) || NAMES.contains(&word))
+        && words.any(|word| listed.contains(&word) || names::is_one_of(word, NAMES))
 }
 
 fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
