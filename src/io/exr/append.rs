@@ -4,14 +4,13 @@ use super::ExrFile;
 use super::attributes::Attributes;
 use super::chunks::{ChunkReader, Place, RawChunk};
 use super::fault::{Fault, Parsed};
-use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
+use super::header::{MULTI_PART, TILED};
 use super::sink::ChunkSink;
 use super::write::{PartDescription, ReadyPart};
 use crate::error::{Error, Result};
 use std::io::{Seek, Write};
 use std::path::Path;
 
-const TILED: u32 = 1 << 9;
 /// Name of the only part of a file that gave it none.
 const FIRST_NAME: &str = "main";
 
@@ -22,7 +21,6 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     target: &Path,
     part: &PartDescription,
 ) -> Result<(ChunkSink<'w, W>, ReadyPart)> {
-    let failed = |source| Error::io(target, "write")(source);
     let mut parts = named_parts(input);
     let part = PartDescription {
         name: free_name(&part.name, &parts),
@@ -30,18 +28,10 @@ pub(super) fn start_append<'w, W: Write + Seek>(
     };
     let ready = ReadyPart::new(&part, target, parts.first())?;
     parts.push(ready.attributes.clone());
-
-    let flags = input.header.flags & !TILED | MULTI_PART | ready.long_names();
-    let headers = &input.header.meta.headers;
-    let mut counts: Vec<usize> = headers.iter().map(|h| h.chunk_count).collect();
+    let mut counts = input.header.chunk_counts();
     counts.push(ready.header.chunk_count);
-    let flags = match parts.iter().any(Attributes::has_long_names) {
-        true => flags | LONG_NAMES,
-        false => flags,
-    };
-    let start = w.stream_position().map_err(failed)?;
-    let head = header_bytes(flags, &parts);
-    let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
+    let flags = input.header.flags & !TILED | MULTI_PART;
+    let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
     Ok((out, ready))
 }
 

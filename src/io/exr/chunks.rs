@@ -42,17 +42,14 @@ impl<'a> ChunkReader<'a> {
     /// Offsets of the first `count` chunks of `part`.
     pub(super) fn offsets(&mut self, part: usize, count: usize) -> Parsed<Vec<u64>> {
         let header = &self.exr.header;
-        let stored = header.meta.headers[part].chunk_count;
+        let counts = header.chunk_counts();
+        let stored = counts[part];
         if count > stored {
             return Err(Fault::damaged(format!(
                 "its size calls for {count} blocks of pixels, but it has {stored}"
             )));
         }
-        let before: usize = header.meta.headers[..part]
-            .iter()
-            .map(|h| h.chunk_count)
-            .sum();
-        let all: usize = header.meta.headers.iter().map(|h| h.chunk_count).sum();
+        let (before, all): (usize, usize) = (counts[..part].iter().sum(), counts.iter().sum());
         self.seek(header.end + 8 * before as u64)?;
         let mut bytes = vec![0; 8 * count];
         self.read_exact(&mut bytes)?;

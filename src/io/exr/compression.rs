@@ -4,13 +4,19 @@ use crate::error::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 
+/// The names of all compressions that are read, by their numbers in files.
+pub(super) const NAMES: [&str; 10] = [
+    "none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab",
+];
+
 /// Compression of the pixels of a part when it is written.
 ///
 /// All but the last two are lossless. `Default` is ZIP, which every program reads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
 pub enum OutputCompression {
     /// Uncompressed.
-    None,
+    None = 0,
     /// Runs of equal bytes: small only where the picture is flat.
     Rle,
     /// ZIP, row by row: rows can be read alone.
@@ -22,7 +28,7 @@ pub enum OutputCompression {
     Piz,
     /// DWA, 32 rows at a time: loses invisible detail, in colours only. It stores colours of any type as half floats:
     /// values beyond 65504 are clamped, NaN becomes 0.
-    Dwaa,
+    Dwaa = 8,
     /// DWA, 256 rows at a time.
     Dwab,
 }
@@ -41,15 +47,7 @@ impl OutputCompression {
 
     /// The name, as files and the command line have it.
     pub fn name(self) -> &'static str {
-        match self {
-            OutputCompression::None => "none",
-            OutputCompression::Rle => "rle",
-            OutputCompression::Zips => "zips",
-            OutputCompression::Zip => "zip",
-            OutputCompression::Piz => "piz",
-            OutputCompression::Dwaa => "dwaa",
-            OutputCompression::Dwab => "dwab",
-        }
+        NAMES[usize::from(self.code())]
     }
 
     /// Whether some samples change.
@@ -59,15 +57,7 @@ impl OutputCompression {
 
     /// The number in the file.
     pub(super) fn code(self) -> u8 {
-        match self {
-            OutputCompression::None => 0,
-            OutputCompression::Rle => 1,
-            OutputCompression::Zips => 2,
-            OutputCompression::Zip => 3,
-            OutputCompression::Piz => 4,
-            OutputCompression::Dwaa => 8,
-            OutputCompression::Dwab => 9,
-        }
+        self as u8
     }
 
     /// Refuses to lose precision of channels that are not colours but that DWA treats as such by the last token of

@@ -41,9 +41,12 @@ impl Slot {
         }
     }
 
-    /// Converts samples given as 16-bit words, low words first.
-    fn convert_words(self, words: &[u16], into: &mut [f32]) {
-        let bits = |&[low, high]: &[u16; 2]| u32::from(low) | u32::from(high) << 16;
+    /// Converts samples given as 16-bit words, in the order of memory.
+    fn convert(self, words: &[u16], into: &mut [f32]) {
+        let bits = |&[a, b]: &[u16; 2]| {
+            let ([a, b], [c, d]) = (a.to_ne_bytes(), b.to_ne_bytes());
+            u32::from_ne_bytes([a, b, c, d])
+        };
         match self.sample_type {
             SampleType::F16 => {
                 let halves: &[f16] = words.reinterpret_cast();
@@ -57,30 +60,6 @@ impl Slot {
             SampleType::U32 => {
                 for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
                     *to = bits(words) as f32;
-                }
-            }
-        }
-    }
-
-    /// Converts this channel's samples of one row of a block, `pixels` wide.
-    fn convert(self, row: &[u8], pixels: usize, bits: &mut Vec<u16>, into: &mut [f32]) {
-        let bytes = self.sample_type.bytes_per_sample();
-        let from = &row[self.before * pixels..][..bytes * pixels];
-        match self.sample_type {
-            SampleType::F16 => {
-                bits.clear();
-                bits.extend(from.as_chunks().0.iter().map(|&b| u16::from_ne_bytes(b)));
-                let halves: &[f16] = bits.reinterpret_cast();
-                halves.convert_to_f32_slice(into);
-            }
-            SampleType::F32 => {
-                for (to, &b) in into.iter_mut().zip(from.as_chunks().0) {
-                    *to = f32::from_ne_bytes(b);
-                }
-            }
-            SampleType::U32 => {
-                for (to, &b) in into.iter_mut().zip(from.as_chunks().0) {
-                    *to = u32::from_ne_bytes(b) as f32;
                 }
             }
         }
@@ -100,6 +79,35 @@ pub(super) enum Block {
     Bytes(Vec<u8>),
     /// In ZIP's preprocessed form.
     Differences(Vec<u8>),
+}
+
+/// The 16-bit words of a block, from first to last.
+enum Words<'b> {
+    Stored(&'b [u8]),
+    Differences(Pairs<'b>),
+}
+
+impl Words<'_> {
+    /// Passes over `count` words.
+    fn skip(&mut self, count: usize) {
+        match self {
+            Self::Stored(bytes) => *bytes = &bytes[2 * count..],
+            Self::Differences(pairs) => pairs.skip(count),
+        }
+    }
+
+    /// Fills `into` with the next ones.
+    fn take(&mut self, into: &mut [u16]) {
+        match self {
+            Self::Stored(bytes) => {
+                for (word, &bytes) in into.iter_mut().zip(bytes.as_chunks().0) {
+                    *word = u16::from_ne_bytes(bytes);
+                }
+                self.skip(into.len());
+            }
+            Self::Differences(pairs) => pairs.take(into),
+        }
+    }
 }
 
 /// The rows of a plane that a channel is read to.
@@ -133,36 +141,17 @@ impl<'t> TargetSamples<'t> {
 }
 
 impl Target<'_> {
-    /// Writes samples given as 16-bit words, low words first, to those from number `first` on.
-    fn put_words(&mut self, first: usize, count: usize, words: &[u16]) {
+    /// Writes samples given as 16-bit words to those from number `first` on.
+    fn put(&mut self, first: usize, count: usize, words: &[u16]) {
         match &mut self.samples {
             TargetSamples::Floats(samples) => {
-                self.slot
-                    .convert_words(words, &mut samples[first..][..count]);
+                self.slot.convert(words, &mut samples[first..][..count]);
             }
             TargetSamples::Halves(samples) => {
                 samples[first..][..count].copy_from_slice(words.reinterpret_cast());
             }
         }
         self.check(first, count);
-    }
-
-    /// Writes this channel's samples of one row of a block, `pixels` wide, to those from number `first` on.
-    fn put_row(&mut self, first: usize, pixels: usize, row: &[u8], bits: &mut Vec<u16>) {
-        match &mut self.samples {
-            TargetSamples::Floats(samples) => {
-                let into = &mut samples[first..][..pixels];
-                self.slot.convert(row, pixels, bits, into);
-            }
-            TargetSamples::Halves(samples) => {
-                let from = &row[self.slot.before * pixels..][..2 * pixels];
-                let from = from.as_chunks().0.iter();
-                for (to, &bytes) in samples[first..].iter_mut().zip(from) {
-                    *to = f16::from_ne_bytes(bytes);
-                }
-            }
-        }
-        self.check(first, pixels);
     }
 
     /// Looks at `count` samples, from number `first` on.
@@ -222,18 +211,15 @@ impl<'t> Rows<'t> {
         rows: &Range<usize>,
         layout: &Layout,
     ) {
-        match block {
-            Block::Bytes(bytes) => self.fill_bytes(bytes, area, rows, layout),
-            Block::Differences(bytes) => self.fill_pairs(Pairs::new(bytes), area, rows, layout),
-        }
-    }
-
-    fn fill_pairs(&mut self, mut pairs: Pairs, area: &Area, rows: &Range<usize>, layout: &Layout) {
+        let mut block = match block {
+            Block::Bytes(bytes) => Words::Stored(bytes),
+            Block::Differences(bytes) => Words::Differences(Pairs::new(bytes)),
+        };
         let (x, width) = (area.columns.start, area.columns.len());
-        let row_pairs = layout.pixel_bytes / 2 * width;
+        let row_words = layout.pixel_bytes / 2 * width;
         let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
-        pairs.skip((shared.start - area.rows.start) * row_pairs);
-        let mut words = vec![0; row_pairs];
+        block.skip((shared.start - area.rows.start) * row_words);
+        let mut words = vec![0; row_words];
         if let Rows::Samples(planes) = self {
             planes.sort_by_key(|target| target.slot.before);
         }
@@ -247,17 +233,17 @@ impl<'t> Rows<'t> {
                         let count = slot.sample_type.bytes_per_sample() / 2 * width;
                         // A channel may be wanted twice.
                         if last != Some(slot.before) {
-                            pairs.skip(slot.before / 2 * width - at);
-                            pairs.take(&mut words[..count]);
+                            block.skip(slot.before / 2 * width - at);
+                            block.take(&mut words[..count]);
                             at = slot.before / 2 * width + count;
                             last = Some(slot.before);
                         }
-                        target.put_words(y * layout.width + x, width, &words[..count]);
+                        target.put(y * layout.width + x, width, &words[..count]);
                     }
-                    pairs.skip(row_pairs - at);
+                    block.skip(row_words - at);
                 }
                 Rows::Bytes(bytes) => {
-                    pairs.take(&mut words);
+                    block.take(&mut words);
                     let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
                     let bytes_per_row = layout.width * layout.pixel_bytes;
                     let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
@@ -268,29 +254,6 @@ impl<'t> Rows<'t> {
                         layout.width,
                         &area.columns,
                     );
-                }
-            }
-        }
-    }
-
-    fn fill_bytes(&mut self, block: &[u8], area: &Area, rows: &Range<usize>, layout: &Layout) {
-        let (x, width) = (area.columns.start, area.columns.len());
-        let row_bytes = layout.pixel_bytes * width;
-        let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
-        let mut bits = Vec::with_capacity(width);
-        for y in shared {
-            let row = &block[(y - area.rows.start) * row_bytes..][..row_bytes];
-            let y = y - rows.start;
-            match self {
-                Rows::Samples(planes) => {
-                    for target in planes {
-                        target.put_row(y * layout.width + x, width, row, &mut bits);
-                    }
-                }
-                Rows::Bytes(bytes) => {
-                    let bytes_per_row = layout.width * layout.pixel_bytes;
-                    let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
-                    copy_row(row, into, &layout.sample_bytes, layout.width, &area.columns);
                 }
             }
         }
@@ -459,38 +422,29 @@ mod tests {
         for (odd, is_broken) in [(0x3c00, false), (0x7c00, true), (0xfe01, true)] {
             let mut words: Vec<u16> = (0..100).map(|i| 0x0200 + 0x012d * i).collect();
             words[70] = odd;
-            let row: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
             let (mut floats, mut halves) = (vec![0.0; 103], vec![f16::ZERO; 103]);
-            for by_words in [true, false] {
-                floats.fill(0.0);
-                halves.fill(f16::ZERO);
-                let samples = [
-                    TargetSamples::Floats(&mut floats),
-                    TargetSamples::Halves(&mut halves),
-                ];
-                for samples in samples {
-                    let found = AtomicBool::new(false);
-                    let mut target = Target {
-                        slot: Slot {
-                            before: 0,
-                            sample_type: SampleType::F16,
-                        },
-                        samples,
-                        is_broken: &found,
-                    };
-                    match by_words {
-                        true => target.put_words(3, 100, &words),
-                        false => target.put_row(3, 100, &row, &mut Vec::new()),
-                    }
-                    assert_eq!(found.into_inner(), is_broken);
-                }
-                let mut converted = vec![1.0; 103];
-                halves.convert_to_f32_slice(&mut converted);
-                let bits =
-                    |samples: &[f32]| samples.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-                assert_eq!(bits(&floats), bits(&converted));
-                assert_eq!(halves[3 + 40].to_bits(), words[40]);
+            let samples = [
+                TargetSamples::Floats(&mut floats),
+                TargetSamples::Halves(&mut halves),
+            ];
+            for samples in samples {
+                let found = AtomicBool::new(false);
+                let mut target = Target {
+                    slot: Slot {
+                        before: 0,
+                        sample_type: SampleType::F16,
+                    },
+                    samples,
+                    is_broken: &found,
+                };
+                target.put(3, 100, &words);
+                assert_eq!(found.into_inner(), is_broken);
             }
+            let mut converted = vec![1.0; 103];
+            halves.convert_to_f32_slice(&mut converted);
+            let bits = |samples: &[f32]| samples.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&floats), bits(&converted));
+            assert_eq!(halves[3 + 40].to_bits(), words[40]);
         }
     }
 }

@@ -1,19 +1,19 @@
 //! The file header, checked before anything is allocated for it.
 
 use super::attributes::{Attributes, HeaderReader, text_of_bytes};
+use super::compression::NAMES;
 use super::fault::{Fault, Parsed};
 use super::part::{Channel, Part, SampleType};
 use crate::frame::Window;
 use crate::io::fence::fenced;
-use ::exr::compression::Compression;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use std::io::Read;
 
 /// The first bytes of every EXR file.
 pub(in crate::io) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-const VERSION: u32 = 2;
-const TILED: u32 = 1 << 9;
+pub(super) const VERSION: u32 = 2;
+pub(super) const TILED: u32 = 1 << 9;
 pub(super) const LONG_NAMES: u32 = 1 << 10;
 const DEEP: u32 = 1 << 11;
 pub(super) const MULTI_PART: u32 = 1 << 12;
@@ -66,13 +66,18 @@ impl FileHeader {
         self.flags & MULTI_PART != 0
     }
 
+    /// Number of chunks of each part.
+    pub(super) fn chunk_counts(&self) -> Vec<usize> {
+        self.meta.headers.iter().map(|h| h.chunk_count).collect()
+    }
+
     pub(super) fn part(&self, index: usize) -> Part {
         let (raw, header) = (&self.parts[index], &self.meta.headers[index]);
         Part {
             name: raw.text("name"),
             view: raw.text("view"),
             window: data_window(header),
-            compression: compression_name(header.compression).to_owned(),
+            compression: NAMES[usize::from(compression(raw).unwrap_or_default())].to_owned(),
             tiled: header.blocks.has_tiles(),
             channels: header.channels.list.iter().map(channel).collect(),
             color_interop_id: raw.text("colorInteropID"),
@@ -128,7 +133,7 @@ fn check_part(part: &mut Attributes, flags: u32) -> Parsed<()> {
 }
 
 fn check_compression(part: &Attributes) -> Parsed<()> {
-    let name = match part.byte("compression", "compression") {
+    let name = match compression(part) {
         Some(0..=9) => return Ok(()),
         Some(10 | 11) => "HTJ2K".to_owned(),
         Some(12) => "ZSTD".to_owned(),
@@ -139,6 +144,11 @@ fn check_compression(part: &Attributes) -> Parsed<()> {
         found: format!("its compression, {name}, is not supported"),
         remedy: "rewrite it: oiiotool in.exr --compression zip -o out.exr",
     })
+}
+
+/// The number of the compression of a part.
+fn compression(part: &Attributes) -> Option<u8> {
+    part.byte("compression", "compression")
 }
 
 fn check_window(part: &Attributes, name: &str) -> Parsed<()> {
@@ -274,21 +284,5 @@ fn channel(channel: &::exr::meta::attribute::ChannelDescription) -> Channel {
             Exr::F32 => SampleType::Float,
             Exr::U32 => SampleType::Uint,
         },
-    }
-}
-
-fn compression_name(compression: Compression) -> &'static str {
-    match compression {
-        Compression::Uncompressed => "none",
-        Compression::RLE => "rle",
-        Compression::ZIP1 => "zips",
-        Compression::ZIP16 => "zip",
-        Compression::PIZ => "piz",
-        Compression::PXR24 => "pxr24",
-        Compression::B44 => "b44",
-        Compression::B44A => "b44a",
-        Compression::DWAA(_) => "dwaa",
-        Compression::DWAB(_) => "dwab",
-        _ => "unknown",
     }
 }

@@ -1,13 +1,11 @@
 //! Adding channels to a part of a copy of a file.
 
-use super::attributes::Attributes;
 use super::chunks::ChunkReader;
 use super::decode::Rows;
 use super::fault::{Fault, Parsed};
-use super::header::{LONG_NAMES, header_bytes};
+use super::header::TILED;
 use super::layout::Layout;
 use super::read::PartBlocks;
-use super::rows::HeldRows;
 use super::sink::ChunkSink;
 use super::write::{
     PartDescription, ReadyPart, Source, channel_entry, set_added, sorted_channels, typed_header,
@@ -21,8 +19,6 @@ use std::collections::BTreeSet;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
-
-const TILED: u32 = 1 << 9;
 
 /// The result of adding channels to a part.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,27 +49,14 @@ pub(super) fn start_merge<'w, W: Write + Seek>(
     let own = input.parts[part].channels.iter().map(|c| c.name.as_str());
     let channels = free_channels(added, &own.collect());
     let names = channels.iter().map(|(name, _)| name.clone()).collect();
-    let added = PartDescription {
-        channels,
-        ..added.clone()
-    };
-    let (ready, warnings) = ready(input, part, &added, target)?;
+    let (ready, warnings) = ready(input, part, &added.with(channels), target)?;
 
     let mut parts = input.header.parts.clone();
     parts[part] = ready.attributes.clone();
-    let flags = match parts.iter().any(Attributes::has_long_names) {
-        true => LONG_NAMES,
-        false => ready.long_names(),
-    };
-    let flags = input.header.flags & !TILED | flags;
-    let headers = input.header.meta.headers.iter();
-    let mut counts: Vec<usize> = headers.map(|h| h.chunk_count).collect();
+    let mut counts = input.header.chunk_counts();
     counts[part] = ready.header.chunk_count;
-
-    let failed = |source| Error::io(target, "write")(source);
-    let start = w.stream_position().map_err(failed)?;
-    let head = header_bytes(flags, &parts);
-    let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
+    let flags = input.header.flags & !TILED;
+    let out = ChunkSink::start(w, target, flags, (&parts, &ready), &counts)?;
     let merged = Merged {
         channels: names,
         warnings,
@@ -231,7 +214,9 @@ fn free_channels(
 pub(super) struct InputRows<'f> {
     chunks: ChunkReader<'f>,
     blocks: PartBlocks,
-    held: HeldRows,
+    /// The rows that are decoded, those of whole bands.
+    decoded: Range<usize>,
+    bytes: Vec<u8>,
 }
 
 impl<'f> InputRows<'f> {
@@ -246,18 +231,25 @@ impl<'f> InputRows<'f> {
         Ok(InputRows {
             chunks,
             blocks,
-            held: HeldRows::new(stride),
+            decoded: 0..0,
+            bytes: Vec::new(),
         })
     }
 
-    /// The rows `rows`, each as in a block over the full width.
+    /// The rows `rows`, each as in a block over the full width. They follow those that were wanted before.
     pub(super) fn rows(&mut self, rows: &Range<usize>) -> Result<&[u8]> {
-        let (blocks, chunks) = (&self.blocks, &mut self.chunks);
-        let goal = blocks.layout.rows_of(&blocks.layout.bands_of(rows));
-        let held = self.held.hold(goal, |missing, target| {
-            blocks.read(chunks, missing, Rows::Bytes(target))
-        });
-        held.map_err(|fault| fault.at(&self.chunks.exr.path))?;
-        Ok(self.held.rows(rows))
+        let layout = &self.blocks.layout;
+        let stride = layout.width * layout.pixel_bytes;
+        let goal = layout.rows_of(&layout.bands_of(rows));
+        // The last band may be wanted again.
+        let first = self.decoded.end.clamp(goal.start, goal.end);
+        let passed = self.bytes.len() - (first - goal.start) * stride;
+        self.bytes.drain(..passed);
+        self.bytes.resize(goal.len() * stride, 0);
+        let missing = Rows::Bytes(&mut self.bytes[(first - goal.start) * stride..]);
+        let read = self.blocks.read(&mut self.chunks, first..goal.end, missing);
+        read.map_err(|fault| fault.at(&self.chunks.exr.path))?;
+        self.decoded = goal;
+        Ok(&self.bytes[(rows.start - self.decoded.start) * stride..][..rows.len() * stride])
     }
 }

@@ -22,7 +22,6 @@ mod memory;
 mod merge;
 mod part;
 mod read;
-mod rows;
 mod sink;
 mod whole;
 mod write;
@@ -37,7 +36,7 @@ pub use part::{Channel, ChannelId, Part, SampleType};
 pub(super) use read::{ReadSamples, Wanted};
 #[cfg(feature = "cli")]
 pub(crate) use write::X_DENSITY;
-pub use write::{OutputChannel, OutputPart, OutputType, PartDescription};
+pub use write::{OutputChannel, OutputPart, OutputType, PartDescription, PartWith};
 pub use writer::{PartWriter, write_results};
 
 use crate::error::{Error, Result};

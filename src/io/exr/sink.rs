@@ -1,7 +1,11 @@
 //! Writing of chunks and their offset tables.
 
-use super::header::MULTI_PART;
+use super::attributes::Attributes;
+use super::header::{LONG_NAMES, MULTI_PART, header_bytes};
+use super::write::ReadyPart;
+use crate::error::{Error, Result};
 use std::io::{Seek, SeekFrom, Write};
+use std::path::Path;
 
 /// A file whose chunks are being written: keeps the offset tables and writes them last.
 pub(super) struct ChunkSink<'w, W> {
@@ -17,28 +21,36 @@ pub(super) struct ChunkSink<'w, W> {
 }
 
 impl<'w, W: Write + Seek> ChunkSink<'w, W> {
-    /// Writes the header and reserves tables of the given sizes, one for each part.
-    pub(super) fn new(
+    /// Writes the header of `parts`, of which `ready` is one, and reserves tables of so many chunks for each. `target` is
+    /// only named in errors.
+    pub(super) fn start(
         w: &'w mut W,
-        start: u64,
-        header: &[u8],
-        counts: Vec<usize>,
-    ) -> std::io::Result<Self> {
-        w.write_all(header)?;
+        target: &Path,
+        flags: u32,
+        (parts, ready): (&[Attributes], &ReadyPart),
+        counts: &[usize],
+    ) -> Result<Self> {
+        let flags = match parts.iter().any(Attributes::has_long_names) {
+            true => flags | LONG_NAMES,
+            false => flags | ready.long_names(),
+        };
+        let header = header_bytes(flags, parts);
         let tables: Vec<Vec<u64>> = counts.iter().map(|&n| vec![0; n]).collect();
-        for table in &tables {
-            write_table(w, table)?;
-        }
         let tables_at = header.len() as u64;
+        let mut begin = || {
+            let start = w.stream_position()?;
+            w.write_all(&header)?;
+            tables.iter().try_for_each(|table| write_table(w, table))?;
+            Ok(start)
+        };
+        let start = begin().map_err(Error::io(target, "write"))?;
         Ok(ChunkSink {
             w,
             start,
             tables_at,
             position: tables_at + 8 * counts.iter().sum::<usize>() as u64,
             tables,
-            multi_part: u32::from_le_bytes([header[4], header[5], header[6], header[7]])
-                & MULTI_PART
-                != 0,
+            multi_part: flags & MULTI_PART != 0,
         })
     }
 

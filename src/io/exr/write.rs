@@ -3,14 +3,13 @@
 use super::OutputCompression;
 use super::attributes::{Attributes, MAX_NAME, MAX_SHORT_NAME};
 use super::fault::Fault;
-use super::header::{LONG_NAMES, typed};
+use super::header::{LONG_NAMES, VERSION, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
 use crate::io::names::is_one_of;
 use ::exr::meta::header::Header;
 use std::path::Path;
 
-pub(super) const VERSION: u32 = 2;
 /// OpenEXR's standard attribute of pixels per inch along x.
 pub(crate) const X_DENSITY: &str = "xDensity";
 /// Attributes that describe the part and are not free to be given.
@@ -18,19 +17,19 @@ const RESERVED: &str = "channels compression dataWindow displayWindow lineOrder 
                         screenWindowWidth name type chunkCount tiles version maxSamplesPerPixel chromaticities timeCode \
                         preview envmap multiView dwaCompressionLevel";
 
-/// A part to be written.
-#[derive(Debug, Clone)]
-pub struct OutputPart<'a> {
+/// A part to be written, with channels of the kind `C`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartWith<C> {
     /// Its name. Where it is taken already a number is added.
     pub name: String,
-    /// The pixels that the planes hold.
+    /// The pixels that are stored.
     pub data_window: Window,
     /// The pixels meant to be shown.
     pub display_window: Window,
     /// Width of a pixel over its height.
     pub pixel_aspect: f32,
-    /// The stored channels, in any order.
-    pub channels: Vec<OutputChannel<'a>>,
+    /// The stored channels.
+    pub channels: Vec<C>,
     /// More text attributes by name, such as "software"; `xDensity`, pixels per inch, is stored as a number.
     pub attributes: Vec<(String, String)>,
     /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
@@ -40,8 +39,15 @@ pub struct OutputPart<'a> {
     pub compression: OutputCompression,
 }
 
+/// A part to be written with its samples; the channels are in any order.
+pub type OutputPart<'a> = PartWith<OutputChannel<'a>>;
+
+/// A part to be written whose samples come later, some rows at a time: by the full name and type of each channel, in the
+/// order in which their planes will be given.
+pub type PartDescription = PartWith<(String, OutputType)>;
+
 /// A channel to be written.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct OutputChannel<'a> {
     /// Its full name, such as "relief.R".
     pub name: String,
@@ -61,42 +67,27 @@ pub enum OutputType {
     Float,
 }
 
-/// A part to be written whose samples come later, some rows at a time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PartDescription {
-    /// Its name. Where it is taken already a number is added.
-    pub name: String,
-    /// The pixels that are stored.
-    pub data_window: Window,
-    /// The pixels meant to be shown.
-    pub display_window: Window,
-    /// Width of a pixel over its height.
-    pub pixel_aspect: f32,
-    /// Full name and type of each channel, in the order in which their planes will be given.
-    pub channels: Vec<(String, OutputType)>,
-    /// More text attributes by name, such as "software"; `xDensity`, pixels per inch, is stored as a number.
-    pub attributes: Vec<(String, String)>,
-    /// x and y of the red, green and blue primaries and of white; `None` means Rec. 709.
-    pub chromaticities: Option<[f32; 8]>,
-    /// How the pixels are compressed. A lossy one is refused for channels that are no colour: names
-    /// in `R`, `G` or `B` of a layer that has not all three, and in `Y`, `RY` or `BY`.
-    pub compression: OutputCompression,
+impl<C> PartWith<C> {
+    /// The same with other channels.
+    pub(super) fn with<D>(&self, channels: Vec<D>) -> PartWith<D> {
+        PartWith {
+            name: self.name.clone(),
+            data_window: self.data_window,
+            display_window: self.display_window,
+            pixel_aspect: self.pixel_aspect,
+            channels,
+            attributes: self.attributes.clone(),
+            chromaticities: self.chromaticities,
+            compression: self.compression,
+        }
+    }
 }
 
 impl OutputPart<'_> {
     /// The same without its samples.
     pub fn description(&self) -> PartDescription {
         let channels = self.channels.iter();
-        PartDescription {
-            name: self.name.clone(),
-            data_window: self.data_window,
-            display_window: self.display_window,
-            pixel_aspect: self.pixel_aspect,
-            channels: channels.map(|c| (c.name.clone(), c.sample_type)).collect(),
-            attributes: self.attributes.clone(),
-            chromaticities: self.chromaticities,
-            compression: self.compression,
-        }
+        self.with(channels.map(|c| (c.name.clone(), c.sample_type)).collect())
     }
 
     /// The planes of all channels, in their order.

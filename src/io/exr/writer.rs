@@ -3,10 +3,10 @@
 use super::ExrFile;
 use super::append::{Copied, start_append};
 use super::encode::{Encoder, Strip};
-use super::header::header_bytes;
+use super::header::VERSION;
 use super::merge::{InputRows, Merged, start_merge};
 use super::sink::ChunkSink;
-use super::write::{OutputPart, PartDescription, ReadyPart, VERSION};
+use super::write::{OutputPart, PartDescription, ReadyPart};
 use crate::error::{Error, Result};
 use crate::frame::Plane;
 use std::io::{Seek, Write};
@@ -61,15 +61,10 @@ struct Block {
 impl<'a, W: Write + Seek> PartWriter<'a, W> {
     /// Starts a file of this part alone. `target` is only named in errors.
     pub fn create(w: &'a mut W, target: &Path, part: &PartDescription) -> Result<Self> {
-        let failed = |source| Error::io(target, "write")(source);
         let ready = ReadyPart::new(part, target, None)?;
-        let start = w.stream_position().map_err(failed)?;
-        let head = header_bytes(
-            VERSION | ready.long_names(),
-            std::slice::from_ref(&ready.attributes),
-        );
-        let counts = vec![ready.header.chunk_count];
-        let out = ChunkSink::new(w, start, &head, counts).map_err(failed)?;
+        let parts = std::slice::from_ref(&ready.attributes);
+        let counts = [ready.header.chunk_count];
+        let out = ChunkSink::start(w, target, VERSION, (parts, &ready), &counts)?;
         Ok(Self::new(out, target, 0, part, &ready))
     }
 
