@@ -141,12 +141,7 @@ impl Lights {
                 remedy: "give a picture with channels R, G and B".into(),
             }
         })?;
-        let shown = match file.as_ref() {
-            Opened::Exr { file, .. } => file.display_window,
-            Opened::Photo { photo, .. } => {
-                Window::from_size(photo.header.width, photo.header.height)
-            }
-        };
+        let shown = file.display();
         check_size(path, shown)?;
         Ok(Self {
             file,
@@ -158,19 +153,15 @@ impl Lights {
 
     /// Whether its numbers are floating-point.
     fn are_float(&self) -> bool {
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } => photo.header.is_float,
-            Opened::Exr { .. } => true,
-        }
+        let photo = self.file.photo();
+        photo.is_none_or(|photo| photo.header.is_float)
     }
 
     /// The colours in the display window, reduced if they would exceed the limit at `per_pixel` bytes each.
     fn read(&self, per_pixel: u64) -> Result<ColorPlanes> {
         let pixels = self.shown.width() as u64 * self.shown.height() as u64;
-        let stored = match self.file.as_ref() {
-            Opened::Photo { photo, .. } => photo.header.bytes(),
-            Opened::Exr { .. } => 0,
-        };
+        let photo = self.file.photo();
+        let stored = photo.map_or(0, |photo| photo.header.bytes());
         let bytes = pixels.saturating_mul(per_pixel).saturating_add(stored);
         if bytes <= self.most_bytes {
             return self.whole();
@@ -179,8 +170,8 @@ impl Lights {
         let factor = (1..).find(|f: &u64| pixels / (f * f) <= most);
         let factor = factor.expect("some square is large enough") as usize;
         let mut reduced = Reduced::new([self.shown.width(), self.shown.height()], factor);
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } => {
+        match photo {
+            Some(photo) => {
                 let rows = 0..photo.header.height;
                 let row = Window::from_size(photo.header.width, 1);
                 photo.each_row(rows, Meaning::Linear, &mut |_, planes| {
@@ -189,7 +180,7 @@ impl Lights {
                     reduced.add(&read.into_color());
                 })?;
             }
-            Opened::Exr { .. } => self.add_strips(&mut reduced)?,
+            None => self.add_strips(&mut reduced)?,
         }
         Ok(reduced.done())
     }

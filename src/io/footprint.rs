@@ -97,7 +97,7 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
     };
     let of_photo = || {
         let photo = StoredPhoto::open(path, u64::MAX).ok()?;
-        let window = Window::from_size(photo.header.width, photo.header.height);
+        let window = photo.header.window();
         Some(PictureSize {
             pixels: largest(&[window], 0)?,
             repeated: largest(&[window], TILE_BORDER_PX)?,

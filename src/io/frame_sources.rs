@@ -203,7 +203,7 @@ pub(super) fn missing_normals(main: &Opened) -> Error {
 /// Refuses normals whose orientation may differ from the picture's: those without the orientation tag of a photo that
 /// has one, at its stored size; and those with a tag of their own, whose vectors would have to be rotated.
 fn refuse_unlike_orientations(normal: &RoleSource, picture: &RoleSource) -> Result<()> {
-    let orientation = |source: &RoleSource| source.photo()?.header.turned_from();
+    let orientation = |source: &RoleSource| source.file.photo()?.header.turned_from();
     let [width, height] = [normal.window().width(), normal.window().height()];
     let found = match (orientation(normal), orientation(picture)) {
         (Some((_, number)), _) => format!("has orientation {number}, and normals are not turned"),

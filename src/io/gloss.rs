@@ -208,10 +208,7 @@ fn largest(color: [f32; 3]) -> f32 {
 /// diffuse colour.
 pub(super) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Option<String>)> {
     let nothing = (false, None);
-    let Opened::Exr {
-        file, layers: all, ..
-    } = main.as_ref()
-    else {
+    let Some(file) = main.exr() else {
         return Ok(nothing);
     };
     let found = |source: Option<RoleSource>| source?.found().cloned();
@@ -232,7 +229,7 @@ pub(super) fn judge(main: &Rc<Opened>, layers: &[LayerRead]) -> Result<(bool, Op
         None => find(Role::SpecularAlbedo)?,
     };
     let label = mirrors.as_ref().map(|found| found.layer.clone());
-    let (numbers, names) = objects(file, all);
+    let (numbers, names) = objects(file, &main.layers);
     let window = |found: &Match| file.parts[found.part].window;
     let own = window(&albedo);
     let beside = [find(Role::Normal)?, color, mirrors, numbers];

@@ -6,6 +6,7 @@ use super::inputs::{Inputs, LobeChoice, Needs};
 use super::light_layers::LightSources;
 use super::load::{Loaded, load_from};
 use super::opened::{Holding, Opened, PartOfPhotos, Selection, WholePhoto};
+use super::photo::StoredPhoto;
 use super::roles::Role;
 use super::sources::RoleSource;
 use crate::error::{Error, Result};
@@ -118,8 +119,17 @@ impl InputFiles {
                 remedy: "allow more with --max-memory".into(),
             });
         }
-        let mut photos: Vec<_> = sources.roles.iter().filter_map(RoleSource::photo).collect();
-        photos.extend(light.sources().iter().filter_map(RoleSource::photo));
+        let mut photos: Vec<_> = sources
+            .roles
+            .iter()
+            .filter_map(|source| source.file.photo())
+            .collect();
+        photos.extend(
+            light
+                .sources()
+                .iter()
+                .filter_map(|source| source.file.photo()),
+        );
         photos.sort_by_key(|photo| std::ptr::from_ref(*photo));
         photos.dedup_by_key(|photo| std::ptr::from_ref(*photo));
         Ok(Extent {
@@ -172,11 +182,11 @@ impl Loaded {
 
 /// Bytes for mending the vectors of `source` while rows of them are read.
 fn mending_bytes(source: &RoleSource) -> u64 {
-    match source.file.as_ref() {
-        Opened::Photo { photo, .. } if photo.header.may_hold_coded_vectors() => {
-            let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
-            (rows * photo.header.width * MENDING_BYTES) as u64
-        }
-        _ => 0,
-    }
+    let bytes = |photo: &StoredPhoto| {
+        let rows = (2 * UNROUNDING_REACH + UNROUNDING_PHASE).min(photo.header.height);
+        (rows * photo.header.width * MENDING_BYTES) as u64
+    };
+    let photo = source.file.photo();
+    let coded = photo.filter(|photo| photo.header.may_hold_coded_vectors());
+    coded.map_or(0, bytes)
 }

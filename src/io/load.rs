@@ -16,7 +16,7 @@ use super::motion::MotionLayers;
 use super::notes::Notes;
 use super::objects;
 use super::opened::Opened;
-use super::photo::PhotoMetadata;
+use super::photo::{PhotoMetadata, StoredPhoto};
 use super::points::Points;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
@@ -84,10 +84,7 @@ impl Loaded {
 impl Loaded {
     /// The picture as an EXR file, if it is one.
     pub fn exr(&self) -> Option<&ExrFile> {
-        match self.main.as_ref() {
-            Opened::Exr { file, .. } => Some(file),
-            Opened::Photo { .. } => None,
-        }
+        self.main.exr()
     }
 
     /// Metadata that a picture made from a photo keeps; empty for an EXR.
@@ -95,10 +92,8 @@ impl Loaded {
     /// # Errors
     /// Those of reading the file.
     pub fn metadata(&self) -> Result<PhotoMetadata> {
-        match self.main.as_ref() {
-            Opened::Exr { .. } => Ok(PhotoMetadata::default()),
-            Opened::Photo { photo, .. } => photo.metadata(),
-        }
+        let photo = self.main.photo();
+        photo.map_or_else(|| Ok(PhotoMetadata::default()), StoredPhoto::metadata)
     }
 
     /// The camera, to be given to the inputs of another frame.
@@ -241,7 +236,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         enlarged: 1.0,
         findings: notes.findings,
         warnings: notes.warnings,
-        photo_bits: photo_bits(&main),
+        photo_bits: main.photo().map(|photo| photo.header.bits),
         color_is_half: sources.get(Role::Color).is_some_and(RoleSource::is_half),
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
@@ -357,7 +352,7 @@ impl FrameSource<'_> {
             mask,
             position: layers.position.as_ref().map(RolePlanes::points),
             depth,
-            attributes: self.main.attributes(),
+            attributes: self.main.exr().map(|file| &file.attributes),
             data_window: self.data_window,
             display_window: self.display_window,
             pixel_aspect: self.pixel_aspect,
@@ -490,9 +485,10 @@ impl FrameSource<'_> {
     /// Provenance of the frame, except for the kind of its depth.
     fn source(&self, chromaticities: Option<Chromaticities>, depth_is_half: bool) -> Source {
         let rounding = |role| self.sources.get(role).map_or(0.0, RoleSource::rounding);
+        let file = self.main.exr();
         Source {
             layers: self.main.layer_names(),
-            attributes: self.main.attributes().cloned().unwrap_or_default(),
+            attributes: file.map(|file| file.attributes.clone()).unwrap_or_default(),
             luminance_weights: chromaticities.and_then(luminance_weights),
             depth_kind: DepthKind::default(),
             normal_rounding: rounding(Role::Normal),
@@ -501,13 +497,12 @@ impl FrameSource<'_> {
     }
 
     fn chromaticities(&self, colorspace: Option<ColorSpace>) -> Option<Chromaticities> {
-        match (self.inputs.colorspace, self.main) {
-            (Some(space), _) => Some(space.chromaticities()),
-            (None, Opened::Exr { file, .. }) => file
-                .chromaticities
-                .or_else(|| colorspace.map(ColorSpace::chromaticities)),
-            (None, Opened::Photo { .. }) => None,
-        }
+        let given = self.inputs.colorspace.map(ColorSpace::chromaticities);
+        let of_file = |file: &ExrFile| {
+            let named = || colorspace.map(ColorSpace::chromaticities);
+            file.chromaticities.or_else(named)
+        };
+        given.or_else(|| self.main.exr().and_then(of_file))
     }
 }
 
@@ -518,12 +513,5 @@ fn rows_of(window: Window, rows: &Range<usize>) -> Window {
         y0: row(rows.start),
         y1: row(rows.end),
         ..window
-    }
-}
-
-fn photo_bits(main: &Opened) -> Option<u8> {
-    match main {
-        Opened::Photo { photo, .. } => Some(photo.header.bits),
-        Opened::Exr { .. } => None,
     }
 }

@@ -100,10 +100,15 @@ impl Notes {
                     source.lossy_channels().join(", ")
                 )
             });
-        let mut warnings: Vec<_> = main.note().map(String::from).into_iter().collect();
+        let mut warnings: Vec<_> = main.groups.note.iter().cloned().collect();
         for source in &sources.roles {
             let file = &source.file;
-            if let Some(note) = file.note().filter(|_| !Rc::ptr_eq(file, main)) {
+            if let Some(note) = file
+                .groups
+                .note
+                .as_ref()
+                .filter(|_| !Rc::ptr_eq(file, main))
+            {
                 warnings.push(format!("{}: {note}", shown(file.path())));
             }
         }

@@ -100,14 +100,16 @@ fn largest(file: &ExrFile, layer: &Cryptomatte) -> Vec<(u32, f64)> {
 /// # Errors
 /// [`Error::Unsupported`] for a layer of Cryptomatte or an index pass.
 pub(super) fn refuse_numbers(name: &str, main: &Opened) -> Result<()> {
-    let Opened::Exr { file, layers, .. } = main else {
+    let Some(file) = main.exr() else {
         return Ok(());
     };
     let is_hashed = cryptomatte::layers(file)?
         .iter()
         .any(|layer| layer.holds(name));
     let indices = [Role::ObjectIndex, Role::MaterialIndex];
-    let mut indices = indices.iter().filter_map(|&role| by_name(layers, role));
+    let mut indices = indices
+        .iter()
+        .filter_map(|&role| by_name(&main.layers, role));
     let is_index = indices.any(|index| index.layer == name);
     match is_hashed || is_index {
         true => Err(Error::Unsupported {
@@ -131,13 +133,8 @@ pub(super) fn named(inputs: &Inputs, main: &Opened) -> Result<Option<Rc<Opened>>
         return Ok(None);
     };
     let named = main.open_companion(path)?;
-    let tells = match named.as_ref() {
-        Opened::Exr { file, layers, .. } => {
-            index_pass(layers).is_some() || !cryptomatte::layers(file)?.is_empty()
-        }
-        Opened::Photo { .. } => false,
-    };
-    match tells {
+    let hashed = named.exr().map(cryptomatte::layers).transpose()?;
+    match index_pass(&named.layers).is_some() || hashed.is_some_and(|hashed| !hashed.is_empty()) {
         true => Ok(Some(named)),
         false => Err(untold(path)),
     }
@@ -152,7 +149,7 @@ pub(super) fn file_of(inputs: &Inputs, main: &Rc<Opened>, whole: Window) -> Resu
         return Ok(main.clone());
     };
     let (display, _) = main.shown(whole);
-    let Opened::Exr { file, .. } = named.as_ref() else {
+    let Some(file) = named.exr() else {
         return Ok(named);
     };
     let mut stored = file.parts.iter().map(|part| part.window);
@@ -178,7 +175,7 @@ fn index_pass(layers: &[Layer]) -> Option<Match> {
 /// Any [`Error`] of reading; [`Error::MissingAov`] for a picture that tells no objects apart, or has none of this name.
 pub(super) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<Plane> {
     let choice = Choice::of(chosen);
-    let Opened::Exr { file, layers, .. } = of else {
+    let (Some(file), layers) = (of.exr(), &of.layers) else {
         return Err(untold(of.path()));
     };
     let mut hashed = cryptomatte::layers(file)?;
@@ -218,10 +215,10 @@ pub(super) fn numbered(
     mask: &Mask,
     window: Window,
 ) -> Result<Option<(String, Objects)>> {
-    let Opened::Exr { file, layers, .. } = of else {
+    let Some(file) = of.exr() else {
         return Ok(None);
     };
-    for (rank, name, channel) in passes(of, file, layers)? {
+    for (rank, name, channel) in passes(of, file)? {
         let stored = file.parts[channel.part].window;
         let (planes, own) = read(file, &[channel], stored, window)?;
         let mut numbers = planes[0].moved(own, window, 0.0);
@@ -238,7 +235,7 @@ pub(super) fn numbered(
 }
 
 /// The passes that tell objects apart, by rank, with their names and the channels of numbers.
-fn passes(of: &Opened, file: &ExrFile, layers: &[Layer]) -> Result<Vec<(u8, String, ChannelId)>> {
+fn passes(of: &Opened, file: &ExrFile) -> Result<Vec<(u8, String, ChannelId)>> {
     let mut hashed = cryptomatte::layers(file)?;
     hashed.retain(|layer| layer.spoilt(file).is_none() && !of.is_apart(layer.channels()[0]));
     let hashed = hashed.into_iter().map(|layer| {
@@ -253,7 +250,7 @@ fn passes(of: &Opened, file: &ExrFile, layers: &[Layer]) -> Result<Vec<(u8, Stri
         (rank, layer.layer, first)
     });
     let index = |role, rank| {
-        let found = by_name(layers, role)?;
+        let found = by_name(&of.layers, role)?;
         let (part, channel) = (found.part, found.channels[0]);
         Some((rank, found.layer, ChannelId { part, channel }))
     };

@@ -16,30 +16,28 @@ use crate::frame::Window;
 use crate::untrusted::listed;
 use image::DynamicImage;
 use std::cell::{OnceCell, RefCell};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 
-/// An input file whose header has been read: an EXR's layers, or a photo.
-pub(super) enum Opened {
-    Exr {
-        file: Box<ExrFile>,
-        /// Its layers, of one view and one group if there are several.
-        layers: Vec<Layer>,
-        groups: Groups,
-        /// All views, and the one in use.
-        views: Vec<String>,
-        view: Option<String>,
-        /// The roles found by numbers, computed when first needed.
-        by_numbers: OnceCell<Vec<RoleByNumbers>>,
-        companions: Companions,
-    },
-    Photo {
-        photo: StoredPhoto,
-        judged: Judged,
-        companions: Companions,
-    },
+/// An input file whose header has been read: an EXR, or a photo, which has no layers.
+pub(super) struct Opened {
+    pub(super) kind: Kind,
+    /// Its layers, of one view and one group if there are several.
+    pub(super) layers: Vec<Layer>,
+    pub(super) groups: Groups,
+    /// All views, and the one in use.
+    pub(super) views: Vec<String>,
+    pub(super) view: Option<String>,
+    /// The roles found by numbers, computed when first needed.
+    by_numbers: OnceCell<Vec<RoleByNumbers>>,
+    pub(super) judged: Judged,
+    pub(super) companions: Companions,
+}
+
+pub(super) enum Kind {
+    Exr(Box<ExrFile>),
+    Photo(StoredPhoto),
 }
 
 /// What is found of a photo when it is first asked for.
@@ -153,166 +151,135 @@ impl Opened {
 
     /// The file with the layers that are wanted, and the policy for samples of photos.
     pub(super) fn open_held(path: &Path, wanted: Selection, holding: Holding) -> Result<Rc<Self>> {
-        let taken = holding.part.as_ref().and_then(|part| part.of(path));
-        let (most_bytes, cell) = (holding.most_bytes, holding.cell);
-        let companions = Companions::held(holding);
-        if let Some((photo, judged)) = taken {
-            return Ok(Rc::new(Self::Photo {
-                photo,
-                judged,
-                companions,
-            }));
+        if let Some((photo, judged)) = holding.part.as_ref().and_then(|part| part.of(path)) {
+            let part = Self::new(Kind::Photo(photo), holding);
+            return Ok(Rc::new(Self { judged, ..part }));
         }
         if is_inside(path) || !has_exr_magic(path)? {
             groups::refuse(wanted.layer, path)?;
-            let mut photo = StoredPhoto::open(path, most_bytes)?;
-            if let Some([width, height]) = cell {
+            let mut photo = StoredPhoto::open(path, holding.most_bytes)?;
+            if let Some([width, height]) = holding.cell {
                 photo.cell = [
                     width.min(photo.header.width),
                     height.min(photo.header.height),
                 ];
             }
-            return Ok(Rc::new(Self::Photo {
-                photo,
-                judged: Judged::default(),
-                companions,
-            }));
+            return Ok(Rc::new(Self::new(Kind::Photo(photo), holding)));
         }
         let file = Box::new(ExrFile::open(path, &Limits::default())?);
         let mut layers = layers_of(&file);
-        let all = views::mark(&file, &mut layers);
-        let view = views::keep(&file, &mut layers, &all, wanted.view)?;
-        let groups = groups::keep(&file, &mut layers, wanted.layer)?;
-        Ok(Rc::new(Self::Exr {
-            file,
+        let views = views::mark(&file, &mut layers);
+        Ok(Rc::new(Self {
+            view: views::keep(&file, &mut layers, &views, wanted.view)?,
+            groups: groups::keep(&file, &mut layers, wanted.layer)?,
             layers,
-            groups,
-            views: all,
-            view,
-            by_numbers: OnceCell::new(),
-            companions,
+            views,
+            ..Self::new(Kind::Exr(file), holding)
         }))
+    }
+
+    fn new(kind: Kind, holding: Holding) -> Self {
+        Self {
+            kind,
+            layers: Vec::new(),
+            groups: Groups::default(),
+            views: Vec::new(),
+            view: None,
+            by_numbers: OnceCell::new(),
+            judged: Judged::default(),
+            companions: Companions::held(holding),
+        }
+    }
+
+    /// The EXR it is, if it is one.
+    pub(super) fn exr(&self) -> Option<&ExrFile> {
+        match &self.kind {
+            Kind::Exr(file) => Some(file),
+            Kind::Photo(_) => None,
+        }
+    }
+
+    /// The photo it is, if it is one.
+    pub(super) fn photo(&self) -> Option<&StoredPhoto> {
+        match &self.kind {
+            Kind::Exr(_) => None,
+            Kind::Photo(photo) => Some(photo),
+        }
+    }
+
+    /// The pixels meant to be shown.
+    pub(super) fn display(&self) -> Window {
+        match &self.kind {
+            Kind::Exr(file) => file.display_window,
+            Kind::Photo(photo) => photo.header.window(),
+        }
     }
 
     /// A companion file: of the same view and group, if it has several. It is opened once.
     pub(super) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
-        let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
-        if let Some(file) = companions.find(path) {
+        if let Some(file) = self.companions.find(path) {
             return Ok(file);
         }
-        let open = |wanted| Self::open_held(path, wanted, companions.holding.clone());
+        let open = |wanted| Self::open_held(path, wanted, self.companions.holding.clone());
         let mut file = open(Selection::default())?;
         let wanted = self.selection_in(&file);
         if wanted != Selection::default() {
             file = open(wanted)?;
         }
-        companions.keep(path, &file);
+        self.companions.keep(path, &file);
         Ok(file)
     }
 
     /// Its own view and group, as far as `other` has several.
     fn selection_in(&self, other: &Self) -> Selection<'_> {
-        let (
-            Self::Exr { view, groups, .. },
-            Self::Exr {
-                views,
-                groups: there,
-                ..
-            },
-        ) = (self, other)
-        else {
-            return Selection::default();
-        };
-        let is_there = |own: &&str| {
-            there
-                .names
-                .iter()
-                .any(|name| name.eq_ignore_ascii_case(own))
-        };
+        let names = &other.groups.names;
+        let is_there = |own: &&str| names.iter().any(|name| name.eq_ignore_ascii_case(own));
         Selection {
-            view: view.as_deref().filter(|_| !views.is_empty()),
-            layer: groups.taken.as_deref().filter(is_there),
+            view: self.view.as_deref().filter(|_| !other.views.is_empty()),
+            layer: self.groups.taken.as_deref().filter(is_there),
         }
     }
 
     /// The channels of the layer called `name`, for `role`; those of the group in use come first.
     pub(super) fn named(&self, name: &str, role: Role) -> Option<Match> {
-        let Self::Exr { layers, groups, .. } = self else {
-            return None;
-        };
-        let sets = [layers, &groups.apart];
-        sets.into_iter()
-            .find_map(|layers| roles::named(layers, name, role))
+        let mut sets = [&self.layers, &self.groups.apart].into_iter();
+        sets.find_map(|layers| roles::named(layers, name, role))
     }
 
     /// Whether a channel belongs to another group than the one in use.
     pub(super) fn is_apart(&self, ChannelId { part, channel }: ChannelId) -> bool {
-        let holds = |layer: &Layer| {
-            layer.part == part && layer.components.iter().any(|(_, own)| *own == channel)
-        };
-        matches!(self, Self::Exr { groups, .. } if groups.apart.iter().any(holds))
-    }
-
-    /// What was taken of several groups, where none was named.
-    pub(super) fn note(&self) -> Option<&str> {
-        match self {
-            Self::Exr { groups, .. } => groups.note.as_deref(),
-            Self::Photo { .. } => None,
-        }
+        let mut apart = self.groups.apart.iter().filter(|layer| layer.part == part);
+        apart.any(|layer| layer.components.iter().any(|(_, own)| *own == channel))
     }
 
     /// All layers that flags can name.
     pub(super) fn all_layers(&self) -> impl Iterator<Item = &Layer> {
-        let sets = match self {
-            Self::Exr { layers, groups, .. } => [&layers[..], &groups.apart],
-            Self::Photo { .. } => [&[][..]; 2],
-        };
-        sets.into_iter().flatten()
+        self.layers.iter().chain(&self.groups.apart)
     }
 
     /// The layer that plays `role` by its numbers, where none does by its name.
     pub(super) fn role_by_numbers(&self, role: Role) -> Option<&RoleByNumbers> {
-        match self {
-            Self::Exr {
-                file,
-                layers,
-                by_numbers,
-                ..
-            } if NUMBERED.contains(&role) => {
-                let by_numbers = by_numbers.get_or_init(|| roles_by_numbers(file, layers));
-                by_numbers.iter().find(|found| found.role == role)
-            }
-            _ => None,
-        }
+        let file = self.exr().filter(|_| NUMBERED.contains(&role))?;
+        let find = || roles_by_numbers(file, &self.layers);
+        let mut found = self.by_numbers.get_or_init(find).iter();
+        found.find(|found| found.role == role)
     }
 
     /// Whether it is a photo whose pixels are normals.
     pub(super) fn is_normal_map(&self) -> bool {
-        match self {
-            Self::Exr { .. } => false,
-            Self::Photo { photo, judged, .. } => *judged.is_normal_map.get_or_init(|| {
-                let pair = || self.map_codes()?.pair;
-                holds_normals(photo) || pair().is_some_and(|pair| pair.is_sure)
-            }),
-        }
+        let judge = |photo| {
+            let pair = || self.map_codes()?.pair;
+            holds_normals(photo) || pair().is_some_and(|pair| pair.is_sure)
+        };
+        let is_map = &self.judged.is_normal_map;
+        self.photo()
+            .is_some_and(|photo| *is_map.get_or_init(|| judge(photo)))
     }
 
     /// What the codes of a photo hold, as a normal map.
     pub(super) fn map_codes(&self) -> Option<&MapCodes> {
-        match self {
-            Self::Exr { .. } => None,
-            Self::Photo { photo, judged, .. } => {
-                Some(judged.codes.get_or_init(|| MapCodes::of(photo)))
-            }
-        }
-    }
-
-    /// The layer that may be meant for `role`, for messages.
-    pub(super) fn nearest(&self, role: Role) -> Option<&str> {
-        match self {
-            Self::Exr { layers, .. } => nearest::nearest(layers, role),
-            Self::Photo { .. } => None,
-        }
+        let photo = self.photo()?;
+        Some(self.judged.codes.get_or_init(|| MapCodes::of(photo)))
     }
 
     /// The layer whose name is most like `name`, for messages.
@@ -321,9 +288,9 @@ impl Opened {
     }
 
     pub(super) fn path(&self) -> &Path {
-        match self {
-            Self::Exr { file, .. } => &file.path,
-            Self::Photo { photo, .. } => &photo.header.path,
+        match &self.kind {
+            Kind::Exr(file) => &file.path,
+            Kind::Photo(photo) => &photo.header.path,
         }
     }
 
@@ -333,12 +300,7 @@ impl Opened {
     /// [`Error::Unsupported`] for an EXR.
     #[cfg(feature = "cli")]
     pub(super) fn photos(&self) -> Result<Vec<WholePhoto>> {
-        let Self::Photo {
-            photo,
-            judged,
-            companions,
-        } = self
-        else {
+        let Some(photo) = self.photo() else {
             return Err(Error::Unsupported {
                 path: self.path().to_path_buf(),
                 found: "is an EXR, and the cells of --grid are cut from pictures".into(),
@@ -348,9 +310,9 @@ impl Opened {
         let mut all = vec![WholePhoto {
             header: photo.header.clone(),
             samples: photo.take_samples()?,
-            judged: judged.clone(),
+            judged: self.judged.clone(),
         }];
-        for (_, file) in companions.files.borrow().iter() {
+        for (_, file) in self.companions.files.borrow().iter() {
             all.extend(file.photos()?);
         }
         Ok(all)
@@ -359,28 +321,17 @@ impl Opened {
     /// Releases the samples of photos, its own and those of companion files.
     #[cfg(feature = "cli")]
     pub(super) fn release(&self) {
-        let (Self::Exr { companions, .. } | Self::Photo { companions, .. }) = self;
-        let files = companions.files.borrow();
+        let files = self.companions.files.borrow();
         files.iter().for_each(|(_, file)| file.release());
-        if let Self::Photo { photo, .. } = self {
+        if let Some(photo) = self.photo() {
             photo.release();
-        }
-    }
-
-    /// The file's text attributes.
-    pub(super) fn attributes(&self) -> Option<&BTreeMap<String, String>> {
-        match self {
-            Self::Exr { file, .. } => Some(&file.attributes),
-            Self::Photo { .. } => None,
         }
     }
 
     /// The pixels meant to be shown, and a pixel's width over its height. A photo shows the `window` of all that it holds.
     pub(super) fn shown(&self, window: Window) -> (Window, f32) {
-        match self {
-            Self::Exr { file, .. } => (file.display_window, file.pixel_aspect),
-            Self::Photo { .. } => (window, 1.0),
-        }
+        let of_file = |file: &ExrFile| (file.display_window, file.pixel_aspect);
+        self.exr().map_or((window, 1.0), of_file)
     }
 
     /// The layers to list in messages, or `otherwise` without any.

@@ -3,15 +3,16 @@
 use super::borders::Borders;
 use super::bundle::Bundle;
 use super::colorspace::ColorSpace;
-use super::exr::{ChannelId, SampleType, Wanted};
+use super::exr::{ChannelId, Part, SampleType, Wanted};
 use super::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use super::names::{self, Hint};
+use super::nearest;
 use super::noise::noise_of;
 use super::opened::Opened;
 use super::photo::{Meaning, StoredPhoto, is_inside, max_code};
 use super::picture::is_picture_name;
 use super::role_planes::RolePlanes;
-use super::roles::{self, Layer, Match, Role};
+use super::roles::{self, Match, Role};
 use super::words::said;
 use crate::error::{Error, Result};
 use crate::frame::{
@@ -80,17 +81,14 @@ impl RoleSource {
     }
 
     fn by_role(role: Role, file: &Rc<Opened>) -> Option<Self> {
-        match file.as_ref() {
-            Opened::Exr { layers, .. } => {
-                let (layer, chosen) = match roles::by_name(layers, role) {
-                    Some(layer) => (layer, None),
-                    None => by_words_or_numbers(role, layers, file)?,
-                };
-                Some(Self::of(role, file, Some(layer), chosen))
-            }
-            Opened::Photo { .. } if role == Role::Color => Some(Self::of(role, file, None, None)),
-            Opened::Photo { .. } => None,
+        if file.photo().is_some() {
+            return (role == Role::Color).then(|| Self::of(role, file, None, None));
         }
+        let (layer, chosen) = match roles::by_name(&file.layers, role) {
+            Some(layer) => (layer, None),
+            None => by_words_or_numbers(role, file)?,
+        };
+        Some(Self::of(role, file, Some(layer), chosen))
     }
 
     /// A layer of `file` for `role`; a photo has none.
@@ -123,9 +121,10 @@ impl RoleSource {
 
     /// A file named for a role serves it under any layer name.
     fn only_layer(role: Role, file: &Rc<Opened>) -> Option<Self> {
-        let layer = match file.as_ref() {
-            Opened::Exr { layers, .. } => Some(layers.iter().find_map(|l| l.matched(role))?),
-            Opened::Photo { .. } => None,
+        let could = || file.layers.iter().find_map(|layer| layer.matched(role));
+        let layer = match file.photo() {
+            Some(_) => None,
+            None => Some(could()?),
         };
         Some(Self::of(role, file, layer, None))
     }
@@ -148,12 +147,18 @@ impl RoleSource {
 
     /// Full names of its channels, for messages.
     pub(super) fn channel_names(&self) -> String {
-        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
+        let Some((part, layer)) = self.part() else {
             return self.label().into();
         };
-        let channels = &file.parts[layer.part].channels;
-        let names = layer.channels.iter().map(|&c| channels[c].name.as_str());
+        let names = layer.channels.iter();
+        let names = names.map(|&channel| part.channels[channel].name.as_str());
         names.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The part that its layer is in, and the layer; none of a photo.
+    fn part(&self) -> Option<(&Part, &Match)> {
+        let (file, layer) = self.file.exr().zip(self.layer.as_ref())?;
+        Some((&file.parts[layer.part], layer))
     }
 
     /// The same of normals that `inputs` describe.
@@ -169,9 +174,9 @@ impl RoleSource {
 
     /// The noise of slopes that is removed from normals in codes; 0 for none.
     pub(super) fn noise(&self) -> f32 {
-        match self.file.as_ref() {
-            Opened::Photo { photo, judged, .. } if self.is_along_axes && !self.is_pair() => {
-                *judged.noise.get_or_init(|| noise_of(photo))
+        match self.file.photo() {
+            Some(photo) if self.is_along_axes && !self.is_pair() => {
+                *self.file.judged.noise.get_or_init(|| noise_of(photo))
             }
             _ => 0.0,
         }
@@ -257,10 +262,7 @@ impl RoleSource {
 
     /// The pixels meant to be shown of the file it is in.
     pub(super) fn display(&self) -> Window {
-        match self.file.as_ref() {
-            Opened::Exr { file, .. } => file.display_window,
-            Opened::Photo { .. } => self.window(),
-        }
+        self.file.display()
     }
 
     /// Whether it is a layer of an EXR.
@@ -270,20 +272,18 @@ impl RoleSource {
 
     /// Hint from the name of its layer, or from the file's renderer, with its origin in words.
     pub(super) fn hint(&self) -> (Hint, String) {
-        match (self.file.as_ref(), &self.layer) {
-            (Opened::Exr { file, .. }, Some(layer)) => {
-                let space = || said(&layer.layer, None).space;
-                let space = (self.role == Role::Normal).then(space).flatten();
-                names::hint(&layer.layer, space, file)
-            }
-            // No other space can be meant where no camera could turn them.
-            (Opened::Photo { photo, .. }, _) if self.is_along_axes && !photo.header.is_float => {
-                let space = Some(NormalSpace::View);
-                let hint = Hint { space, depth: None };
-                (hint, "view, as in any picture of integers".into())
-            }
-            _ => (Hint::default(), String::new()),
+        if let Some((file, layer)) = self.file.exr().zip(self.layer.as_ref()) {
+            let space = || said(&layer.layer, None).space;
+            let space = (self.role == Role::Normal).then(space).flatten();
+            return names::hint(&layer.layer, space, file);
         }
+        // No other space can be meant where no camera could turn them.
+        if self.is_along_axes && self.holds_codes() {
+            let space = Some(NormalSpace::View);
+            let hint = Hint { space, depth: None };
+            return (hint, "view, as in any picture of integers".into());
+        }
+        (Hint::default(), String::new())
     }
 
     /// Rows of a photo's planes, of normals with x in the first one.
@@ -313,85 +313,59 @@ impl RoleSource {
 
     /// The window of this source.
     pub(super) fn window(&self) -> Window {
-        match (self.file.as_ref(), &self.layer) {
-            (Opened::Exr { file, .. }, Some(layer)) => file.parts[layer.part].window,
-            (Opened::Exr { file, .. }, None) => file.display_window,
-            (Opened::Photo { photo, .. }, _) => {
-                Window::from_size(photo.header.width, photo.header.height)
-            }
-        }
+        let of_layer = self.part().map(|(part, _)| part.window);
+        of_layer.unwrap_or_else(|| self.file.display())
+    }
+
+    /// Bits of the codes of a photo of integers.
+    fn code_bits(&self) -> Option<u8> {
+        let photo = self.file.photo().filter(|photo| !photo.header.is_float);
+        photo.map(|photo| photo.header.bits)
     }
 
     /// Whether it is a photo whose samples are integers.
     pub(super) fn holds_codes(&self) -> bool {
-        self.photo().is_some_and(|photo| !photo.header.is_float)
-    }
-
-    /// The photo it is, if it is one.
-    pub(super) fn photo(&self) -> Option<&StoredPhoto> {
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } => Some(photo),
-            Opened::Exr { .. } => None,
-        }
+        self.code_bits().is_some()
     }
 
     /// The `colorInteropID` of its part.
     pub(super) fn interop_id(&self) -> Option<&str> {
-        match (self.file.as_ref(), &self.layer) {
-            (Opened::Exr { file, .. }, Some(layer)) => {
-                file.parts[layer.part].color_interop_id.as_deref()
-            }
-            _ => None,
-        }
+        self.part()?.0.color_interop_id.as_deref()
     }
 
     /// The channels whose stored values a lossy compression has altered.
     pub(super) fn lossy_channels(&self) -> Vec<String> {
-        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
+        let Some((part, layer)) = self.part() else {
             return Vec::new();
         };
-        let part = &file.parts[layer.part];
-        let lossy = layer
-            .channels
-            .iter()
-            .filter(|&&channel| part.is_lossy(channel));
-        lossy
-            .map(|&channel| part.channels[channel].name.clone())
-            .collect()
+        let lossy = layer.channels.iter().filter(|c| part.is_lossy(**c));
+        lossy.map(|&c| part.channels[c].name.clone()).collect()
     }
 
     /// Whether all its channels are half floats.
     pub(super) fn is_half(&self) -> bool {
-        let (Opened::Exr { file, .. }, Some(layer)) = (self.file.as_ref(), &self.layer) else {
-            return false;
-        };
-        let channels = &file.parts[layer.part].channels;
-        layer
-            .channels
-            .iter()
-            .all(|&channel| channels[channel].sample_type == SampleType::Half)
+        self.part().is_some_and(|(part, layer)| {
+            let mut channels = layer.channels.iter().map(|&c| &part.channels[c]);
+            channels.all(|channel| channel.sample_type == SampleType::Half)
+        })
     }
 
     /// How its samples are stored, in words.
     pub(super) fn precision(&self) -> String {
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } if !photo.header.is_float => {
-                format!(" ({} bits)", photo.header.bits)
-            }
-            _ if self.is_half() => " (half floats)".into(),
-            _ => String::new(),
+        match self.code_bits() {
+            Some(bits) => format!(" ({bits} bits)"),
+            None if self.is_half() => " (half floats)".into(),
+            None => String::new(),
         }
     }
 
     /// Largest rounding error of its samples, of a quantity from -1 to 1: half a step between codes, or
     /// between half floats just below 1. 0 for floats.
     pub(super) fn rounding(&self) -> f32 {
-        match self.file.as_ref() {
-            Opened::Photo { photo, .. } if !photo.header.is_float => {
-                1.0 / max_code(photo.header.bits) as f32
-            }
-            _ if self.is_half() => f32::from(half::f16::EPSILON) / 4.0,
-            _ => 0.0,
+        match self.code_bits() {
+            Some(bits) => 1.0 / max_code(bits) as f32,
+            None if self.is_half() => f32::from(half::f16::EPSILON) / 4.0,
+            None => 0.0,
         }
     }
 
@@ -418,12 +392,8 @@ impl RoleSource {
 }
 
 /// The layer for `role` if the table of names knows none.
-fn by_words_or_numbers(
-    role: Role,
-    layers: &[Layer],
-    file: &Opened,
-) -> Option<(Match, Option<Chosen>)> {
-    let mut by_words = roles::by_words(layers, role).into_iter();
+fn by_words_or_numbers(role: Role, file: &Opened) -> Option<(Match, Option<Chosen>)> {
+    let mut by_words = roles::by_words(&file.layers, role).into_iter();
     if let Some(layer) = by_words.next() {
         let chosen = Chosen {
             why: "by the words of its name".into(),
@@ -448,7 +418,7 @@ pub(super) fn missing(file: &Opened, role: Role, flag: &str) -> Error {
             role.name(),
             file.found("a photo")
         ),
-        remedy: match file.nearest(role) {
+        remedy: match nearest::nearest(&file.layers, role) {
             Some(layer) => format!("did you mean {}? name one with {flag}", Untrusted(layer)),
             None => format!("name one with {flag}"),
         },
@@ -504,32 +474,27 @@ pub(super) fn read_rows(
             y1: rows.end.clamp(y0, stored.y1),
             ..stored
         };
-        match file.as_ref() {
-            Opened::Exr { file, .. } => {
-                let wanted = together.iter().flat_map(|&i| sources[i].wanted());
-                let wanted: Vec<_> = wanted.collect();
-                let row = |y: i32| (y - stored.y0) as usize;
-                let rows = (window != stored).then(|| row(window.y0)..row(window.y1));
-                let mut read = file.read_checked(&wanted, rows)?.into_iter();
-                for &i in &together {
-                    planes[i] = sources[i].layer.as_ref().map(|layer| {
-                        let count = layer.channels.len() + usize::from(layer.alpha.is_some());
-                        let checked = read.by_ref().take(count).collect();
-                        RolePlanes::of_layer(layer, checked, window)
-                    });
-                    if sources[i].role.is_color() && colorspace == Some(ColorSpace::Srgb) {
-                        planes[i].iter_mut().for_each(RolePlanes::decode);
-                    }
-                }
+        if let Some(photo) = file.photo() {
+            for &i in &together {
+                planes[i] = Some(photo_planes(photo, &sources[i], window, colorspace)?);
             }
-            Opened::Photo {
-                photo, companions, ..
-            } => {
-                for &i in &together {
-                    planes[i] = Some(photo_planes(photo, &sources[i], window, colorspace)?);
-                }
-                if !companions.holding.stay {
-                    photo.release();
+            if !file.companions.holding.stay {
+                photo.release();
+            }
+        }
+        if let Some(file) = file.exr() {
+            let wanted: Vec<_> = together.iter().flat_map(|&i| sources[i].wanted()).collect();
+            let row = |y: i32| (y - stored.y0) as usize;
+            let rows = (window != stored).then(|| row(window.y0)..row(window.y1));
+            let mut read = file.read_checked(&wanted, rows)?.into_iter();
+            for &i in &together {
+                planes[i] = sources[i].layer.as_ref().map(|layer| {
+                    let count = layer.channels.len() + usize::from(layer.alpha.is_some());
+                    let checked = read.by_ref().take(count).collect();
+                    RolePlanes::of_layer(layer, checked, window)
+                });
+                if sources[i].role.is_color() && colorspace == Some(ColorSpace::Srgb) {
+                    planes[i].iter_mut().for_each(RolePlanes::decode);
                 }
             }
         }

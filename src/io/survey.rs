@@ -5,7 +5,8 @@ use super::exr::{ExrFile, SampleType};
 use super::inputs::Inputs;
 use super::numbers::NUMBERED;
 use super::objects::{self, ObjectSurvey};
-use super::opened::{Opened, layers_of};
+use super::opened::{Kind, Opened, layers_of};
+use super::photo::StoredPhoto;
 use super::roles::{self, Match, Role};
 use crate::error::Result;
 use crate::frame::Window;
@@ -78,43 +79,24 @@ pub struct RoleSurvey {
 /// Any [`crate::Error`] of opening it.
 pub fn survey(inputs: &Inputs) -> Result<Survey> {
     let opened = Opened::open_picture(&gathered(inputs)?.0)?;
-    let mut survey = match opened.as_ref() {
-        Opened::Exr {
-            file,
-            layers,
-            groups,
-            views,
-            view,
-            ..
-        } => Survey {
-            display_window: file.display_window,
-            pixel_aspect: file.pixel_aspect,
-            views: views.clone(),
-            view: view.clone(),
-            groups: groups.names.clone(),
-            group: groups.taken.clone(),
-            objects: objects::surveyed(file)?,
-            parts: part_surveys(file),
-            roles: {
-                let named = roles::assign(layers);
-                let is_open = |role: &Role| named.iter().all(|(own, _)| own != role);
-                let by_numbers = NUMBERED.into_iter().filter(is_open);
-                let by_numbers = by_numbers
-                    .filter_map(|role| Some((role, opened.role_by_numbers(role)?.found.clone())));
-                let by_numbers: Vec<_> = by_numbers.collect();
-                let mut all: Vec<_> = named.into_iter().chain(by_numbers).collect();
-                all.sort_by_key(|(role, _)| *role);
-                all.into_iter()
-                    .map(|(role, found)| role_survey(file, role, found))
-                    .collect()
-            },
-        },
-        Opened::Photo { photo, .. } => photo_survey(photo),
+    let (display_window, pixel_aspect) = opened.shown(opened.display());
+    let (parts, roles) = match &opened.kind {
+        Kind::Exr(file) => (part_surveys(file), role_surveys(&opened, file)),
+        Kind::Photo(photo) => photo_survey(photo),
     };
-    if let Some(Opened::Exr { file, .. }) = objects::named(inputs, &opened)?.as_deref() {
-        survey.objects = objects::surveyed(file)?;
-    }
-    Ok(survey)
+    let telling = objects::named(inputs, &opened)?.unwrap_or_else(|| opened.clone());
+    let objects = telling.exr().map(objects::surveyed).transpose()?;
+    Ok(Survey {
+        display_window,
+        pixel_aspect,
+        views: opened.views.clone(),
+        view: opened.view.clone(),
+        groups: opened.groups.names.clone(),
+        group: opened.groups.taken.clone(),
+        parts,
+        roles,
+        objects: objects.unwrap_or_default(),
+    })
 }
 
 /// The layers of an EXR, from its header alone; none of a photo.
@@ -123,13 +105,9 @@ pub fn survey(inputs: &Inputs) -> Result<Survey> {
 /// Any [`crate::Error`] of opening it.
 #[cfg(feature = "cli")]
 pub(crate) fn layers(path: &Path) -> Result<Vec<LayerSurvey>> {
-    Ok(match Opened::open(path)?.as_ref() {
-        Opened::Exr { file, .. } => {
-            let parts = part_surveys(file).into_iter();
-            parts.flat_map(|part| part.layers).collect()
-        }
-        Opened::Photo { .. } => Vec::new(),
-    })
+    let opened = Opened::open(path)?;
+    let parts = opened.exr().map(part_surveys).unwrap_or_default();
+    Ok(parts.into_iter().flat_map(|part| part.layers).collect())
 }
 
 /// The groups of layers of an EXR, from its header alone; none of a photo.
@@ -138,27 +116,35 @@ pub(crate) fn layers(path: &Path) -> Result<Vec<LayerSurvey>> {
 /// Any [`crate::Error`] of opening it.
 #[cfg(feature = "cli")]
 pub(crate) fn groups(path: &Path) -> Result<Vec<String>> {
-    Ok(match Opened::open(path)?.as_ref() {
-        Opened::Exr { groups, .. } => groups.names.clone(),
-        Opened::Photo { .. } => Vec::new(),
-    })
+    Ok(Opened::open(path)?.groups.names.clone())
+}
+
+/// The roles that layers play by their names, or else by their numbers.
+fn role_surveys(opened: &Opened, file: &ExrFile) -> Vec<RoleSurvey> {
+    let mut roles = roles::assign(&opened.layers);
+    for role in NUMBERED {
+        if roles.iter().all(|(own, _)| *own != role) {
+            let found = opened.role_by_numbers(role);
+            roles.extend(found.map(|found| (role, found.found.clone())));
+        }
+    }
+    roles.sort_by_key(|(role, _)| *role);
+    let survey = |(role, found): (Role, Match)| {
+        let channels = &file.parts[found.part].channels;
+        let names = found.channels.iter().map(|&c| channels[c].name.clone());
+        RoleSurvey {
+            role,
+            channels: names.collect(),
+            layer: found.layer,
+        }
+    };
+    roles.into_iter().map(survey).collect()
 }
 
 fn part_surveys(file: &ExrFile) -> Vec<PartSurvey> {
     let all = layers_of(file);
     let parts = 0..file.parts.len();
     parts.map(|part| part_survey(file, &all, part)).collect()
-}
-
-fn role_survey(file: &ExrFile, role: Role, found: Match) -> RoleSurvey {
-    let channels = found.channels.iter();
-    RoleSurvey {
-        role,
-        channels: channels
-            .map(|&channel| file.parts[found.part].channels[channel].name.clone())
-            .collect(),
-        layer: found.layer,
-    }
 }
 
 fn part_survey(file: &ExrFile, layers: &[roles::Layer], index: usize) -> PartSurvey {
@@ -184,46 +170,33 @@ fn part_survey(file: &ExrFile, layers: &[roles::Layer], index: usize) -> PartSur
     }
 }
 
-fn photo_survey(photo: &super::photo::StoredPhoto) -> Survey {
-    let window = Window::from_size(photo.header.width, photo.header.height);
-    let grey_or_color = if photo.header.color_channels() == 1 {
-        &["y"][..]
-    } else {
-        &["r", "g", "b"][..]
+/// A photo, and its colour.
+fn photo_survey(photo: &StoredPhoto) -> (Vec<PartSurvey>, Vec<RoleSurvey>) {
+    let channels: &[&str] = match photo.header.color_channels() {
+        1 => &["y"],
+        _ => &["r", "g", "b"],
     };
-    let alpha = photo.header.has_alpha().then_some(&"a");
-    let components: Vec<String> = grey_or_color
-        .iter()
-        .chain(alpha)
-        .map(|c| (*c).to_string())
-        .collect();
-    let sample_type = match photo.header.bits {
-        8 => "u8",
-        16 => "u16",
-        _ => "float",
+    let channels: Vec<String> = channels.iter().map(|name| (*name).into()).collect();
+    let alpha = photo.header.has_alpha().then(|| "a".into());
+    let layer = LayerSurvey {
+        name: String::new(),
+        components: channels.iter().cloned().chain(alpha).collect(),
+        sample_type: match photo.header.bits {
+            8 => "u8",
+            16 => "u16",
+            _ => "float",
+        },
     };
-    Survey {
-        display_window: window,
-        pixel_aspect: 1.0,
-        views: Vec::new(),
-        view: None,
-        groups: Vec::new(),
-        group: None,
-        parts: vec![PartSurvey {
-            name: None,
-            data_window: window,
-            compression: "photo".into(),
-            layers: vec![LayerSurvey {
-                name: String::new(),
-                components,
-                sample_type,
-            }],
-        }],
-        objects: Vec::new(),
-        roles: vec![RoleSurvey {
-            role: Role::Color,
-            layer: String::new(),
-            channels: grey_or_color.iter().map(|c| (*c).to_string()).collect(),
-        }],
-    }
+    let part = PartSurvey {
+        name: None,
+        data_window: photo.header.window(),
+        compression: "photo".into(),
+        layers: vec![layer],
+    };
+    let color = RoleSurvey {
+        role: Role::Color,
+        layer: String::new(),
+        channels,
+    };
+    (vec![part], vec![color])
 }

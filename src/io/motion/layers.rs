@@ -37,7 +37,7 @@ pub(in crate::io) fn motion_sources(
         let resolved = RoleSource::resolve(Role::Motion, named, main)?;
         return Ok(resolved.map_or_else(Vec::new, pairs_beside));
     }
-    let Opened::Exr { file, layers, .. } = main.as_ref() else {
+    let (Some(file), layers) = (main.exr(), &main.layers) else {
         return Ok(Vec::new());
     };
     let pairs = |layer: &Layer| pairs_of(layer, main);

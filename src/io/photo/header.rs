@@ -4,6 +4,7 @@ use super::decoder::{max_code, with_decoder};
 use super::faults::unsupported;
 use super::numbers::PAIR;
 use crate::error::{Error, Result};
+use crate::frame::Window;
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
 use std::ops::Range;
@@ -75,6 +76,11 @@ impl PhotoHeader {
                 color,
             })
         })
+    }
+
+    /// Its pixels.
+    pub(in crate::io) fn window(&self) -> Window {
+        Window::from_size(self.width, self.height)
     }
 
     /// Whether its colours may be vectors in codes of integers.
