@@ -1,11 +1,9 @@
 //! Planes as numbers: NumPy arrays, and TIFF of floats.
 
 use super::encoding::Encoding;
-use super::stored::{Stored, write_tiff};
+use super::stored::{Stored, unwritten, write_tiff};
 use crate::error::{Error, Result};
 use crate::frame::Plane;
-use crate::io::photo::{one_line, unsupported};
-use image::ImageError;
 use std::io::{Seek, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -60,16 +58,9 @@ impl Array {
         format: ArrayFormat,
         encoding: &Encoding,
     ) -> Result<()> {
-        let failed = Error::io(target, "write");
         match format {
-            ArrayFormat::Npy => self.write_npy(w).map_err(failed),
-            ArrayFormat::Tiff => self.write_floats(w, encoding).map_err(|error| match error {
-                ImageError::IoError(source) => failed(source),
-                other => unsupported(
-                    target,
-                    &format!("cannot be written ({})", one_line(&other.to_string())),
-                ),
-            }),
+            ArrayFormat::Npy => self.write_npy(w).map_err(Error::io(target, "write")),
+            ArrayFormat::Tiff => self.write_floats(w, encoding).map_err(unwritten(target)),
         }
     }
 

@@ -6,10 +6,10 @@ use super::encoding::Encoding;
 use super::format::{Picture, PictureFormat, ViewTransform};
 use super::group::{GROUP, straight};
 use super::scale_bar::Bar;
-use super::stored::{self, Stored};
+use super::stored::{self, Stored, unwritten};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
-use crate::io::photo::{max_code, one_line, unsupported};
+use crate::io::photo::max_code;
 use crate::params::ScaleBar;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
@@ -25,7 +25,7 @@ pub(crate) struct Gathered {
     size: [usize; 2],
     /// Samples of each pixel: 1, 3, or 4 with alpha.
     channels: usize,
-    /// Bits per stored sample.
+    /// Bits per stored sample, 32 of a float.
     bits: u8,
     dpi: Option<[f32; 2]>,
     grey: bool,
@@ -33,17 +33,8 @@ pub(crate) struct Gathered {
     is_photo: bool,
     /// Whether alpha was 1 everywhere so far.
     is_opaque: bool,
-    samples: Samples,
-}
-
-/// Samples in the layout of files, those of a pixel interleaved.
-#[derive(Debug, Clone)]
-enum Samples {
-    /// 8-bit or 1-bit samples.
-    Narrow(Vec<u8>),
-    /// 16-bit samples, in native byte order.
-    Wide(Vec<[u8; 2]>),
-    Float(Vec<image::Rgb<f32>>),
+    /// Samples in the layout of files, those of a pixel interleaved, in native byte order; of 1 bit a byte each.
+    samples: Vec<u8>,
 }
 
 #[cfg(feature = "cli")]
@@ -51,22 +42,14 @@ impl Gathered {
     /// Bytes of its samples.
     pub(crate) fn bytes(&self) -> u64 {
         let pixels = self.size[0] as u64 * self.size[1] as u64;
-        pixels
-            * self.channels as u64
-            * match self.samples {
-                Samples::Narrow(_) => 1,
-                Samples::Wide(_) => 2,
-                // Always three floats.
-                Samples::Float(_) => return pixels * 12,
-            }
+        pixels * (self.channels * self.sample_bytes()) as u64
     }
 
-    /// Additional bytes for encoding: compressed data, and 16-bit samples in another byte order.
+    /// Additional bytes for encoding: compressed data, and samples of 16 bits in another byte order.
     pub(crate) fn encoding_bytes(&self) -> u64 {
-        match self.samples {
-            Samples::Wide(_) => 2 * self.bytes(),
-            Samples::Narrow(_) => self.bytes(),
-            Samples::Float(_) => 0,
+        match self.bits {
+            16 => 2 * self.bytes(),
+            _ => self.bytes(),
         }
     }
 }
@@ -79,21 +62,17 @@ impl Gathered {
     pub(crate) fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
         assert!([1, 8, 16].contains(&part.bits), "bits must be 1, 8 or 16");
         let channels = match part.alpha {
+            _ if format == PictureFormat::Hdr => 3,
             Some(_) if format.holds_alpha() => 4,
             _ if part.grey => 1,
             _ => 3,
         };
         let bits = match format {
             PictureFormat::Jpeg => 8,
+            PictureFormat::Hdr => 32,
             _ => part.bits,
         };
         assert!(bits > 1 || channels == 1, "one bit holds one grey sample");
-        let pixels = size[0] * size[1];
-        let samples = match (format, bits) {
-            (PictureFormat::Hdr, _) => Samples::Float(Vec::with_capacity(pixels)),
-            (_, 16) => Samples::Wide(Vec::with_capacity(pixels * channels)),
-            _ => Samples::Narrow(Vec::with_capacity(pixels * channels)),
-        };
         Self {
             format,
             size,
@@ -103,8 +82,14 @@ impl Gathered {
             grey: part.grey,
             is_photo: !part.grey && part.transform == ViewTransform::Srgb,
             is_opaque: true,
-            samples,
+            samples: Vec::with_capacity(
+                size[0] * size[1] * channels * usize::from(bits).div_ceil(8),
+            ),
         }
+    }
+
+    fn sample_bytes(&self) -> usize {
+        usize::from(self.bits).div_ceil(8)
     }
 
     /// Adds the rows `rows` of `part`, below those added before.
@@ -125,30 +110,25 @@ impl Gathered {
             let mut rows = rows.clone();
             self.is_opaque &= !rows.any(|y| alpha.row(y).iter().any(shows));
         }
-        match &mut self.samples {
-            Samples::Narrow(samples) => {
-                let part = Part {
-                    picture: part,
-                    alpha,
-                    rows,
-                    max: max_code(self.bits),
-                };
-                part.add_to(samples, channels, |code| code as u8);
-            }
-            Samples::Wide(samples) => {
-                let part = Part {
-                    picture: part,
-                    alpha,
-                    rows,
-                    max: max_code(16),
-                };
-                part.add_to(samples, channels, u16::to_ne_bytes);
-            }
-            Samples::Float(samples) => rows.for_each(|y| {
+        if self.bits == 32 {
+            for y in rows {
                 let [r, g, b] = planes.map(|plane| plane.row(y));
-                let pixel = |((&r, &g), &b)| image::Rgb([r, g, b].map(finite));
-                samples.extend(r.iter().zip(g).zip(b).map(pixel));
-            }),
+                let pixels = r.iter().zip(g).zip(b);
+                let pixels =
+                    pixels.map(|((&r, &g), &b)| [r, g, b].map(|v| finite(v).to_ne_bytes()));
+                self.samples.extend(pixels.flatten().flatten());
+            }
+            return;
+        }
+        let part = Part {
+            picture: part,
+            alpha,
+            rows,
+            max: max_code(self.bits),
+        };
+        match self.bits {
+            16 => part.add_to(&mut self.samples, channels, u16::to_ne_bytes),
+            _ => part.add_to(&mut self.samples, channels, |code| [code as u8]),
         }
     }
 
@@ -169,23 +149,14 @@ impl Gathered {
             self.drop_alpha();
         }
         self.draw_scale_bar(target, encoding)?;
-        self.encode(w, encoding).map_err(|error| match error {
-            ImageError::IoError(source) => Error::io(target, "write")(source),
-            other => unsupported(
-                target,
-                &format!("cannot be written ({})", one_line(&other.to_string())),
-            ),
-        })
+        self.encode(w, encoding).map_err(unwritten(target))
     }
 
     /// Drops alpha, and in a grey picture all but one sample.
     fn drop_alpha(&mut self) {
         let kept = if self.grey { 1 } else { 3 };
-        match &mut self.samples {
-            Samples::Narrow(samples) => keep_first(samples, kept),
-            Samples::Wide(samples) => keep_first(samples, kept),
-            Samples::Float(_) => return,
-        }
+        let bytes = self.sample_bytes();
+        keep_first(&mut self.samples, kept * bytes, 4 * bytes);
         self.channels = kept;
     }
 
@@ -200,20 +171,15 @@ impl Gathered {
         if place == ScaleBar::Off {
             return Ok(());
         }
-        let (size, channels) = (self.size, self.channels);
+        let size = self.size;
         let bar = Bar::new(size, pixel_mm);
-        let white = max_code(self.bits);
-        let drawn = match &mut self.samples {
-            Samples::Narrow(samples) => bar.draw(samples, size, channels, [0, white as u8], place),
-            Samples::Wide(samples) => {
-                let codes = [0, white as u16].map(u16::to_ne_bytes);
-                bar.draw(samples, size, channels, codes, place)
-            }
-            Samples::Float(samples) => {
-                let codes = [0.0, 1.0].map(|v| image::Rgb([v; 3]));
-                bar.draw(samples, size, 1, codes, place)
-            }
+        let (channels, white) = match self.bits {
+            // Floats of a pixel are looked at together.
+            32 => (1, [1.0_f32.to_ne_bytes(); 3].concat()),
+            16 => (self.channels, vec![u8::MAX; 2]),
+            bits => (self.channels, vec![max_code(bits) as u8]),
         };
+        let drawn = bar.draw(&mut self.samples, size, channels, &white, place);
         self.size = drawn.ok_or_else(|| Error::BadParameter {
             name: "--scale-bar",
             found: format!(
@@ -229,39 +195,30 @@ impl Gathered {
 
     fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {
         let [width, height] = self.size;
-        let (bytes, kind) = match (&self.samples, self.channels) {
-            (Samples::Float(pixels), _) => {
-                return image::codecs::hdr::HdrEncoder::new(w).encode(pixels, width, height);
-            }
-            (Samples::Narrow(samples), 1) => (&samples[..], ExtendedColorType::L8),
-            (Samples::Narrow(samples), 4) => (&samples[..], ExtendedColorType::Rgba8),
-            (Samples::Narrow(samples), _) => (&samples[..], ExtendedColorType::Rgb8),
-            (Samples::Wide(samples), 1) => (samples.as_flattened(), ExtendedColorType::L16),
-            (Samples::Wide(samples), 4) => (samples.as_flattened(), ExtendedColorType::Rgba16),
-            (Samples::Wide(samples), _) => (samples.as_flattened(), ExtendedColorType::Rgb16),
-        };
+        if self.bits == 32 {
+            let (floats, _) = self.samples.as_chunks::<4>();
+            let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
+            let (pixels, _) = floats.as_chunks::<3>();
+            let pixels: Vec<_> = pixels.iter().map(|&rgb| image::Rgb(rgb)).collect();
+            return image::codecs::hdr::HdrEncoder::new(w).encode(&pixels, width, height);
+        }
         let stored = Stored {
             size: [width as u32, height as u32],
             channels: self.channels,
             bits: self.bits,
             dpi: self.dpi.or_else(|| encoding.dpi(width)),
             profile: encoding.profile().filter(|_| self.is_photo),
-            samples: bytes,
+            samples: &self.samples,
         };
         match self.format {
             PictureFormat::Tiff => stored::write_tiff(w, &stored, encoding),
-            PictureFormat::Jpeg => write_jpeg(w, &stored, kind, encoding),
+            PictureFormat::Jpeg => write_jpeg(w, &stored, encoding),
             _ => stored::write_png(w, &stored, encoding),
         }
     }
 }
 
-fn write_jpeg(
-    w: &mut impl Write,
-    picture: &Stored,
-    kind: ExtendedColorType,
-    encoding: &Encoding,
-) -> ImageResult<()> {
+fn write_jpeg(w: &mut impl Write, picture: &Stored, encoding: &Encoding) -> ImageResult<()> {
     let [width, height] = picture.size;
     let mut encoder = JpegEncoder::new_with_quality(w, encoding.quality);
     if let Some(dpi) = picture.dpi {
@@ -275,6 +232,10 @@ fn write_jpeg(
         let set = encoder.set_exif_metadata(exif);
         set.map_err(ImageError::Unsupported)?;
     }
+    let kind = match picture.channels {
+        1 => ExtendedColorType::L8,
+        _ => ExtendedColorType::Rgb8,
+    };
     encoder.write_image(picture.samples, width, height, kind)
 }
 
@@ -287,11 +248,11 @@ fn density(dpi: [f32; 2]) -> PixelDensity {
     }
 }
 
-/// Keeps the first few of every four samples.
-fn keep_first<T: Copy>(samples: &mut Vec<T>, kept: usize) {
-    let pixels = samples.len() / 4;
+/// Keeps the first `kept` of every `count` bytes.
+fn keep_first(samples: &mut Vec<u8>, kept: usize, count: usize) {
+    let pixels = samples.len() / count;
     for pixel in 0..pixels {
-        samples.copy_within(4 * pixel..4 * pixel + kept, kept * pixel);
+        samples.copy_within(count * pixel..count * pixel + kept, kept * pixel);
     }
     samples.truncate(kept * pixels);
 }
@@ -310,17 +271,19 @@ pub(super) struct Part<'a> {
 
 impl Part<'_> {
     /// Adds the codes, `channels` of each pixel.
-    pub(super) fn add_to<T: Copy + Default + Send>(
+    pub(super) fn add_to<const BYTES: usize>(
         &self,
-        samples: &mut Vec<T>,
+        samples: &mut Vec<u8>,
         channels: usize,
-        stored: impl Fn(u16) -> T + Sync,
+        stored: impl Fn(u16) -> [u8; BYTES] + Sync,
     ) {
-        let (width, before) = (self.picture.color.r.width(), samples.len());
-        samples.resize(before + width * channels * self.rows.len(), T::default());
-        let rows = samples[before..].par_chunks_mut((width * channels).max(1));
+        let row_bytes = self.picture.color.r.width() * channels * BYTES;
+        let before = samples.len();
+        samples.resize(before + row_bytes * self.rows.len(), 0);
+        let rows = samples[before..].par_chunks_mut(row_bytes.max(1));
         rows.with_max_len(MOST_ROWS_PER_TASK)
             .zip(self.rows.clone())
+            .map(|(row, y)| (row.as_chunks_mut::<BYTES>().0, y))
             .for_each(|(row, y)| match channels {
                 1 => {
                     let samples = self.picture.color.r.row(y);
@@ -328,8 +291,8 @@ impl Part<'_> {
                         *to = stored(code(v.into(), self.picture.transform, self.max));
                     }
                 }
-                4 => self.interleave::<4, T>(row, y, &stored),
-                _ => self.interleave::<3, T>(row, y, &stored),
+                4 => self.interleave::<4, _>(row, y, &stored),
+                _ => self.interleave::<3, _>(row, y, &stored),
             });
     }
 

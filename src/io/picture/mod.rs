@@ -80,7 +80,14 @@ pub fn write_picture_as(
 /// The same as [`pixels`], in 16 bits.
 #[cfg(feature = "cli")]
 pub(crate) fn pixels_16(picture: &Picture) -> Vec<[u16; 4]> {
-    codes(picture, 16, |code| code)
+    let samples = codes(picture, 16, u16::to_ne_bytes);
+    let codes: Vec<u16> = samples
+        .as_chunks()
+        .0
+        .iter()
+        .map(|&code| u16::from_ne_bytes(code))
+        .collect();
+    codes.as_chunks().0.to_vec()
 }
 
 /// Red, green, blue and alpha of each pixel in 8 bits, as in a PNG of the picture; opaque without alpha.
@@ -88,14 +95,17 @@ pub(crate) fn pixels_16(picture: &Picture) -> Vec<[u16; 4]> {
 /// # Panics
 /// If planes differ in size.
 pub fn pixels(picture: &Picture) -> Vec<[u8; 4]> {
-    codes(picture, 8, |code| code as u8)
+    codes(picture, 8, |code| [code as u8])
+        .as_chunks()
+        .0
+        .to_vec()
 }
 
-fn codes<T: Copy + Default + Send>(
+fn codes<const BYTES: usize>(
     picture: &Picture,
     bits: u8,
-    code: impl Fn(u16) -> T + Sync,
-) -> Vec<[T; 4]> {
+    code: impl Fn(u16) -> [u8; BYTES] + Sync,
+) -> Vec<u8> {
     let part = Part {
         picture,
         alpha: picture.alpha,
@@ -104,7 +114,7 @@ fn codes<T: Copy + Default + Send>(
     };
     let mut samples = Vec::new();
     part.add_to(&mut samples, 4, code);
-    samples.as_chunks::<4>().0.to_vec()
+    samples
 }
 
 #[cfg(test)]

@@ -112,14 +112,14 @@ impl Bar {
         }
     }
 
-    /// Draws it on the samples of a picture of `size`, with `channels` per pixel, between `black` and `white`; returns
-    /// its size, or `None` without room.
-    pub(super) fn draw<T: Copy + PartialEq>(
+    /// Draws it on the samples of a picture of `size`, with `channels` per pixel, between 0 and `white`, which has the bytes
+    /// of a sample; returns its size, or `None` without room.
+    pub(super) fn draw(
         &self,
-        samples: &mut Vec<T>,
+        samples: &mut Vec<u8>,
         size: [usize; 2],
         channels: usize,
-        [black, white]: [T; 2],
+        white: &[u8],
         place: ScaleBar,
     ) -> Option<[usize; 2]> {
         let [columns, rows] = size;
@@ -129,42 +129,48 @@ impl Bar {
         let (left, top, size) = match place {
             ScaleBar::Off => return Some(size),
             ScaleBar::Outside => {
-                samples.resize(columns * (rows + self.height) * channels, white);
+                samples.extend(white.repeat(columns * self.height * channels));
                 (0, rows, [columns, rows + self.height])
             }
             ScaleBar::On => {
-                let [left, top] = self.quietest(samples, size, channels);
+                let [left, top] = self.quietest(samples, size, [channels, white.len()]);
                 (left, top, size)
             }
         };
+        let bytes = channels * white.len();
+        let white_pixel = white.repeat(channels);
+        let mut black_pixel = vec![0; bytes];
+        if channels == 4 {
+            // Opaque.
+            black_pixel[3 * white.len()..].copy_from_slice(white);
+        }
         for (i, is_black) in self.pixels.iter().enumerate() {
             let Some(is_black) = is_black else { continue };
             let (x, y) = (left + i % self.width, top + i / self.width);
-            let at = (y * columns + x) * channels;
-            let pixel = &mut samples[at..at + channels];
-            pixel.fill(if *is_black { black } else { white });
-            // Opaque.
-            if channels == 4 {
-                pixel[3] = white;
-            }
+            let pixel = if *is_black {
+                &black_pixel
+            } else {
+                &white_pixel
+            };
+            samples[(y * columns + x) * bytes..][..bytes].copy_from_slice(pixel);
         }
         Some(size)
     }
 
     /// The corner whose samples differ least often from their neighbours, preferring the lower right one.
-    fn quietest<T: Copy + PartialEq>(
+    fn quietest(
         &self,
-        samples: &[T],
+        samples: &[u8],
         [columns, rows]: [usize; 2],
-        channels: usize,
+        [channels, bytes]: [usize; 2],
     ) -> [usize; 2] {
         let (right, bottom) = (columns - self.width, rows - self.height);
         let corners = [[right, bottom], [0, bottom], [right, 0], [0, 0]];
         let unrest = |[left, top]: &[usize; 2]| {
             let row = |y: usize| {
-                let from = ((top + y) * columns + left) * channels;
-                let row = &samples[from..from + self.width * channels];
-                let next = row.iter().zip(row.iter().skip(channels));
+                let from = ((top + y) * columns + left) * channels * bytes;
+                let row = &samples[from..][..self.width * channels * bytes];
+                let next = row.chunks(bytes).zip(row.chunks(bytes).skip(channels));
                 next.filter(|(a, b)| a != b).count()
             };
             (0..self.height).map(row).sum::<usize>()
@@ -216,7 +222,7 @@ mod tests {
             };
         }
         let before = samples.clone();
-        let drawn = bar.draw(&mut samples, size, 1, [0, 255], ScaleBar::On);
+        let drawn = bar.draw(&mut samples, size, 1, &[255], ScaleBar::On);
         assert_eq!(drawn, Some(size));
         let black_run = |row: &[u8]| row.split(|&v| v != 0).map(<[u8]>::len).max();
         let longest = samples.chunks(400).filter_map(black_run).max();
@@ -230,7 +236,7 @@ mod tests {
         // Below the picture nothing of it changes.
         let mut samples = before.clone();
         let [columns, rows] = bar
-            .draw(&mut samples, size, 1, [0, 255], ScaleBar::Outside)
+            .draw(&mut samples, size, 1, &[255], ScaleBar::Outside)
             .unwrap();
         assert!(columns == 400 && rows > 300 && samples.len() == columns * rows);
         assert!(samples.starts_with(&before));
@@ -241,7 +247,7 @@ mod tests {
         // Too small for a bar.
         let mut small = vec![0u8; 16 * 8];
         assert_eq!(
-            Bar::new([16, 8], 1.0).draw(&mut small, [16, 8], 1, [0, 255], ScaleBar::On),
+            Bar::new([16, 8], 1.0).draw(&mut small, [16, 8], 1, &[255], ScaleBar::On),
             None
         );
     }

@@ -1,7 +1,9 @@
 //! PNG and TIFF with resolution and other metadata, and with one bit per pixel: `image` supports neither.
 
 use super::encoding::{Encoding, ascii};
+use crate::error::Error;
 use crate::io::exif::thousandths;
+use crate::io::photo::{one_line, unsupported};
 use crate::params::MM_PER_INCH;
 use fax::encoder::Encoder;
 use fax::{Color, VecWriter};
@@ -9,6 +11,7 @@ use image::error::{EncodingError, ImageFormatHint};
 use image::{ImageError, ImageFormat, ImageResult};
 use std::borrow::Cow;
 use std::io::{Seek, Write};
+use std::path::Path;
 use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, ResolutionUnit, SampleFormat, Tag};
 use tiff::{TiffError, TiffResult};
@@ -225,6 +228,17 @@ fn group_4(picture: &Stored) -> ImageResult<Vec<u8>> {
     }
     let Ok(writer) = encoder.finish();
     Ok(writer.finish())
+}
+
+/// The error of a picture that cannot be written.
+pub(super) fn unwritten(target: &Path) -> impl Fn(ImageError) -> Error {
+    move |error| match error {
+        ImageError::IoError(source) => Error::io(target, "write")(source),
+        other => {
+            let found = format!("cannot be written ({})", one_line(&other.to_string()));
+            unsupported(target, &found)
+        }
+    }
 }
 
 fn png_error(error: png::EncodingError) -> ImageError {
