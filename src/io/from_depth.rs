@@ -168,15 +168,10 @@ impl DepthAlone<'_> {
 
     /// The camera of heights: a unit is a pixel.
     fn camera_above(&self) -> Camera {
-        let center = self.display_window.center();
+        let per_unit = [1.0, self.pixel_aspect.into()];
         Camera {
             view_from_world: DAffine3::IDENTITY,
-            projection: Projection::Orthographic {
-                sx: 1.0,
-                sy: self.pixel_aspect.into(),
-                cx: center.x,
-                cy: center.y,
-            },
+            projection: Projection::new(true, per_unit, self.display_window.center()),
         }
     }
 

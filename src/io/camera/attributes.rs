@@ -73,12 +73,8 @@ impl Picture {
     fn lens(&self, half_tan: f64) -> Option<Projection> {
         let middle = self.corner() + 0.5 * self.size();
         let fx = 0.5 * self.size().x / half_tan;
-        (half_tan > 0.0 && fx.is_finite()).then_some(Projection::Perspective {
-            fx,
-            fy: fx * self.aspect,
-            cx: middle.x,
-            cy: middle.y,
-        })
+        let is_lens = half_tan > 0.0 && fx.is_finite();
+        is_lens.then(|| Projection::new(false, [fx, fx * self.aspect], middle))
     }
 }
 
@@ -314,22 +310,8 @@ impl Ndc {
         if !(x > 0.0 && y > 0.0 && shift < MOST_SHIFT && square && far.is_finite()) {
             return None;
         }
-        let (cx, cy) = (here.x, here.y);
-        let parallel = (far.x - here.x - x).abs() < 1e-3 * x;
-        Some(match parallel {
-            true => Projection::Orthographic {
-                sx: x,
-                sy: y,
-                cx,
-                cy,
-            },
-            false => Projection::Perspective {
-                fx: x,
-                fy: y,
-                cx,
-                cy,
-            },
-        })
+        let are_parallel = (far.x - here.x - x).abs() < 1e-3 * x;
+        Some(Projection::new(are_parallel, [x, y], here))
     }
 }
 

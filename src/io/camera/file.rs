@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
 use crate::untrusted::Untrusted;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
@@ -456,19 +456,16 @@ impl Lens {
     }
 
     fn projection(&self, kind: Kind, scale: f64, display: Window) -> Projection {
-        let cx = self.cx + f64::from(display.x0);
-        let cy = self.cy + f64::from(display.y0);
-        let (fx, fy) = (self.fx, self.fy);
-        match kind {
-            Kind::Perspective => Projection::Perspective { fx, fy, cx, cy },
-            // Lengths in view space shrank with the scale, so a unit now spans more pixels.
-            Kind::Orthographic => Projection::Orthographic {
-                sx: fx * scale,
-                sy: fy * scale,
-                cx,
-                cy,
-            },
-        }
+        let corner = DVec2::new(display.x0.into(), display.y0.into());
+        let are_parallel = kind == Kind::Orthographic;
+        // Lengths in view space shrank with the scale, so a unit now spans more pixels.
+        let times = if are_parallel { scale } else { 1.0 };
+        let per_unit = [self.fx * times, self.fy * times];
+        Projection::new(
+            are_parallel,
+            per_unit,
+            DVec2::new(self.cx, self.cy) + corner,
+        )
     }
 }
 

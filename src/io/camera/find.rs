@@ -2,7 +2,7 @@
 
 use super::attributes::{Candidate, candidates, is_mirrored};
 use super::recover::recover_from;
-use super::samples::quantile;
+use super::samples::{Grid, quantile};
 use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
@@ -158,13 +158,12 @@ impl<'a> CameraSearch<'a> {
 
     fn by_positions(&self, position: Points) -> std::result::Result<FoundCamera, RecoveryFailure> {
         let surface = self.surface;
-        let found = recover_from(
-            position,
-            surface.mask,
+        let grid = Grid::new(
             surface.data_window,
             surface.display_window,
             surface.pixel_aspect,
-        )?;
+        );
+        let found = recover_from(position, surface.mask, grid)?;
         found.camera.check(surface.display_window)?;
         let evidence = format!(
             "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
