@@ -223,7 +223,7 @@ impl Judged<'_> {
         let samples = NormalSamples::new(self.layers.normal, &self.covered, None, Some(raw));
         let evidence = |camera| samples.judge(camera, surface.data_window).evidence;
         let unaided = evidence(None);
-        let faces = unaided.facing_view.max(unaided.facing_view_flipped) >= FACES;
+        let faces = unaided.facing_view() >= FACES;
         let [as_is, x, y, _] = unaided.slope_reversed_deg.unwrap_or([90.0; 4]);
         let reversed = [y, x].map(way_of);
         // Half a picture of floor leans with depth whichever way one of the axes goes.
@@ -244,7 +244,7 @@ impl Judged<'_> {
         }
         let mut search = CameraSearch::new(self.layers.inputs, &surface);
         if let Some(camera) = search.placed(&samples)? {
-            let slope = evidence(Some(&camera)).slope_world_deg;
+            let slope = evidence(Some(&camera)).world.slope_deg;
             let way = slope.and_then(way_of);
             return Ok((
                 way,

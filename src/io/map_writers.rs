@@ -1,10 +1,9 @@
 //! Whose normal maps have which axes reversed, recognised by what a file records or by its name.
 
-use super::open::open_input;
+use super::open::open_buffered;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt;
-use std::io::BufReader;
 use std::path::Path;
 
 /// How a program is known.
@@ -88,7 +87,7 @@ fn named(path: &Path) -> Option<MapWriter> {
 
 /// The estimator at the other end of the workflow that ComfyUI keeps in a PNG as text called `prompt`.
 fn recorded(path: &Path) -> Option<MapWriter> {
-    let file = BufReader::new(open_input(path).ok()?);
+    let file = open_buffered(path).ok()?;
     let reader = png::Decoder::new(file).read_info().ok()?;
     let info = reader.info();
     let mut plain = info.uncompressed_latin1_text.iter();

@@ -13,7 +13,7 @@ use super::camera::median;
 use super::inputs::Flip;
 use super::points::Points;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -59,20 +59,58 @@ const REVERSED_SHARE: f64 = 0.5;
 /// They also do where that angle is above the first and falls to less than this share of it: no other reading fits as well.
 const SURELY_REVERSED: (f64, f64) = (4.0, 0.2);
 
+/// How stored normals are read: the space they are in, and the axes that point the wrong way and have to be negated first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NormalReading {
+    /// The space.
+    pub space: NormalSpace,
+    /// The axes.
+    pub flip: Flip,
+}
+
+impl NormalReading {
+    /// View space.
+    pub const VIEW: Self = Self::of(NormalSpace::View);
+    /// View space with z away from the viewer.
+    pub const FLIPPED: Self = Self {
+        flip: Flip {
+            z: true,
+            ..Flip::NONE
+        },
+        ..Self::VIEW
+    };
+    /// World space.
+    pub const WORLD: Self = Self::of(NormalSpace::World);
+
+    /// A space, with all axes as they are.
+    pub(super) const fn of(space: NormalSpace) -> Self {
+        Self {
+            space,
+            flip: Flip::NONE,
+        }
+    }
+}
+
 /// Conclusion about the space of the normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalSpaceConclusion {
-    /// The space is known.
-    Certain {
-        /// The space.
-        space: NormalSpace,
-        /// Axes that point the wrong way and have to be negated first.
-        flip: Flip,
-    },
+    /// The reading is known.
+    Certain(NormalReading),
     /// Not view space, so world space by elimination, but no camera is known to rotate them with.
     WorldWithoutCamera,
     /// More than one reading is plausible, or none is.
     Ambiguous,
+}
+
+/// How normals, read in one way, agree with what else is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Agreement {
+    /// Share that faces the viewer.
+    pub facing: f64,
+    /// Median angle, in degrees, to the normal of the positions.
+    pub shape_deg: Option<f64>,
+    /// Median angle, in degrees, on the picture, between the slope of depth and the lean of the normals.
+    pub slope_deg: Option<f64>,
 }
 
 /// The numbers behind a judgement.
@@ -80,34 +118,28 @@ pub enum NormalSpaceConclusion {
 pub struct NormalSpaceEvidence {
     /// Normals looked at.
     pub samples: usize,
-    /// Share that faces the viewer read as view space, z toward the viewer.
-    pub facing_view: f64,
-    /// Share that faces the viewer read as view space, z away from the viewer.
-    pub facing_view_flipped: f64,
-    /// Share that faces the viewer read as world space and turned by the camera.
-    pub facing_world: Option<f64>,
-    /// Median angle, in degrees, to the normal of the positions, read as world space.
-    pub shape_world_deg: Option<f64>,
-    /// The same, read as view space with z toward the viewer.
-    pub shape_view_deg: Option<f64>,
-    /// The same, read as view space with z away from the viewer.
-    pub shape_view_flipped_deg: Option<f64>,
-    /// Median angle, in degrees, on the picture, between the slope of depth and the lean of the normals
-    /// read as view space (either sign of z).
-    pub slope_view_deg: Option<f64>,
-    /// The same, read as world space and turned by the camera.
-    pub slope_world_deg: Option<f64>,
+    /// Read as view space.
+    pub view: Agreement,
+    /// Read as view space with z away from the viewer.
+    pub flipped: Agreement,
+    /// Read as world space. Without a camera to turn them only the shape can be compared.
+    pub world: Agreement,
     /// Mean angle, in degrees, between the slope of depth and the lean of the normals read as view space: as they
     /// are, with x reversed, with y reversed, and with both.
     pub slope_reversed_deg: Option<[f64; 4]>,
-    /// Mean angle, in degrees, between the world reading and the better view reading.
+    /// Mean angle, in degrees, between the world reading and the better view reading; `None` without a camera.
     pub readings_differ_deg: Option<f64>,
 }
 
 impl NormalSpaceEvidence {
     /// Whether depth or positions show the axes.
     pub(super) fn is_judged_by_depth(&self) -> bool {
-        self.slope_reversed_deg.is_some() || self.shape_world_deg.is_some()
+        self.slope_reversed_deg.is_some() || self.world.shape_deg.is_some()
+    }
+
+    /// Share that faces the viewer in the better reading as view space.
+    pub(super) fn facing_view(&self) -> f64 {
+        self.view.facing.max(self.flipped.facing)
     }
 }
 
@@ -161,14 +193,6 @@ struct NormalSample {
     shape: Option<DVec3>,
 }
 
-/// One normal under each reading, in the space it is compared in.
-#[derive(Clone, Copy)]
-struct Readings {
-    view: DVec3,
-    flipped: DVec3,
-    world: Option<DVec3>,
-}
-
 fn at(planes: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
     let v = DVec3::new(
         planes.x.at(x, y).into(),
@@ -202,17 +226,15 @@ impl<'a> NormalSamples<'a> {
         for sample in self.list.get_or_init(|| self.gathered()) {
             let (x, y) = sample.place;
             let n = sample.normal;
-            let readings = Readings {
-                view: n,
-                flipped: DVec3::new(n.x, n.y, -n.z),
-                world: turn.map(|m| m * n),
-            };
-            tally.add_facing(&readings, to_eye(camera, data_window.middle(x, y)));
+            let flipped = DVec3::new(n.x, n.y, -n.z);
+            let readings = [Some(n), Some(flipped), turn.map(|turn| turn * n)];
+            tally.add_facing(readings, to_eye(camera, data_window.middle(x, y)));
             if let Some(slope) = sample.slope {
-                tally.add_slope(&readings, slope);
+                tally.add_slope(readings, slope);
             }
             if let Some(shape) = sample.shape {
-                tally.add_shape(&readings, shape, turn);
+                let in_view = turn.map(|turn| turn * shape);
+                tally.add_shape([(n, in_view), (flipped, in_view), (n, Some(shape))]);
             }
         }
         let evidence = tally.evidence(camera.is_some());
@@ -296,87 +318,73 @@ fn central(before: DVec3, here: DVec3, after: DVec3) -> Option<DVec3> {
     (a.max(b) < 3.0 * a.min(b)).then_some(after - before)
 }
 
+/// Sums over normals, by the readings as view space, as that with z away, and as world space.
 #[derive(Default)]
 struct Tally {
     samples: usize,
-    view: usize,
-    flipped: usize,
-    world: usize,
+    facing: [usize; 3],
+    shape: [Vec<f64>; 3],
+    slope: [Vec<f64>; 3],
     /// Sums of angles between the world reading and the two view readings.
     differ: [f64; 2],
-    shape_world: Vec<f64>,
-    shape_view: Vec<f64>,
-    shape_flipped: Vec<f64>,
-    slope_view: Vec<f64>,
-    slope_world: Vec<f64>,
     /// Sums of angles to the slope, by reversed axes.
     reversed: [f64; 4],
 }
 
 impl Tally {
-    fn add_facing(&mut self, readings: &Readings, eye: DVec3) {
-        let faces = |n: DVec3| usize::from(n.dot(eye) > FACING);
+    fn add_facing(&mut self, readings: [Option<DVec3>; 3], eye: DVec3) {
         self.samples += 1;
-        self.view += faces(readings.view);
-        self.flipped += faces(readings.flipped);
-        if let Some(world) = readings.world {
-            self.world += faces(world);
-            self.differ[0] += angle_deg(world, readings.view);
-            self.differ[1] += angle_deg(world, readings.flipped);
+        for (count, n) in self.facing.iter_mut().zip(readings) {
+            *count += usize::from(n.is_some_and(|n| n.dot(eye) > FACING));
+        }
+        let [views @ .., world] = readings;
+        for (sum, view) in self.differ.iter_mut().zip(views) {
+            *sum += world.zip(view).map_or(0.0, |(a, b)| angle_deg(a, b));
         }
     }
 
-    fn add_slope(&mut self, readings: &Readings, slope: DVec2) {
-        let off = |n: DVec3| {
-            let lean = n.truncate();
-            // A normal that does not lean where depth rises counts as leaning sideways.
-            if lean.length() < LEAST_LEAN {
-                90.0
-            } else {
-                lean.angle_to(slope).abs().to_degrees()
-            }
+    fn add_slope(&mut self, readings: [Option<DVec3>; 3], slope: DVec2) {
+        // A normal that does not lean where depth rises counts as leaning sideways.
+        let off = |n: DVec3| match n.truncate() {
+            lean if lean.length() < LEAST_LEAN => 90.0,
+            lean => lean.angle_to(slope).abs().to_degrees(),
         };
-        let as_is = off(readings.view);
-        let x_reversed = off(readings.view * DVec3::new(-1.0, 1.0, 1.0));
-        self.slope_view.push(as_is);
+        for (angles, n) in self.slope.iter_mut().zip(readings) {
+            angles.extend(n.map(off));
+        }
+        let [as_is, x_reversed] = [1.0, -1.0].map(|x| {
+            let mirrored = readings[0].map(|n| n * DVec3::new(x, 1.0, 1.0));
+            mirrored.map_or(0.0, off)
+        });
         // With the other axis reversed, a normal leans the opposite way.
         let angles = [as_is, x_reversed, 180.0 - x_reversed, 180.0 - as_is];
         let sums = self.reversed.iter_mut().zip(angles);
         sums.for_each(|(sum, angle)| *sum += angle);
-        self.slope_world.extend(readings.world.map(off));
     }
 
-    fn add_shape(&mut self, readings: &Readings, shape: DVec3, turn: Option<DMat3>) {
-        self.shape_world.push(line_angle_deg(readings.view, shape));
-        if let Some(turn) = turn {
-            let shape = turn * shape;
-            self.shape_view.push(line_angle_deg(readings.view, shape));
-            let flipped = line_angle_deg(readings.flipped, shape);
-            self.shape_flipped.push(flipped);
+    /// Adds normals, and those of the shape in the same space.
+    fn add_shape(&mut self, readings: [(DVec3, Option<DVec3>); 3]) {
+        for (angles, (n, shape)) in self.shape.iter_mut().zip(readings) {
+            angles.extend(shape.map(|shape| line_angle_deg(n, shape)));
         }
     }
 
     fn evidence(mut self, camera: bool) -> NormalSpaceEvidence {
         let count = self.samples.max(1) as f64;
-        let share = |n: usize| n as f64 / count;
-        let differ = if self.view >= self.flipped {
-            self.differ[0]
-        } else {
-            self.differ[1]
-        };
-        let slopes = self.slope_view.len();
+        let [view, flipped, world] = [0, 1, 2].map(|i| Agreement {
+            facing: self.facing[i] as f64 / count,
+            shape_deg: median(&mut self.shape[i], FEWEST_SHAPES),
+            slope_deg: median(&mut self.slope[i], FEWEST_SHAPES),
+        });
+        let differ = self.differ[usize::from(view.facing < flipped.facing)];
+        let slopes = self.slope[0].len();
+        let mean = |sum: f64| sum / slopes as f64;
         NormalSpaceEvidence {
-            slope_reversed_deg: (slopes >= FEWEST_SHAPES)
-                .then(|| self.reversed.map(|sum| sum / slopes as f64)),
             samples: self.samples,
-            facing_view: share(self.view),
-            facing_view_flipped: share(self.flipped),
-            facing_world: camera.then(|| share(self.world)),
-            shape_world_deg: median(&mut self.shape_world, FEWEST_SHAPES),
-            shape_view_deg: median(&mut self.shape_view, FEWEST_SHAPES),
-            shape_view_flipped_deg: median(&mut self.shape_flipped, FEWEST_SHAPES),
-            slope_view_deg: median(&mut self.slope_view, FEWEST_SHAPES),
-            slope_world_deg: median(&mut self.slope_world, FEWEST_SHAPES),
+            view,
+            flipped,
+            world,
+            slope_reversed_deg: (slopes >= FEWEST_SHAPES).then(|| self.reversed.map(mean)),
             readings_differ_deg: camera.then_some(differ / count),
         }
     }
@@ -392,37 +400,29 @@ fn line_angle_deg(a: DVec3, b: DVec3) -> f64 {
     a.dot(b).abs().min(1.0).acos().to_degrees()
 }
 
-const WORLD: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
-    space: NormalSpace::World,
-    flip: Flip::NONE,
-};
-const VIEW: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
-    space: NormalSpace::View,
-    flip: Flip::NONE,
-};
-const VIEW_FLIPPED: NormalSpaceConclusion = NormalSpaceConclusion::Certain {
-    space: NormalSpace::View,
-    flip: Flip {
-        z: true,
-        ..Flip::NONE
-    },
-};
+type Concluded = (NormalSpaceConclusion, String);
 
-type Concluded = (NormalSpaceConclusion, &'static str);
+/// A reading that is known, and why.
+fn certain(reading: NormalReading, why: &str) -> Concluded {
+    let name = match reading {
+        NormalReading::FLIPPED => "view with z away from the viewer",
+        other => other.space.name(),
+    };
+    let conclusion = NormalSpaceConclusion::Certain(reading);
+    (conclusion, format!("{name}: {why}"))
+}
 
 fn concluded(e: &NormalSpaceEvidence) -> Concluded {
     if e.samples == 0 {
-        return (
-            NormalSpaceConclusion::Ambiguous,
-            "undecided: no covered pixel holds a normal",
-        );
+        let why = "undecided: no covered pixel holds a normal";
+        return (NormalSpaceConclusion::Ambiguous, why.into());
     }
     by_shape(e)
         .or_else(|| by_shape_without_camera(e))
         .or_else(|| by_reversed_slope(e))
         .or_else(|| by_slope(e))
-        .unwrap_or_else(|| match e.facing_world {
-            Some(world) => by_facing(e, world),
+        .unwrap_or_else(|| match e.readings_differ_deg {
+            Some(differ) => by_facing(e, differ),
             None => by_facing_without_camera(e),
         })
 }
@@ -441,167 +441,139 @@ fn by_reversed_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let angles = e.slope_reversed_deg?;
     let best = (1..4).min_by(|&a, &b| angles[a].total_cmp(&angles[b]))?;
     let shows = is_reversed(angles[0], angles[best]);
-    let world_holds = e.slope_world_deg.is_some_and(|deg| deg < angles[best]);
-    let (share, (toward, _)) = better_view(e);
+    let world_holds = e.world.slope_deg.is_some_and(|deg| deg < angles[best]);
+    let (share, toward) = better_view(e);
     let [x, y] = REVERSED[best];
     let flip = Flip {
         x,
         y,
-        z: toward == VIEW_FLIPPED,
+        ..toward.flip
     };
-    let space = NormalSpace::View;
-    (shows && !world_holds && share >= FAILS).then_some((
-        NormalSpaceConclusion::Certain { space, flip },
-        "view: agrees with the depth once reversed axes are turned round",
-    ))
+    let why = "agrees with the depth once reversed axes are turned round";
+    let reading = NormalReading { flip, ..toward };
+    (shows && !world_holds && share >= FAILS).then(|| certain(reading, why))
 }
 
 /// The reading that agrees with the positions, where one does and the others do not.
 fn by_shape(e: &NormalSpaceEvidence) -> Option<Concluded> {
     let mut readings = [
-        (
-            e.shape_world_deg?,
-            WORLD,
-            "world: agrees with the positions",
-        ),
-        (e.shape_view_deg?, VIEW, "view: agrees with the positions"),
-        (
-            e.shape_view_flipped_deg?,
-            VIEW_FLIPPED,
-            "view with z away from the viewer: agrees with the positions",
-        ),
+        (e.world.shape_deg?, NormalReading::WORLD),
+        (e.view.shape_deg?, NormalReading::VIEW),
+        (e.flipped.shape_deg?, NormalReading::FLIPPED),
     ];
     readings.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (best, conclusion, why) = readings[0];
-    let decides = best <= SHAPE_HOLDS_DEG && readings[1].0 > SHAPE_DECIDES * best + SAME_DEG;
-    decides.then_some((conclusion, why))
+    let [(best, reading), (next, _), _] = readings;
+    let decides = best <= SHAPE_HOLDS_DEG && next > SHAPE_DECIDES * best + SAME_DEG;
+    decides.then(|| certain(reading, "agrees with the positions"))
 }
 
 /// Positions without a camera only show whether the normals share their space.
 fn by_shape_without_camera(e: &NormalSpaceEvidence) -> Option<Concluded> {
-    let world = e.shape_world_deg.filter(|_| e.facing_world.is_none())?;
-    let also_view = e.facing_view.max(e.facing_view_flipped) >= HOLDS;
+    let has_camera = e.readings_differ_deg.is_some();
+    let world = e.world.shape_deg.filter(|_| !has_camera)?;
+    let also_view = e.facing_view() >= HOLDS;
     (world <= 0.5 * SHAPE_HOLDS_DEG || (world <= SHAPE_HOLDS_DEG && !also_view))
-        .then_some((WORLD, "world: agrees with the positions"))
+        .then(|| certain(NormalReading::WORLD, "agrees with the positions"))
 }
 
 /// The reading whose normals lean toward rising depth.
 fn by_slope(e: &NormalSpaceEvidence) -> Option<Concluded> {
-    let view = e.slope_view_deg?;
-    let as_view = match better_view(e).1.0 {
-        VIEW => (VIEW, "view: agrees with the depth"),
-        flipped => (
-            flipped,
-            "view with z away from the viewer: agrees with the depth",
-        ),
-    };
-    match e.slope_world_deg {
+    let view = e.view.slope_deg?;
+    let (share, as_view) = better_view(e);
+    let agrees = |reading| Some(certain(reading, "agrees with the depth"));
+    match e.world.slope_deg {
         Some(world) if world <= SLOPE_HOLDS_DEG && view >= 2.0 * world + 10.0 => {
-            Some((WORLD, "world: agrees with the depth"))
+            agrees(NormalReading::WORLD)
         }
-        Some(world) if view <= SLOPE_HOLDS_DEG && world >= 2.0 * view + 10.0 => Some(as_view),
-        None if view <= SLOPE_HOLDS_DEG && better_view(e).0 >= FAILS => Some(as_view),
+        Some(world) if view <= SLOPE_HOLDS_DEG && world >= 2.0 * view + 10.0 => agrees(as_view),
+        None if view <= SLOPE_HOLDS_DEG && share >= FAILS => agrees(as_view),
         None if view >= SLOPE_FAILS_DEG => Some((
             NormalSpaceConclusion::WorldWithoutCamera,
-            "world, but no camera: as they are, the normals contradict the depth",
+            "world, but no camera: as they are, the normals contradict the depth".into(),
         )),
         _ => None,
     }
 }
 
 /// The view reading that more normals face the viewer in, and its share.
-fn better_view(e: &NormalSpaceEvidence) -> (f64, Concluded) {
-    if e.facing_view >= e.facing_view_flipped {
-        let why = "view: the normals face the viewer as they are";
-        (e.facing_view, (VIEW, why))
-    } else {
-        let why = "view with z away from the viewer: the normals face the viewer once z is negated";
-        (e.facing_view_flipped, (VIEW_FLIPPED, why))
+fn better_view(e: &NormalSpaceEvidence) -> (f64, NormalReading) {
+    match e.view.facing >= e.flipped.facing {
+        true => (e.view.facing, NormalReading::VIEW),
+        false => (e.flipped.facing, NormalReading::FLIPPED),
     }
 }
 
-fn by_facing(e: &NormalSpaceEvidence, world: f64) -> Concluded {
-    let turned = (
-        WORLD,
-        "world: the normals face the viewer once turned by the camera",
-    );
-    let (view, as_view) = better_view(e);
-    if e.readings_differ_deg.is_some_and(|d| d <= SAME_DEG) {
-        return if world > view { turned } else { as_view };
-    }
-    let beats = |a: f64, b: f64| a >= HOLDS && 1.0 - b > TURNS_AWAY + 10.0 * (1.0 - a);
-    if beats(world, view) {
-        return turned;
-    }
-    if beats(view, world) {
-        return as_view;
-    }
-    let why = if world.min(view) >= FAILS {
-        "undecided: the normals face the viewer both as they are and turned by the camera"
-    } else {
-        "undecided: the normals face the viewer in no space"
+/// A view reading by the normals that face the viewer in it.
+fn facing_as(reading: NormalReading) -> Concluded {
+    let how = match reading {
+        NormalReading::FLIPPED => "once z is negated",
+        _ => "as they are",
     };
-    (NormalSpaceConclusion::Ambiguous, why)
+    certain(reading, &format!("the normals face the viewer {how}"))
+}
+
+fn by_facing(e: &NormalSpaceEvidence, differ: f64) -> Concluded {
+    let why = "the normals face the viewer once turned by the camera";
+    let turned = || certain(NormalReading::WORLD, why);
+    let (world, (view, as_view)) = (e.world.facing, better_view(e));
+    let beats = |a: f64, b: f64| a >= HOLDS && 1.0 - b > TURNS_AWAY + 10.0 * (1.0 - a);
+    let are_one = differ <= SAME_DEG;
+    if are_one && world > view || !are_one && beats(world, view) {
+        return turned();
+    }
+    if are_one || beats(view, world) {
+        return facing_as(as_view);
+    }
+    let why = match world.min(view) >= FAILS {
+        true => "undecided: the normals face the viewer both as they are and turned by the camera",
+        false => "undecided: the normals face the viewer in no space",
+    };
+    (NormalSpaceConclusion::Ambiguous, why.into())
 }
 
 fn by_facing_without_camera(e: &NormalSpaceEvidence) -> Concluded {
-    let (view, as_view) = better_view(e);
-    if view >= HOLDS_ALONE {
-        as_view
-    } else if view < FAILS {
-        (
+    match better_view(e) {
+        (share, reading) if share >= HOLDS_ALONE => facing_as(reading),
+        (share, _) if share < FAILS => (
             NormalSpaceConclusion::WorldWithoutCamera,
-            "world, but no camera: the normals do not face the viewer as they are",
-        )
-    } else {
-        (
+            "world, but no camera: the normals do not face the viewer as they are".into(),
+        ),
+        _ => (
             NormalSpaceConclusion::Ambiguous,
-            "undecided: most normals face the viewer as they are, but not nearly all",
-        )
+            "undecided: most normals face the viewer as they are, but not nearly all".into(),
+        ),
     }
 }
 
 /// The evidence as the tail of a sentence.
 fn numbers(e: &NormalSpaceEvidence) -> String {
-    use std::fmt::Write;
-    let axes_tell = by_reversed_slope(e).is_some();
     if e.samples == 0 {
         return String::new();
     }
     let mut text = String::from(" (facing the viewer: ");
-    if let Some(world) = e.facing_world {
-        let _ = write!(text, "{:.1} % turned by the camera, ", 100.0 * world);
+    if e.readings_differ_deg.is_some() {
+        let world = 100.0 * e.world.facing;
+        text += &format!("{world:.1} % turned by the camera, ");
     }
-    let _ = write!(
-        text,
-        "{:.1} % as they are, {:.1} % with z negated",
-        100.0 * e.facing_view,
-        100.0 * e.facing_view_flipped
-    );
-    if let Some(world) = e.shape_world_deg {
-        let _ = write!(
-            text,
-            "; angle to the positions' shape: {world:.1} deg as world"
-        );
+    let [view, flipped] = [e.view, e.flipped].map(|reading| 100.0 * reading.facing);
+    text += &format!("{view:.1} % as they are, {flipped:.1} % with z negated");
+    if let Some(world) = e.world.shape_deg {
+        text += &format!("; angle to the positions' shape: {world:.1} deg as world");
     }
-    if let (Some(view), Some(flipped)) = (e.shape_view_deg, e.shape_view_flipped_deg) {
-        let _ = write!(text, ", {view:.1} as view, {flipped:.1} with z negated");
+    if let (Some(view), Some(flipped)) = (e.view.shape_deg, e.flipped.shape_deg) {
+        text += &format!(", {view:.1} as view, {flipped:.1} with z negated");
     }
-    if let Some(view) = e.slope_view_deg {
-        let _ = write!(
-            text,
-            "; angle to the slope of depth: {view:.1} deg as they are"
-        );
+    if let Some(view) = e.view.slope_deg {
+        text += &format!("; angle to the slope of depth: {view:.1} deg as they are");
     }
-    if let Some(world) = e.slope_world_deg {
-        let _ = write!(text, ", {world:.1} turned");
+    if let Some(world) = e.world.slope_deg {
+        text += &format!(", {world:.1} turned");
     }
+    let axes_tell = by_reversed_slope(e).is_some();
     if let Some([as_is, x, y, both]) = e.slope_reversed_deg.filter(|_| axes_tell) {
-        let _ = write!(
-            text,
+        text += &format!(
             "; on average {as_is:.1} deg as they are, {x:.1} with x reversed, {y:.1} with y, {both:.1} with both"
         );
     }
-    text.push(')');
-    text
+    text + ")"
 }

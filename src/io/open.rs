@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use std::fs::{File, Metadata, OpenOptions};
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 /// Opens `path` for reading.
@@ -26,6 +26,15 @@ pub(crate) fn open_input(path: &Path) -> io::Result<File> {
         true => Ok(file),
         false => Err(io::Error::other(what_it_is(&data))),
     }
+}
+
+/// [`open_input`], read through a buffer.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(crate) fn open_buffered(path: &Path) -> Result<BufReader<File>> {
+    let file = open_input(path).map_err(Error::io(path, "read"))?;
+    Ok(BufReader::new(file))
 }
 
 /// The text of the file `path`, of at most `most` bytes.

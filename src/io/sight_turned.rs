@@ -5,6 +5,7 @@
 //! surface: a wall seen at an angle has one normal, but a different one to each sight line.
 
 use super::inputs::Flip;
+use super::normal_space::NormalReading;
 use super::surface::SurfaceSamples;
 use crate::frame::normals::from_sight_line;
 use crate::frame::{Camera, NormalSpace, Projection};
@@ -20,26 +21,26 @@ const GRAZING: f64 = 0.1;
 const HANGS_TOGETHER: (f64, f64) = (0.25, 0.5);
 
 /// How V-Ray writes normals.
-pub(super) const BY_SIGHT: (NormalSpace, Flip) = (
-    NormalSpace::Sight,
-    Flip {
+pub(super) const BY_SIGHT: NormalReading = NormalReading {
+    space: NormalSpace::Sight,
+    flip: Flip {
         x: true,
         ..Flip::NONE
     },
-);
+};
 
 /// Whether surfaces hang together much better with `stored` normals turned to the sight lines, [`BY_SIGHT`], than as
-/// `(space, flip)` reads them; with both misfits.
+/// `reading` reads them; with both misfits.
 pub(super) fn shows(
     surface: &SurfaceSamples,
     camera: &Camera,
     stored: impl Fn(usize, usize) -> DVec3,
-    reading: (NormalSpace, Flip),
+    reading: NormalReading,
 ) -> Option<[f64; 2]> {
     if matches!(camera.projection, Projection::Orthographic { .. }) {
         return None;
     }
-    let misfit = |(space, flip): (NormalSpace, Flip)| {
+    let misfit = |NormalReading { space, flip }| {
         misfit(surface, &camera.projection, |x, y| {
             let n = flip.of(stored(x, y));
             match space {

@@ -6,7 +6,9 @@ use super::finding::Finding;
 use super::inputs::{Flip, Inputs};
 use super::map_writers::MapWriter;
 use super::names::Hint;
-use super::normal_space::{NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence};
+use super::normal_space::{
+    NormalReading, NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence,
+};
 use super::sight_turned::{self, BY_SIGHT};
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
@@ -124,7 +126,7 @@ pub(super) fn turn_to_view(
         warnings.extend(settled.warning);
     }
     findings.push(reading.finding(normals, inputs));
-    normals.turn(normal, camera.as_ref(), surface.data_window);
+    turn(normals, normal, camera.as_ref(), surface.data_window);
     Ok(View {
         is_placed,
         is_recovered,
@@ -190,30 +192,16 @@ fn turn_deg(turn: DMat3) -> f64 {
     }
 }
 
-/// How stored normals are to be read.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NormalReading {
-    pub(super) space: NormalSpace,
-    /// Axes that were found to point the wrong way.
-    pub(super) flip: Flip,
-}
-
-impl NormalReading {
-    const WORLD: Self = Self {
-        space: NormalSpace::World,
-        flip: Flip::NONE,
-    };
-    const VIEW: Self = Self {
-        space: NormalSpace::View,
-        flip: Flip::NONE,
-    };
-
-    /// Turns stored normals to view space, in place. Those in world space take a camera.
-    fn turn(self, normal: &mut Vector3Planes, camera: Option<&Camera>, window: Window) {
-        normals::flip_axes(normal, self.flip);
-        if let Some(camera) = camera {
-            normals::turn_to_view(normal, self.space, camera, window);
-        }
+/// Turns stored normals to view space, in place. Those in world space take a camera.
+fn turn(
+    reading: NormalReading,
+    normal: &mut Vector3Planes,
+    camera: Option<&Camera>,
+    window: Window,
+) {
+    normals::flip_axes(normal, reading.flip);
+    if let Some(camera) = camera {
+        normals::turn_to_view(normal, reading.space, camera, window);
     }
 }
 
@@ -238,9 +226,8 @@ impl Reading {
         camera: Option<&Camera>,
     ) -> Self {
         if let Some(space) = inputs.normal_space {
-            let flip = Flip::NONE;
             return Self {
-                certain: Some(NormalReading { space, flip }),
+                certain: Some(NormalReading::of(space)),
                 by_elimination: false,
                 is_given: true,
                 evidence: NormalSpaceEvidence::default(),
@@ -249,16 +236,12 @@ impl Reading {
         }
         let verdict = samples.judge(camera, surface.data_window);
         let (certain, by_elimination) = match verdict.conclusion {
-            NormalSpaceConclusion::Certain { space, flip } => {
+            NormalSpaceConclusion::Certain(mut reading) => {
                 // Where axes were given, only z is still flipped toward the viewer.
-                let flip = match inputs.normal_flip {
-                    Some(_) => Flip {
-                        z: flip.z,
-                        ..Flip::NONE
-                    },
-                    None => flip,
-                };
-                (Some(NormalReading { space, flip }), false)
+                if inputs.normal_flip.is_some() {
+                    (reading.flip.x, reading.flip.y) = (false, false);
+                }
+                (Some(reading), false)
             }
             NormalSpaceConclusion::WorldWithoutCamera => (None, true),
             NormalSpaceConclusion::Ambiguous => (None, false),
@@ -278,14 +261,14 @@ impl Reading {
 
     /// Whether the normals lean near enough to the slope of depth for view space, but not quite along it.
     fn could_be_turned(&self) -> bool {
-        let slope = self.evidence.slope_view_deg;
+        let slope = self.evidence.view.slope_deg;
         !self.is_given && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
     }
 
     /// Whether the camera found from depth and normals, taken for view space, is turned after all.
     fn is_turned(&self, found: &FoundCamera) -> bool {
         let turn = turn_deg(found.camera.view_from_world.matrix3);
-        let (Some(errors), Some(slope)) = (found.turn_error_deg, self.evidence.slope_view_deg)
+        let (Some(errors), Some(slope)) = (found.turn_error_deg, self.evidence.view.slope_deg)
         else {
             return false;
         };
@@ -302,12 +285,12 @@ impl Reading {
         let Some(space) = hint.space.filter(|_| open) else {
             return false;
         };
-        let flip = Flip {
-            z: space == NormalSpace::View
-                && self.evidence.facing_view_flipped > self.evidence.facing_view,
-            ..Flip::NONE
-        };
-        self.certain = Some(NormalReading { space, flip });
+        let evidence = &self.evidence;
+        let is_flipped = evidence.flipped.facing > evidence.view.facing;
+        self.certain = Some(match space {
+            NormalSpace::View if is_flipped => NormalReading::FLIPPED,
+            space => NormalReading::of(space),
+        });
         self.reason = format!("{by}; {}", self.reason);
         true
     }
@@ -321,20 +304,17 @@ impl Reading {
         normal: &Vector3Planes,
     ) {
         let e = &self.evidence;
-        let facing = e.facing_view.max(e.facing_view_flipped);
-        let facing = facing.max(e.facing_world.unwrap_or_default());
+        let facing = e.facing_view().max(e.world.facing);
         let is_judged = self.is_given || inputs.normal_flip.is_some() || e.is_judged_by_depth();
         let Some(camera) = camera.filter(|_| !is_judged && facing < FACE) else {
             return;
         };
         let now = self.certain.unwrap_or(NormalReading::WORLD);
         let stored = |x: usize, y: usize| normal.at(x, y);
-        let reading = (now.space, now.flip);
-        let Some([by_sight, other]) = sight_turned::shows(surface, camera, stored, reading) else {
+        let Some([by_sight, other]) = sight_turned::shows(surface, camera, stored, now) else {
             return;
         };
-        let (space, flip) = BY_SIGHT;
-        self.certain = Some(NormalReading { space, flip });
+        self.certain = Some(BY_SIGHT);
         self.reason = format!(
             "turned to the sight lines with x to the left, as V-Ray writes them: the slopes then have a curl of \
              {by_sight:.2}, otherwise {other:.2}; {}",

@@ -275,8 +275,8 @@ fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: Points)
 fn misfit(camera: &Camera, surface: &SurfaceSamples, normals: &NormalSamples) -> f64 {
     let verdict = normals.judge(Some(camera), surface.data_window);
     let evidence = verdict.evidence;
-    let averted = 1.0 - evidence.facing_world.unwrap_or(0.0);
-    averted.max(evidence.slope_world_deg.unwrap_or(0.0) / 90.0)
+    let averted = 1.0 - evidence.world.facing;
+    averted.max(evidence.world.slope_deg.unwrap_or(0.0) / 90.0)
 }
 
 /// The camera in words; its position only if known.

@@ -1,6 +1,7 @@
 //! Faults of a file, before its path is attached.
 
 use crate::error::Error;
+use crate::io::fence::one_line;
 use std::io;
 use std::path::Path;
 
@@ -63,11 +64,4 @@ impl From<::exr::error::Error> for Fault {
             Exr::Aborted => Fault::damaged("is damaged (reading stopped)"),
         }
     }
-}
-
-/// `text` with every run of white space and control characters as one blank.
-pub(super) fn one_line(text: &str) -> String {
-    let visible = |c: char| if c.is_control() { ' ' } else { c };
-    let spaced: String = text.chars().map(visible).collect();
-    spaced.split_whitespace().collect::<Vec<_>>().join(" ")
 }

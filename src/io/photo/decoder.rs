@@ -4,7 +4,7 @@ use super::faults::{MAX_BYTES, image_error, unsupported};
 use super::numbers::{Numbers, refuse_compression};
 use crate::error::{Error, Result};
 use crate::io::fence::fenced;
-use crate::io::open::open_input;
+use crate::io::open::open_buffered;
 use image::{ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -57,7 +57,7 @@ pub(super) fn within_fence<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -
 
 fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, ImageFormat)> {
     let failed = |error| Error::io(path, "read")(error);
-    let mut file = BufReader::new(open_input(path).map_err(failed)?);
+    let mut file = open_buffered(path)?;
     let start = file.fill_buf().map_err(failed)?;
     refuse_textures(path, start)?;
     let is_big_tiff = start.starts_with(b"II\x2b\0") || start.starts_with(b"MM\0\x2b");

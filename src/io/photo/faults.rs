@@ -1,6 +1,7 @@
 //! What is refused, in one line.
 
 use crate::error::Error;
+use crate::io::fence::one_line;
 use image::ImageError;
 use std::path::Path;
 
@@ -29,10 +30,6 @@ pub(super) fn image_error(path: &Path) -> impl Fn(ImageError) -> Error {
             &format!("cannot be read ({})", one_line(&other.to_string())),
         ),
     }
-}
-
-pub(in crate::io) fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 pub(super) fn damaged(path: &Path, found: &dyn std::fmt::Display) -> Error {

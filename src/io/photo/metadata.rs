@@ -3,13 +3,13 @@
 use super::decoder::with_decoder;
 use super::header::PhotoHeader;
 use super::npz::is_inside;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::exif::{Exif, SOUND_DPI};
-use crate::io::open::open_input;
+use crate::io::open::open_buffered;
 use crate::params::MM_PER_INCH;
 use image::metadata::Orientation;
 use image::{ImageDecoder, ImageFormat};
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 use tiff::tags::Tag;
 
@@ -64,16 +64,11 @@ fn upright(orientation: Orientation, [across, down]: [f32; 2]) -> [f32; 2] {
     [across, down]
 }
 
-fn opened(path: &Path) -> Result<BufReader<std::fs::File>> {
-    let file = open_input(path).map_err(Error::io(path, "read"))?;
-    Ok(BufReader::new(file))
-}
-
 /// The density in the first segment of a JPEG: after its marker and length `JFIF\0`, a version in two bytes, the unit (1
 /// inches, 2 centimetres), and numbers of two bytes across and down.
 fn jfif_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
     let mut start = [0; 18];
-    if opened(path)?.read_exact(&mut start).is_err() || &start[6..11] != b"JFIF\0" {
+    if open_buffered(path)?.read_exact(&mut start).is_err() || &start[6..11] != b"JFIF\0" {
         return Ok(None);
     }
     let per_inch = match start[13] {
@@ -86,7 +81,7 @@ fn jfif_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
 }
 
 fn png_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
-    let Ok(reader) = png::Decoder::new(opened(path)?).read_info() else {
+    let Ok(reader) = png::Decoder::new(open_buffered(path)?).read_info() else {
         return Ok(None);
     };
     let dims = reader.info().pixel_dims;
@@ -95,7 +90,7 @@ fn png_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
 }
 
 fn tiff_dpi(path: &Path) -> Result<Option<[f32; 2]>> {
-    let Ok(mut decoder) = tiff::decoder::Decoder::new(opened(path)?) else {
+    let Ok(mut decoder) = tiff::decoder::Decoder::new(open_buffered(path)?) else {
         return Ok(None);
     };
     let mut value = |tag| decoder.find_tag(tag).ok().flatten();

@@ -19,7 +19,7 @@ mod rows;
 mod stored;
 
 pub(super) use decoder::max_code;
-pub(super) use faults::{one_line, unsupported};
+pub(super) use faults::unsupported;
 pub(super) use header::PhotoHeader;
 pub use metadata::PhotoMetadata;
 pub(super) use npz::{is_inside, pictures_in};

@@ -5,7 +5,7 @@
 use super::faults::{damaged, unsupported};
 use super::npy::NpyHeader;
 use crate::error::{Error, Result};
-use crate::io::open::open_input;
+use crate::io::open::open_buffered;
 use crate::untrusted::{Untrusted, listed};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -55,7 +55,7 @@ pub(in crate::io) fn is_inside(path: &Path) -> bool {
 /// # Errors
 /// [`Error::Damaged`], [`Error::Unsupported`] and [`Error::Io`].
 pub(in crate::io) fn pictures_in(path: &Path) -> Result<Option<Vec<PathBuf>>> {
-    let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+    let mut file = open_buffered(path)?;
     let start = file.fill_buf().map_err(Error::io(path, "read"))?;
     if !start.starts_with(LOCAL.0) {
         return Ok(None);
@@ -68,7 +68,7 @@ pub(in crate::io) fn pictures_in(path: &Path) -> Result<Option<Vec<PathBuf>>> {
 
 /// The bytes of the array `name` of an archive, or of the only one that could be a picture.
 pub(super) fn open(path: &Path, name: Option<&str>) -> Result<Box<dyn Read>> {
-    let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+    let mut file = open_buffered(path)?;
     let members = members(path, &mut file)?;
     let names: Vec<_> = members.iter().map(|member| member.name.clone()).collect();
     let refused = |found: String| Error::Unsupported {
@@ -177,7 +177,7 @@ fn number(bytes: &[u8], at: usize, count: usize) -> u64 {
 
 impl Member {
     fn open(&self, path: &Path) -> Result<Box<dyn Read>> {
-        let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+        let mut file = open_buffered(path)?;
         let (mark, length) = LOCAL;
         let mut header = vec![0; length];
         let mut read = || {

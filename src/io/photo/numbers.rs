@@ -1,11 +1,12 @@
 //! Pictures of numbers, that decoders of pictures refuse: TIFF of further sample types, NumPy arrays and PFM. Their samples
 //! are the numbers as stored; grey is repeated, since there is no grey of floats.
 
-use super::faults::{MAX_BYTES, damaged, one_line, unsupported};
+use super::faults::{MAX_BYTES, damaged, unsupported};
 use super::npy::NpyHeader;
 use super::npz;
 use crate::error::{Error, Result};
-use crate::io::open::open_input;
+use crate::io::fence::one_line;
+use crate::io::open::open_buffered;
 use half::f16;
 use image::{ColorType, ExtendedColorType, ImageDecoder, ImageError, ImageResult};
 use std::fs::File;
@@ -53,7 +54,7 @@ impl Numbers {
             let array = npz::open(archive, Some(name))?;
             return Self::npy(path, array)?.checked(path).map(Some);
         }
-        let mut file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+        let mut file = open_buffered(path)?;
         let start = file.fill_buf().map_err(Error::io(path, "read"))?;
         let found = match start {
             [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Self::npy(path, Box::new(file)),
@@ -66,7 +67,7 @@ impl Numbers {
 
     /// The header of a TIFF.
     pub(super) fn tiff(path: &Path) -> Result<Self> {
-        let file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+        let file = open_buffered(path)?;
         let failed = |error: tiff::TiffError| damaged(path, &error);
         let mut limits = Limits::default();
         limits.decoding_buffer_size = MAX_BYTES as usize;
@@ -248,7 +249,7 @@ impl ImageDecoder for Numbers {
 
 /// Refuses a TIFF of a compression that is not read, by its name. Decoders come to it with the samples alone.
 pub(super) fn refuse_compression(path: &Path) -> Result<()> {
-    let file = BufReader::new(open_input(path).map_err(Error::io(path, "read"))?);
+    let file = open_buffered(path)?;
     let failed = |error: tiff::TiffError| damaged(path, &error);
     let mut decoder = Decoder::new(file).map_err(failed)?;
     let stored = decoder.find_tag_unsigned::<u16>(Tag::Compression);

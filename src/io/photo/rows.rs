@@ -1,14 +1,13 @@
 //! Pictures row by row, for those too large to hold.
 
 use super::decoder::within_fence;
-use super::faults::{image_error, one_line};
+use super::faults::{damaged, image_error};
 use super::header::{PhotoHeader, Samples};
 use crate::error::{Error, Result};
-use crate::io::open::open_input;
+use crate::io::open::open_buffered;
 use image::codecs::hdr::HdrDecoder;
 use image::{ImageDecoder, ImageError, ImageFormat};
-use std::fs::File;
-use std::io::{BufReader, Cursor, Read};
+use std::io::{Cursor, Read};
 use std::ops::Range;
 
 /// Callback for the samples of a row, with the row's index.
@@ -41,7 +40,7 @@ fn png_rows(
     take: &mut Take,
 ) -> Result<()> {
     let failed = |error| png_error(photo, error);
-    let mut decoder = png::Decoder::new(opened(photo)?);
+    let mut decoder = png::Decoder::new(open_buffered(&photo.path)?);
     // As in `image`: palettes and small depths become 8-bit samples.
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(failed)?;
@@ -72,7 +71,7 @@ fn png_rows(
 /// Every row of an HDR is coded on its own: it is read as a picture of one row.
 fn hdr_rows(photo: &PhotoHeader, rows: Range<usize>, take: &mut Take) -> Result<()> {
     let failed = image_error(&photo.path);
-    let mut file = opened(photo)?;
+    let mut file = open_buffered(&photo.path)?;
     let header = HdrDecoder::new(&mut file).map_err(&failed)?;
     if header.dimensions() != (photo.width as u32, photo.height as u32) {
         return Err(photo.has_changed());
@@ -94,18 +93,10 @@ fn hdr_rows(photo: &PhotoHeader, rows: Range<usize>, take: &mut Take) -> Result<
     Ok(())
 }
 
-fn opened(photo: &PhotoHeader) -> Result<BufReader<File>> {
-    let file = open_input(&photo.path).map_err(Error::io(&photo.path, "read"))?;
-    Ok(BufReader::new(file))
-}
-
 fn png_error(photo: &PhotoHeader, error: png::DecodingError) -> Error {
     let path = &photo.path;
     match error {
         png::DecodingError::IoError(error) => image_error(path)(ImageError::IoError(error)),
-        other => Error::Damaged {
-            path: path.clone(),
-            found: format!("is damaged ({})", one_line(&other.to_string())),
-        },
+        other => damaged(path, &other),
     }
 }
