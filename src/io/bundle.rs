@@ -191,32 +191,27 @@ impl Bundle {
         let taken = taken.collect::<Vec<_>>().join(", ");
         let unused = self.members.iter().filter(|member| !is_used(member));
         let unused = unused.map(|(_, file)| file).chain(&self.left_out);
-        let unused: Vec<_> = unused.map(|file| shown_name(file)).collect();
-        match unused.is_empty() {
-            true => format!("taken: {taken}"),
-            false => format!("taken: {taken}; left out: {}", listed(&unused)),
+        match &shown_names(unused)[..] {
+            "" => format!("taken: {taken}"),
+            unused => format!("taken: {taken}; left out: {unused}"),
         }
     }
 
     /// The error where it has nothing for a role.
     pub(super) fn without(&self, role: Role) -> Error {
-        let names = self.members.iter().map(|(_, file)| file);
-        let names: Vec<_> = names
-            .chain(&self.left_out)
-            .map(|file| shown_name(file))
-            .collect();
+        let files = self.members.iter().map(|(_, file)| file);
+        let found = shown_names(files.chain(&self.left_out));
         Error::MissingAov {
             path: self.path.clone(),
-            found: format!("has no {} by name (found {})", role.name(), listed(&names)),
+            found: format!("has no {} by name (found {found})", role.name()),
             remedy: format!("name one of them with --{}", role.name()),
         }
     }
 
     fn refused(&self) -> Error {
-        let names: Vec<_> = self.left_out.iter().map(|file| shown_name(file)).collect();
-        let found = match names.is_empty() {
-            true => "nothing that is read".into(),
-            false => listed(&names),
+        let found = match &self.left_out[..] {
+            [] => "nothing that is read".into(),
+            files => shown_names(files),
         };
         Error::Unsupported {
             path: self.path.clone(),
@@ -282,11 +277,15 @@ fn shown_name(file: &Path) -> String {
     shown(Path::new(file.file_name().unwrap_or_default()))
 }
 
+fn shown_names<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> String {
+    let names: Vec<_> = files.into_iter().map(|file| shown_name(file)).collect();
+    listed(&names)
+}
+
 fn ambiguous(path: &Path, role: &str, found: &[PathBuf]) -> Error {
-    let names: Vec<_> = found.iter().map(|file| shown_name(file)).collect();
     Error::Unsupported {
         path: path.into(),
-        found: format!("has several for {role} ({})", listed(&names)),
+        found: format!("has several for {role} ({})", shown_names(found)),
         remedy: format!("name the picture itself, and one of them with --{role} FILE"),
     }
 }

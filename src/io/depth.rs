@@ -7,6 +7,9 @@ use super::surface::SurfaceSamples;
 use crate::frame::normals::{normalise, turn_to_view};
 use crate::frame::{Camera, DepthKind, Frame, NormalSpace, Plane, SightLines, Vector3Planes};
 
+/// The quantity that a layer of depth holds, where it is known, and why.
+pub(super) type Sense = Option<(StoredDepth, String)>;
+
 /// Approximate number of pixels used.
 const SAMPLES: usize = 8192;
 
@@ -17,56 +20,36 @@ const FEWEST_SAMPLES: usize = 16;
 /// no distance, or shows a different surface than the normals.
 const WORST_SINE: f64 = 0.05;
 
-/// The kind of distance for which the points of `frame` lie on each other's tangent planes, with the finding.
+/// The kind of distance for which the points of `frame` lie on each other's tangent planes, and why.
 ///
-/// Without depth or a camera there is no evidence, and depth is assumed to be of the usual kind. Half floats are too
-/// coarse for positions: a step of theirs is some tenths of a pixel's size on an ordinary frame.
-pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> (StoredDepth, Option<Finding>) {
-    let (Some(depth), Some(camera)) = (&frame.depth, &frame.camera) else {
-        return (StoredDepth::Planar, None);
-    };
+/// Without depth or a camera there is no evidence. Half floats are too coarse for positions: a step of theirs is some
+/// tenths of a pixel's size on an ordinary frame.
+pub(super) fn judge_depth(frame: &Frame, is_half: bool) -> Sense {
+    let (depth, camera) = (frame.depth.as_ref()?, frame.camera.as_ref()?);
     if is_half {
-        return concluded(StoredDepth::Relative, "stored as half floats".into());
+        return Some((StoredDepth::Relative, "stored as half floats".into()));
     }
-    let sight = SightLines::new(camera.projection);
-    let pixels = sample_pixels(frame);
-    let sine = |stored: StoredDepth| {
-        let mut sines = sines(frame, depth, &sight, stored.kind(), &pixels);
-        median(&mut sines, FEWEST_SAMPLES)
-    };
-    let best = [StoredDepth::Planar, StoredDepth::Ray]
-        .map(|kind| (kind, sine(kind)))
-        .into_iter()
-        .filter_map(|(kind, sine)| Some((kind, sine?)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    match best {
+    Some(match better_kind(frame, depth, camera) {
         Some((kind, sine)) => {
             let off = sine.asin().to_degrees();
             let evidence = format!("its points lie {off:.2} degrees off the normals' planes");
-            let kind = if sine < WORST_SINE {
-                kind
-            } else {
-                StoredDepth::Relative
-            };
-            concluded(kind, evidence)
+            match sine < WORST_SINE {
+                true => (kind, evidence),
+                false => (StoredDepth::Relative, evidence),
+            }
         }
-        None => concluded(StoredDepth::Relative, "too few pixels to tell".into()),
-    }
+        None => (StoredDepth::Relative, "too few pixels to tell".into()),
+    })
 }
 
-/// The finding on a kind that is known beforehand.
-pub(super) fn given_depth(stored: StoredDepth, why: String) -> Option<Finding> {
-    concluded(stored, why).1
-}
-
-fn concluded(stored: StoredDepth, evidence: String) -> (StoredDepth, Option<Finding>) {
-    let finding = Finding {
+/// The finding on a kind of depth, and why it is this one.
+pub(super) fn depth_finding((stored, evidence): (StoredDepth, String)) -> Finding {
+    Finding {
         subject: "depth kind".into(),
         conclusion: stored.to_string(),
         evidence,
         flag: format!("--depth-kind {}", stored.name()),
-    };
-    (stored, Some(finding))
+    }
 }
 
 /// Median angle, in degrees, between points and the tangent planes of world-space normals, for the better-fitting kind
@@ -82,15 +65,20 @@ pub(super) fn off_tangents(
     normalise(&mut normal, surface.mask.plane());
     let mut frame = Frame::of_normals(normal, surface.mask.clone());
     frame.data_window = surface.data_window;
+    better_kind(&frame, depth, camera).map(|(_, sine)| sine.asin().to_degrees())
+}
+
+/// The kind of distance for which steps between points are nearer to the tangent planes, with the median sine of their
+/// angles.
+fn better_kind(frame: &Frame, depth: &Plane, camera: &Camera) -> Option<(StoredDepth, f64)> {
     let sight = SightLines::new(camera.projection);
-    let pixels = sample_pixels(&frame);
-    let sine = |kind| {
-        let mut sines = sines(&frame, depth, &sight, kind, &pixels);
-        median(&mut sines, FEWEST_SAMPLES)
-    };
-    let kinds = [DepthKind::Planar, DepthKind::Ray];
-    let best = kinds.into_iter().filter_map(sine).min_by(f64::total_cmp);
-    best.map(|sine| sine.asin().to_degrees())
+    let pixels = sample_pixels(frame);
+    let kinds = [StoredDepth::Planar, StoredDepth::Ray].into_iter();
+    let judged = kinds.filter_map(|stored| {
+        let mut sines = sines(frame, depth, &sight, stored.kind(), &pixels);
+        Some((stored, median(&mut sines, FEWEST_SAMPLES)?))
+    });
+    judged.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Covered pixels with covered neighbours on all four sides, evenly spread.

@@ -6,7 +6,7 @@
 //! some lens. What the data leave open, the layer's name and the renderer decide.
 
 use super::camera::{CameraSearch, recover_camera_from_depth};
-use super::depth::off_tangents;
+use super::depth::{Sense, off_tangents};
 use super::inputs::{Inputs, StoredDepth};
 use super::names::Hint;
 use super::normal_space::{NormalSamples, is_reversed};
@@ -32,9 +32,6 @@ const ALIKE_DEG: f64 = 0.001;
 const WANTED: usize = 10_000;
 /// Depth mapped to 0..1 may exceed 1 by this much.
 pub(super) const ABOVE_ONE: f32 = 1e-3;
-
-/// The quantity that a layer holds instead of a plain distance, and why.
-pub(super) type Sense = Option<(StoredDepth, String)>;
 
 /// The layers that the sense of depth is judged from.
 pub(super) struct Layers<'a> {

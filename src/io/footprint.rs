@@ -2,8 +2,7 @@
 
 use super::bundle::Bundle;
 use super::exr::{ExrFile, Limits};
-use super::opened::Opened;
-use super::photo::StoredPhoto;
+use super::opened::{Kind, Opened};
 use super::surroundings::place_in;
 use crate::error::Result;
 use crate::frame::Window;
@@ -84,29 +83,21 @@ pub(crate) fn picture_size(path: &Path) -> Option<PictureSize> {
     let bundle = Bundle::of(path).ok()?;
     let inside = bundle.as_ref().and_then(Bundle::picture);
     let path = inside.unwrap_or(path);
-    let of_exr = || {
-        let file = ExrFile::open(path, &Limits::default()).ok()?;
-        let windows: Vec<Window> = file.parts.iter().map(|part| part.window).collect();
-        Some(PictureSize {
-            pixels: largest(&windows, 0)?,
-            repeated: largest(&windows, TILE_BORDER_PX)?,
-            display_window: file.display_window,
-            pixel_aspect: file.pixel_aspect,
-            channels: file.channel_ids().count() as u64,
-        })
+    let opened = Opened::open(path).ok()?;
+    let windows: Vec<Window> = match &opened.kind {
+        Kind::Exr(file) => file.parts.iter().map(|part| part.window).collect(),
+        Kind::Photo(photo) => vec![photo.header.window()],
     };
-    let of_photo = || {
-        let photo = StoredPhoto::open(path, u64::MAX).ok()?;
-        let window = photo.header.window();
-        Some(PictureSize {
-            pixels: largest(&[window], 0)?,
-            repeated: largest(&[window], TILE_BORDER_PX)?,
-            display_window: window,
-            pixel_aspect: 1.0,
-            channels: 0,
-        })
-    };
-    of_exr().or_else(of_photo)
+    let (display_window, pixel_aspect) = opened.shown(opened.display());
+    Some(PictureSize {
+        pixels: largest(&windows, 0)?,
+        repeated: largest(&windows, TILE_BORDER_PX)?,
+        display_window,
+        pixel_aspect,
+        channels: opened
+            .exr()
+            .map_or(0, |file| file.channel_ids().count() as u64),
+    })
 }
 
 /// Most memory that blocks of the picture `path` take while it is read; 0 for a photo, and if the header does not tell.

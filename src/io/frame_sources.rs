@@ -233,14 +233,14 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    fn take(&mut self, role: Role) -> Option<RolePlanes> {
+    pub(super) fn take(&mut self, role: Role) -> Option<RolePlanes> {
         let index = self.roles.iter().position(|(r, _)| *r == role)?;
         Some(self.roles.remove(index).1)
     }
 
-    /// World-space positions, as they were read.
-    pub(super) fn positions(&mut self) -> Option<RolePlanes> {
-        self.take(Role::Position)
+    fn get(&self, role: Role) -> Option<&RolePlanes> {
+        let (_, read) = self.roles.iter().find(|(own, _)| *own == role)?;
+        Some(read)
     }
 
     pub(super) fn vector(&mut self, role: Role) -> Option<Vector3Planes> {
@@ -249,8 +249,7 @@ impl Planes {
 
     /// Coverage stored with a role.
     pub(super) fn alpha(&self, role: Role) -> Option<&Plane> {
-        let (_, read) = self.roles.iter().find(|(own, _)| *own == role)?;
-        read.alpha.as_ref()
+        self.get(role)?.alpha.as_ref()
     }
 
     /// The same, taken out.
@@ -261,8 +260,7 @@ impl Planes {
 
     /// The borders of normals that were stored in coarse codes.
     pub(super) fn borders(&self) -> Option<Borders> {
-        let normal = self.roles.iter().find(|(role, _)| *role == Role::Normal);
-        normal.and_then(|(_, read)| read.borders)
+        self.get(Role::Normal)?.borders
     }
 
     pub(super) fn scalar(&mut self, role: Role) -> Option<Plane> {

@@ -29,7 +29,7 @@ impl FrameSource<'_> {
     ) -> Result<SeenSurface> {
         let depth_is_half = self.depth_is_half(layers);
         let all = Mask::full(self.data_window.width(), self.data_window.height());
-        let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None))?;
+        let mut view = View::of_camera(self.inputs, &self.surface(&all, layers, None), notes)?;
         let source = self.sources.get(Role::Depth);
         let known = match (&layers.depth, view.camera) {
             (Some(_), _) => {
@@ -72,8 +72,6 @@ impl FrameSource<'_> {
             _ => bits,
         };
         notes.on_no_normals(from, &bits);
-        notes.findings.append(&mut view.findings);
-        notes.warnings.append(&mut view.warnings);
         let mut normal = shown.normal;
         let stored_depth = Some((depth, Some(shown.stored)));
         let (alpha, covered) = (layers.alpha.as_ref(), layers.coverage.as_ref());

@@ -4,6 +4,7 @@ use super::finding::Finding;
 use super::gloss::{self, LitPicture};
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
 use super::names::{Role, last_word};
+use super::notes::Notes;
 use super::opened::Opened;
 use super::recombination::difference;
 use super::role_planes::RolePlanes;
@@ -83,13 +84,6 @@ pub(super) struct LightSources {
     /// Whether they are wanted even of another picture, or were found to be of this one.
     stays: bool,
     picture_is_occlusion: bool,
-}
-
-/// The light layers read, with findings and warnings.
-pub(super) struct LightRead {
-    pub(super) layers: LightLayers,
-    pub(super) findings: Vec<Finding>,
-    pub(super) warnings: Vec<String>,
 }
 
 impl LightSources {
@@ -290,12 +284,13 @@ impl LightSources {
         picture: LitPicture,
         mask: &Mask,
         (inputs, main): (&Inputs, &Rc<Opened>),
-    ) -> Result<LightRead> {
+        notes: &mut Notes,
+    ) -> Result<LightLayers> {
+        notes.findings.extend(self.findings);
         let mut layers = LightLayers {
             picture_is_occlusion: self.picture_is_occlusion,
             ..LightLayers::default()
         };
-        let (mut findings, mut warnings) = (self.findings, Vec::new());
         let (mut rest, mut replaced) = (Vec::new(), 0);
         let mut glossy = Vec::new();
         for lobe in self.unread {
@@ -327,7 +322,7 @@ impl LightSources {
             }
         }
         if replaced > 0 {
-            warnings.push(format!(
+            notes.warnings.push(format!(
                 "{replaced} samples of light were not finite: NaN became 0, infinity 65504"
             ));
         }
@@ -340,7 +335,7 @@ impl LightSources {
                 None => gloss::judge(main, &glossy)?,
             };
             layers.gloss = gloss::of(glossy, judged.0, picture);
-            warnings.extend(judged.1);
+            notes.warnings.extend(judged.1);
         }
         let compared = picture.color.filter(|_| self.whole);
         let difference = compared.and_then(|p| difference(p, &layers.lobes, &rest, mask));
@@ -349,25 +344,16 @@ impl LightSources {
             if leaves {
                 layers.lobes.clear();
             }
-            report_difference(difference, leaves, &mut findings, &mut warnings);
+            report_difference(difference, leaves, notes);
         }
-        Ok(LightRead {
-            layers,
-            findings,
-            warnings,
-        })
+        Ok(layers)
     }
 }
 
-fn report_difference(
-    difference: f32,
-    leaves: bool,
-    findings: &mut Vec<Finding>,
-    warnings: &mut Vec<String>,
-) {
+fn report_difference(difference: f32, leaves: bool, notes: &mut Notes) {
     let percent = format!("{:.2} %", 100.0 * difference);
     let recombine = difference <= RECOMBINES;
-    findings.push(Finding {
+    notes.findings.push(Finding {
         subject: "light passes".into(),
         conclusion: match recombine {
             true => "recombine to the picture".into(),
@@ -383,7 +369,7 @@ fn report_difference(
                 "what they do not tell stays as it is; --lobes off scales the picture as a whole"
             }
         };
-        warnings.push(format!(
+        notes.warnings.push(format!(
             "the light passes differ from the picture by {percent} in the median: {what}"
         ));
     }

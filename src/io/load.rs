@@ -3,8 +3,8 @@
 use super::borders::Borders;
 use super::bundle::gathered;
 use super::colorspace::{Chromaticities, ColorSpace, luminance_weights};
-use super::depth::{given_depth, judge_depth};
-use super::depth_sense::{self, Sense, judge_sense};
+use super::depth::{Sense, depth_finding, judge_depth};
+use super::depth_sense::{self, judge_sense};
 use super::exr::ExrFile;
 use super::finding::Finding;
 use super::frame_sources::{FrameSources, Planes, only_occlusion};
@@ -196,9 +196,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         albedo: albedo.as_ref(),
         alpha: layers.alpha.as_ref(),
     };
-    let read = light.assemble(light_planes, picture, &mask, (inputs, &main))?;
-    notes.findings.extend(read.findings);
-    notes.warnings.extend(read.warnings);
+    let light = light.assemble(light_planes, picture, &mask, (inputs, &main), &mut notes)?;
     let chromaticities = source.chromaticities(colorspace);
     // Silhouettes follow depth where there is any.
     let alpha = layers.alpha.as_ref().filter(|_| layers.depth.is_none());
@@ -219,7 +217,7 @@ pub(super) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         color,
         albedo,
         alpha: layers.alpha,
-        light: read.layers,
+        light,
         camera: view.camera,
         wraps: borders.wrapped(inputs.wrap),
         source: source.source(chromaticities, depth_is_half),
@@ -261,12 +259,12 @@ fn settle_depth_kind(
     is_half: bool,
     notes: &mut Notes,
 ) -> StoredDepth {
-    let (stored, finding) = match sense {
-        Some((stored, why)) => (stored, given_depth(stored, why)),
-        None => judge_depth(frame, is_half),
-    };
+    let judged = sense.or_else(|| judge_depth(frame, is_half));
+    let stored = judged
+        .as_ref()
+        .map_or(StoredDepth::Planar, |(stored, _)| *stored);
     frame.source.depth_kind = stored.kind_of(is_half);
-    let finding = finding.filter(|_| frame.depth.is_some());
+    let finding = judged.filter(|_| frame.depth.is_some()).map(depth_finding);
     notes.findings.extend(finding);
     stored
 }
@@ -290,7 +288,7 @@ impl Layers {
             alpha,
             albedo: albedos.find_map(|role| planes.color(role).0),
             depth: planes.scalar(Role::Depth),
-            position: planes.positions(),
+            position: planes.take(Role::Position),
             coverage: planes.scalar(Role::Coverage),
         }
     }
@@ -379,9 +377,7 @@ impl FrameSource<'_> {
         } = coverage::cover(&mut normal, depth, alpha, covered);
         notes.on_coverage(&mask);
         notes.on_filled(filled, &mask);
-        let mut view = self.turn_to_view(needs, &mut normal, &mask, layers)?;
-        notes.findings.append(&mut view.findings);
-        notes.warnings.append(&mut view.warnings);
+        let view = self.turn_to_view(needs, &mut normal, (&mask, layers), notes)?;
         let depth_is_half = self.depth_is_half(layers);
         if let Some(depth) = self.depth_of_positions(layers, view.camera.as_ref(), &mut mask) {
             layers.depth = Some(depth);
@@ -459,8 +455,8 @@ impl FrameSource<'_> {
         &self,
         needs: Needs,
         normal: &mut Vector3Planes,
-        mask: &Mask,
-        layers: &Layers,
+        (mask, layers): (&Mask, &Layers),
+        notes: &mut Notes,
     ) -> Result<View> {
         let surface = self.surface(mask, layers, layers.depth.as_ref());
         let projection = needs.projection || self.positions_for_depth(layers).is_some();
@@ -470,7 +466,7 @@ impl FrameSource<'_> {
             writer: &|| MapWriter::of(source.file.path()),
             is_layer: source.is_exr(),
         };
-        turn_to_view(self.inputs, &surface, projection, &written, normal)
+        turn_to_view(self.inputs, &surface, projection, &written, normal, notes)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.

@@ -1,7 +1,7 @@
 //! Layers of normals, positions and depth recognised by their numbers, for files whose names do not tell: normals have
 //! unit length, stored directly or encoded as 0..1, and the others fit the surface with these normals.
 
-use super::exr::{ExrFile, SampleType};
+use super::exr::ExrFile;
 use super::roles::{self, Layer, Match, Role};
 use super::samples_of_layers::{Sampled, samples};
 use super::step_fit::{Points, misfit};
@@ -42,46 +42,47 @@ pub(super) struct RoleByNumbers {
     pub(super) others: Vec<String>,
 }
 
-/// Encoding of unit normals in a layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Encoding {
-    Signed,
-    Unsigned,
+/// A vector as stored, or decoded from 0..1.
+fn decoded(stored: Vector3<f64>, is_unsigned: bool) -> Vector3<f64> {
+    match is_unsigned {
+        true => 2.0 * stored - Vector3::repeat(1.0),
+        false => stored,
+    }
 }
 
-impl Encoding {
-    /// The unit normal encoded in `stored`, if it is one.
-    fn unit(self, stored: Vector3<f64>) -> Option<Vector3<f64>> {
-        let v = self.decoded(stored);
-        ((v.norm() - 1.0).abs() < UNIT).then(|| v.normalize())
-    }
-
-    fn decoded(self, stored: Vector3<f64>) -> Vector3<f64> {
-        match self {
-            Self::Signed => stored,
-            Self::Unsigned => 2.0 * stored - Vector3::repeat(1.0),
-        }
-    }
+/// The unit normal that is stored, if it is one.
+fn unit(stored: Vector3<f64>, is_unsigned: bool) -> Option<Vector3<f64>> {
+    let v = decoded(stored, is_unsigned);
+    ((v.norm() - 1.0).abs() < UNIT).then(|| v.normalize())
 }
 
 /// A layer of normals.
 struct Normals {
     sampled: Sampled,
-    encoding: Encoding,
+    /// Whether they are stored as 0..1.
+    is_unsigned: bool,
     /// Share of the covered pixels that hold a unit vector, 0..1.
     share: f64,
+}
+
+impl Normals {
+    /// The layer, if it holds some; else as it was.
+    fn of(sampled: Sampled) -> Result<Self, Sampled> {
+        match encoding_of(&sampled) {
+            Some((is_unsigned, share)) => Ok(Self {
+                sampled,
+                is_unsigned,
+                share,
+            }),
+            None => Err(sampled),
+        }
+    }
 }
 
 /// Roles, not yet given by names, of layers with meaningless names. Layers that cannot be read are skipped.
 pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNumbers> {
     let picture = roles::find(layers, Role::Color);
-    let is_float = |layer: &&Layer| {
-        let part = &file.parts[layer.part];
-        let mut channels = layer.components.iter();
-        channels.all(|&(_, channel)| part.channels[channel].sample_type != SampleType::Uint)
-    };
     let is_picture = |layer: &Layer| picture.is_some() && layer.matched(Role::Color) == picture;
-    let means_nothing = |layer: &Layer| !layer.means_something() && !layer.said().is_excluded;
     let named = roles::find(layers, Role::Normal);
     // Bare channels may be normals themselves: X Y Z, or R G B of what would be the picture.
     let may_be_normals = |layer: &Layer| {
@@ -92,10 +93,10 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
     let open = layers
         .iter()
         .filter(|layer| {
-            let is_open = layer.is_letter() || means_nothing(layer) && !is_picture(layer);
-            is_open || may_be_normals(layer)
+            let is_open = layer.is_open(file) && !is_picture(layer);
+            layer.is_letter() || is_open || may_be_normals(layer)
         })
-        .filter(|layer| is_float(layer) && !is_named(layer))
+        .filter(|layer| layer.is_float(file) && !is_named(layer))
         .take(MOST_LAYERS);
     let (vectors, scalars): (Vec<_>, Vec<_>) =
         open.partition(|layer| layer.matched(Role::Position).is_some());
@@ -128,7 +129,8 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
         Some(_) => {
             // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
-            named_normals.into_iter().find_map(normals_of)
+            let mut named = named_normals.into_iter();
+            named.find_map(|sampled| Normals::of(sampled).ok())
         }
         None => take_normals(&mut vectors, &mut roles),
     };
@@ -148,13 +150,9 @@ pub(super) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
 fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<Normals> {
     let (mut found, mut rest) = (Vec::new(), Vec::new());
     for sampled in vectors.drain(..) {
-        match encoding_of(&sampled) {
-            Some((encoding, share)) => found.push(Normals {
-                sampled,
-                encoding,
-                share,
-            }),
-            None => rest.push(sampled),
+        match Normals::of(sampled) {
+            Ok(normals) => found.push(normals),
+            Err(other) => rest.push(other),
         }
     }
     *vectors = rest;
@@ -170,27 +168,21 @@ fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> O
     Some(best)
 }
 
-fn normals_of(sampled: Sampled) -> Option<Normals> {
-    let (encoding, share) = encoding_of(&sampled)?;
-    Some(Normals {
-        sampled,
-        encoding,
-        share,
-    })
-}
-
-/// The encoding in which the vectors are unit normals, with the share of those that are; `None` if there is none.
-fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
+/// Whether the vectors are unit normals once decoded from 0..1 or as they are, with the share of those that are; `None` if there is none.
+fn encoding_of(sampled: &Sampled) -> Option<(bool, f64)> {
     let stored: Vec<_> = sampled
         .vectors()
         .filter(|v| *v != Vector3::zeros())
         .collect();
     let is_positive = stored.iter().all(|v| v.min() >= 0.0 && v.max() < 1.01);
-    let share = |encoding: Encoding| {
-        let lengths = || stored.iter().map(|v| encoding.decoded(*v).norm());
+    let share = |is_unsigned: bool| {
+        let lengths = || stored.iter().map(|v| decoded(*v, is_unsigned).norm());
         let covered = lengths().filter(|length| *length > UNIT).count() as f64;
         let longer = lengths().filter(|length| *length > 1.0 + UNIT).count() as f64;
-        let unit: Vec<_> = stored.iter().filter_map(|v| encoding.unit(*v)).collect();
+        let unit: Vec<_> = stored
+            .iter()
+            .filter_map(|v| unit(*v, is_unsigned))
+            .collect();
         let count = unit.len() as f64;
         let oblique = unit.iter().filter(|v| v.amax() < 1.0 - UNIT).count() as f64;
         let mean = unit.iter().sum::<Vector3<f64>>() / count.max(1.0);
@@ -199,9 +191,9 @@ fn encoding_of(sampled: &Sampled) -> Option<(Encoding, f64)> {
             && longer <= LONGER_SHARE * covered
             && oblique >= OFF_AXIS_SHARE * count
             && mean.norm() < ALIKE;
-        tells.then(|| (encoding, count / covered))
+        tells.then(|| (is_unsigned, count / covered))
     };
-    share(Encoding::Signed).or_else(|| share(Encoding::Unsigned).filter(|_| is_positive))
+    share(false).or_else(|| share(true).filter(|_| is_positive))
 }
 
 /// The layer whose points, of one of the `kinds` (the usual one first), best fit the surface with these `normals`.
@@ -213,7 +205,7 @@ fn best(
 ) -> Option<RoleByNumbers> {
     let mut found: Vec<(f64, Match)> = Vec::new();
     for layer in layers {
-        let normal = |stored| normals.encoding.unit(stored);
+        let normal = |stored| unit(stored, normals.is_unsigned);
         let fits = kinds.iter().enumerate().filter_map(|(i, kind)| {
             let misfit = misfit(&normals.sampled, normal, &layer, *kind)?;
             Some(if i == 0 { misfit } else { USUAL * misfit })

@@ -4,6 +4,7 @@
 //! punctuation, is looked up in one table. So `ViewLayer.Depth.Z`, `depth.V` and plain `Z` are all
 //! depth, while `ViewLayer.Normal.Z` is a component of the normal.
 
+use super::exr::{ExrFile, SampleType};
 use super::names::{self, Arity, RULES, last_word, split_last_word};
 use super::words::{Said, said};
 use std::cell::OnceCell;
@@ -174,18 +175,42 @@ impl Layer {
 
     /// Whether it has components of all these names.
     pub(super) fn has(&self, names: &[&str]) -> bool {
-        let has = |name: &&str| self.components.iter().any(|(c, _)| c == name);
-        names.iter().all(has)
+        names.iter().all(|name| self.component(name).is_some())
+    }
+
+    /// The channel of the component `name`.
+    pub(super) fn component(&self, name: &str) -> Option<usize> {
+        let mut components = self.components.iter();
+        components.find_map(|(own, channel)| (own == name).then_some(*channel))
+    }
+
+    /// These channels of it, for a role.
+    pub(super) fn with_channels(&self, channels: Vec<usize>, alpha: Option<usize>) -> Match {
+        Match {
+            layer: self.name.clone(),
+            part: self.part,
+            channels,
+            alpha,
+        }
+    }
+
+    /// Whether it could be anything: its name means nothing, and its numbers are floating-point.
+    pub(super) fn is_open(&self, file: &ExrFile) -> bool {
+        !self.means_something() && !self.said().is_excluded && self.is_float(file)
+    }
+
+    pub(super) fn is_float(&self, file: &ExrFile) -> bool {
+        let channels = &file.parts[self.part].channels;
+        let mut own = self
+            .components
+            .iter()
+            .map(|&(_, c)| channels[c].sample_type);
+        own.all(|kind| kind != SampleType::Uint)
     }
 
     /// The layer's channels in the order that `role` wants, if it has them.
     pub(crate) fn matched(&self, role: Role) -> Option<Match> {
-        let component = |name: &str| {
-            self.components
-                .iter()
-                .find(|(c, _)| c == name)
-                .map(|&(_, channel)| channel)
-        };
+        let component = |name: &str| self.component(name);
         let all = |names: &[&str]| {
             let found = names.iter().map(|name| component(name));
             found.collect::<Option<Vec<_>>>()
@@ -206,12 +231,7 @@ impl Layer {
             Arity::Scalar => one(&["z", "v", "t", "", "r"]).or_else(alone),
         }?;
         let alpha = component("a").filter(|a| !channels.contains(a));
-        Some(Match {
-            layer: self.name.clone(),
-            part: self.part,
-            channels,
-            alpha,
-        })
+        Some(self.with_channels(channels, alpha))
     }
 }
 
@@ -302,12 +322,10 @@ pub(crate) fn named(layers: &[Layer], name: &str, role: Role) -> Option<Match> {
         let layer = layers
             .iter()
             .find(|l| l.name.eq_ignore_ascii_case(prefix))?;
-        let &(_, channel) = layer.components.iter().find(|(c, _)| *c == component)?;
+        let channel = layer.component(&component)?;
         Some(Match {
             layer: name.into(),
-            part: layer.part,
-            channels: vec![channel],
-            alpha: None,
+            ..layer.with_channels(vec![channel], None)
         })
     };
     exact

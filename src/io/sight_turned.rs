@@ -132,19 +132,22 @@ mod tests {
             let side = if x < 32 { 1.0 } else { -1.0 };
             side * DVec3::new(-1.0, 1.0, 1.0) * turned
         });
-        let plain = (NormalSpace::View, BY_SIGHT.1);
+        let plain = NormalReading {
+            space: NormalSpace::View,
+            ..BY_SIGHT
+        };
         let [by_sight, other] =
             shows(&surface, &camera, |x, y| stored.at(x, y), plain).expect("turned");
         // What is left is that changes across and along are those half a pixel apart: 0.0017. As they are read it is 0.074.
         assert!(by_sight < 2e-3 && other > 0.05, "{by_sight} {other}");
         for (x, y) in [(3, 3), (10, 50), (60, 60)] {
-            let found = from_sight_line(BY_SIGHT.1.of(stored.at(x, y)), eye(x, y));
+            let found = from_sight_line(BY_SIGHT.flip.of(stored.at(x, y)), eye(x, y));
             let off = found - seen(x, y).normalize();
             // 3e-7 is the rounding of a unit vector to floats, times some operations.
             assert!(off.length() < 1e-6, "{found}");
         }
         // Where they are those of view space, they stay.
-        let own = |x, y| BY_SIGHT.1.of(seen(x, y).normalize());
+        let own = |x, y| BY_SIGHT.flip.of(seen(x, y).normalize());
         assert_eq!(shows(&surface, &camera, own, plain), None);
     }
 }

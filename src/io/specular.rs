@@ -43,19 +43,7 @@ pub struct SpecularInputs {
 impl SpecularInputs {
     /// Whether there is nothing to read.
     pub fn is_empty(&self) -> bool {
-        let Self {
-            mask,
-            back,
-            behind,
-            surroundings,
-            surroundings_camera,
-            hit_position,
-        } = self;
-        mask.is_none()
-            && hit_position.is_none()
-            && [back, behind, surroundings, surroundings_camera]
-                .iter()
-                .all(|path| path.is_none())
+        *self == Self::default()
     }
 }
 

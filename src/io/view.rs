@@ -9,6 +9,7 @@ use super::names::Hint;
 use super::normal_space::{
     NormalReading, NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence,
 };
+use super::notes::Notes;
 use super::sight_turned::{self, BY_SIGHT};
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};
@@ -36,24 +37,25 @@ pub(super) struct View {
     pub(super) is_recovered: bool,
     /// How the stored normals were read.
     pub(super) normals: NormalReading,
-    pub(super) findings: Vec<Finding>,
-    pub(super) warnings: Vec<String>,
 }
 
 impl View {
     /// That of a frame without normals: the camera that a file, attributes or positions tell.
-    pub(super) fn of_camera(inputs: &Inputs, surface: &SurfaceSamples) -> Result<Self> {
+    pub(super) fn of_camera(
+        inputs: &Inputs,
+        surface: &SurfaceSamples,
+        notes: &mut Notes,
+    ) -> Result<Self> {
         let none = Vector3Planes::from_fn(0, 0, |_, _| DVec3::ZERO);
         let mask = Mask::full(0, 0);
         let mut search = CameraSearch::new(inputs, surface);
         let camera = search.placed(&NormalSamples::new(&none, &mask, None, None))?;
+        notes.findings.append(&mut search.findings);
         Ok(Self {
             is_placed: camera.is_some(),
             is_recovered: search.has_recovered,
             camera: camera.or(inputs.known_camera.map(|known| known.camera)),
             normals: NormalReading::VIEW,
-            findings: search.findings,
-            warnings: Vec::new(),
         })
     }
 }
@@ -76,6 +78,7 @@ pub(super) fn turn_to_view(
     projection: bool,
     written: &Written,
     normal: &mut Vector3Planes,
+    notes: &mut Notes,
 ) -> Result<View> {
     let samples = NormalSamples::new(normal, surface.mask, surface.position, surface.depth);
     let mut search = CameraSearch::new(inputs, surface);
@@ -98,14 +101,14 @@ pub(super) fn turn_to_view(
         (camera, reading) = aided_by_depth(&mut search, reading, normal, judge);
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
-    let mut warnings = Vec::new();
+    let warnings = &mut notes.warnings;
     if reading.take(&written.hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
         warnings.push(format!("normals: {}", reading.reason));
     }
     reading.try_sight(inputs, surface, camera.as_ref(), normal);
     let is_recovered = search.has_recovered;
     let doubt = search.doubt.filter(|_| camera.is_some());
-    let mut findings = search.findings;
+    let findings = search.findings;
     let mut normals = reading.settled(inputs, surface, &findings)?;
     if normals.space != NormalSpace::View && camera.is_none() {
         return Err(no_camera(inputs, normals.space, &reading.reason, &findings));
@@ -125,15 +128,14 @@ pub(super) fn turn_to_view(
         reading.reason = format!("{}; {}", reading.reason, settled.reason);
         warnings.extend(settled.warning);
     }
-    findings.push(reading.finding(normals, inputs));
+    notes.findings.extend(findings);
+    notes.findings.push(reading.finding(normals, inputs));
     turn(normals, normal, camera.as_ref(), surface.data_window);
     Ok(View {
         is_placed,
         is_recovered,
         camera,
         normals,
-        findings,
-        warnings,
     })
 }
 

@@ -19,6 +19,16 @@ pub(super) struct Candidate {
     pub(super) reading: String,
 }
 
+impl Candidate {
+    fn new(view_from_world: DAffine3, projection: Projection, reading: String) -> Self {
+        let camera = Camera {
+            view_from_world,
+            projection,
+        };
+        Self { camera, reading }
+    }
+}
+
 /// A turn may be off orthonormal by this much.
 const ROTATION_TOLERANCE: f64 = 2e-3;
 /// Largest offset of the view axis from the middle of the picture, as a share of it; a larger lens shift is not
@@ -114,13 +124,8 @@ impl Attributes<'_> {
             for (axes, looks) in AXES {
                 let view_from_world = DAffine3::from_scale(axes) * camera_from_world;
                 let mut add = |projection, lens: &str| {
-                    found.push(Candidate {
-                        camera: Camera {
-                            view_from_world,
-                            projection,
-                        },
-                        reading: format!("worldToCamera {how}{looks}{lens}"),
-                    });
+                    let reading = format!("worldToCamera {how}{looks}{lens}");
+                    found.push(Candidate::new(view_from_world, projection, reading));
                 };
                 if let Some(to_ndc) = to_ndc {
                     let ndc_from_view = read(to_ndc)
@@ -172,14 +177,9 @@ impl Attributes<'_> {
                     continue;
                 };
                 for (axes, looks) in order.map(|i| AXES[i]) {
-                    found.push(Candidate {
-                        camera: Camera {
-                            view_from_world: DAffine3::from_scale(axes)
-                                * world_from_camera.inverse(),
-                            projection,
-                        },
-                        reading: format!("{stated} {how}{looks}"),
-                    });
+                    let view_from_world = DAffine3::from_scale(axes) * world_from_camera.inverse();
+                    let reading = format!("{stated} {how}{looks}");
+                    found.push(Candidate::new(view_from_world, projection, reading));
                 }
             }
         }
@@ -223,13 +223,13 @@ impl Attributes<'_> {
                 0.5 * number("sensorwidth")? / number("focallength")?
             }
         };
-        Some(Candidate {
-            camera: Camera {
-                view_from_world: DAffine3::from_mat3_translation(rotation, -(rotation * eye)),
-                projection: picture.lens(half_tan)?,
-            },
-            reading: "unreal/camera, a left-handed world".into(),
-        })
+        let view_from_world = DAffine3::from_mat3_translation(rotation, -(rotation * eye));
+        let reading = "unreal/camera, a left-handed world".into();
+        Some(Candidate::new(
+            view_from_world,
+            picture.lens(half_tan)?,
+            reading,
+        ))
     }
 }
 

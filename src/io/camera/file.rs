@@ -180,31 +180,27 @@ fn described(value: &Value) -> String {
 }
 
 fn kind_of(json: &Value) -> Parsed<Kind> {
-    let focal = present(json, "focal_px").is_some();
-    let parallel = present(json, "pixels_per_unit").is_some();
-    if focal && parallel {
-        return Err(Rejected::new(
+    let has = |key| present(json, key).is_some();
+    let (focal, parallel) = (has("focal_px"), has("pixels_per_unit"));
+    let named = present(json, "camera_type").map(kind_named).transpose()?;
+    let (found, remedy) = match named {
+        _ if focal && parallel => (
             "has both focal_px and pixels_per_unit",
             "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
-        ));
-    }
-    let named = match present(json, "camera_type") {
-        None => None,
-        Some(value) => Some(kind_named(value)?),
-    };
-    match named {
-        Some(Kind::Perspective) if parallel => Err(Rejected::new(
+        ),
+        Some(Kind::Perspective) if parallel => (
             "camera_type PERSP with pixels_per_unit",
             "give focal_px instead, or set camera_type to ORTHO",
-        )),
-        Some(Kind::Orthographic) if focal => Err(Rejected::new(
+        ),
+        Some(Kind::Orthographic) if focal => (
             "camera_type ORTHO with focal_px",
             "give pixels_per_unit instead, or set camera_type to PERSP",
-        )),
-        Some(kind) => Ok(kind),
-        None if parallel => Ok(Kind::Orthographic),
-        None => Ok(Kind::Perspective),
-    }
+        ),
+        Some(kind) => return Ok(kind),
+        None if parallel => return Ok(Kind::Orthographic),
+        None => return Ok(Kind::Perspective),
+    };
+    Err(Rejected::new(found, remedy))
 }
 
 fn kind_named(value: &Value) -> Parsed<Kind> {

@@ -4,10 +4,9 @@
 
 use super::MotionConvention;
 use crate::error::Result;
-use crate::io::exr::SampleType;
 use crate::io::names;
 use crate::io::opened::Opened;
-use crate::io::roles::{Layer, Match, Role};
+use crate::io::roles::{Layer, Role};
 use crate::io::sources::RoleSource;
 use std::rc::Rc;
 
@@ -51,13 +50,7 @@ pub(in crate::io) fn motion_sources(
     named.sort_by_key(|(is_open, _)| *is_open);
     let mut found: Vec<_> = named.into_iter().map(|(_, source)| source).collect();
     if found.is_empty() {
-        let is_float = |layer: &&Layer| {
-            let part = &file.parts[layer.part];
-            let mut channels = layer.components.iter();
-            channels.all(|&(_, channel)| part.channels[channel].sample_type != SampleType::Uint)
-        };
-        let means_nothing = |layer: &&Layer| !layer.means_something() && !layer.said().is_excluded;
-        let open = layers.iter().filter(means_nothing).filter(is_float);
+        let open = layers.iter().filter(|layer| layer.is_open(file));
         found = open.flat_map(pairs).take(MOST_PAIRS).collect();
     }
     found.truncate(MOST_PAIRS);
@@ -98,20 +91,9 @@ fn is_motion(layer: &Layer) -> bool {
 }
 
 fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
-    let component = |name: &str| {
-        let mut components = layer.components.iter();
-        components
-            .find(|(c, _)| c == name)
-            .map(|&(_, channel)| channel)
-    };
     let pair = |[x, y]: [&str; 2]| {
-        let channels = vec![component(x)?, component(y)?];
-        let found = Match {
-            layer: layer.name.clone(),
-            part: layer.part,
-            channels,
-            alpha: None,
-        };
+        let channels = vec![layer.component(x)?, layer.component(y)?];
+        let found = layer.with_channels(channels, None);
         Some(RoleSource::of_match(Role::Motion, file, found))
     };
     PAIRS.into_iter().filter_map(pair).collect()

@@ -1,6 +1,7 @@
 //! The header of a NumPy array.
 
 use super::faults::{damaged, unsupported};
+use super::numbers::Number;
 use crate::error::{Error, Result};
 use crate::untrusted::Untrusted;
 use std::io::Read;
@@ -11,11 +12,7 @@ pub(super) struct NpyHeader {
     /// Of each axis its size, and how many numbers its neighbours are apart.
     axes: Vec<(usize, usize)>,
     sizes: Vec<usize>,
-    /// `f`, `u` or `i`, or `b` for truth values.
-    pub(super) kind: char,
-    /// Bytes of a number.
-    pub(super) bytes: usize,
-    pub(super) is_little: bool,
+    pub(super) number: Number,
 }
 
 /// The longest header that is read.
@@ -86,9 +83,11 @@ impl NpyHeader {
         Ok(Self {
             axes,
             sizes,
-            kind,
-            bytes,
-            is_little: order != Some('>'),
+            number: Number {
+                kind,
+                bytes,
+                is_little: order != Some('>'),
+            },
         })
     }
 

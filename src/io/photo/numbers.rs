@@ -21,18 +21,21 @@ pub(super) const PAIR: ExtendedColorType = ExtendedColorType::Unknown(64);
 /// Where the samples are.
 enum Source {
     Tiff(Box<Decoder<BufReader<File>>>),
-    /// Numbers of a kind: `f`, `u`, `i` or `b`, and so many bytes.
-    Npy {
+    /// Numbers one after another, by rows from the bottom or from the top.
+    Raw {
         file: Box<dyn Read>,
-        kind: char,
-        bytes: usize,
-        is_little: bool,
+        number: Number,
+        is_upward: bool,
     },
-    /// Rows from the bottom, after the header.
-    Pfm {
-        file: BufReader<File>,
-        is_little: bool,
-    },
+}
+
+/// How a number is stored.
+#[derive(Clone, Copy)]
+pub(super) struct Number {
+    /// `f`, `u` or `i`, or `b` for truth values.
+    pub(super) kind: char,
+    pub(super) bytes: usize,
+    pub(super) is_little: bool,
 }
 
 /// A picture of numbers whose header has been read.
@@ -101,11 +104,10 @@ impl Numbers {
             channels: channels.0,
             is_pair: channels.0 == 2,
             strides: [columns.1, rows.1, channels.1],
-            source: Source::Npy {
+            source: Source::Raw {
                 file,
-                kind: header.kind,
-                bytes: header.bytes,
-                is_little: header.is_little,
+                number: header.number,
+                is_upward: false,
             },
         })
     }
@@ -138,9 +140,14 @@ impl Numbers {
             channels,
             is_pair: false,
             strides: [channels, channels * width, 1],
-            source: Source::Pfm {
-                file,
-                is_little: scale < 0.0,
+            source: Source::Raw {
+                file: Box::new(file),
+                number: Number {
+                    kind: 'f',
+                    bytes: 4,
+                    is_little: scale < 0.0,
+                },
+                is_upward: true,
             },
         })
     }
@@ -170,22 +177,23 @@ impl Numbers {
                     .map_err(|e| said(&e))?;
                 floats(read)
             }
-            Source::Npy {
+            Source::Raw {
                 file,
-                kind,
-                bytes,
-                is_little,
+                number,
+                is_upward,
             } => {
-                let stored = bytes_of(file, count * *bytes).map_err(|e| said(&e))?;
-                let number = |stored: &[u8]| number(stored, *kind, *is_little);
-                stored.chunks_exact(*bytes).map(number).collect()
-            }
-            Source::Pfm { file, is_little } => {
-                let stored = bytes_of(file, 4 * count).map_err(|e| said(&e))?;
-                let number = |bytes: &[u8]| number(bytes, 'f', *is_little);
-                let rows = stored.chunks_exact(4 * self.strides[1]).rev();
-                rows.flat_map(|row| row.chunks_exact(4).map(number))
-                    .collect()
+                let stored = bytes_of(file, count * number.bytes).map_err(|e| said(&e))?;
+                let numbers = |row: &[u8]| -> Vec<f32> {
+                    let numbers = row.chunks_exact(number.bytes);
+                    numbers.map(|bytes| number.read(bytes)).collect()
+                };
+                match is_upward {
+                    true => {
+                        let rows = stored.chunks_exact(number.bytes * self.strides[1]);
+                        rows.rev().flat_map(numbers).collect()
+                    }
+                    false => numbers(&stored),
+                }
             }
         };
         match samples.len() >= count {
@@ -277,26 +285,28 @@ fn bytes_of(file: &mut dyn Read, count: usize) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A number of 1 to 8 bytes.
-fn number(bytes: &[u8], kind: char, is_little: bool) -> f32 {
-    let mut wide = [0_u8; 8];
-    for (to, from) in wide.iter_mut().zip(bytes) {
-        *to = *from;
-    }
-    if !is_little {
-        wide[..bytes.len()].reverse();
-    }
-    let code = u64::from_le_bytes(wide);
-    match (kind, bytes.len()) {
-        ('f', 2) => f16::from_bits(code as u16).to_f32(),
-        ('f', 4) => f32::from_bits(code as u32),
-        ('f', _) => f64::from_bits(code) as f32,
-        // The sign is that of the highest bit stored.
-        ('i', count) => {
-            let above = 64 - 8 * count as u32;
-            ((code << above) as i64 >> above) as f32
+impl Number {
+    /// The number in these bytes, 1 to 8.
+    fn read(self, bytes: &[u8]) -> f32 {
+        let mut wide = [0_u8; 8];
+        for (to, from) in wide.iter_mut().zip(bytes) {
+            *to = *from;
         }
-        _ => code as f32,
+        if !self.is_little {
+            wide[..bytes.len()].reverse();
+        }
+        let code = u64::from_le_bytes(wide);
+        match (self.kind, bytes.len()) {
+            ('f', 2) => f16::from_bits(code as u16).to_f32(),
+            ('f', 4) => f32::from_bits(code as u32),
+            ('f', _) => f64::from_bits(code) as f32,
+            // The sign is that of the highest bit stored.
+            ('i', count) => {
+                let above = 64 - 8 * count as u32;
+                ((code << above) as i64 >> above) as f32
+            }
+            _ => code as f32,
+        }
     }
 }
 
