@@ -7,7 +7,6 @@ use crate::error::{Error, Result};
 use crate::frame::Window;
 use image::metadata::Orientation;
 use image::{ColorType, ImageDecoder, ImageFormat};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The header of a picture.
@@ -27,14 +26,6 @@ pub(in crate::io) struct PhotoHeader {
     pub(in crate::io) is_pair: bool,
     pub(super) format: ImageFormat,
     pub(super) color: ColorType,
-}
-
-/// Samples of whole pixels, side by side.
-#[derive(Clone, Copy)]
-pub(super) enum Samples<'a> {
-    Narrow(&'a [u8]),
-    Wide(&'a [u16]),
-    Float(&'a [f32]),
 }
 
 /// Codes of 8 bits that JPEG moves a smooth picture by, about: it rounds luminance and colour apart, then waves of both,
@@ -110,8 +101,12 @@ impl PhotoHeader {
 
     /// Bytes of all samples.
     pub(in crate::io) fn bytes(&self) -> u64 {
-        let pixels = self.width as u64 * self.height as u64;
-        pixels.saturating_mul(self.color.bytes_per_pixel().into())
+        (self.row_bytes() as u64).saturating_mul(self.height as u64)
+    }
+
+    /// Bytes of the samples of a row.
+    pub(super) fn row_bytes(&self) -> usize {
+        self.width * usize::from(self.color.bytes_per_pixel())
     }
 
     /// The refusal of a picture whose samples can only be decoded whole.
@@ -153,17 +148,5 @@ pub(super) fn turned<T>(orientation: Orientation, (width, height): (T, T)) -> (T
         | Orientation::Rotate90FlipH
         | Orientation::Rotate270FlipH => (height, width),
         _ => (width, height),
-    }
-}
-
-impl<'a> Samples<'a> {
-    /// The samples of some rows, of `row` samples each.
-    pub(super) fn within(self, row: usize, rows: &Range<usize>) -> Self {
-        let range = rows.start * row..rows.end * row;
-        match self {
-            Self::Narrow(samples) => Self::Narrow(&samples[range]),
-            Self::Wide(samples) => Self::Wide(&samples[range]),
-            Self::Float(samples) => Self::Float(&samples[range]),
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::decoder::within_fence;
 use super::faults::{damaged, image_error};
-use super::header::{PhotoHeader, Samples};
+use super::header::PhotoHeader;
 use crate::error::{Error, Result};
 use crate::io::open::open_buffered;
 use image::codecs::hdr::HdrDecoder;
@@ -10,8 +10,8 @@ use image::{ImageDecoder, ImageError, ImageFormat};
 use std::io::{Cursor, Read};
 use std::ops::Range;
 
-/// Callback for the samples of a row, with the row's index.
-type Take<'t> = dyn FnMut(usize, Samples) + 't;
+/// Callback for the samples of a row, in native byte order, with the row's index.
+type Take<'t> = dyn FnMut(usize, &[u8]) + 't;
 
 /// Decodes the picture up to the end of `rows`, and passes these rows to `take`, because the whole picture exceeds
 /// `most_bytes`.
@@ -47,8 +47,8 @@ fn png_rows(
     if reader.info().interlaced {
         return Err(photo.too_large(most_bytes));
     }
-    let length = photo.width * photo.channels() * usize::from(photo.bits / 8);
-    let mut wide = Vec::new();
+    let length = photo.row_bytes();
+    let mut native = Vec::new();
     for y in 0..rows.end {
         let row = reader.next_row().map_err(failed)?;
         let row = row.filter(|row| row.data().len() == length);
@@ -56,14 +56,14 @@ fn png_rows(
         if y < rows.start {
             continue;
         }
-        if photo.bits == 8 {
-            take(y, Samples::Narrow(row.data()));
-        } else {
-            let (pairs, _) = row.data().as_chunks::<2>();
-            wide.clear();
-            wide.extend(pairs.iter().map(|&pair| u16::from_be_bytes(pair)));
-            take(y, Samples::Wide(&wide));
+        native.clear();
+        native.extend_from_slice(row.data());
+        if photo.bits == 16 {
+            for pair in native.as_chunks_mut::<2>().0 {
+                *pair = u16::from_be_bytes(*pair).to_ne_bytes();
+            }
         }
+        take(y, &native);
     }
     Ok(())
 }
@@ -77,17 +77,13 @@ fn hdr_rows(photo: &PhotoHeader, rows: Range<usize>, take: &mut Take) -> Result<
         return Err(photo.has_changed());
     }
     let one_row = format!("#?RADIANCE\n\n-Y 1 +X {}\n", photo.width);
-    let mut bytes = vec![0; photo.width * photo.channels() * size_of::<f32>()];
-    let mut floats = Vec::new();
+    let mut bytes = vec![0; photo.row_bytes()];
     for y in 0..rows.end {
         let row = Cursor::new(&one_row).chain(&mut file);
         let decoder = HdrDecoder::new(row).map_err(&failed)?;
         decoder.read_image(&mut bytes).map_err(&failed)?;
         if y >= rows.start {
-            let (quads, _) = bytes.as_chunks::<4>();
-            floats.clear();
-            floats.extend(quads.iter().map(|&quad| f32::from_ne_bytes(quad)));
-            take(y, Samples::Float(&floats));
+            take(y, &bytes);
         }
     }
     Ok(())

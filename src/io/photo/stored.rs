@@ -2,7 +2,7 @@
 
 use super::decoder::{max_code, with_decoder};
 use super::faults::image_error;
-use super::header::{PhotoHeader, Samples, turned};
+use super::header::{PhotoHeader, turned};
 use super::metadata::PhotoMetadata;
 use super::rows::each_row;
 use crate::error::Result;
@@ -87,26 +87,17 @@ impl StoredPhoto {
     /// # Panics
     /// If it has fewer rows.
     pub(in crate::io) fn planes(&self, rows: Range<usize>, meaning: Meaning) -> Result<Vec<Plane>> {
-        let size = [self.header.width, rows.len()];
         if self.header.bytes() <= self.most_bytes {
             let image = self.image()?;
-            let samples = self
-                .samples_of(&image)
-                .within(self.header.channels() * self.header.width, &rows);
-            return Ok(self.planes_of(size, samples, meaning));
+            return Ok(self.planes_of(self.rows_of(&image, &rows), meaning));
         }
-        let mut planes = vec![Plane::filled(size[0], size[1], 0.0); self.header.channels()];
-        each_row(
-            &self.header,
-            rows.clone(),
-            self.most_bytes,
-            &mut |y, samples| {
-                let row = self.planes_of([self.header.width, 1], samples, meaning);
-                for (plane, row) in planes.iter_mut().zip(row) {
-                    plane.row_mut(y - rows.start).copy_from_slice(row.samples());
-                }
-            },
-        )?;
+        let blank = Plane::filled(self.header.width, rows.len(), 0.0);
+        let mut planes = vec![blank; self.header.channels()];
+        self.each_row(rows.clone(), meaning, &mut |y, row| {
+            for (plane, row) in planes.iter_mut().zip(row) {
+                plane.row_mut(y - rows.start).copy_from_slice(row.samples());
+            }
+        })?;
         Ok(planes)
     }
 
@@ -120,19 +111,13 @@ impl StoredPhoto {
         meaning: Meaning,
         take: &mut dyn FnMut(usize, Vec<Plane>),
     ) -> Result<()> {
-        let mut take = |y, samples: Samples| {
-            take(y, self.planes_of([self.header.width, 1], samples, meaning));
-        };
+        let mut take = |y, samples: &[u8]| take(y, self.planes_of(samples, meaning));
         if self.header.bytes() > self.most_bytes {
             return each_row(&self.header, rows, self.most_bytes, &mut take);
         }
         let image = self.image()?;
-        let samples = self.samples_of(&image);
         for y in rows {
-            take(
-                y,
-                samples.within(self.header.channels() * self.header.width, &(y..y + 1)),
-            );
+            take(y, self.rows_of(&image, &(y..y + 1)));
         }
         Ok(())
     }
@@ -181,39 +166,33 @@ impl StoredPhoto {
         })
     }
 
-    fn samples_of<'i>(&self, image: &'i DynamicImage) -> Samples<'i> {
-        match image {
-            DynamicImage::ImageLuma8(i) => Samples::Narrow(i),
-            DynamicImage::ImageLumaA8(i) => Samples::Narrow(i),
-            DynamicImage::ImageRgb8(i) => Samples::Narrow(i),
-            DynamicImage::ImageRgba8(i) => Samples::Narrow(i),
-            DynamicImage::ImageLuma16(i) => Samples::Wide(i),
-            DynamicImage::ImageLumaA16(i) => Samples::Wide(i),
-            DynamicImage::ImageRgb16(i) => Samples::Wide(i),
-            DynamicImage::ImageRgba16(i) => Samples::Wide(i),
-            DynamicImage::ImageRgb32F(i) => Samples::Float(i),
-            DynamicImage::ImageRgba32F(i) => Samples::Float(i),
-            _ => unreachable!("opening refuses other kinds"),
-        }
+    /// The samples of some rows, in native byte order.
+    fn rows_of<'i>(&self, image: &'i DynamicImage, rows: &Range<usize>) -> &'i [u8] {
+        let row = self.header.row_bytes();
+        &image.as_bytes()[rows.start * row..rows.end * row]
     }
 
-    fn planes_of(&self, size: [usize; 2], samples: Samples, meaning: Meaning) -> Vec<Plane> {
-        let count = self.header.channels();
+    /// The planes of whole rows.
+    fn planes_of(&self, rows: &[u8], meaning: Meaning) -> Vec<Plane> {
+        let header = &self.header;
+        let (count, height) = (header.channels(), rows.len() / header.row_bytes());
         let plane = |channel: usize| {
-            let is_alpha = self.header.has_alpha() && channel + 1 == count;
+            let is_alpha = header.has_alpha() && channel + 1 == count;
             let meaning = if is_alpha { Meaning::Stored } else { meaning };
-            let samples = match samples {
-                Samples::Narrow(samples) => {
+            let place = (count, channel);
+            let samples = match header.bits {
+                8 => {
                     let values = values(8, meaning);
-                    channel_of(samples, count, channel, |v| values[usize::from(v)])
+                    channel_of(rows, place, |[code]| values[usize::from(code)])
                 }
-                Samples::Wide(samples) => {
+                16 => {
                     let values = values(16, meaning);
-                    channel_of(samples, count, channel, |v| values[usize::from(v)])
+                    let value = |code| values[usize::from(u16::from_ne_bytes(code))];
+                    channel_of(rows, place, value)
                 }
-                Samples::Float(samples) => channel_of(samples, count, channel, |v| v),
+                _ => channel_of(rows, place, f32::from_ne_bytes),
             };
-            Plane::from_samples(size[0], size[1], samples)
+            Plane::from_samples(header.width, height, samples)
         };
         (0..count).map(plane).collect()
     }
@@ -222,14 +201,13 @@ impl StoredPhoto {
 /// The value of each code of `bits` bits.
 pub(super) fn values(bits: u8, meaning: Meaning) -> &'static [f32] {
     use std::sync::LazyLock;
-    type Values = LazyLock<Vec<f32>>;
-    static STORED: [Values; 2] = [
-        LazyLock::new(|| stored_values(8)),
-        LazyLock::new(|| stored_values(16)),
+    static STORED: [LazyLock<Vec<f32>>; 2] = [
+        LazyLock::new(|| table(8, Meaning::Stored)),
+        LazyLock::new(|| table(16, Meaning::Stored)),
     ];
-    static LINEAR: [Values; 2] = [
-        LazyLock::new(|| linear_values(8)),
-        LazyLock::new(|| linear_values(16)),
+    static LINEAR: [LazyLock<Vec<f32>>; 2] = [
+        LazyLock::new(|| table(8, Meaning::Linear)),
+        LazyLock::new(|| table(16, Meaning::Linear)),
     ];
     let tables = match meaning {
         Meaning::Stored => &STORED,
@@ -238,24 +216,22 @@ pub(super) fn values(bits: u8, meaning: Meaning) -> &'static [f32] {
     &tables[usize::from(bits == 16)]
 }
 
-fn stored_values(bits: u8) -> Vec<f32> {
+fn table(bits: u8, meaning: Meaning) -> Vec<f32> {
     let max = max_code(bits);
-    (0..=max).map(|code| code as f32 / max as f32).collect()
-}
-
-fn linear_values(bits: u8) -> Vec<f32> {
-    let max = max_code(bits);
-    let linear = |code| srgb::decoded(f64::from(code) / f64::from(max)) as f32;
-    (0..=max).map(linear).collect()
+    let value = |code| match meaning {
+        Meaning::Stored => code as f32 / max as f32,
+        Meaning::Linear => srgb::decoded(f64::from(code) / f64::from(max)) as f32,
+    };
+    (0..=max).map(value).collect()
 }
 
 /// The values of one of `count` interleaved channels.
-fn channel_of<T: Copy + Sync>(
-    samples: &[T],
-    count: usize,
-    channel: usize,
-    value: impl Fn(T) -> f32 + Sync,
+fn channel_of<const BYTES: usize>(
+    samples: &[u8],
+    (count, channel): (usize, usize),
+    value: impl Fn([u8; BYTES]) -> f32 + Sync,
 ) -> Vec<f32> {
+    let (samples, _) = samples.as_chunks::<BYTES>();
     let pixels = samples.par_chunks_exact(count).with_min_len(1 << 14);
     pixels.map(|pixel| value(pixel[channel])).collect()
 }
