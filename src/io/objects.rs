@@ -39,19 +39,10 @@ pub struct ObjectSurvey {
     pub shares: Vec<f64>,
 }
 
-/// The chosen objects: names with `*` and `?` for any letters, or numbers of objects or materials; those after a `!` are left
-/// out.
-struct Choice<'a> {
-    wanted: Vec<&'a str>,
-    unwanted: Vec<&'a str>,
-}
-
-/// How a picture tells its objects apart.
-enum ObjectSource<'a> {
-    /// By the numbers of these objects.
-    Names(&'a Cryptomatte, Vec<u32>),
-    /// By a pass that holds a number for each pixel.
-    Index(Match, f32),
+/// Where a picture has objects: their numbers in each layer of Cryptomatte, and those in passes that hold one for each pixel.
+struct Found {
+    hashed: Vec<Vec<u32>>,
+    indices: Vec<(Match, f32)>,
 }
 
 /// The layers of Cryptomatte, with the names of their objects; without a manifest, the numbers of the largest objects in
@@ -174,28 +165,31 @@ fn index_pass(layers: &[Layer]) -> Option<Match> {
 /// # Errors
 /// Any [`Error`] of reading; [`Error::MissingAov`] for a picture that tells no objects apart, or has none of this name.
 pub(super) fn covered(chosen: &[String], of: &Opened, window: Window) -> Result<Plane> {
-    let choice = Choice::of(chosen);
+    let names = chosen.iter().map(String::as_str);
+    let (unwanted, wanted): (Vec<&str>, Vec<&str>) = names.partition(|name| name.starts_with('!'));
+    let unwanted: Vec<&str> = unwanted.iter().map(|name| &name[1..]).collect();
     let (Some(file), layers) = (of.exr(), &of.layers) else {
         return Err(untold(of.path()));
     };
     let mut hashed = cryptomatte::layers(file)?;
     hashed.retain(|layer| !layer.channels().into_iter().any(|id| of.is_apart(id)));
-    let find = |names: &[&str]| -> Result<Vec<Vec<ObjectSource>>> {
-        let found = names
-            .iter()
-            .map(|name| sources(name, file, layers, &hashed));
-        found.collect()
+    let find = |names: &[&str]| {
+        let mut found = Found {
+            hashed: vec![Vec::new(); hashed.len()],
+            indices: Vec::new(),
+        };
+        let mut names = names.iter();
+        let all = names.try_for_each(|name| found.add(name, file, layers, &hashed));
+        all.map(|()| found)
     };
-    let (wanted, unwanted) = (find(&choice.wanted)?, find(&choice.unwanted)?);
-    let sum = |sources: &[Vec<ObjectSource>], excluded: &[Vec<ObjectSource>]| {
-        summed(sources, excluded, file, &hashed, window)
-    };
+    let (found, left_out) = (find(&wanted)?, find(&unwanted)?);
+    let sum = |found: &Found, excluded| summed(found, excluded, file, &hashed, window);
     let mut covered = match wanted.is_empty() {
         true => Plane::filled(window.width(), window.height(), 1.0),
-        false => sum(&wanted, &unwanted)?,
+        false => sum(&found, Some(&left_out))?,
     };
     if !unwanted.is_empty() {
-        let without = sum(&unwanted, &[])?;
+        let without = sum(&left_out, None)?;
         let samples = covered.samples_mut().iter_mut();
         // Of objects by material and by name it is not known how they overlap: as little is left out as may be.
         samples
@@ -298,81 +292,53 @@ pub(super) fn fallbacks(
     Ok(Some(found))
 }
 
-impl<'a> Choice<'a> {
-    fn of(chosen: &'a [String]) -> Self {
-        let (unwanted, wanted) = chosen
-            .iter()
-            .map(String::as_str)
-            .partition(|name| name.starts_with('!'));
-        let unwanted: Vec<&str> = unwanted;
-        Self {
-            wanted,
-            unwanted: unwanted.iter().map(|name| &name[1..]).collect(),
+impl Found {
+    /// Adds the objects of this name: with `*` and `?` for any letters, or a number of an object or a material.
+    fn add(
+        &mut self,
+        name: &str,
+        file: &ExrFile,
+        layers: &[Layer],
+        hashed: &[Cryptomatte],
+    ) -> Result<()> {
+        // The name of an object is no pattern and no number, whatever its letters.
+        let is_exact = hashed.iter().any(|layer| layer.manifest.contains_key(name));
+        let pattern = WildMatch::new(name);
+        let is_called = |own: &str| match is_exact {
+            true => own == name,
+            false => pattern.matches(own),
+        };
+        let by_number = cryptomatte::number(name).filter(|_| !is_exact);
+        // Objects missing from the manifest are found by the hash of their name.
+        let is_plain = !name.contains(['*', '?', '#']);
+        let mut is_there = false;
+        for (numbers, layer) in self.hashed.iter_mut().zip(hashed) {
+            let objects = layer.manifest.iter();
+            let called = objects.filter(|(own, _)| is_called(own));
+            let is_hashed = is_plain && layer.manifest.is_empty();
+            let before = numbers.len();
+            numbers.extend(called.map(|(_, number)| *number));
+            numbers.extend(by_number);
+            numbers.extend(is_hashed.then(|| cryptomatte::hashed(name)));
+            is_there |= numbers.len() > before;
+        }
+        if let Ok(number) = name.parse::<u16>()
+            && let Some(index) = index_pass(layers).filter(|_| !is_exact)
+        {
+            self.indices.push((index, number.into()));
+            is_there = true;
+        }
+        match is_there {
+            true => Ok(()),
+            false => Err(unknown(name, file, layers, hashed)),
         }
     }
 }
 
-/// Where the objects of this name are.
-fn sources<'a>(
-    name: &str,
-    file: &ExrFile,
-    layers: &[Layer],
-    hashed: &'a [Cryptomatte],
-) -> Result<Vec<ObjectSource<'a>>> {
-    // The name of an object is no pattern and no number, whatever its letters.
-    let is_exact = hashed.iter().any(|layer| layer.manifest.contains_key(name));
-    let pattern = WildMatch::new(name);
-    let is_called = |own: &str| match is_exact {
-        true => own == name,
-        false => pattern.matches(own),
-    };
-    let by_number = cryptomatte::number(name).filter(|_| !is_exact);
-    // Objects missing from the manifest are found by the hash of their name.
-    let is_plain = !name.contains(['*', '?', '#']);
-    let names = hashed.iter().filter_map(|layer| {
-        let objects = layer.manifest.iter();
-        let mut numbers: Vec<u32> = objects
-            .filter(|(name, _)| is_called(name))
-            .map(|(_, number)| *number)
-            .chain(by_number)
-            .collect();
-        if is_plain && layer.manifest.is_empty() {
-            numbers.push(cryptomatte::hashed(name));
-        }
-        (!numbers.is_empty()).then_some(ObjectSource::Names(layer, numbers))
-    });
-    let mut found: Vec<ObjectSource> = names.collect();
-    if let Ok(number) = name.parse::<u16>()
-        && !is_exact
-    {
-        found.extend(index_pass(layers).map(|index| ObjectSource::Index(index, number.into())));
-    }
-    match found.is_empty() {
-        true => Err(unknown(name, file, layers, hashed)),
-        false => Ok(found),
-    }
-}
-
-/// The numbers of objects in this layer that were found.
-fn numbers<'a>(
-    sources: &'a [Vec<ObjectSource>],
-    layer: &Cryptomatte,
-) -> impl Iterator<Item = u32> + 'a {
-    let layer = std::ptr::from_ref(layer);
-    let own = sources
-        .iter()
-        .flatten()
-        .filter_map(move |source| match source {
-            ObjectSource::Names(own, numbers) if std::ptr::eq(*own, layer) => Some(numbers),
-            _ => None,
-        });
-    own.flatten().copied()
-}
-
-/// The shares of all that was found, without `excluded`: summed within each layer, the largest over layers.
+/// The shares of all that was found, without what is `excluded`: summed within each layer, the largest over layers.
 fn summed(
-    sources: &[Vec<ObjectSource>],
-    excluded: &[Vec<ObjectSource>],
+    found: &Found,
+    excluded: Option<&Found>,
     file: &ExrFile,
     hashed: &[Cryptomatte],
     window: Window,
@@ -385,11 +351,11 @@ fn summed(
             .zip(moved.samples())
             .for_each(|(largest, &share)| *largest = share.max(*largest));
     };
-    for layer in hashed {
-        let without: Vec<u32> = numbers(excluded, layer).collect();
-        let numbers: Vec<u32> = numbers(sources, layer)
-            .filter(|number| !without.contains(number))
-            .collect();
+    for (i, layer) in hashed.iter().enumerate() {
+        let mut numbers = found.hashed[i].clone();
+        if let Some(excluded) = excluded {
+            numbers.retain(|number| !excluded.hashed[i].contains(number));
+        }
         if numbers.is_empty() {
             continue;
         }
@@ -403,17 +369,15 @@ fn summed(
         let (planes, own) = read(file, &layer.channels(), layer.window(file), window)?;
         take(&coverage(&planes, &numbers), own);
     }
-    for source in sources.iter().flatten() {
-        if let ObjectSource::Index(index, number) = source {
-            let channel = ChannelId {
-                part: index.part,
-                channel: index.channels[0],
-            };
-            let stored = file.parts[index.part].window;
-            let (planes, own) = read(file, &[channel], stored, window)?;
-            let is_it = |stored: f32| f32::from((stored - number).abs() < 0.5);
-            take(&planes[0].map(is_it), own);
-        }
+    for (index, number) in &found.indices {
+        let channel = ChannelId {
+            part: index.part,
+            channel: index.channels[0],
+        };
+        let stored = file.parts[index.part].window;
+        let (planes, own) = read(file, &[channel], stored, window)?;
+        let is_it = |stored: f32| f32::from((stored - number).abs() < 0.5);
+        take(&planes[0].map(is_it), own);
     }
     Ok(covered)
 }

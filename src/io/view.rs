@@ -162,27 +162,21 @@ fn aided_by_depth(
     }
     let found = search.by_depth(normal);
     search.report(found.as_ref());
-    match found {
-        Some(found) if unaided.is_given || flip.is_some() => {
-            let turned = Reading {
-                certain: Some(NormalReading::WORLD),
-                reason: format!(
-                    "world: turned by {:.1} degrees, the normals follow the slopes of depth",
-                    turn_deg(found.camera.view_from_world.matrix3)
-                ),
-                ..unaided
-            };
-            (
-                Some(found.camera),
-                if unaided.is_given { unaided } else { turned },
-            )
-        }
-        Some(found) => {
-            let aided = judge(&found.camera);
-            (Some(found.camera), aided)
-        }
-        None => (None, unaided),
-    }
+    let camera = found.map(|found| found.camera);
+    let reading = match &camera {
+        None => unaided,
+        Some(_) if unaided.is_given => unaided,
+        Some(camera) if flip.is_some() => Reading {
+            certain: Some(NormalReading::WORLD),
+            reason: format!(
+                "world: turned by {:.1} degrees, the normals follow the slopes of depth",
+                turn_deg(camera.view_from_world.matrix3)
+            ),
+            ..unaided
+        },
+        Some(camera) => judge(camera),
+    };
+    (camera, reading)
 }
 
 /// Angle of a turn, in degrees; of a mirrored one 180.
