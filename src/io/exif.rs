@@ -245,33 +245,35 @@ impl Exif {
     }
 
     fn short(&self, bytes: &[u8]) -> u16 {
-        let bytes = [bytes[0], bytes[1]];
-        match self.is_big_endian {
-            true => u16::from_be_bytes(bytes),
-            false => u16::from_le_bytes(bytes),
-        }
+        self.number(&bytes[..2]) as u16
     }
 
     fn long(&self, bytes: &[u8]) -> u32 {
-        let bytes = [bytes[0], bytes[1], bytes[2], bytes[3]];
+        self.number(&bytes[..4])
+    }
+
+    fn number(&self, bytes: &[u8]) -> u32 {
+        let digit = |number: u32, &byte: &u8| number << 8 | u32::from(byte);
         match self.is_big_endian {
-            true => u32::from_be_bytes(bytes),
-            false => u32::from_le_bytes(bytes),
+            true => bytes.iter().fold(0, digit),
+            false => bytes.iter().rev().fold(0, digit),
         }
     }
 
     fn of_short(&self, number: u16) -> [u8; 2] {
-        match self.is_big_endian {
-            true => number.to_be_bytes(),
-            false => number.to_le_bytes(),
-        }
+        self.ordered(number.to_be_bytes())
     }
 
     fn of_long(&self, number: u32) -> [u8; 4] {
-        match self.is_big_endian {
-            true => number.to_be_bytes(),
-            false => number.to_le_bytes(),
+        self.ordered(number.to_be_bytes())
+    }
+
+    /// Bytes in the order of the block.
+    fn ordered<const BYTES: usize>(&self, mut bytes: [u8; BYTES]) -> [u8; BYTES] {
+        if !self.is_big_endian {
+            bytes.reverse();
         }
+        bytes
     }
 }
 

@@ -13,7 +13,7 @@ use super::objects::refuse_numbers;
 use super::opened::Opened;
 use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{RoleSource, missing, read_rows};
+use super::sources::{RoleSource, missing, read_all, read_rows};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Vector3Planes, Window};
 use crate::untrusted::shown;
@@ -164,12 +164,7 @@ impl FrameSources {
             read.fit_to(source.role, window);
         }
         let light = read.split_off(self.roles.len());
-        let roles = self.roles.iter().map(|s| s.role).zip(read).collect();
-        let planes = Planes {
-            roles,
-            warnings: Vec::new(),
-        };
-        Ok((planes, light))
+        Ok((Planes::of(&self.roles, read), light))
     }
 
     /// Colour space of the picture by its `colorInteropID`.
@@ -233,6 +228,19 @@ pub(super) struct Planes {
 }
 
 impl Planes {
+    /// Reads all of the `sources`.
+    pub(super) fn read(sources: &[RoleSource]) -> Result<Self> {
+        Ok(Self::of(sources, read_all(sources)?))
+    }
+
+    fn of(sources: &[RoleSource], read: Vec<RolePlanes>) -> Self {
+        let roles = sources.iter().map(|source| source.role);
+        Self {
+            roles: roles.zip(read).collect(),
+            warnings: Vec::new(),
+        }
+    }
+
     pub(super) fn take(&mut self, role: Role) -> Option<RolePlanes> {
         let index = self.roles.iter().position(|(r, _)| *r == role)?;
         Some(self.roles.remove(index).1)

@@ -60,11 +60,11 @@ const REST: [Role; 4] = [
 ];
 
 /// Part of the light held by a layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Use {
     Lobe(Lobe, LobeLayer),
     Rest,
-    Group,
+    Group(GroupInput),
     Occlusion,
     /// Whether the surface's colour is to be multiplied in.
     Gloss(gloss::Holds, bool),
@@ -75,7 +75,6 @@ enum Use {
 pub(super) struct LightSources {
     uses: Vec<Use>,
     sources: Vec<RoleSource>,
-    groups: Vec<GroupInput>,
     /// Lobes that exist but are not used.
     unread: Vec<Lobe>,
     findings: Vec<Finding>,
@@ -162,8 +161,7 @@ impl LightSources {
                 evidence: "as given; lobes are left alone".into(),
                 flag: "--light-group NAME=AZ,EL".into(),
             });
-            self.add(Use::Group, Some(source));
-            self.groups.push(group.clone());
+            self.add(Use::Group(group.clone()), Some(source));
         }
         Ok(self)
     }
@@ -296,29 +294,19 @@ impl LightSources {
         for lobe in self.unread {
             layers.lobe_mut(lobe);
         }
-        let mut groups = self.groups.into_iter();
         for (as_what, mut read) in self.uses.into_iter().zip(read) {
             read.alpha = None;
             replaced += read.sanitise();
-            if as_what == Use::Occlusion {
-                layers.occlusion = Some(read.into_scalar());
-                continue;
-            }
-            let light = read.into_color();
             match as_what {
-                Use::Lobe(lobe, layer) => *layers.layer_mut(lobe, layer) = Some(light),
-                Use::Rest => rest.push(light),
-                Use::Gloss(part, bare) => glossy.push((part, bare, light)),
-                Use::Group => {
-                    let GroupInput { name, to_light } =
-                        groups.next().expect("each group has its layer");
-                    layers.groups.push(LightGroup {
-                        name,
-                        light,
-                        to_light,
-                    });
-                }
-                Use::Occlusion => unreachable!("taken above"),
+                Use::Occlusion => layers.occlusion = Some(read.into_scalar()),
+                Use::Lobe(lobe, layer) => *layers.layer_mut(lobe, layer) = Some(read.into_color()),
+                Use::Rest => rest.push(read.into_color()),
+                Use::Gloss(part, bare) => glossy.push((part, bare, read.into_color())),
+                Use::Group(GroupInput { name, to_light }) => layers.groups.push(LightGroup {
+                    name,
+                    light: read.into_color(),
+                    to_light,
+                }),
             }
         }
         if replaced > 0 {

@@ -19,9 +19,9 @@ pub(super) fn difference(
 ) -> Option<f32> {
     let mut differences: Vec<f32> = mask
         .sample(WANTED)
-        .filter_map(|at| {
-            let shown = rgb(picture, at);
-            let summed = sum(lobes, rest, at);
+        .filter_map(|(x, y)| {
+            let shown = picture.at(x, y);
+            let summed = sum(lobes, rest, (x, y));
             let size: f32 = shown.iter().map(|c| c.abs()).sum();
             let apart: f32 = shown.iter().zip(summed).map(|(c, t)| (c - t).abs()).sum();
             (size > MIN_LIGHT).then(|| apart / size)
@@ -30,16 +30,12 @@ pub(super) fn difference(
     quantile(&mut differences, 0.5, f32::total_cmp)
 }
 
-fn rgb(planes: &ColorPlanes, (x, y): (usize, usize)) -> [f32; 3] {
-    [planes.r.at(x, y), planes.g.at(x, y), planes.b.at(x, y)]
-}
-
-fn sum(lobes: &[LobeLayers], rest: &[ColorPlanes], at: (usize, usize)) -> [f32; 3] {
+fn sum(lobes: &[LobeLayers], rest: &[ColorPlanes], (x, y): (usize, usize)) -> [f32; 3] {
     let mut sum = [0.0; 3];
     let or = |planes: &Option<ColorPlanes>, absent| {
         planes
             .as_ref()
-            .map_or([absent; 3], |planes| rgb(planes, at))
+            .map_or([absent; 3], |planes| planes.at(x, y))
     };
     for lobe in lobes {
         let (direct, indirect) = (or(&lobe.direct, 0.0), or(&lobe.indirect, 0.0));
@@ -49,7 +45,7 @@ fn sum(lobes: &[LobeLayers], rest: &[ColorPlanes], at: (usize, usize)) -> [f32; 
         }
     }
     for layer in rest {
-        for (sum, light) in sum.iter_mut().zip(rgb(layer, at)) {
+        for (sum, light) in sum.iter_mut().zip(layer.at(x, y)) {
             *sum += light;
         }
     }

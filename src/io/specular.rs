@@ -1,6 +1,7 @@
 //! Reading the scene seen in mirrors and through lenses: the frame's own specular pixels, back faces, objects behind,
 //! the surroundings, and, from renderers that write them, the hit points of bent sight lines.
 
+use super::frame_sources::Planes;
 use super::load::Loaded;
 use super::normal_encoding::judge_encoding;
 use super::opened::Opened;
@@ -8,7 +9,7 @@ use super::role_planes::RolePlanes;
 use super::roles::Role;
 use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::frame::coverage::{self, Covered};
 use crate::frame::depth::to_distances;
 use crate::frame::from_depth::{Precision, normals_of_depth};
@@ -117,36 +118,29 @@ pub fn load_specular(
 }
 
 fn refuse_what_lacks(inputs: &SpecularInputs) -> Result<()> {
-    let bad = |name, found: &str, remedy: &str| {
-        Err(Error::BadParameter {
-            name,
-            found: found.into(),
-            remedy: remedy.into(),
-        })
-    };
     let shows =
         inputs.behind.is_some() || inputs.surroundings.is_some() || inputs.hit_position.is_some();
     let around = "give --surroundings FILE, --behind FILE or --hit-position LAYER";
     if inputs.mask.is_some() && !shows {
-        return bad(
+        return Err(bad(
             "--specular-mask",
             "names mirrors, but nothing for them to show",
             around,
-        );
+        ));
     }
     if inputs.back.is_some() && !shows {
-        return bad(
+        return Err(bad(
             "--back",
             "bends sight lines, but there is nothing for them to meet",
             around,
-        );
+        ));
     }
     if inputs.surroundings_camera.is_some() && inputs.surroundings.is_none() {
-        return bad(
+        return Err(bad(
             "--surroundings-camera",
             "tells where a map was seen from, and there is none",
             "give --surroundings FILE",
-        );
+        ));
     }
     Ok(())
 }
@@ -200,23 +194,15 @@ impl Layer<'_> {
         let sources = [Some(place), find(Role::Normal)?, find(Role::Color)?];
         let sources: Vec<_> = sources.into_iter().flatten().collect();
         let data_window = self.common_window(&file, &sources)?;
-        let mut depth = None;
-        let (mut normal, mut color, mut alpha) = (None, None, None);
-        for (source, mut read) in sources.iter().zip(read_all(&sources)?) {
-            match source.role {
-                Role::Depth => depth = Some(self.distances(read.into_scalar())),
-                Role::Position => {
-                    depth = Some(read.points().depth(&self.camera));
-                }
-                Role::Normal => normal = Some(read.into_vector()),
-                _ => {
-                    read.sanitise();
-                    alpha = read.take_coverage();
-                    color = Some(read.into_color());
-                }
-            }
-        }
-        let mut depth = depth.expect("read above");
+        let mut planes = Planes::read(&sources)?;
+        let positions = planes.take(Role::Position);
+        let depth = planes
+            .scalar(Role::Depth)
+            .map(|depth| self.distances(depth));
+        let depth = depth.or_else(|| Some(positions?.points().depth(&self.camera)));
+        let mut depth = depth.expect("a source of either is there");
+        let normal = planes.vector(Role::Normal);
+        let (color, alpha) = planes.color(Role::Color);
         let kind = self.loaded.frame.source.depth_kind;
         let (mask, normal) = match normal {
             Some(normal) => self.with_normals(normal, &mut depth, data_window),
@@ -228,7 +214,7 @@ impl Layer<'_> {
             display_window,
             pixel_aspect,
             depth: Some(depth),
-            color,
+            color: color.map(RolePlanes::into_color),
             alpha,
             camera: Some(self.camera),
             source: Source {

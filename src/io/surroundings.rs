@@ -1,12 +1,14 @@
 //! Reading distance maps: equirectangular panoramas with positions or distances.
 
 use super::camera::{read_pose, recover_panorama};
+use super::frame_sources::Planes;
 use super::inputs::Flip;
 use super::normal_encoding::judge_encoding;
 use super::normals_of_points::normals_of_points;
 use super::opened::Opened;
+use super::role_planes::RolePlanes;
 use super::roles::Role;
-use super::sources::{RoleSource, missing, read_all};
+use super::sources::{RoleSource, missing};
 use crate::error::{Error, Result};
 use crate::frame::depth::is_distance;
 use crate::frame::normals::{decode, normalise};
@@ -65,17 +67,9 @@ pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surr
     sources.extend(find(Role::Color)?);
     sources.retain(|source| source.window() == window);
     let pose = pose.map(read_pose).transpose()?;
-    let mut read = sources
-        .iter()
-        .map(|source| source.role)
-        .zip(read_all(&sources)?)
-        .collect::<Vec<_>>();
-    let mut take = |role: Role| {
-        let index = read.iter().position(|(own, _)| *own == role)?;
-        Some(read.swap_remove(index).1)
-    };
+    let mut planes = Planes::read(&sources)?;
     let (points, center, map_from_world) = if has_positions {
-        let positions = take(Role::Position).expect("found above").into_vector();
+        let positions = planes.vector(Role::Position).expect("found above");
         let seen = seen(&positions);
         let (center, map_from_world) = match pose {
             Some(pose) => pose,
@@ -99,28 +93,25 @@ pub(crate) fn read_surroundings(path: &Path, pose: Option<&Path>) -> Result<Surr
                 "give --surroundings-camera FILE, or a panorama with positions",
             ));
         };
-        let depth = take(Role::Depth).expect("found above").into_scalar();
+        let depth = planes.scalar(Role::Depth).expect("found above");
         (points_at(&depth, map_from_world), center, map_from_world)
     };
     let normal_rounding = sources
         .iter()
         .find(|source| source.role == Role::Normal)
         .map_or(MADE_ROUNDING, RoleSource::rounding);
-    let normal = match take(Role::Normal) {
-        Some(read) => unit(read.into_vector(), &points),
+    let normal = match planes.vector(Role::Normal) {
+        Some(normal) => unit(normal, &points),
         None => made_normals(&points),
     };
-    let color = take(Role::Color).map(|mut read| {
-        read.sanitise();
-        read.into_color()
-    });
+    let (color, _) = planes.color(Role::Color);
     Ok(Surroundings {
         center,
         map_from_world,
         points,
         normal,
         normal_rounding,
-        color,
+        color: color.map(RolePlanes::into_color),
     })
 }
 
