@@ -1,11 +1,11 @@
 //! Reading a custom tonal art map: a folder of pictures of strokes.
 
 use super::environment::{color_size, read_color};
+use super::open::files_in;
 use super::picture::is_picture_name;
 use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE};
+use crate::frame::{ColorPlanes, Plane, REC709_LUMINANCE, luminance};
 use crate::untrusted::shown;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Bytes per pixel of all pictures: its ink, and the texture made from it.
@@ -62,23 +62,14 @@ pub fn read_art_map(path: &Path, most_bytes: u64) -> Result<Vec<Plane>> {
 }
 
 fn pictures_in(path: &Path) -> Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(path).map_err(Error::io(path, "read"))?;
-    let mut files = Vec::new();
-    for entry in entries {
-        let file = entry.map_err(Error::io(path, "read"))?.path();
-        if file.is_file() && is_picture_name(&file) {
-            files.push(file);
-        }
-    }
-    files.sort();
+    let mut files = files_in(path)?;
+    files.retain(|file| file.is_file() && is_picture_name(file));
     Ok(files)
 }
 
 /// Darkness of a picture: 1 minus its luminance.
 fn ink(color: &ColorPlanes) -> Plane {
-    let [r, g, b] = [&color.r, &color.g, &color.b].map(Plane::samples);
-    let weights = REC709_LUMINANCE;
-    let ink =
-        (0..r.len()).map(|i| 1.0 - (r[i] * weights[0] + g[i] * weights[1] + b[i] * weights[2]));
-    Plane::from_samples(color.r.width(), color.r.height(), ink.collect())
+    Plane::from_fn(color.r.width(), color.r.height(), |x, y| {
+        1.0 - luminance(color.at(x, y), REC709_LUMINANCE)
+    })
 }

@@ -3,10 +3,11 @@
 //! Names tell which is what; see [`NAMES`].
 
 use super::inputs::{Inputs, NONE};
-use super::names::is_one_of;
+use super::open::files_in;
 use super::opened::Opened;
 use super::photo::pictures_in;
 use super::roles::Role;
+use super::text::is_one_of;
 use crate::error::{Error, Result};
 use crate::untrusted::{listed, shown};
 use std::borrow::Cow;
@@ -62,11 +63,7 @@ impl Bundle {
     }
 
     fn of_folder(path: &Path) -> Result<Self> {
-        let entries = std::fs::read_dir(path).map_err(Error::io(path, "read"))?;
-        let files = entries.map(|entry| entry.map(|entry| entry.path()));
-        let files: std::io::Result<Vec<PathBuf>> = files.collect();
-        let mut files = files.map_err(Error::io(path, "read"))?;
-        files.sort();
+        let mut files = files_in(path)?;
         let is_camera = |file: &&PathBuf| file.file_name().is_some_and(|own| is_one(own, CAMERAS));
         let cameras: Vec<_> = files.iter().filter(is_camera).cloned().collect();
         if cameras.len() > 1 {

@@ -31,13 +31,6 @@ pub(crate) fn fenced<T>(decode: impl FnOnce() -> T) -> Option<T> {
     result.ok()
 }
 
-/// `text` with every run of white space and control characters as one blank.
-pub(crate) fn one_line(text: &str) -> String {
-    let visible = |c: char| if c.is_control() { ' ' } else { c };
-    let spaced: String = text.chars().map(visible).collect();
-    spaced.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,9 +1,9 @@
 //! Frames without normals: those of the surface that their depth, heights or positions show.
 
 use super::depth_sense::ABOVE_ONE;
+use super::finding::Notes;
 use super::frame_sources::missing_normals;
 use super::load::{FrameSource, Layers, SeenSurface};
-use super::notes::Notes;
 use super::roles::Role;
 use super::sources::RoleSource;
 use super::view::View;

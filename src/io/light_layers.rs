@@ -1,10 +1,9 @@
 //! The layers that split the light of a picture, by lobes or light groups.
 
-use super::finding::Finding;
+use super::finding::{Finding, Notes};
 use super::gloss::{self, LitPicture};
 use super::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
 use super::names::{Role, last_word};
-use super::notes::Notes;
 use super::opened::Opened;
 use super::recombination::difference;
 use super::role_planes::RolePlanes;

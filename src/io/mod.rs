@@ -65,6 +65,7 @@ mod surface;
 mod surroundings;
 mod survey;
 pub mod svg;
+mod text;
 mod view;
 mod views;
 mod words;

@@ -9,6 +9,7 @@
 
 use super::exr::ExrFile;
 use super::inputs::StoredDepth::{self, Inverse, NormalizedNearIsOne, Planar, Ray};
+use super::text::is_one_of;
 use crate::frame::NormalSpace;
 use serde::Serialize;
 
@@ -271,11 +272,6 @@ const RENDERERS: &[Renderer] = &[
 
 /// Attributes that name the program a file was made with.
 const MAKERS: &str = "software renderer generatedby creator generator";
-
-/// Whether `word` is one of `words`, which have blanks between them.
-pub(super) fn is_one_of(word: &str, words: &str) -> bool {
-    words.split_whitespace().any(|own| own == word)
-}
 
 /// Removes the prefix Nuke adds to attributes of files it has read.
 pub(super) fn plain_attribute(name: &str) -> &str {

@@ -1,6 +1,6 @@
 //! Conclusions and warnings gathered while a frame is loaded.
 
-use super::finding::Finding;
+use super::finding::{Finding, Notes};
 use super::frame_sources::FrameSources;
 use super::inputs::{Inputs, NormalEncoding};
 use super::normal_encoding::{judge_encoding, refuse_light, refuse_pictures};
@@ -12,12 +12,6 @@ use crate::frame::objects::Objects;
 use crate::frame::{Frame, Mask, Plane, Vector3Planes};
 use crate::untrusted::{Untrusted, shown};
 use std::rc::Rc;
-
-/// Conclusions and warnings gathered while loading.
-pub(super) struct Notes {
-    pub(super) findings: Vec<Finding>,
-    pub(super) warnings: Vec<String>,
-}
 
 /// Most characters of a line with evidence and its flag.
 const LINE: usize = 80;

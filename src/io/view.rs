@@ -2,14 +2,13 @@
 
 use super::axes;
 use super::camera::{CAMERA, CameraSearch, FoundCamera};
-use super::finding::Finding;
+use super::finding::{Finding, Notes};
 use super::inputs::{Flip, Inputs};
 use super::map_writers::MapWriter;
 use super::names::Hint;
 use super::normal_space::{
     NormalReading, NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence,
 };
-use super::notes::Notes;
 use super::sight_turned::{self, BY_SIGHT};
 use super::surface::SurfaceSamples;
 use crate::error::{Error, Result};

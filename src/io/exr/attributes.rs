@@ -5,7 +5,7 @@
 
 use super::fault::{Fault, Parsed};
 use crate::frame::Window;
-use crate::io::names::is_one_of;
+use crate::io::text::is_one_of;
 use std::borrow::Cow;
 use std::io::Read;
 

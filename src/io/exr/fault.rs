@@ -1,7 +1,7 @@
 //! Faults of a file, before its path is attached.
 
 use crate::error::Error;
-use crate::io::fence::one_line;
+use crate::io::text::one_line;
 use std::io;
 use std::path::Path;
 

@@ -6,7 +6,7 @@ use super::fault::Fault;
 use super::header::{LONG_NAMES, VERSION, typed};
 use crate::error::{Error, Result};
 use crate::frame::{Plane, Window};
-use crate::io::names::is_one_of;
+use crate::io::text::is_one_of;
 use ::exr::meta::header::Header;
 use std::path::Path;
 

@@ -8,6 +8,7 @@ use crate::io::names;
 use crate::io::opened::Opened;
 use crate::io::roles::{Layer, Role};
 use crate::io::sources::RoleSource;
+use crate::io::text::is_one_of;
 use std::rc::Rc;
 
 /// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation:
@@ -87,7 +88,7 @@ fn is_motion(layer: &Layer) -> bool {
     let listed = Role::Motion.names();
     let mut words = layer.said().words.iter().map(String::as_str);
     layer.matched(Role::Motion).is_some()
-        && words.any(|word| listed.contains(&word) || names::is_one_of(word, NAMES))
+        && words.any(|word| listed.contains(&word) || is_one_of(word, NAMES))
 }
 
 fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {

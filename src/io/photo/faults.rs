@@ -1,7 +1,7 @@
 //! What is refused, in one line.
 
 use crate::error::Error;
-use crate::io::fence::one_line;
+use crate::io::text::one_line;
 use image::ImageError;
 use std::path::Path;
 

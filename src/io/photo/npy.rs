@@ -1,11 +1,45 @@
 //! The header of a NumPy array.
 
 use super::faults::{damaged, unsupported};
-use super::numbers::Number;
 use crate::error::{Error, Result};
 use crate::untrusted::Untrusted;
+use half::f16;
 use std::io::Read;
 use std::path::Path;
+
+/// How a number is stored.
+#[derive(Clone, Copy)]
+pub(super) struct Number {
+    /// `f`, `u` or `i`, or `b` for truth values.
+    pub(super) kind: char,
+    pub(super) bytes: usize,
+    pub(super) is_little: bool,
+}
+
+impl Number {
+    /// The number in these bytes, 1 to 8.
+    pub(super) fn read(self, bytes: &[u8]) -> f32 {
+        let mut wide = [0_u8; 8];
+        for (to, from) in wide.iter_mut().zip(bytes) {
+            *to = *from;
+        }
+        if !self.is_little {
+            wide[..bytes.len()].reverse();
+        }
+        let code = u64::from_le_bytes(wide);
+        match (self.kind, bytes.len()) {
+            ('f', 2) => f16::from_bits(code as u16).to_f32(),
+            ('f', 4) => f32::from_bits(code as u32),
+            ('f', _) => f64::from_bits(code) as f32,
+            // The sign is that of the highest bit stored.
+            ('i', count) => {
+                let above = 64 - 8 * count as u32;
+                ((code << above) as i64 >> above) as f32
+            }
+            _ => code as f32,
+        }
+    }
+}
 
 /// How an array of numbers is stored.
 pub(super) struct NpyHeader {

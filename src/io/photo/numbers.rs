@@ -2,12 +2,11 @@
 //! are the numbers as stored; grey is repeated, since there is no grey of floats.
 
 use super::faults::{MAX_BYTES, damaged, unsupported};
-use super::npy::NpyHeader;
+use super::npy::{NpyHeader, Number};
 use super::npz;
 use crate::error::{Error, Result};
-use crate::io::fence::one_line;
 use crate::io::open::open_buffered;
-use half::f16;
+use crate::io::text::one_line;
 use image::{ColorType, ExtendedColorType, ImageDecoder, ImageError, ImageResult};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -27,15 +26,6 @@ enum Source {
         number: Number,
         is_upward: bool,
     },
-}
-
-/// How a number is stored.
-#[derive(Clone, Copy)]
-pub(super) struct Number {
-    /// `f`, `u` or `i`, or `b` for truth values.
-    pub(super) kind: char,
-    pub(super) bytes: usize,
-    pub(super) is_little: bool,
 }
 
 /// A picture of numbers whose header has been read.
@@ -285,31 +275,6 @@ fn bytes_of(file: &mut dyn Read, count: usize) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-impl Number {
-    /// The number in these bytes, 1 to 8.
-    fn read(self, bytes: &[u8]) -> f32 {
-        let mut wide = [0_u8; 8];
-        for (to, from) in wide.iter_mut().zip(bytes) {
-            *to = *from;
-        }
-        if !self.is_little {
-            wide[..bytes.len()].reverse();
-        }
-        let code = u64::from_le_bytes(wide);
-        match (self.kind, bytes.len()) {
-            ('f', 2) => f16::from_bits(code as u16).to_f32(),
-            ('f', 4) => f32::from_bits(code as u32),
-            ('f', _) => f64::from_bits(code) as f32,
-            // The sign is that of the highest bit stored.
-            ('i', count) => {
-                let above = 64 - 8 * count as u32;
-                ((code << above) as i64 >> above) as f32
-            }
-            _ => code as f32,
-        }
-    }
-}
-
 fn floats(read: DecodingResult) -> Vec<f32> {
     fn all<T>(numbers: Vec<T>, float: impl Fn(T) -> f32) -> Vec<f32> {
         numbers.into_iter().map(float).collect()
@@ -333,6 +298,7 @@ fn floats(read: DecodingResult) -> Vec<f32> {
 mod tests {
     use super::*;
     use crate::io::photo::Photo;
+    use half::f16;
     use std::io::Cursor;
     use tiff::encoder::{TiffEncoder, colortype};
 

@@ -3,8 +3,8 @@
 use super::encoding::{Encoding, ascii};
 use crate::error::Error;
 use crate::io::exif::thousandths;
-use crate::io::fence::one_line;
 use crate::io::photo::unsupported;
+use crate::io::text::one_line;
 use crate::params::MM_PER_INCH;
 use fax::encoder::Encoder;
 use fax::{Color, VecWriter};
