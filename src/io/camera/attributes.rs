@@ -7,7 +7,7 @@
 //! and the layers of positions or normals decide.
 
 use crate::frame::{Camera, Projection, Window};
-use crate::io::names::plain_attribute;
+use crate::io::roles::names::plain_attribute;
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use std::collections::BTreeMap;
 

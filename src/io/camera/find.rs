@@ -8,9 +8,9 @@ use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
+use crate::io::judge::points::Points;
+use crate::io::judge::surface::SurfaceSamples;
 use crate::io::normal_space::NormalSamples;
-use crate::io::points::Points;
-use crate::io::surface::SurfaceSamples;
 use glam::DVec3;
 
 /// Subject of findings about the camera.

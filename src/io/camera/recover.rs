@@ -17,7 +17,7 @@ use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Covariance, Free, Model};
 use super::samples::{Grid, Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
-use crate::io::points::Points;
+use crate::io::judge::points::Points;
 use glam::{DAffine3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Which pixels of a position layer a camera is recovered from.
 
 use crate::frame::{Mask, Window};
-use crate::io::points::Points;
+use crate::io::judge::points::Points;
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;

@@ -4,10 +4,10 @@
 
 use super::MotionConvention;
 use crate::error::Result;
-use crate::io::names;
-use crate::io::opened::Opened;
+use crate::io::load::opened::Opened;
+use crate::io::load::sources::RoleSource;
+use crate::io::roles::names;
 use crate::io::roles::{Layer, Role};
-use crate::io::sources::RoleSource;
 use crate::io::text::is_one_of;
 use std::rc::Rc;
 
