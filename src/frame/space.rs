@@ -85,6 +85,19 @@ pub enum Projection {
     },
 }
 
+impl Projection {
+    /// That of parallel sight lines or of those through an eye, with so many pixels per unit of length or of slope along x
+    /// and y, and this view axis.
+    pub(crate) fn new(are_parallel: bool, [x, y]: [f64; 2], axis: DVec2) -> Self {
+        let DVec2 { x: cx, y: cy } = axis;
+        let (sx, sy, fx, fy) = (x, y, x, y);
+        match are_parallel {
+            true => Self::Orthographic { sx, sy, cx, cy },
+            false => Self::Perspective { fx, fy, cx, cy },
+        }
+    }
+}
+
 /// The pose of the viewer and the projection of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {

@@ -14,3 +14,9 @@ pub struct Finding {
     /// The flag that would force it.
     pub flag: String,
 }
+
+/// Conclusions and warnings gathered while loading.
+pub(super) struct Notes {
+    pub(super) findings: Vec<Finding>,
+    pub(super) warnings: Vec<String>,
+}

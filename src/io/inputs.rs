@@ -1,8 +1,8 @@
 //! The user's choices about inputs; everything else follows from names and data.
 
-use super::colorspace::ColorSpace;
 use crate::frame::{Camera, Frame, NormalSpace, Plane, confidence};
 pub use crate::frame::{Flip, NormalEncoding, StoredDepth};
+use crate::io::colorspace::ColorSpace;
 use crate::params::ObjectAngle;
 use glam::Vec3;
 use std::ops::Range;

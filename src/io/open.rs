@@ -1,9 +1,9 @@
 //! Opening inputs: ordinary files alone, and never waiting for one.
 
 use crate::error::{Error, Result};
-use std::fs::{File, Metadata, OpenOptions};
-use std::io::{self, Read};
-use std::path::Path;
+use std::fs::{self, File, Metadata, OpenOptions};
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
 
 /// Opens `path` for reading.
 ///
@@ -26,6 +26,29 @@ pub(crate) fn open_input(path: &Path) -> io::Result<File> {
         true => Ok(file),
         false => Err(io::Error::other(what_it_is(&data))),
     }
+}
+
+/// [`open_input`], read through a buffer.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(crate) fn open_buffered(path: &Path) -> Result<BufReader<File>> {
+    let file = open_input(path).map_err(Error::io(path, "read"))?;
+    Ok(BufReader::new(file))
+}
+
+/// What is in a folder, by name.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(crate) fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let paths = || -> io::Result<Vec<PathBuf>> {
+        let entries = fs::read_dir(folder)?;
+        entries.map(|entry| Ok(entry?.path())).collect()
+    };
+    let mut files = paths().map_err(Error::io(folder, "read"))?;
+    files.sort();
+    Ok(files)
 }
 
 /// The text of the file `path`, of at most `most` bytes.

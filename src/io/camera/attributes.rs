@@ -7,7 +7,7 @@
 //! and the layers of positions or normals decide.
 
 use crate::frame::{Camera, Projection, Window};
-use crate::io::names::plain_attribute;
+use crate::io::roles::names::plain_attribute;
 use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
 use std::collections::BTreeMap;
 
@@ -17,6 +17,16 @@ pub(super) struct Candidate {
     pub(super) camera: Camera,
     /// The attributes it was read from, and how.
     pub(super) reading: String,
+}
+
+impl Candidate {
+    fn new(view_from_world: DAffine3, projection: Projection, reading: String) -> Self {
+        let camera = Camera {
+            view_from_world,
+            projection,
+        };
+        Self { camera, reading }
+    }
 }
 
 /// A turn may be off orthonormal by this much.
@@ -73,12 +83,8 @@ impl Picture {
     fn lens(&self, half_tan: f64) -> Option<Projection> {
         let middle = self.corner() + 0.5 * self.size();
         let fx = 0.5 * self.size().x / half_tan;
-        (half_tan > 0.0 && fx.is_finite()).then_some(Projection::Perspective {
-            fx,
-            fy: fx * self.aspect,
-            cx: middle.x,
-            cy: middle.y,
-        })
+        let is_lens = half_tan > 0.0 && fx.is_finite();
+        is_lens.then(|| Projection::new(false, [fx, fx * self.aspect], middle))
     }
 }
 
@@ -118,13 +124,8 @@ impl Attributes<'_> {
             for (axes, looks) in AXES {
                 let view_from_world = DAffine3::from_scale(axes) * camera_from_world;
                 let mut add = |projection, lens: &str| {
-                    found.push(Candidate {
-                        camera: Camera {
-                            view_from_world,
-                            projection,
-                        },
-                        reading: format!("worldToCamera {how}{looks}{lens}"),
-                    });
+                    let reading = format!("worldToCamera {how}{looks}{lens}");
+                    found.push(Candidate::new(view_from_world, projection, reading));
                 };
                 if let Some(to_ndc) = to_ndc {
                     let ndc_from_view = read(to_ndc)
@@ -176,14 +177,9 @@ impl Attributes<'_> {
                     continue;
                 };
                 for (axes, looks) in order.map(|i| AXES[i]) {
-                    found.push(Candidate {
-                        camera: Camera {
-                            view_from_world: DAffine3::from_scale(axes)
-                                * world_from_camera.inverse(),
-                            projection,
-                        },
-                        reading: format!("{stated} {how}{looks}"),
-                    });
+                    let view_from_world = DAffine3::from_scale(axes) * world_from_camera.inverse();
+                    let reading = format!("{stated} {how}{looks}");
+                    found.push(Candidate::new(view_from_world, projection, reading));
                 }
             }
         }
@@ -227,13 +223,13 @@ impl Attributes<'_> {
                 0.5 * number("sensorwidth")? / number("focallength")?
             }
         };
-        Some(Candidate {
-            camera: Camera {
-                view_from_world: DAffine3::from_mat3_translation(rotation, -(rotation * eye)),
-                projection: picture.lens(half_tan)?,
-            },
-            reading: "unreal/camera, a left-handed world".into(),
-        })
+        let view_from_world = DAffine3::from_mat3_translation(rotation, -(rotation * eye));
+        let reading = "unreal/camera, a left-handed world".into();
+        Some(Candidate::new(
+            view_from_world,
+            picture.lens(half_tan)?,
+            reading,
+        ))
     }
 }
 
@@ -314,22 +310,8 @@ impl Ndc {
         if !(x > 0.0 && y > 0.0 && shift < MOST_SHIFT && square && far.is_finite()) {
             return None;
         }
-        let (cx, cy) = (here.x, here.y);
-        let parallel = (far.x - here.x - x).abs() < 1e-3 * x;
-        Some(match parallel {
-            true => Projection::Orthographic {
-                sx: x,
-                sy: y,
-                cx,
-                cy,
-            },
-            false => Projection::Perspective {
-                fx: x,
-                fy: y,
-                cx,
-                cy,
-            },
-        })
+        let are_parallel = (far.x - here.x - x).abs() < 1e-3 * x;
+        Some(Projection::new(are_parallel, [x, y], here))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{Patch, TILES};
+use super::model::wahba;
 use super::samples::{quantile, spread_out};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SymmetricEigen, Vector3, Vector4};
 
@@ -103,14 +104,7 @@ fn best_turn(seen: &Seen, weights: &[f64], mirrored: bool) -> Option<Matrix3<f64
     for ((patch, normal), &weight) in pairs.zip(weights) {
         sum += weight * normal * patch.normal.transpose();
     }
-    if !sum.iter().all(|e| e.is_finite()) {
-        return None;
-    }
-    let svd = sum.svd(true, true);
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let sign = (u * v_t).determinant().signum() * if mirrored { -1.0 } else { 1.0 };
-    // Singular values come in falling order: the last direction is the cheapest one to reverse.
-    Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
+    wahba(&sum, mirrored)
 }
 
 fn residuals(seen: &Seen, turn: &Matrix3<f64>) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Patches of surface that a rotation is recovered from: how fast depth changes, and the normal.
 
-use super::samples::quantile;
-use crate::frame::{Mask, Plane, Vector3Planes, Window};
+use super::samples::{Grid, quantile};
+use crate::frame::{Mask, Plane, Vector3Planes};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 
@@ -84,9 +84,7 @@ pub(super) struct NormalsAndDepth<'a> {
     pub(super) normal: &'a Vector3Planes,
     pub(super) depth: &'a Plane,
     pub(super) mask: &'a Mask,
-    pub(super) data_window: Window,
-    pub(super) display_window: Window,
-    pub(super) pixel_aspect: f64,
+    pub(super) grid: Grid,
 }
 
 /// Sums over the pixels of a patch.
@@ -168,7 +166,7 @@ impl NormalsAndDepth<'_> {
         let slope = (2.0 * (e - a) + d - b) / 10.0;
         let slope = slope.hypot(0.5 * (at(x, y - 1)? - at(x, y + 1)?));
         // Errors on surfaces facing the viewer are harmless, however large relative to the slope.
-        let facing = SCATTER_SLOPE * c / self.display_window.width().max(1) as f64;
+        let facing = SCATTER_SLOPE * c / self.grid.display.width().max(1) as f64;
         Some(fourth.abs() / (70f64.sqrt() * (slope + facing)))
     }
 
@@ -231,12 +229,12 @@ impl NormalsAndDepth<'_> {
         let unexplained = sums.square - sums.rise * sums.rise / count - explained;
         let scatter = (unexplained.max(0.0) / count).sqrt();
         let allowed = SCATTER_PX * per_column.hypot(per_row)
-            + SCATTER_SLOPE * reach as f64 * inverse / self.display_window.width().max(1) as f64;
+            + SCATTER_SLOPE * reach as f64 * inverse / self.grid.display.width().max(1) as f64;
         let alike = sums.normal.norm() / sums.length;
         (scatter <= allowed && alike >= choice.alike).then(|| Patch {
-            seen: self.seen(x, y),
+            seen: self.grid.seen(x, y),
             depth: 1.0 / inverse,
-            slope: -Vector2::new(per_column, per_row * self.pixel_aspect) / inverse,
+            slope: -Vector2::new(per_column, per_row * self.grid.aspect) / inverse,
             normal: sums.normal.normalize(),
             bend: (2.0 * (1.0 - alike).max(0.0)).sqrt(),
             tile: self.tile(x, y),
@@ -273,16 +271,6 @@ impl NormalsAndDepth<'_> {
             }
         }
         Some(sums)
-    }
-
-    fn seen(&self, x: usize, y: usize) -> Vector2<f64> {
-        let (data, display) = (self.data_window, self.display_window);
-        let column = f64::from(data.x0) + x as f64 + 0.5;
-        let row = f64::from(data.y0) + y as f64 + 0.5;
-        Vector2::new(
-            column - display.center().x,
-            (display.center().y - row) / self.pixel_aspect,
-        )
     }
 
     fn tile(&self, x: usize, y: usize) -> usize {

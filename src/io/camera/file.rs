@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Camera, OutOfRange, Projection, Window, check_place};
 use crate::io::open::read_text;
 use crate::untrusted::Untrusted;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
 use std::path::Path;
@@ -180,31 +180,27 @@ fn described(value: &Value) -> String {
 }
 
 fn kind_of(json: &Value) -> Parsed<Kind> {
-    let focal = present(json, "focal_px").is_some();
-    let parallel = present(json, "pixels_per_unit").is_some();
-    if focal && parallel {
-        return Err(Rejected::new(
+    let has = |key| present(json, key).is_some();
+    let (focal, parallel) = (has("focal_px"), has("pixels_per_unit"));
+    let named = present(json, "camera_type").map(kind_named).transpose()?;
+    let (found, remedy) = match named {
+        _ if focal && parallel => (
             "has both focal_px and pixels_per_unit",
             "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
-        ));
-    }
-    let named = match present(json, "camera_type") {
-        None => None,
-        Some(value) => Some(kind_named(value)?),
-    };
-    match named {
-        Some(Kind::Perspective) if parallel => Err(Rejected::new(
+        ),
+        Some(Kind::Perspective) if parallel => (
             "camera_type PERSP with pixels_per_unit",
             "give focal_px instead, or set camera_type to ORTHO",
-        )),
-        Some(Kind::Orthographic) if focal => Err(Rejected::new(
+        ),
+        Some(Kind::Orthographic) if focal => (
             "camera_type ORTHO with focal_px",
             "give pixels_per_unit instead, or set camera_type to PERSP",
-        )),
-        Some(kind) => Ok(kind),
-        None if parallel => Ok(Kind::Orthographic),
-        None => Ok(Kind::Perspective),
-    }
+        ),
+        Some(kind) => return Ok(kind),
+        None if parallel => return Ok(Kind::Orthographic),
+        None => return Ok(Kind::Perspective),
+    };
+    Err(Rejected::new(found, remedy))
 }
 
 fn kind_named(value: &Value) -> Parsed<Kind> {
@@ -456,19 +452,16 @@ impl Lens {
     }
 
     fn projection(&self, kind: Kind, scale: f64, display: Window) -> Projection {
-        let cx = self.cx + f64::from(display.x0);
-        let cy = self.cy + f64::from(display.y0);
-        let (fx, fy) = (self.fx, self.fy);
-        match kind {
-            Kind::Perspective => Projection::Perspective { fx, fy, cx, cy },
-            // Lengths in view space shrank with the scale, so a unit now spans more pixels.
-            Kind::Orthographic => Projection::Orthographic {
-                sx: fx * scale,
-                sy: fy * scale,
-                cx,
-                cy,
-            },
-        }
+        let corner = DVec2::new(display.x0.into(), display.y0.into());
+        let are_parallel = kind == Kind::Orthographic;
+        // Lengths in view space shrank with the scale, so a unit now spans more pixels.
+        let times = if are_parallel { scale } else { 1.0 };
+        let per_unit = [self.fx * times, self.fy * times];
+        Projection::new(
+            are_parallel,
+            per_unit,
+            DVec2::new(self.cx, self.cy) + corner,
+        )
     }
 }
 

@@ -2,15 +2,15 @@
 
 use super::attributes::{Candidate, candidates, is_mirrored};
 use super::recover::recover_from;
-use super::samples::quantile;
+use super::samples::{Grid, quantile};
 use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
+use crate::io::judge::points::Points;
+use crate::io::judge::surface::SurfaceSamples;
 use crate::io::normal_space::NormalSamples;
-use crate::io::points::Points;
-use crate::io::surface::SurfaceSamples;
 use glam::DVec3;
 
 /// Subject of findings about the camera.
@@ -158,13 +158,12 @@ impl<'a> CameraSearch<'a> {
 
     fn by_positions(&self, position: Points) -> std::result::Result<FoundCamera, RecoveryFailure> {
         let surface = self.surface;
-        let found = recover_from(
-            position,
-            surface.mask,
+        let grid = Grid::new(
             surface.data_window,
             surface.display_window,
             surface.pixel_aspect,
-        )?;
+        );
+        let found = recover_from(position, surface.mask, grid)?;
         found.camera.check(surface.display_window)?;
         let evidence = format!(
             "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
@@ -276,8 +275,8 @@ fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: Points)
 fn misfit(camera: &Camera, surface: &SurfaceSamples, normals: &NormalSamples) -> f64 {
     let verdict = normals.judge(Some(camera), surface.data_window);
     let evidence = verdict.evidence;
-    let averted = 1.0 - evidence.facing_world.unwrap_or(0.0);
-    averted.max(evidence.slope_world_deg.unwrap_or(0.0) / 90.0)
+    let averted = 1.0 - evidence.world.facing;
+    averted.max(evidence.world.slope_deg.unwrap_or(0.0) / 90.0)
 }
 
 /// The camera in words; its position only if known.

@@ -17,9 +17,9 @@ use super::depth_lens::{Kind, Lens};
 use super::depth_samples::{NormalsAndDepth, Patch};
 use super::file::dmat3;
 use super::recover::{MIRROR, RecoveryFailure};
-use super::samples::quantile;
+use super::samples::{Grid, quantile};
 use crate::frame::{Camera, DepthKind, Mask, Plane, Projection, Vector3Planes, Window};
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DVec3};
 
 /// Fewer patches than this are refused.
 const FEWEST: usize = 24;
@@ -96,14 +96,11 @@ pub fn recover_camera_from_depth(
         let wanted = (data_window.width(), data_window.height());
         assert_eq!(size, wanted, "a plane does not fill the data window");
     }
-    let usable = pixel_aspect.is_finite() && pixel_aspect > 0.0;
     let surface = NormalsAndDepth {
         normal,
         depth,
         mask,
-        data_window,
-        display_window,
-        pixel_aspect: if usable { f64::from(pixel_aspect) } else { 1.0 },
+        grid: Grid::new(data_window, display_window, pixel_aspect),
     };
     let patches = surface.patches();
     if patches.len() < FEWEST {
@@ -172,28 +169,13 @@ impl Answer {
 
     fn report(&self, surface: &NormalsAndDepth) -> DepthCamera {
         let Lens { kind, number } = self.fit.lens;
-        let display = surface.display_window;
-        let DVec2 { x: cx, y: cy } = display.center();
-        let (x, y) = (number, number * surface.pixel_aspect);
-        let projection = match kind {
-            Kind::Parallel => Projection::Orthographic {
-                sx: x,
-                sy: y,
-                cx,
-                cy,
-            },
-            Kind::Planar | Kind::Ray => Projection::Perspective {
-                fx: x,
-                fy: y,
-                cx,
-                cy,
-            },
-        };
+        let display = surface.grid.display;
+        let per_unit = [number, number * surface.grid.aspect];
         let turn = dmat3(self.fit.turn.matrix());
         DepthCamera {
             camera: Camera {
                 view_from_world: DAffine3::from_mat3_translation(turn, DVec3::ZERO),
-                projection,
+                projection: Projection::new(kind == Kind::Parallel, per_unit, display.center()),
             },
             depth_kind: if kind == Kind::Ray {
                 DepthKind::Ray

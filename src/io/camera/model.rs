@@ -40,6 +40,19 @@ pub(super) fn orthonormal(near: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (svd.singular_values.min() > 1e-9 && rotation.determinant() > 0.0).then_some(rotation)
 }
 
+/// The proper rotation, or with `mirrored` the improper one, that best maps vectors onto others, given the `sum` of the
+/// products of the latter and the transposed former (Wahba's problem).
+pub(super) fn wahba(sum: &Matrix3<f64>, mirrored: bool) -> Option<Matrix3<f64>> {
+    if !sum.iter().all(|e| e.is_finite()) {
+        return None;
+    }
+    let svd = sum.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    let sign = (u * v_t).determinant().signum() * if mirrored { -1.0 } else { 1.0 };
+    // Singular values come in falling order: the last direction is the cheapest one to reverse.
+    Some(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t)
+}
+
 /// Which parameters a fit may move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Free {

@@ -1,6 +1,7 @@
 //! Viewpoint and orientation of a panorama, from its world-space positions.
 
 use super::file::dmat3;
+use super::model::wahba;
 use super::samples::quantile;
 use crate::frame::{Plane, Vector3Planes, map_direction};
 use glam::{DMat3, DVec3};
@@ -105,15 +106,7 @@ fn turned(sightings: &[Sighting], center: DVec3) -> Option<DMat3> {
         let from = (s.position - center).normalize_or_zero();
         sum += vector(s.direction) * vector(from).transpose();
     }
-    if !sum.iter().all(|e| e.is_finite()) {
-        return None;
-    }
-    let svd = sum.svd(true, true);
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    let sign = (u * v_t).determinant().signum();
-    Some(dmat3(
-        &(u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t),
-    ))
+    wahba(&sum, false).map(|turn| dmat3(&turn))
 }
 
 /// The point nearest to all lines through the positions along the directions: least squares.

@@ -15,10 +15,10 @@
 use super::file::dmat3;
 use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Covariance, Free, Model};
-use super::samples::{Sample, Samples, gather, quantile, spread_out};
+use super::samples::{Grid, Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
-use crate::io::points::Points;
-use glam::{DAffine3, DVec3};
+use crate::io::judge::points::Points;
+use glam::{DAffine3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
@@ -145,42 +145,30 @@ pub fn recover_camera(
     display_window: Window,
     pixel_aspect: f32,
 ) -> Result<RecoveredCamera, RecoveryFailure> {
-    recover_from(
-        position.into(),
-        mask,
-        data_window,
-        display_window,
-        pixel_aspect,
-    )
+    let grid = Grid::new(data_window, display_window, pixel_aspect);
+    recover_from(position.into(), mask, grid)
 }
 
 /// [`recover_camera`] from positions as they were read.
 pub(super) fn recover_from(
     position: Points,
     mask: &Mask,
-    data_window: Window,
-    display_window: Window,
-    pixel_aspect: f32,
+    grid: Grid,
 ) -> Result<RecoveredCamera, RecoveryFailure> {
-    let wanted = (data_window.width(), data_window.height());
+    let wanted = (grid.data.width(), grid.data.height());
     let fill = position.sizes() == [wanted; 3];
     assert!(fill, "the positions do not fill the data window");
-    let aspect = if pixel_aspect.is_finite() && pixel_aspect > 0.0 {
-        f64::from(pixel_aspect)
-    } else {
-        1.0
-    };
-    let mut samples = gather(position, mask, data_window, display_window, aspect);
-    match Fit::of(&samples, display_window) {
+    let mut samples = gather(position, mask, grid);
+    match Fit::of(&samples, grid.display) {
         Err(RecoveryFailure::Mirrored) => {
             // Mirrored across its y axis the world is right-handed.
             samples.mirror();
-            let found = Fit::of(&samples, display_window)?;
-            let mut report = found.report(&samples, display_window, aspect);
+            let found = Fit::of(&samples, grid.display)?;
+            let mut report = found.report(&samples, grid);
             report.camera.view_from_world *= DAffine3::from_scale(MIRROR);
             Ok(report)
         }
-        found => Ok(found?.report(&samples, display_window, aspect)),
+        found => Ok(found?.report(&samples, grid)),
     }
 }
 
@@ -370,11 +358,11 @@ impl Fit {
         Ok(())
     }
 
-    fn report(&self, samples: &Samples, display: Window, aspect: f64) -> RecoveredCamera {
+    fn report(&self, samples: &Samples, grid: Grid) -> RecoveredCamera {
         let list = &samples.list;
         let mut errors: Vec<f64> = list.iter().map(|s| self.model.error(s)).collect();
         RecoveredCamera {
-            camera: self.camera(samples, display, aspect),
+            camera: self.camera(samples, grid),
             residual_px_median: quantile(&mut errors, 0.5),
             residual_px_p95: quantile(&mut errors, 0.95),
             inlier_share: self.kept.len() as f64 / list.len() as f64,
@@ -383,25 +371,22 @@ impl Fit {
     }
 
     /// The model back in scene units and absolute pixels.
-    fn camera(&self, samples: &Samples, display: Window, aspect: f64) -> Camera {
+    fn camera(&self, samples: &Samples, grid: Grid) -> Camera {
         let model = &self.model;
         let per_unit = model.scale / samples.spread;
-        let cx = display.center().x + model.principal.x;
-        let cy = display.center().y - aspect * model.principal.y;
-        let parallel = self.free == Free::Parallel;
-        let (projection, distance) = if parallel {
-            let (sx, sy) = (per_unit, per_unit * aspect);
-            let nearest = list_max(&self.kept, |s| (model.rotation * s.point).z);
-            let distance = samples.spread * (nearest + 1.0);
-            (Projection::Orthographic { sx, sy, cx, cy }, distance)
-        } else {
-            let fx = model.scale / model.convergence;
-            let fy = fx * aspect;
-            (
-                Projection::Perspective { fx, fy, cx, cy },
-                samples.spread / model.convergence,
-            )
+        let are_parallel = self.free == Free::Parallel;
+        let (scale, distance) = match are_parallel {
+            true => {
+                let nearest = list_max(&self.kept, |s| (model.rotation * s.point).z);
+                (per_unit, samples.spread * (nearest + 1.0))
+            }
+            false => {
+                let focal = model.scale / model.convergence;
+                (focal, samples.spread / model.convergence)
+            }
         };
+        let off = DVec2::new(model.principal.x, -(grid.aspect * model.principal.y));
+        let axis = grid.display.center() + off;
         let turned = model.rotation * samples.centroid;
         let offset = model.shift / per_unit;
         let translation = DVec3::new(
@@ -414,7 +399,7 @@ impl Fit {
                 dmat3(model.rotation.matrix()),
                 translation,
             ),
-            projection,
+            projection: Projection::new(are_parallel, [scale, scale * grid.aspect], axis),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Which pixels of a position layer a camera is recovered from.
 
 use crate::frame::{Mask, Window};
-use crate::io::points::Points;
+use crate::io::judge::points::Points;
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
@@ -46,6 +46,32 @@ impl Samples {
     }
 }
 
+/// Where the pixels of a layer are on the picture.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) data: Window,
+    pub(super) display: Window,
+    /// Width of a pixel over its height.
+    pub(super) aspect: f64,
+}
+
+impl Grid {
+    pub(super) fn new(data: Window, display: Window, pixel_aspect: f32) -> Self {
+        let is_usable = pixel_aspect.is_finite() && pixel_aspect > 0.0;
+        Self {
+            data,
+            display,
+            aspect: if is_usable { pixel_aspect.into() } else { 1.0 },
+        }
+    }
+
+    /// The place of a pixel from the centre of the display window, x right and y up, in pixel widths.
+    pub(super) fn seen(&self, x: usize, y: usize) -> Vector2<f64> {
+        let (at, centre) = (self.data.middle(x, y), self.display.center());
+        Vector2::new(at.x - centre.x, (centre.y - at.y) / self.aspect)
+    }
+}
+
 /// A position layer with the pixels it covers.
 struct Layer<'a> {
     position: Points<'a>,
@@ -86,13 +112,7 @@ impl Layer<'_> {
 }
 
 /// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
-pub(super) fn gather(
-    position: Points,
-    mask: &Mask,
-    data_window: Window,
-    display_window: Window,
-    pixel_aspect: f64,
-) -> Samples {
+pub(super) fn gather(position: Points, mask: &Mask, grid: Grid) -> Samples {
     let layer = Layer { position, mask };
     let candidates = candidates(&layer);
     let half = is_half(&candidates);
@@ -107,13 +127,8 @@ pub(super) fn gather(
     } else {
         spread_out(&candidates, WANTED)
     };
-    let centre = display_window.center();
-    let seen = |x: usize, y: usize| {
-        let column = f64::from(data_window.x0) + x as f64 + 0.5;
-        let row = f64::from(data_window.y0) + y as f64 + 0.5;
-        Vector2::new(column - centre.x, (centre.y - row) / pixel_aspect)
-    };
-    let raw = chosen.iter().map(|&(x, y, p)| (p, seen(x, y))).collect();
+    let seen = |&(x, y, p): &Candidate| (p, grid.seen(x, y));
+    let raw = chosen.iter().map(seen).collect();
     normalised(raw, quantum, half)
 }
 

@@ -49,10 +49,7 @@ impl FrameBefore {
 fn luminance(frame: &Frame) -> Option<Plane> {
     let (color, weights) = (frame.color.as_ref()?, frame.luminance_weights());
     let [width, height] = [color.r.width(), color.r.height()];
-    let at = |x, y| {
-        let rgb = color.at(x, y);
-        (0..3).map(|i| weights[i] * rgb[i]).sum()
-    };
+    let at = |x, y| crate::frame::luminance(color.at(x, y), weights);
     Some(Plane::from_fn(width, height, at))
 }
 

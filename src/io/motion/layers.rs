@@ -4,35 +4,18 @@
 
 use super::MotionConvention;
 use crate::error::Result;
-use crate::io::exr::SampleType;
-use crate::io::names;
-use crate::io::opened::Opened;
-use crate::io::roles::{Layer, Match, Role};
-use crate::io::sources::RoleSource;
+use crate::io::load::opened::Opened;
+use crate::io::load::sources::RoleSource;
+use crate::io::roles::names;
+use crate::io::roles::{Layer, Role};
+use crate::io::text::is_one_of;
 use std::rc::Rc;
 
 /// Names of motion whose sign and unit differ between renderers and their settings, without case and punctuation:
 /// Arnold's `motionvector`, RenderMan's `motionFore` and `motionBack`, V-Ray's `VRayVelocity`, Nuke's `forward`, Mantra's
 /// `Vpixel`, `MotionVectors` of Karma, Redshift, Octane and Unreal, and the common `mv`.
-const NAMES: &[&str] = &[
-    "motionvector",
-    "motionvectors",
-    "motionvec",
-    "motionback",
-    "motionbackward",
-    "motionfore",
-    "motionforward",
-    "velocity",
-    "forward",
-    "backwards",
-    "vectors",
-    "vpixel",
-    "mv",
-    "mvec",
-    "mvecs",
-    "opticalflow",
-    "flow",
-];
+const NAMES: &str = "motionvector motionvectors motionvec motionback motionbackward motionfore motionforward velocity \
+                     forward backwards vectors vpixel mv mvec mvecs opticalflow flow";
 
 /// Components that are x and y of motion, the best first. Blender's `Vector` leads to the previous frame by x and y, and
 /// from the next by z and w.
@@ -54,7 +37,7 @@ pub(in crate::io) fn motion_sources(
         let resolved = RoleSource::resolve(Role::Motion, named, main)?;
         return Ok(resolved.map_or_else(Vec::new, pairs_beside));
     }
-    let Opened::Exr { file, layers, .. } = main.as_ref() else {
+    let (Some(file), layers) = (main.exr(), &main.layers) else {
         return Ok(Vec::new());
     };
     let pairs = |layer: &Layer| pairs_of(layer, main);
@@ -68,13 +51,7 @@ pub(in crate::io) fn motion_sources(
     named.sort_by_key(|(is_open, _)| *is_open);
     let mut found: Vec<_> = named.into_iter().map(|(_, source)| source).collect();
     if found.is_empty() {
-        let is_float = |layer: &&Layer| {
-            let part = &file.parts[layer.part];
-            let mut channels = layer.components.iter();
-            channels.all(|&(_, channel)| part.channels[channel].sample_type != SampleType::Uint)
-        };
-        let means_nothing = |layer: &&Layer| !layer.means_something() && !layer.said().is_excluded;
-        let open = layers.iter().filter(means_nothing).filter(is_float);
+        let open = layers.iter().filter(|layer| layer.is_open(file));
         found = open.flat_map(pairs).take(MOST_PAIRS).collect();
     }
     found.truncate(MOST_PAIRS);
@@ -111,24 +88,13 @@ fn is_motion(layer: &Layer) -> bool {
     let listed = Role::Motion.names();
     let mut words = layer.said().words.iter().map(String::as_str);
     layer.matched(Role::Motion).is_some()
-        && words.any(|word| listed.contains(&word) || NAMES.contains(&word))
+        && words.any(|word| listed.contains(&word) || is_one_of(word, NAMES))
 }
 
 fn pairs_of(layer: &Layer, file: &Rc<Opened>) -> Vec<RoleSource> {
-    let component = |name: &str| {
-        let mut components = layer.components.iter();
-        components
-            .find(|(c, _)| c == name)
-            .map(|&(_, channel)| channel)
-    };
     let pair = |[x, y]: [&str; 2]| {
-        let channels = vec![component(x)?, component(y)?];
-        let found = Match {
-            layer: layer.name.clone(),
-            part: layer.part,
-            channels,
-            alpha: None,
-        };
+        let channels = vec![layer.component(x)?, layer.component(y)?];
+        let found = layer.with_channels(channels, None);
         Some(RoleSource::of_match(Role::Motion, file, found))
     };
     PAIRS.into_iter().filter_map(pair).collect()

@@ -14,8 +14,8 @@ pub(super) use layers::means_motion;
 pub(super) use layers::motion_sources;
 use layers::{convention_by_name, has_third};
 
-use super::sources::RoleSource;
 use crate::frame::{AWAY, Frame, Plane, Vector2Planes, Window};
+use crate::io::load::sources::RoleSource;
 use crate::untrusted::Untrusted;
 
 /// The layers of a frame that may hold its motion, as stored.

@@ -14,9 +14,9 @@ pub(crate) use leftovers::{drop_unfinished, remove_leftovers};
 pub use target::Replace;
 pub(crate) use target::directory_of;
 
-use super::exr::{ExrFile, Limits};
-use super::open::open_input;
 use crate::error::{Error, Result};
+use crate::io::exr::{ExrFile, Limits};
+use crate::io::open::open_input;
 use crate::untrusted::shown;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};

@@ -6,7 +6,9 @@ use crate::common::real_files::real;
 use glam::{DAffine3, DMat3, DVec3};
 use relievo::frame::{Camera, Mask, NormalSpace, Plane, Projection, Vector3Planes, Window};
 use relievo::io::inputs::Flip;
-use relievo::io::normal_space::{NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space};
+use relievo::io::normal_space::{
+    NormalReading, NormalSpaceConclusion, NormalSpaceVerdict, judge_normal_space,
+};
 
 const SIDE: usize = 96;
 
@@ -19,7 +21,7 @@ const fn certain(space: NormalSpace, flip_z: bool) -> NormalSpaceConclusion {
         z: flip_z,
         ..Flip::NONE
     };
-    NormalSpaceConclusion::Certain { space, flip }
+    NormalSpaceConclusion::Certain(NormalReading { space, flip })
 }
 
 /// Normals in world space, with other evidence for their space.
@@ -127,8 +129,8 @@ fn the_reason_holds_the_numbers() {
     assert!(reason.contains("100.0 % turned"), "{reason}");
     let evidence = verdict.evidence;
     assert_eq!(evidence.samples, ball.mask.count());
-    assert!(evidence.shape_world_deg.is_some_and(|d| d < 1.0));
-    assert!(evidence.shape_view_deg.is_some_and(|d| d > 30.0));
+    assert!(evidence.world.shape_deg.is_some_and(|d| d < 1.0));
+    assert!(evidence.view.shape_deg.is_some_and(|d| d > 30.0));
 }
 
 #[test]

@@ -1,0 +1,450 @@
+//! Chunks to samples, with everything a chunk claims checked before it is believed.
+
+use super::attributes::text_of_bytes;
+use super::chunks::Place;
+use super::fault::{Fault, Parsed};
+use super::layout::{Area, Layout};
+use super::zip::{Pairs, inflate};
+use crate::io::fence::fenced;
+use ::exr::block::UncompressedBlock;
+use ::exr::block::chunk::{
+    Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock, TileCoordinates,
+};
+use ::exr::compression::Compression;
+use ::exr::math::Vec2;
+use ::exr::meta::MetaData;
+use ::exr::meta::attribute::SampleType;
+use ::exr::meta::header::Header;
+use half::f16;
+use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether ZIP and uncompressed blocks are decoded and encoded here: on machines that store numbers in the byte order
+/// of the files, low byte first.
+pub(super) const OWN_CODEC: bool = cfg!(target_endian = "little");
+
+/// A channel to be read: where its samples lie in a row of a decompressed block.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slot {
+    /// Bytes per pixel of the channels before it.
+    before: usize,
+    sample_type: SampleType,
+}
+
+impl Slot {
+    pub(super) fn of_channel(header: &Header, channel: usize) -> Slot {
+        let list = &header.channels.list;
+        Slot {
+            before: bytes_per_pixel(&list[..channel]),
+            sample_type: list[channel].sample_type,
+        }
+    }
+
+    /// Converts samples given as 16-bit words, in the order of memory.
+    fn convert(self, words: &[u16], into: &mut [f32]) {
+        let bits = |&[a, b]: &[u16; 2]| {
+            let ([a, b], [c, d]) = (a.to_ne_bytes(), b.to_ne_bytes());
+            u32::from_ne_bytes([a, b, c, d])
+        };
+        match self.sample_type {
+            SampleType::F16 => {
+                let halves: &[f16] = words.reinterpret_cast();
+                halves.convert_to_f32_slice(into);
+            }
+            SampleType::F32 => {
+                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                    *to = f32::from_bits(bits(words));
+                }
+            }
+            SampleType::U32 => {
+                for (to, words) in into.iter_mut().zip(words.as_chunks().0) {
+                    *to = bits(words) as f32;
+                }
+            }
+        }
+    }
+}
+
+fn bytes_per_pixel(channels: &[::exr::meta::attribute::ChannelDescription]) -> usize {
+    channels
+        .iter()
+        .map(|c| c.sample_type.bytes_per_sample())
+        .sum()
+}
+
+/// A decompressed block: for each row, all samples of one channel after another.
+pub(super) enum Block {
+    /// In the layout of memory.
+    Bytes(Vec<u8>),
+    /// In ZIP's preprocessed form.
+    Differences(Vec<u8>),
+}
+
+/// The 16-bit words of a block, from first to last.
+enum Words<'b> {
+    Stored(&'b [u8]),
+    Differences(Pairs<'b>),
+}
+
+impl Words<'_> {
+    /// Passes over `count` words.
+    fn skip(&mut self, count: usize) {
+        match self {
+            Self::Stored(bytes) => *bytes = &bytes[2 * count..],
+            Self::Differences(pairs) => pairs.skip(count),
+        }
+    }
+
+    /// Fills `into` with the next ones.
+    fn take(&mut self, into: &mut [u16]) {
+        match self {
+            Self::Stored(bytes) => {
+                for (word, &bytes) in into.iter_mut().zip(bytes.as_chunks().0) {
+                    *word = u16::from_ne_bytes(bytes);
+                }
+                self.skip(into.len());
+            }
+            Self::Differences(pairs) => pairs.take(into),
+        }
+    }
+}
+
+/// The rows of a plane that a channel is read to.
+pub(super) struct Target<'t> {
+    pub(super) slot: Slot,
+    pub(super) samples: TargetSamples<'t>,
+    /// Becomes true with a sample that is not finite.
+    pub(super) is_broken: &'t AtomicBool,
+}
+
+/// Rows as wide as the picture.
+pub(super) enum TargetSamples<'t> {
+    Floats(&'t mut [f32]),
+    /// Of a channel of half floats.
+    Halves(&'t mut [f16]),
+}
+
+impl<'t> TargetSamples<'t> {
+    /// Splits off the first `count` samples.
+    fn split_off(&mut self, count: usize) -> Self {
+        fn split<'t, T>(samples: &mut &'t mut [T], count: usize) -> &'t mut [T] {
+            let (top, rest) = std::mem::take(samples).split_at_mut(count);
+            *samples = rest;
+            top
+        }
+        match self {
+            Self::Floats(samples) => Self::Floats(split(samples, count)),
+            Self::Halves(samples) => Self::Halves(split(samples, count)),
+        }
+    }
+}
+
+impl Target<'_> {
+    /// Writes samples given as 16-bit words to those from number `first` on.
+    fn put(&mut self, first: usize, count: usize, words: &[u16]) {
+        match &mut self.samples {
+            TargetSamples::Floats(samples) => {
+                self.slot.convert(words, &mut samples[first..][..count]);
+            }
+            TargetSamples::Halves(samples) => {
+                samples[first..][..count].copy_from_slice(words.reinterpret_cast());
+            }
+        }
+        self.check(first, count);
+    }
+
+    /// Looks at `count` samples, from number `first` on.
+    fn check(&self, first: usize, count: usize) {
+        // An exponent of ones overflows into the sign.
+        let is_broken = match &self.samples {
+            TargetSamples::Floats(samples) => {
+                let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
+                let samples = samples[first..][..count].iter();
+                samples.fold(0, |all, v| all | overflow(v)) >> 31 == 1
+            }
+            TargetSamples::Halves(samples) => {
+                let overflow = |v: &f16| (v.to_bits() & 0x7c00) + 0x0400;
+                let samples = samples[first..][..count].iter();
+                samples.fold(0, |all, v| all | overflow(v)) >> 15 == 1
+            }
+        };
+        if is_broken {
+            self.is_broken.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Rows of a picture that are to be filled.
+pub(super) enum Rows<'t> {
+    /// The samples of some channels.
+    Samples(Vec<Target<'t>>),
+    /// All channels as stored, laid out as in a block as wide as the picture.
+    Bytes(&'t mut [u8]),
+}
+
+impl<'t> Rows<'t> {
+    /// Splits off the first `rows` rows.
+    pub(super) fn split_off_top(&mut self, rows: usize, layout: &Layout) -> Rows<'t> {
+        let pixels = rows * layout.width;
+        match self {
+            Rows::Samples(planes) => {
+                let top = planes.iter_mut().map(|target| Target {
+                    samples: target.samples.split_off(pixels),
+                    ..*target
+                });
+                Rows::Samples(top.collect())
+            }
+            Rows::Bytes(bytes) => {
+                let (top, rest) = std::mem::take(bytes).split_at_mut(pixels * layout.pixel_bytes);
+                *bytes = rest;
+                Rows::Bytes(top)
+            }
+        }
+    }
+
+    /// Copies the part of `block`, whose pixels are those of `area`, in the rows `rows`: those held here.
+    pub(super) fn fill(
+        &mut self,
+        block: &Block,
+        area: &Area,
+        rows: &Range<usize>,
+        layout: &Layout,
+    ) {
+        let mut block = match block {
+            Block::Bytes(bytes) => Words::Stored(bytes),
+            Block::Differences(bytes) => Words::Differences(Pairs::new(bytes)),
+        };
+        let (x, width) = (area.columns.start, area.columns.len());
+        let row_words = layout.pixel_bytes / 2 * width;
+        let shared = area.rows.start.max(rows.start)..area.rows.end.min(rows.end);
+        block.skip((shared.start - area.rows.start) * row_words);
+        let mut words = vec![0; row_words];
+        if let Rows::Samples(planes) = self {
+            planes.sort_by_key(|target| target.slot.before);
+        }
+        for y in shared {
+            let y = y - rows.start;
+            match self {
+                Rows::Samples(planes) => {
+                    let (mut at, mut last) = (0, None);
+                    for target in planes {
+                        let slot = target.slot;
+                        let count = slot.sample_type.bytes_per_sample() / 2 * width;
+                        // A channel may be wanted twice.
+                        if last != Some(slot.before) {
+                            block.skip(slot.before / 2 * width - at);
+                            block.take(&mut words[..count]);
+                            at = slot.before / 2 * width + count;
+                            last = Some(slot.before);
+                        }
+                        target.put(y * layout.width + x, width, &words[..count]);
+                    }
+                    block.skip(row_words - at);
+                }
+                Rows::Bytes(bytes) => {
+                    block.take(&mut words);
+                    let row: Vec<u8> = words.iter().flat_map(|w| w.to_ne_bytes()).collect();
+                    let bytes_per_row = layout.width * layout.pixel_bytes;
+                    let into = &mut bytes[y * bytes_per_row..][..bytes_per_row];
+                    copy_row(
+                        &row,
+                        into,
+                        &layout.sample_bytes,
+                        layout.width,
+                        &area.columns,
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Copies the samples of a row of a block, which has the `columns`, into a row of a picture `width`
+/// wide; `sample_bytes` are those of each channel.
+fn copy_row(
+    row: &[u8],
+    into: &mut [u8],
+    sample_bytes: &[usize],
+    width: usize,
+    columns: &Range<usize>,
+) {
+    let mut before = 0;
+    for bytes in sample_bytes {
+        let from = &row[before * columns.len()..][..bytes * columns.len()];
+        into[before * width + bytes * columns.start..][..from.len()].copy_from_slice(from);
+        before += bytes;
+    }
+}
+
+/// Copies of a block while it is decoded: compressed, decompressed, and where the `exr` crate does it one in between.
+pub(super) fn copies(compression: Compression) -> usize {
+    match compression {
+        Compression::Uncompressed => 2,
+        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => 2,
+        _ => 3,
+    }
+}
+
+/// Decompresses a block of `part` to `size` bytes; `place` is already checked against the part.
+pub(super) fn decode_block(
+    bytes: Vec<u8>,
+    meta: &MetaData,
+    part: usize,
+    place: Place,
+    size: usize,
+) -> Parsed<Block> {
+    let header = &meta.headers[part];
+    // Blocks that compression would not shrink are stored uncompressed.
+    if OWN_CODEC && bytes.len() == size {
+        return Ok(Block::Bytes(bytes));
+    }
+    match header.compression {
+        Compression::ZIP1 | Compression::ZIP16 if OWN_CODEC => {
+            let mut differences = vec![0; size];
+            match fenced(|| inflate(&bytes, &mut differences)) {
+                Some(inflated) => inflated.map(|()| Block::Differences(differences)),
+                None => Err(contradiction(part, header)),
+            }
+        }
+        _ => decode_foreign(bytes, meta, part, place),
+    }
+}
+
+/// Lets the `exr` crate decompress a block.
+fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) -> Parsed<Block> {
+    let header = &meta.headers[part];
+    if matches!(
+        header.compression,
+        Compression::DWAA(_) | Compression::DWAB(_)
+    ) {
+        check_dwa_counters(&bytes, block_size(place, header)?, header)?;
+    }
+    let chunk = Chunk {
+        layer_index: part,
+        compressed_block: compressed_block(bytes, place),
+    };
+    match fenced(|| UncompressedBlock::decompress_chunk(chunk, meta, false)) {
+        Some(block) => Ok(Block::Bytes(block?.data)),
+        None => Err(contradiction(part, header)),
+    }
+}
+
+fn contradiction(part: usize, header: &Header) -> Fault {
+    Fault::damaged(format!(
+        "a block of pixels in part {} contradicts itself",
+        part_name(part, header)
+    ))
+}
+
+fn part_name(index: usize, header: &Header) -> String {
+    match &header.own_attributes.layer_name {
+        Some(name) => format!("{:?}", text_of_bytes(name.as_slice())),
+        None => index.to_string(),
+    }
+}
+
+fn block_size(place: Place, header: &Header) -> Parsed<Vec2<usize>> {
+    let tile = match place {
+        Place::Row(y) => header.get_scan_line_block_tile_coordinates(y)?,
+        Place::Tile(place) => tile_coordinates(place),
+    };
+    Ok(header.get_absolute_block_pixel_coordinates(tile)?.size)
+}
+
+fn compressed_block(compressed_pixels_le: Vec<u8>, place: Place) -> CompressedBlock {
+    match place {
+        Place::Row(y_coordinate) => CompressedBlock::ScanLine(CompressedScanLineBlock {
+            y_coordinate,
+            compressed_pixels_le,
+        }),
+        Place::Tile(place) => CompressedBlock::Tile(CompressedTileBlock {
+            coordinates: tile_coordinates(place),
+            compressed_pixels_le,
+        }),
+    }
+}
+
+/// Converts tile coordinates already compared with the expected ones, so none is negative.
+fn tile_coordinates([x, y, level_x, level_y]: [i32; 4]) -> TileCoordinates {
+    TileCoordinates {
+        tile_index: Vec2(x as usize, y as usize),
+        level_index: Vec2(level_x as usize, level_y as usize),
+    }
+}
+
+/// Refuses DWA chunks whose counters exceed the content of a block of `size` pixels: the decoder allocates memory by
+/// them.
+fn check_dwa_counters(bytes: &[u8], size: Vec2<usize>, header: &Header) -> Parsed<()> {
+    let raw = size.area() * header.channels.bytes_per_pixel;
+    if bytes.is_empty() || bytes.len() == raw {
+        return Ok(()); // all zero, or not compressed
+    }
+    let counters: Vec<u64> = bytes
+        .as_chunks()
+        .0
+        .iter()
+        .take(11)
+        .map(|&b| u64::from_le_bytes(b))
+        .collect();
+    let &[_, unknown, c0, c1, c2, c3, rle, rle_raw, ac, dc, _] = counters.as_slice() else {
+        return Err(Fault::damaged(
+            "a DWA block is shorter than its own counters",
+        ));
+    };
+    let squares = size.width().div_ceil(8) * size.height().div_ceil(8);
+    let (raw, squares) = (raw as u64, (squares * header.channels.list.len()) as u64);
+    let stored = [c0, c1, c2, c3]
+        .iter()
+        .try_fold(0u64, |sum, &c| sum.checked_add(c));
+    let credible = stored.is_some_and(|s| s <= bytes.len() as u64)
+        && unknown <= raw
+        && rle_raw <= raw
+        // Runs may be stored one by one, at two bytes for one.
+        && rle <= 2 * raw + 64
+        && ac <= 64 * squares
+        && dc <= squares;
+    match credible {
+        true => Ok(()),
+        false => Err(Fault::damaged(
+            "a DWA block claims more data than its pixels have",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 100 halves of all kinds and their differences, one of them infinite or not a number.
+    #[test]
+    fn halves_that_stay_are_those_that_are_converted() {
+        for (odd, is_broken) in [(0x3c00, false), (0x7c00, true), (0xfe01, true)] {
+            let mut words: Vec<u16> = (0..100).map(|i| 0x0200 + 0x012d * i).collect();
+            words[70] = odd;
+            let (mut floats, mut halves) = (vec![0.0; 103], vec![f16::ZERO; 103]);
+            let samples = [
+                TargetSamples::Floats(&mut floats),
+                TargetSamples::Halves(&mut halves),
+            ];
+            for samples in samples {
+                let found = AtomicBool::new(false);
+                let mut target = Target {
+                    slot: Slot {
+                        before: 0,
+                        sample_type: SampleType::F16,
+                    },
+                    samples,
+                    is_broken: &found,
+                };
+                target.put(3, 100, &words);
+                assert_eq!(found.into_inner(), is_broken);
+            }
+            let mut converted = vec![1.0; 103];
+            halves.convert_to_f32_slice(&mut converted);
+            let bits = |samples: &[f32]| samples.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&floats), bits(&converted));
+            assert_eq!(halves[3 + 40].to_bits(), words[40]);
+        }
+    }
+}

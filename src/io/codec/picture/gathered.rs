@@ -1,0 +1,377 @@
+//! Samples in the layout of picture files, gathered by rows and encoded at once.
+
+use super::codes::{SRGB_8, SrgbCodes, code};
+use super::display::Shown;
+use super::encoding::Encoding;
+use super::format::{Picture, PictureFormat, ViewTransform};
+use super::group::{GROUP, straight};
+use super::scale_bar::Bar;
+use super::stored::{self, Stored, unwritten};
+use crate::error::{Error, Result};
+use crate::frame::{ColorPlanes, MOST_ROWS_PER_TASK, Plane};
+use crate::io::photo::max_code;
+use crate::params::ScaleBar;
+use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
+use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
+use rayon::prelude::*;
+use std::io::{Seek, Write};
+use std::ops::Range;
+use std::path::Path;
+
+/// A picture whose stored samples are gathered, some rows at a time, before it is written.
+#[derive(Debug, Clone)]
+pub(crate) struct Gathered {
+    format: PictureFormat,
+    size: [usize; 2],
+    /// Samples of each pixel: 1, 3, or 4 with alpha.
+    channels: usize,
+    /// Bits per stored sample, 32 of a float.
+    bits: u8,
+    dpi: Option<[f32; 2]>,
+    grey: bool,
+    /// Whether its colours are photographic or light, so that a colour profile applies.
+    is_photo: bool,
+    /// Whether alpha was 1 everywhere so far.
+    is_opaque: bool,
+    /// Samples in the layout of files, those of a pixel interleaved, in native byte order; of 1 bit a byte each.
+    samples: Vec<u8>,
+}
+
+#[cfg(feature = "cli")]
+impl Gathered {
+    /// Bytes of its samples.
+    pub(crate) fn bytes(&self) -> u64 {
+        let pixels = self.size[0] as u64 * self.size[1] as u64;
+        pixels * (self.channels * self.sample_bytes()) as u64
+    }
+
+    /// Additional bytes for encoding: compressed data, and samples of 16 bits in another byte order.
+    pub(crate) fn encoding_bytes(&self) -> u64 {
+        match self.bits {
+            16 => 2 * self.bytes(),
+            _ => self.bytes(),
+        }
+    }
+}
+
+impl Gathered {
+    /// A picture of `size`, columns and rows, for parts like `part` in grey or colour, alpha, and bits.
+    ///
+    /// # Panics
+    /// If its `bits` are none of 1, 8 and 16, or 1 of colour or alpha.
+    pub(crate) fn new(format: PictureFormat, size: [usize; 2], part: &Picture) -> Self {
+        assert!([1, 8, 16].contains(&part.bits), "bits must be 1, 8 or 16");
+        let channels = match part.alpha {
+            _ if format == PictureFormat::Hdr => 3,
+            Some(_) if format.holds_alpha() => 4,
+            _ if part.grey => 1,
+            _ => 3,
+        };
+        let bits = match format {
+            PictureFormat::Jpeg => 8,
+            PictureFormat::Hdr => 32,
+            _ => part.bits,
+        };
+        assert!(bits > 1 || channels == 1, "one bit holds one grey sample");
+        Self {
+            format,
+            size,
+            channels,
+            bits,
+            dpi: part.dpi,
+            grey: part.grey,
+            is_photo: !part.grey && part.transform == ViewTransform::Srgb,
+            is_opaque: true,
+            samples: Vec::with_capacity(
+                size[0] * size[1] * channels * usize::from(bits).div_ceil(8),
+            ),
+        }
+    }
+
+    fn sample_bytes(&self) -> usize {
+        usize::from(self.bits).div_ceil(8)
+    }
+
+    /// Adds the rows `rows` of `part`, below those added before.
+    ///
+    /// # Panics
+    /// If planes differ in size, or `part` is not as wide as the picture.
+    pub(crate) fn push(&mut self, part: &Picture, rows: Range<usize>) {
+        let planes = part.primaries();
+        let size = (self.size[0], part.color.r.height());
+        for plane in planes.into_iter().chain(part.alpha) {
+            let own = (plane.width(), plane.height());
+            assert_eq!(own, size, "planes differ in size");
+        }
+        let channels = self.channels;
+        let alpha = part.alpha.filter(|_| channels == 4);
+        if let Some(alpha) = alpha {
+            let shows = |&a: &f32| a < 1.0 || a.is_nan();
+            let mut rows = rows.clone();
+            self.is_opaque &= !rows.any(|y| alpha.row(y).iter().any(shows));
+        }
+        if self.bits == 32 {
+            for y in rows {
+                let [r, g, b] = planes.map(|plane| plane.row(y));
+                let pixels = r.iter().zip(g).zip(b);
+                let pixels =
+                    pixels.map(|((&r, &g), &b)| [r, g, b].map(|v| finite(v).to_ne_bytes()));
+                self.samples.extend(pixels.flatten().flatten());
+            }
+            return;
+        }
+        let part = Part {
+            picture: part,
+            alpha,
+            rows,
+            max: max_code(self.bits),
+        };
+        match self.bits {
+            16 => part.add_to(&mut self.samples, channels, u16::to_ne_bytes),
+            _ => part.add_to(&mut self.samples, channels, |code| [code as u8]),
+        }
+    }
+
+    /// Writes the picture; `target` is only named in errors.
+    ///
+    /// # Errors
+    /// Any [`Error`] of writing.
+    ///
+    /// # Panics
+    /// If rows are missing.
+    pub(crate) fn write(
+        mut self,
+        w: &mut (impl Write + Seek),
+        target: &Path,
+        encoding: &Encoding,
+    ) -> Result<()> {
+        if self.channels == 4 && self.is_opaque {
+            self.drop_alpha();
+        }
+        self.draw_scale_bar(target, encoding)?;
+        self.encode(w, encoding).map_err(unwritten(target))
+    }
+
+    /// Drops alpha, and in a grey picture all but one sample.
+    fn drop_alpha(&mut self) {
+        let kept = if self.grey { 1 } else { 3 };
+        let bytes = self.sample_bytes();
+        keep_first(&mut self.samples, kept * bytes, 4 * bytes);
+        self.channels = kept;
+    }
+
+    /// Draws the requested scale bar.
+    ///
+    /// # Errors
+    /// [`Error::BadParameter`] where the picture is too small for it.
+    fn draw_scale_bar(&mut self, target: &Path, encoding: &Encoding) -> Result<()> {
+        let (place, Some(pixel_mm)) = (encoding.scale_bar, encoding.pixel_mm) else {
+            return Ok(());
+        };
+        if place == ScaleBar::Off {
+            return Ok(());
+        }
+        let size = self.size;
+        let bar = Bar::new(size, pixel_mm);
+        let (channels, white) = match self.bits {
+            // Floats of a pixel are looked at together.
+            32 => (1, [1.0_f32.to_ne_bytes(); 3].concat()),
+            16 => (self.channels, vec![u8::MAX; 2]),
+            bits => (self.channels, vec![max_code(bits) as u8]),
+        };
+        let drawn = bar.draw(&mut self.samples, size, channels, &white, place);
+        self.size = drawn.ok_or_else(|| Error::BadParameter {
+            name: "--scale-bar",
+            found: format!(
+                "has no room on {}x{} pixels of {}",
+                size[0],
+                size[1],
+                target.display()
+            ),
+            remedy: "leave it out, or make a larger picture".into(),
+        })?;
+        Ok(())
+    }
+
+    fn encode(&self, w: &mut (impl Write + Seek), encoding: &Encoding) -> ImageResult<()> {
+        let [width, height] = self.size;
+        if self.bits == 32 {
+            let (floats, _) = self.samples.as_chunks::<4>();
+            let floats: Vec<f32> = floats.iter().map(|&v| f32::from_ne_bytes(v)).collect();
+            let (pixels, _) = floats.as_chunks::<3>();
+            let pixels: Vec<_> = pixels.iter().map(|&rgb| image::Rgb(rgb)).collect();
+            return image::codecs::hdr::HdrEncoder::new(w).encode(&pixels, width, height);
+        }
+        let stored = Stored {
+            size: [width as u32, height as u32],
+            channels: self.channels,
+            bits: self.bits,
+            dpi: self.dpi.or_else(|| encoding.dpi(width)),
+            profile: encoding.profile().filter(|_| self.is_photo),
+            samples: &self.samples,
+        };
+        match self.format {
+            PictureFormat::Tiff => stored::write_tiff(w, &stored, encoding),
+            PictureFormat::Jpeg => write_jpeg(w, &stored, encoding),
+            _ => stored::write_png(w, &stored, encoding),
+        }
+    }
+}
+
+fn write_jpeg(w: &mut impl Write, picture: &Stored, encoding: &Encoding) -> ImageResult<()> {
+    let [width, height] = picture.size;
+    let mut encoder = JpegEncoder::new_with_quality(w, encoding.quality);
+    if let Some(dpi) = picture.dpi {
+        encoder.set_pixel_density(density(dpi));
+    }
+    if let Some(profile) = picture.profile {
+        let set = encoder.set_icc_profile(profile.to_vec());
+        set.map_err(ImageError::Unsupported)?;
+    }
+    if let Some(exif) = encoding.exif_of_jpeg(picture.dpi) {
+        let set = encoder.set_exif_metadata(exif);
+        set.map_err(ImageError::Unsupported)?;
+    }
+    let kind = match picture.channels {
+        1 => ExtendedColorType::L8,
+        _ => ExtendedColorType::Rgb8,
+    };
+    encoder.write_image(picture.samples, width, height, kind)
+}
+
+/// Pixels per inch as a JPEG has them.
+fn density(dpi: [f32; 2]) -> PixelDensity {
+    let [across, down] = dpi.map(|dpi| dpi.round() as u16);
+    PixelDensity {
+        density: (across, down),
+        unit: PixelDensityUnit::Inches,
+    }
+}
+
+/// Keeps the first `kept` of every `count` bytes.
+fn keep_first(samples: &mut Vec<u8>, kept: usize, count: usize) {
+    let pixels = samples.len() / count;
+    for pixel in 0..pixels {
+        samples.copy_within(count * pixel..count * pixel + kept, kept * pixel);
+    }
+    samples.truncate(kept * pixels);
+}
+
+fn finite(v: f32) -> f32 {
+    if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e30) }
+}
+
+/// Rows of a picture to be stored as codes up to `max`.
+pub(super) struct Part<'a> {
+    pub(super) picture: &'a Picture<'a>,
+    pub(super) alpha: Option<&'a Plane>,
+    pub(super) rows: Range<usize>,
+    pub(super) max: u32,
+}
+
+impl Part<'_> {
+    /// Adds the codes, `channels` of each pixel.
+    pub(super) fn add_to<const BYTES: usize>(
+        &self,
+        samples: &mut Vec<u8>,
+        channels: usize,
+        stored: impl Fn(u16) -> [u8; BYTES] + Sync,
+    ) {
+        let row_bytes = self.picture.color.r.width() * channels * BYTES;
+        let before = samples.len();
+        samples.resize(before + row_bytes * self.rows.len(), 0);
+        let rows = samples[before..].par_chunks_mut(row_bytes.max(1));
+        rows.with_max_len(MOST_ROWS_PER_TASK)
+            .zip(self.rows.clone())
+            .map(|(row, y)| (row.as_chunks_mut::<BYTES>().0, y))
+            .for_each(|(row, y)| match channels {
+                1 => {
+                    let samples = self.picture.color.r.row(y);
+                    for (to, &v) in row.iter_mut().zip(samples) {
+                        *to = stored(code(v.into(), self.picture.transform, self.max));
+                    }
+                }
+                4 => self.interleave::<4, _>(row, y, &stored),
+                _ => self.interleave::<3, _>(row, y, &stored),
+            });
+    }
+
+    /// The first `N` of red, green, blue and alpha of each pixel of a row, as codes.
+    fn interleave<const N: usize, T: Copy>(
+        &self,
+        row: &mut [T],
+        y: usize,
+        stored: impl Fn(u16) -> T,
+    ) {
+        let color = self.picture.primaries().map(|plane| plane.row(y));
+        let (shown, looked_up) = (self.picture.shown(), self.looked_up());
+        let (pixels, _) = row.as_chunks_mut::<N>();
+        for (group, pixels) in pixels.chunks_mut(GROUP).enumerate() {
+            let columns = group * GROUP..group * GROUP + pixels.len();
+            let group = color.map(|row| &row[columns.clone()]);
+            if self.are_empty(group, y, columns.clone()) {
+                pixels.as_flattened_mut().fill(stored(0));
+            } else if let Some(codes) = looked_up
+                && self.are_plain(group, shown, y, columns.clone())
+            {
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    let [r, g, b] = group.map(|row| codes.code_of_single(row[x]).into());
+                    let codes = [r, g, b, self.max as u16];
+                    *pixel = std::array::from_fn(|i| stored(codes[i]));
+                }
+            } else {
+                let codes = self.codes(shown, y, columns);
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    for (sample, codes) in pixel.iter_mut().zip(&codes) {
+                        *sample = stored(codes[x]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The codes of samples that are opaque and shown as they are, if there is a table of them.
+    fn looked_up(&self) -> Option<&'static SrgbCodes> {
+        let has_table = self.picture.transform == ViewTransform::Srgb && self.max == max_code(8);
+        has_table.then(|| &*SRGB_8)
+    }
+
+    /// Whether these columns of a row have neither colour nor alpha.
+    fn are_empty(&self, color: [&[f32]; 3], y: usize, columns: Range<usize>) -> bool {
+        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns]);
+        let are_zero = |row: &[f32]| row.iter().fold(true, |all, &v| all & (v == 0.0));
+        alpha.is_some_and(are_zero) && color.into_iter().all(are_zero)
+    }
+
+    /// Whether these columns of a row surely are opaque and shown as they are.
+    fn are_plain(
+        &self,
+        color: [&[f32]; 3],
+        shown: Option<Shown>,
+        y: usize,
+        columns: Range<usize>,
+    ) -> bool {
+        let alpha = self.alpha.map(|alpha| &alpha.row(y)[columns.clone()]);
+        let is_opaque = alpha.is_none_or(|row| row.iter().fold(true, |all, &a| all & (a == 1.0)));
+        is_opaque && shown.is_none_or(|shown| shown.leaves(color, y, columns))
+    }
+
+    /// Red, green, blue and alpha of these columns of a row, as codes.
+    fn codes(&self, shown: Option<Shown>, y: usize, columns: Range<usize>) -> [[u16; GROUP]; 4] {
+        let (transform, max) = (self.picture.transform, self.max);
+        let of = |color: [&Plane; 3]| straight(color, self.alpha, y, columns.clone(), max);
+        let (mut color, alpha) = of(self.picture.primaries());
+        if let Some(shown) = shown {
+            color = shown.group(&color, |ColorPlanes { r, g, b }| of([r, g, b]).0);
+        }
+        let mut codes = [[max as u16; GROUP]; 4];
+        let of_color = color.iter().map(|channel| (channel, transform));
+        let of_alpha = self.alpha.map(|_| (&alpha, ViewTransform::None));
+        for (codes, (numbers, transform)) in codes.iter_mut().zip(of_color.chain(of_alpha)) {
+            for (stored, &v) in codes.iter_mut().zip(numbers) {
+                *stored = code(v, transform, max);
+            }
+        }
+        codes
+    }
+}
