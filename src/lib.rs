@@ -108,5 +108,7 @@ pub mod trace;
 mod untrusted;
 #[cfg(feature = "view")]
 pub mod view;
+#[cfg(feature = "cli")]
+mod work;
 
 pub use error::{Error, Result};

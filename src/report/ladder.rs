@@ -2,7 +2,6 @@
 
 use super::subject::{BACKEND, Subject, Variation};
 use crate::command::commands::Command;
-use crate::command::reading::{light_of, work_of};
 use crate::params::{Samples, Scale, Solver};
 
 /// The most explicit steps worth a try.
@@ -31,7 +30,7 @@ impl Ladder {
 /// The ladders of a command on its frame.
 pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
     let mut found = Vec::new();
-    let params = &work_of(&subject.command).flags.params;
+    let params = &subject.command.work().args().flags.params;
     let shape = &params.shape;
     let plan = subject.plan(&subject.command);
     let diffuses = plan.as_ref().map_or(shape.diffusion_time() > 0.0, |plan| {
@@ -55,7 +54,7 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
             ));
         }
     }
-    if let Some(relit) = light_of(&subject.command).map(|args| args.params())
+    if let Some(relit) = subject.command.work().light().map(|args| args.params())
         && plan.as_ref().is_some_and(|plan| plan.relighting.is_some())
     {
         let light = &subject.light;

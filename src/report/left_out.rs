@@ -2,7 +2,6 @@
 
 use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Subject, Variation};
 use crate::command::commands::Command;
-use crate::command::reading::{light_of, work_of};
 use crate::engine::Outcome;
 use crate::frame::LightLayers;
 use crate::params::{Adaptive, Highlights, Method, ToneSource};
@@ -42,7 +41,7 @@ const NEVER: &str = "1e29,1e30";
 /// What can be left out of the command as given, which made `outcome`.
 pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
     let (command, frame) = (&subject.command, &subject.frame);
-    let params = &work_of(command).flags.params;
+    let params = &command.work().args().flags.params;
     let ran = |stage: &str| outcome.timings.iter().any(|(name, _)| *name == stage);
     let mut parts = Vec::new();
     parts.extend(of_command(subject));
@@ -91,7 +90,7 @@ pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
     if is_picture && params.display.highlights == Highlights::Compress {
         parts.push(stage("compression of highlights", "highlights", "clip"));
     }
-    if let Some(args) = light_of(command).filter(|_| ran("relight"))
+    if let Some(args) = command.work().light().filter(|_| ran("relight"))
         && args.params().method == Method::Both
     {
         parts.push(stage("warping", "method", "scale"));

@@ -8,6 +8,7 @@ use super::handles::{Place, handles};
 use super::history::History;
 use super::layer::Layer;
 use super::lights::Lights;
+use super::look::{LightFile, Look, Opening, Reading};
 use super::notices::Notices;
 use super::overlay;
 use super::picks::Picks;
@@ -17,7 +18,6 @@ use super::texture::Texture;
 use super::thumbnails::Thumbnails;
 use super::worker::{Order, Reply, Save, Shown, Task, Wanted, Worker};
 use crate::command::frames_there::frames_on_disk;
-use crate::command::look::{LightFile, Look, Opening, Reading};
 use eframe::egui::{
     CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
 };

@@ -2,9 +2,9 @@
 
 use super::app::View;
 use super::layer::Layer;
+use super::look::Look;
 use super::notices::Notices;
 use super::shortcuts::{Action, keys_of};
-use crate::command::look::Look;
 use eframe::egui::{self, Align, Button, ComboBox, Layout, RichText, Slider, Ui};
 
 const RECIPE: &str = "The settings, for relievo run";

@@ -3,12 +3,12 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::lights::{Lights, NearLight};
+use super::look::{
+    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
+};
 use super::probe::{self, Value};
 use super::space::{Space, before_the_middle};
 use super::thumbnails::{LONGEST, Motif};
-use crate::command::look::{
-    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
-};
 use crate::engine::Engine;
 use crate::io::output::{Replace, write_text};
 use std::collections::BTreeMap;
