@@ -22,7 +22,6 @@ pub mod recipe;
 pub(crate) mod relight_args;
 pub(crate) mod role_args;
 pub(crate) mod sequence;
-#[cfg(any(feature = "view", feature = "host"))]
 // Public where the feature `host` exports it.
 #[cfg_attr(
     not(feature = "host"),
