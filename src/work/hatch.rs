@@ -11,14 +11,13 @@ use crate::command::output::Kind;
 use crate::command::relight_args::RelightArgs;
 use crate::engine::outcome::{Drawing, Outcome};
 use crate::error::{Error, Result, bad};
-use crate::frame::{ColorPlanes, Frame, Window};
+use crate::frame::{Frame, Window};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::Inputs;
 use crate::io::picture::PictureFormat;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, picture_size};
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
-use crate::line::bilevel::bilevel;
 use crate::line::contours::Contour;
 use crate::line::fading::{faded, largest_around};
 use crate::line::paper::on_paper;
@@ -476,16 +475,6 @@ fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<Tonal
 pub(crate) fn is_svg(work: &WorkArgs) -> bool {
     let extension = work.output.output.as_deref().and_then(Path::extension);
     extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
-}
-
-/// Ink that is there or not.
-pub(super) fn without_grey(color: &ColorPlanes) -> ColorPlanes {
-    let light = bilevel(&color.r);
-    ColorPlanes {
-        r: light.clone(),
-        g: light.clone(),
-        b: light,
-    }
 }
 
 impl WorkArgs {

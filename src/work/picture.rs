@@ -1,6 +1,5 @@
 //! The picture of a result, and what a display has of it.
 
-use super::hatch::without_grey;
 use super::rec709::{converted, rec709_from};
 use crate::command::args::{View, WorkArgs};
 use crate::engine::outcome::Outcome;
@@ -8,6 +7,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane};
 use crate::io::colorspace::Chromaticities;
 use crate::io::picture::{Bright, Brightness, Display, Picture, ViewTransform};
 use crate::light::mixing::mix;
+use crate::line::bilevel::bilevel;
 use crate::params::{DisplayParams, Exposure, Highlights};
 use std::borrow::Cow;
 
@@ -192,5 +192,15 @@ pub(super) fn mix_color(work: &WorkArgs, frame: &Frame, outcome: &mut Outcome) {
             let kept = confidence.map(|confidence| 1.0 - params.blur_fade * (1.0 - confidence));
             mix(made, before, Some(&kept), 1.0);
         }
+    }
+}
+
+/// Ink that is there or not.
+fn without_grey(color: &ColorPlanes) -> ColorPlanes {
+    let light = bilevel(&color.r);
+    ColorPlanes {
+        r: light.clone(),
+        g: light.clone(),
+        b: light,
     }
 }
