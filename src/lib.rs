@@ -108,6 +108,8 @@ pub mod trace;
 mod untrusted;
 #[cfg(feature = "view")]
 pub mod view;
+#[cfg(feature = "cli")]
+mod work;
 
 pub use error::{Error, Result};
 #[cfg(feature = "gpu")]

@@ -1,57 +1,51 @@
 //! A command on several independent pictures, each with its own automatic choices.
 
 use super::exit;
-use super::frames::{self, FrameCommand, command_of, refuse_collisions, validate};
+use super::frames::{self, refuse_collisions, validate};
+use super::make::make;
 use super::message;
 use super::panics::caught;
 use super::sheet;
 use super::stop::{self, First};
 use super::threads::on_threads;
 use crate::command::batch::Batch;
-use crate::command::invocation::Invocation;
-use crate::command::recipe::RecipeText;
+use crate::command::invocation::Task;
 use crate::error::{Error, Result};
 use crate::io::output::{check_folder, directory_of};
 use std::path::Path;
-
-/// A command for one picture, with its record for the recipe.
-type Own<C> = (C, RecipeText, Invocation);
 
 /// Runs the command on the pictures its arguments name; returns the exit code. For several pictures that are not a
 /// sequence it is 3 if some failed, and 1 if all did.
 ///
 /// # Errors
 /// Any [`crate::Error`] of a single picture, and errors before the first of several is begun.
-pub(super) fn run<C: FrameCommand>(invocation: &Invocation) -> Result<i32> {
-    let (command, _) = command_of::<C>(invocation);
-    let work = command.work();
-    match work.batch()? {
-        None => frames::run::<C>(invocation, sheet::one),
-        Some(batch) => on_threads(work.run.compute.threads, || each::<C>(&batch, invocation)),
+pub(super) fn run(task: &Task) -> Result<i32> {
+    let args = task.command.work().args();
+    match args.batch()? {
+        None => frames::run(task, sheet::one, make),
+        Some(batch) => on_threads(args.run.compute.threads, || each(&batch, task)),
     }
 }
 
-fn each<C: FrameCommand>(batch: &Batch, invocation: &Invocation) -> Result<i32> {
+fn each(batch: &Batch, task: &Task) -> Result<i32> {
     stop::mind_signals(First::Finish);
-    let own = batch
-        .inputs()
-        .map(|input| own::<C>(batch, input, invocation));
+    let own = batch.inputs().map(|input| own(batch, input, task));
     let all = own.collect::<Result<Vec<_>>>()?;
-    for (command, ..) in &all {
-        validate(command)?;
-        let output = command.work().output.output.as_deref();
+    for Task { command, .. } in &all {
+        validate(command.work())?;
+        let output = command.work().args().output.output.as_deref();
         let folder = output.map(directory_of);
         folder.into_iter().try_for_each(make_folder)?;
     }
-    let commands = all.iter().map(|(command, ..)| (command, None));
-    refuse_collisions(commands, invocation.recipe())?;
+    let commands = all.iter().map(|task| task.command.clone());
+    refuse_collisions(commands, task.typed.recipe())?;
     let mut failed = 0;
-    for (command, recipe, invocation) in &all {
+    for task in &all {
         if let Some(code) = stop::asked() {
             return Ok(code);
         }
-        let input = &command.work().input;
-        if let Err(error) = caught(input, || sheet::one(command, recipe, invocation)) {
+        let input = &task.command.work().args().input;
+        if let Err(error) = caught(input, || sheet::one(task)) {
             message::error(&error);
             failed += 1;
         }
@@ -63,13 +57,13 @@ fn each<C: FrameCommand>(batch: &Batch, invocation: &Invocation) -> Result<i32> 
     })
 }
 
-/// The command line for one picture.
-fn own<C: FrameCommand>(batch: &Batch, input: &Path, invocation: &Invocation) -> Result<Own<C>> {
+/// The command for one picture.
+fn own(batch: &Batch, input: &Path, task: &Task) -> Result<Task> {
     let name = Batch::name_of(input)?;
-    let invocation = invocation.named(&name);
-    let (mut command, recipe) = command_of::<C>(&invocation);
-    batch.give(input, name, command.work_mut());
-    Ok((command, recipe, invocation))
+    let named = task.typed.named(&name).parse();
+    let mut own = named.unwrap_or_else(|error| error.exit());
+    batch.give(input, name, own.command.work_mut().args_mut());
+    Ok(own)
 }
 
 fn make_folder(folder: &Path) -> Result<()> {

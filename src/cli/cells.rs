@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane, Window};
 use crate::io::exr::{OutputChannel, OutputType};
 use crate::io::inputs::{Inputs, StoredDepth, Wrap};
-use crate::io::picture::ViewTransform;
 use crate::io::{InputFiles, Loaded, Needs, PartOfPhotos, WholePhoto, wrapped};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::relight::albedo::estimate;
 use crate::plan::{Albedo, Plan};
+use crate::work::picture::Form;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -38,21 +38,14 @@ struct ReadSheet {
 #[derive(Default)]
 pub(super) struct MadeCells {
     /// Planes by the file they go to.
-    pub(super) files: BTreeMap<PathBuf, (Form, Vec<Plane>)>,
+    pub(super) files: BTreeMap<PathBuf, (CellForm, Vec<Plane>)>,
     pub(super) timings: Vec<(&'static str, Duration)>,
 }
 
 /// What planes are in a file.
-pub(super) enum Form {
-    /// A picture in linear light, and whether it was derived from the one that was read.
-    Color { is_derived: bool },
-    /// Another picture.
-    Picture {
-        grey: bool,
-        bits: u8,
-        dpi: Option<[f32; 2]>,
-        transform: ViewTransform,
-    },
+pub(super) enum CellForm {
+    /// A picture, and whether it was derived from the one that was read.
+    Picture { form: Form, is_derived: bool },
     /// Layers.
     Channels(Vec<(String, OutputType)>),
 }
@@ -95,11 +88,17 @@ impl SheetPart<'_> {
     ) {
         let named = channels.iter().map(|c| (c.name.clone(), c.sample_type));
         let planes: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
-        self.keep(work, outcome, Form::Channels(named.collect()), &planes);
+        self.keep(work, outcome, CellForm::Channels(named.collect()), &planes);
     }
 
     /// Puts the results of a cell in its place in the file that they go to.
-    pub(super) fn keep(&self, work: &WorkArgs, outcome: &Outcome, form: Form, planes: &[&Plane]) {
+    pub(super) fn keep(
+        &self,
+        work: &WorkArgs,
+        outcome: &Outcome,
+        form: CellForm,
+        planes: &[&Plane],
+    ) {
         let (Some(cell), Some(path)) = (self.cell, &work.output.output) else {
             return;
         };

@@ -1,7 +1,7 @@
 //! The files that a run writes, checked before any work is done.
 
 use crate::command::args::WorkArgs;
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::io::output::{check_writable, directory_of, remove_leftovers};
 use crate::untrusted::shown;
 use std::collections::BTreeSet;
@@ -15,11 +15,11 @@ pub(super) fn check_outputs(work: &WorkArgs) -> Result<()> {
     if let Some(output) = work.output.files().iter().find(|output| output.exists())
         && work.output.no_clobber
     {
-        return Err(Error::BadParameter {
-            name: "-o",
-            found: format!("{} exists already", shown(output)),
-            remedy: "choose another name or leave out --no-clobber".into(),
-        });
+        return Err(bad(
+            "-o",
+            format!("{} exists already", shown(output)),
+            "choose another name or leave out --no-clobber",
+        ));
     }
     let replace = work.output.replace();
     for (name, path) in outputs_of_frame(work).chain(recipe_of(work)) {

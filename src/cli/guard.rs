@@ -38,7 +38,7 @@ impl Job<'_> {
     }
 
     fn refuse(&self, found: Option<String>) -> Result<()> {
-        let path = self.work.input.clone();
+        let path = self.args().input.clone();
         found.map_or(Ok(()), |found| Err(Error::NotFinite { path, found }))
     }
 }

@@ -5,7 +5,6 @@ use super::message;
 use super::panics::caught;
 use super::threads::on_threads;
 use crate::command::commands::InspectArgs;
-use crate::command::enhance::dark_rims;
 use crate::error::{Error, Result};
 use crate::io::inputs::{Inputs, LightInputs};
 use crate::io::{
@@ -13,21 +12,9 @@ use crate::io::{
 };
 use crate::params::ScalingParams;
 use crate::untrusted::{Untrusted, bounded, listed};
+use crate::work::dark_rims;
 use serde::Serialize;
 use std::path::Path;
-
-/// The camera is worth knowing even where the normals need none.
-const EVERYTHING: Needs = Needs {
-    color: false,
-    color_if_any: false,
-    albedo: false,
-    projection: true,
-    motion: false,
-    strength: false,
-    objects: false,
-    confidence: false,
-    confidence_if_any: false,
-};
 
 /// Most characters of a line.
 const WIDTH: usize = 100;
@@ -107,7 +94,12 @@ fn inspect(args: &InspectArgs, file: &Path) -> Result<Inspection> {
 /// Reads the frame, or as many rows in its middle as fit; then that is said.
 fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
     let files = InputFiles::open_within(&inputs, MOST_OF_A_PHOTO)?;
-    let height = files.extent(&inputs, EVERYTHING)?.window.height();
+    // The camera is worth knowing even where the normals need none.
+    let needs = Needs {
+        projection: true,
+        ..Needs::default()
+    };
+    let height = files.extent(&inputs, needs)?.window.height();
     let bytes = frame_bytes(&inputs.picture, 0, false);
     let mut note = None;
     if bytes > MOST_BYTES {
@@ -120,7 +112,7 @@ fn look(mut inputs: Inputs) -> Result<(Loaded, Option<String>)> {
             MOST_BYTES >> 20
         ));
     }
-    Ok((files.load(&inputs, EVERYTHING)?, note))
+    Ok((files.load(&inputs, needs)?, note))
 }
 
 /// Warnings of dark rims in concavities at the planned magnitude; none if neither magnitude nor invariant point is given.

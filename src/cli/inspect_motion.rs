@@ -9,18 +9,6 @@ use crate::io::{self, Finding, Needs};
 use crate::untrusted::Untrusted;
 use std::path::{Path, PathBuf};
 
-const NEEDS: Needs = Needs {
-    color: false,
-    color_if_any: true,
-    albedo: false,
-    projection: true,
-    motion: true,
-    strength: false,
-    objects: false,
-    confidence: false,
-    confidence_if_any: false,
-};
-
 /// The finding on motion of the frame of `inputs`; `None` where no layer may hold any.
 ///
 /// # Errors
@@ -50,11 +38,17 @@ pub(super) fn finding(inputs: &Inputs) -> Result<Option<Finding>> {
         picture: before.clone(),
         ..inputs.clone()
     };
+    let needs = Needs {
+        color_if_any: true,
+        projection: true,
+        motion: true,
+        ..Needs::default()
+    };
     // A frame before that is no frame tells nothing.
-    let Ok(seen) = io::load(&inputs_before, NEEDS) else {
+    let Ok(seen) = io::load(&inputs_before, needs) else {
         return Ok(unread("the frame before cannot be read"));
     };
-    let now = io::load(inputs, NEEDS)?;
+    let now = io::load(inputs, needs)?;
     let still = seen
         .frame
         .camera

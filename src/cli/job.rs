@@ -1,22 +1,23 @@
 //! One frame from its arguments to its output and messages: what all commands share.
 
-use super::cells::{Form, SheetPart};
+use super::cells::{CellForm, SheetPart};
 use super::explained;
 use super::message;
-use super::output::{ReadyOutput, attributes, color_channels};
+use super::output::{NextRows, ReadyOutput, attributes};
 use super::run_log::RunLog;
 use super::timings::Timings;
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
-use crate::command::output::{Displayed, Kind, MadePicture};
+use crate::command::commands::Command;
+use crate::command::invocation::Task;
+use crate::command::output::Kind;
 use crate::command::recipe::RecipeText;
-use crate::command::shape::held_gain;
 use crate::engine::cpu::row_layers::{LaidRows, RowLayers};
 use crate::engine::outcome::{Outcome, Shape};
 use crate::engine::tiles::Strips;
 use crate::engine::{self, Engine, Run};
 use crate::error::Result;
-use crate::frame::{ColorPlanes, Frame, Mask};
+use crate::frame::{ColorPlanes, Frame, Mask, Window};
 use crate::io::exr::OutputChannel;
 use crate::io::inputs::Inputs;
 use crate::io::output::{write_atomically, write_text};
@@ -25,6 +26,9 @@ use crate::io::svg;
 use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::{Decision, Plan};
 use crate::untrusted::shown;
+use crate::work::Work;
+use crate::work::picture::{Displayed, MadePicture};
+use crate::work::shape::held_gain;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -33,20 +37,21 @@ use std::time::{Duration, Instant};
 /// A frame to be made.
 #[derive(Clone)]
 pub(super) struct Job<'a> {
-    /// The arguments, with the names of this frame.
-    pub(super) work: WorkArgs,
+    /// The command, with the names of this frame.
+    pub(super) command: Command,
     /// Its number, in a sequence.
     pub(super) frame: Option<i32>,
-    /// Its place among the frames of the run.
-    index: Option<usize>,
+    /// Its place among the frames of a sequence that is being made.
+    pub(super) index: Option<usize>,
     /// What it is of a sheet.
     pub(super) part: Option<SheetPart<'a>>,
-    writes: bool,
-    log: &'a RunLog,
-    recipe: &'a RecipeText,
-    started: Instant,
+    /// Whether its output is written, rather than looked at, or left to the sheet that it is a part of.
+    pub(super) writes: bool,
+    pub(super) log: &'a RunLog,
+    pub(super) recipe: &'a RecipeText,
+    pub(super) started: Instant,
     /// What the plans of this frame decided, until it is explained.
-    decisions: Arc<Mutex<Vec<Decision>>>,
+    pub(super) decisions: Arc<Mutex<Vec<Decision>>>,
 }
 
 /// A frame that has been read and what the plan made of it.
@@ -63,95 +68,50 @@ impl Done {
 }
 
 impl<'a> Job<'a> {
-    /// A single picture.
-    pub(super) fn new(work: WorkArgs, log: &'a RunLog, recipe: &'a RecipeText) -> Self {
+    /// A single picture, or a frame that is looked at for what is chosen automatically.
+    pub(super) fn of(task: &'a Task, log: &'a RunLog, frame: Option<i32>) -> Self {
+        let command = task.command.of_frame(frame);
         Self {
-            writes: work.output.output.is_some(),
-            work,
-            frame: None,
+            writes: command.work().args().output.output.is_some() && frame.is_none(),
+            command,
+            frame,
             index: None,
             part: None,
             log,
-            recipe,
+            recipe: &task.recipe,
             started: Instant::now(),
             decisions: Arc::default(),
         }
     }
 
-    /// A frame of a sequence, number `index` among those of this run.
-    pub(super) fn in_sequence(
-        work: WorkArgs,
-        frame: i32,
-        index: usize,
-        log: &'a RunLog,
-        recipe: &'a RecipeText,
-    ) -> Self {
-        Self {
-            frame: Some(frame),
-            index: Some(index),
-            ..Self::new(work, log, recipe)
-        }
+    /// What the command does.
+    pub(super) fn work(&self) -> &dyn Work {
+        self.command.work()
     }
 
-    /// A part of a sheet: nothing is written before all cells are done.
-    pub(super) fn of_sheet(
-        work: WorkArgs,
-        part: SheetPart<'a>,
-        log: &'a RunLog,
-        recipe: &'a RecipeText,
-    ) -> Self {
-        Self {
-            writes: false,
-            part: Some(part),
-            ..Self::new(work, log, recipe)
-        }
+    pub(super) fn args(&self) -> &WorkArgs {
+        self.work().args()
     }
 
     /// The same with the output of one of the maps that its name stands for.
     pub(super) fn writing(&self, part: &str) -> Self {
         let mut job = self.clone();
-        job.work.output.parts = vec![part.into()];
-        job.work.output.output = job.work.output.files().pop();
+        let output = &mut job.command.work_mut().args_mut().output;
+        output.parts = vec![part.into()];
+        output.output = output.files().pop();
         job
-    }
-
-    /// The same, begun before.
-    pub(super) fn begun(self, started: Instant) -> Self {
-        Self { started, ..self }
     }
 
     /// The same with this output.
     pub(super) fn writing_to(&self, path: PathBuf) -> Self {
         let mut job = self.clone();
-        job.work.output.output = Some(path);
+        job.command.work_mut().args_mut().output.output = Some(path);
         job
     }
 
     /// The sheet that it is a cell of.
     fn cell(&self) -> Option<SheetPart<'a>> {
         self.part.filter(SheetPart::is_cell)
-    }
-
-    /// The same, to be made only so that the next ones can be: nothing is written.
-    pub(super) fn without_output(self) -> Self {
-        Self {
-            writes: false,
-            ..self
-        }
-    }
-
-    /// A frame that is looked at for what is chosen automatically: nothing is written.
-    pub(super) fn to_choose(
-        work: WorkArgs,
-        frame: i32,
-        log: &'a RunLog,
-        recipe: &'a RecipeText,
-    ) -> Self {
-        Self {
-            frame: Some(frame),
-            writes: false,
-            ..Self::new(work, log, recipe)
-        }
     }
 
     /// Whether the frame goes on from those before it, of a sequence that is being made.
@@ -194,7 +154,7 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let loaded = load()?;
         let read = start.elapsed();
-        if self.work.run.verbose && self.speaks_for_all() {
+        if self.args().run.verbose && self.speaks_for_all() {
             for finding in &loaded.findings {
                 self.log.say(&message::finding_line(finding));
             }
@@ -209,7 +169,7 @@ impl<'a> Job<'a> {
     fn speaks_for_all(&self) -> bool {
         match self.index {
             _ if self.cell().is_some() => false,
-            None => self.frame.is_none() || self.work.output.output.is_none(),
+            None => self.frame.is_none() || self.args().output.output.is_none(),
             Some(index) => index == 0,
         }
     }
@@ -222,42 +182,27 @@ impl<'a> Job<'a> {
     /// Says something about this picture, unless it is one of a sequence.
     pub(super) fn note(&self, text: &str) {
         let is_one = !self.log.is_sequence() && self.part.is_none();
-        if !self.work.run.quiet && is_one {
+        if !self.args().run.quiet && is_one {
             self.log
-                .say(&format!("{}: {text}", shown(&self.work.input)));
+                .say(&format!("{}: {text}", shown(&self.args().input)));
         }
     }
 
     fn say_once(&self, kind: &str, text: &str, with_name: bool) {
         let is_looked_at = self.index.is_none() && self.frame.is_some();
-        let is_made_later = is_looked_at && self.work.output.output.is_some();
-        let is_silent = self.work.run.quiet || self.cell().is_some();
+        let is_made_later = is_looked_at && self.args().output.output.is_some();
+        let is_silent = self.args().run.quiet || self.cell().is_some();
         if is_silent || is_made_later || !self.log.is_new(text) {
             return;
         }
         let name = match with_name {
-            true => format!("{}: ", shown(&self.work.input)),
+            true => format!("{}: ", shown(&self.args().input)),
             false => String::new(),
         };
         self.log.say(&format!("{kind}: {name}{text}"));
     }
 
-    /// Runs `plan` on a frame of this job, and warns where a device that is to do it does not. The outcome may hold less
-    /// of the shape than the plan.
-    pub(super) fn execute(
-        &self,
-        engine: &Engine,
-        plan: &Plan,
-        frame: &mut Frame,
-        inputs: engine::Inputs,
-    ) -> Result<Outcome> {
-        let warn = |text: &str| self.warn(text);
-        let outcome = engine.execute_sparingly(plan, frame, inputs, &Run::new().warn(&warn))?;
-        self.note_gain(plan, outcome.gain);
-        Ok(outcome)
-    }
-
-    /// The same of layers that are written some rows at a time.
+    /// Runs `plan` on a frame of this job, but for what can be made some rows at a time.
     pub(super) fn execute_for_rows<'e>(
         &self,
         engine: &'e Engine,
@@ -291,7 +236,7 @@ impl<'a> Job<'a> {
 
     /// Says where normals are too coarse for the gain that their shape asks for.
     pub(super) fn note_gain(&self, plan: &Plan, gain: Option<f32>) {
-        if let Some(text) = held_gain(plan, gain) {
+        if let Some(text) = held_gain(plan, gain).filter(|_| plan.drawing.is_none()) {
             self.warn(&text);
         }
     }
@@ -308,7 +253,7 @@ impl<'a> Job<'a> {
         if let Some(text) = plan.shape.outdated() {
             self.warn(text);
         }
-        if self.work.run.explain && self.speaks_for_all() {
+        if self.args().run.explain && self.speaks_for_all() {
             let mut decisions = self
                 .decisions
                 .lock()
@@ -330,42 +275,32 @@ impl<'a> Job<'a> {
         let Timings {
             stages, left_out, ..
         } = timings;
-        let is_verbose = self.work.run.verbose;
+        let is_verbose = self.args().run.verbose;
         let lines = explained::lines(stages, &decisions, chosen, *left_out, is_verbose);
         message::result(lines)
     }
 
     /// Writes the picture that was made, and ends the frame.
-    pub(super) fn write_color(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
+    pub(super) fn write_picture(&self, done: &Done, made: MadePicture) -> Result<Chosen> {
         let loaded = &done.loaded;
-        match self.work.output.kind()? {
-            Kind::Exr => self.write_channels(done, self.color_channels(loaded, made.color)),
-            Kind::Numbers(_) => unreachable!("pictures are refused before"),
-            Kind::Picture(_) => {
-                let mask = &loaded.frame.mask;
-                let exposure = made.exposure(&self.work, mask);
-                let displayed = self.displayed(loaded, made, exposure);
-                let picture = displayed.picture();
-                let chosen = done.chosen().exposed(exposure);
-                if let Some(cell) = self.cell() {
-                    let is_derived = made.before.is_some();
-                    let ColorPlanes { r, g, b } = made.color;
-                    cell.keep(
-                        &self.work,
-                        &done.outcome,
-                        Form::Color { is_derived },
-                        &[r, g, b],
-                    );
-                    return Ok(chosen);
-                }
-                let settings = self.recipe(&chosen);
-                self.write(done, chosen, |output| {
-                    self.write_picture_to(output, done, &picture, settings)?;
-                    let shown = (&picture, displayed.before());
-                    Ok(self.whites(shown, mask, 0..mask.height()))
-                })
-            }
+        let mask = &loaded.frame.mask;
+        let exposure = made.exposure(self.args(), mask);
+        let chosen = done.chosen().exposed(exposure);
+        if let Some(cell) = self.cell() {
+            let form = CellForm::Picture {
+                form: made.form,
+                is_derived: made.before.is_some(),
+            };
+            let ColorPlanes { r, g, b } = &*made.printed().color;
+            cell.keep(self.args(), &done.outcome, form, &[r, g, b]);
+            return Ok(chosen);
         }
+        let displayed = self.displayed(loaded, made, exposure);
+        let settings = self.recipe(&chosen);
+        self.write(done, chosen, |output| {
+            self.write_picture_to(output, done, &displayed.picture(), settings)?;
+            Ok(self.whites(&displayed, mask, 0..mask.height()))
+        })
     }
 
     /// A picture made of `loaded`, as a display has it, with the exposure that was chosen, if one was.
@@ -376,47 +311,9 @@ impl<'a> Job<'a> {
         exposure: Option<f32>,
     ) -> Displayed<'p> {
         let (frame, primaries) = (&loaded.frame, loaded.chromaticities);
-        let mut displayed = self.work.displayed(frame, primaries, made, exposure);
-        displayed.bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
-        displayed
-    }
-
-    /// A picture made of `loaded`, as channels of an EXR.
-    pub(super) fn color_channels<'p>(
-        &self,
-        loaded: &'p Loaded,
-        color: &'p ColorPlanes,
-    ) -> Vec<OutputChannel<'p>> {
-        let output = &self.work.output;
-        let (layer, alpha) = (output.color_layer(loaded), loaded.frame.alpha.as_ref());
-        color_channels(layer, color, alpha, output.sample_type(loaded))
-    }
-
-    /// Writes colours to a display file and ends the frame.
-    pub(super) fn write_picture(&self, done: &Done, picture: &Picture) -> Result<Chosen> {
-        if let Some(cell) = self.cell() {
-            let Picture {
-                grey,
-                bits,
-                dpi,
-                transform,
-                color: ColorPlanes { r, g, b },
-                ..
-            } = *picture;
-            let form = Form::Picture {
-                grey,
-                bits,
-                dpi,
-                transform,
-            };
-            cell.keep(&self.work, &done.outcome, form, &[r, g, b]);
-            return Ok(done.chosen());
-        }
-        let settings = self.recipe(&done.chosen());
-        self.write(done, done.chosen(), |output| {
-            self.write_picture_to(output, done, picture, settings)?;
-            Ok(Whites::default())
-        })
+        let bits = if loaded.photo_bits == Some(16) { 16 } else { 8 };
+        let args = self.args();
+        args.displayed(frame, primaries, made, bits, exposure)
     }
 
     fn write_picture_to(
@@ -432,9 +329,9 @@ impl<'a> Job<'a> {
             unreachable!("layers go to an EXR")
         };
         let encoding =
-            self.work
+            self.args()
                 .output
-                .encoding(&done.loaded, settings, &self.work.flags.params)?;
+                .encoding(&done.loaded, settings, &self.args().flags.params)?;
         write_atomically(path, replace, |w| {
             write_picture_as(w, path, format, picture, &encoding)
         })
@@ -446,25 +343,19 @@ impl<'a> Job<'a> {
         done: &Done,
         channels: Vec<OutputChannel>,
     ) -> Result<Chosen> {
-        let channels = self.work.output.picked(channels)?;
+        let channels = self.args().output.picked(channels)?;
         if let Some(cell) = self.cell() {
-            cell.keep_channels(&self.work, &done.outcome, &channels);
+            cell.keep_channels(self.args(), &done.outcome, &channels);
             return Ok(done.chosen());
         }
         self.write(done, done.chosen(), |output| {
             let results: Vec<_> = channels.iter().map(|channel| channel.plane).collect();
             self.check_channels(&done.loaded.frame, &channels)?;
-            let recipe = self.recipe(&done.chosen());
-            let (args, loaded) = (&self.work.output, &done.loaded);
-            let (window, attributes) = (
-                loaded.frame.data_window,
-                attributes(&self.work, loaded, recipe),
-            );
-            let part = args.part(loaded, window, &channels, attributes);
-            let said = args.write_part(output, loaded, &part, |next| {
+            let window = done.loaded.frame.data_window;
+            let whole = (&done.loaded, window);
+            self.write_part(output, whole, &channels, &done.chosen(), |next| {
                 next(&results, 0..window.height(), &mut || ())
             })?;
-            self.say_all(&said);
             Ok(Whites::default())
         })
     }
@@ -479,11 +370,11 @@ impl<'a> Job<'a> {
         channels: impl Fn(&LaidRows) -> Vec<OutputChannel<'_>> + Sync,
     ) -> Result<Chosen> {
         let chosen = Chosen::made(loaded, &layers.outcome);
-        let (frame, args) = (&loaded.frame, &self.work.output);
+        let (frame, args) = (&loaded.frame, &self.args().output);
         if let Some(cell) = self.cell() {
             let all = layers.rows(frame, &(0..frame.mask.height()))?;
             let channels = args.picked(channels(&all))?;
-            cell.keep_channels(&self.work, &all.outcome, &channels);
+            cell.keep_channels(self.args(), &all.outcome, &channels);
             return Ok(chosen);
         }
         let mut timings = Timings::of(loaded, read);
@@ -492,36 +383,39 @@ impl<'a> Job<'a> {
             let mut writing = Duration::ZERO;
             let height = frame.mask.height();
             let first = layers.rows(frame, &(0..height.min(1)))?;
-            let attributes = attributes(&self.work, loaded, self.recipe(&chosen));
             let named = args.picked(channels(&first))?;
-            let part = args.part(loaded, frame.data_window, &named, attributes);
-            let said = args.write_part(output, loaded, &part, |next| {
-                let bands = Strips::of_rows(band_rows(), height, 0);
-                let mut bands = bands.each().map(|(rows, _)| rows);
-                let made = |rows: Range<usize>| {
-                    let laid = layers.rows(frame, &rows)?;
-                    let named = args.picked(channels(&laid))?;
-                    self.check_channels(&laid.frame, &named)?;
-                    Ok(laid)
-                };
-                let mut laid = bands.next().map(made).transpose()?;
-                while let Some(rows) = laid {
-                    timings.add_all(&rows.outcome);
-                    let began = Instant::now();
-                    let named = args.picked(channels(&rows))?;
-                    let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
-                    // The next rows are made while these are written: neither keeps all threads busy to its end.
-                    let (following, mut made_meanwhile) = (bands.next(), Ok(None));
-                    next(&planes, rows.rows.clone(), &mut || {
-                        made_meanwhile = following.clone().map(made).transpose();
-                    })?;
-                    writing += began.elapsed();
-                    laid = made_meanwhile?;
-                    layers.recycle(rows);
-                }
-                Ok(())
-            })?;
-            self.say_all(&said);
+            self.write_part(
+                output,
+                (loaded, frame.data_window),
+                &named,
+                &chosen,
+                |next| {
+                    let bands = Strips::of_rows(band_rows(), height, 0);
+                    let mut bands = bands.each().map(|(rows, _)| rows);
+                    let made = |rows: Range<usize>| {
+                        let laid = layers.rows(frame, &rows)?;
+                        let named = args.picked(channels(&laid))?;
+                        self.check_channels(&laid.frame, &named)?;
+                        Ok(laid)
+                    };
+                    let mut laid = bands.next().map(made).transpose()?;
+                    while let Some(rows) = laid {
+                        timings.add_all(&rows.outcome);
+                        let began = Instant::now();
+                        let named = args.picked(channels(&rows))?;
+                        let planes: Vec<_> = named.iter().map(|channel| channel.plane).collect();
+                        // The next rows are made while these are written: neither keeps all threads busy to its end.
+                        let (following, mut made_meanwhile) = (bands.next(), Ok(None));
+                        next(&planes, rows.rows.clone(), &mut || {
+                            made_meanwhile = following.clone().map(made).transpose();
+                        })?;
+                        writing += began.elapsed();
+                        laid = made_meanwhile?;
+                        layers.recycle(rows);
+                    }
+                    Ok(())
+                },
+            )?;
             timings.add("write", writing);
             self.write_timings(&timings)?;
             Ok(Whites::default())
@@ -530,10 +424,23 @@ impl<'a> Job<'a> {
         Ok(chosen)
     }
 
-    fn say_all(&self, warnings: &[String]) {
+    /// Writes a part of an EXR, or planes as numbers, with channels like these: `each` hands on their rows.
+    pub(super) fn write_part(
+        &self,
+        output: ReadyOutput,
+        (loaded, window): (&Loaded, Window),
+        channels: &[OutputChannel],
+        chosen: &Chosen,
+        each: impl FnOnce(&mut NextRows) -> Result<()>,
+    ) -> Result<()> {
+        let args = &self.args().output;
+        let attributes = attributes(self.args(), loaded, self.recipe(chosen));
+        let part = args.part(loaded, window, channels, attributes);
+        let warnings = args.write_part(output, loaded, &part, each)?;
         warnings
             .iter()
             .for_each(|warning| self.say_once("warning", warning, true));
+        Ok(())
     }
 
     /// The recipe of this run, with what was chosen.
@@ -571,18 +478,14 @@ impl<'a> Job<'a> {
     }
 
     /// How much of a picture for a display is white, and of the one before; nothing of one that holds linear numbers.
-    pub(super) fn whites(
-        &self,
-        (picture, before): (&Picture, Option<&ColorPlanes>),
-        mask: &Mask,
-        rows: Range<usize>,
-    ) -> Whites {
-        let kind = self.work.output.kind();
+    pub(super) fn whites(&self, shown: &Displayed, mask: &Mask, rows: Range<usize>) -> Whites {
+        let kind = self.args().output.kind();
         let is_linear = matches!(kind, Ok(Kind::Picture(PictureFormat::Hdr)));
-        if is_linear || picture.transform != ViewTransform::Srgb {
-            return Whites::default();
+        let picture = shown.picture();
+        match shown.is_light() && !is_linear && picture.transform == ViewTransform::Srgb {
+            true => Whites::of(&picture, shown.before(), mask, rows),
+            false => Whites::default(),
         }
-        Whites::of(picture, before, mask, rows)
     }
 
     /// Writes through `write` where there is anything to be written, and says what was done.
@@ -591,16 +494,16 @@ impl<'a> Job<'a> {
         chosen: &Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
     ) -> Result<()> {
-        let Some(path) = self.work.output.output.as_deref().filter(|_| self.writes) else {
+        let Some(path) = self.args().output.output.as_deref().filter(|_| self.writes) else {
             return Ok(());
         };
-        let replace = self.work.output.replace();
+        let replace = self.args().output.replace();
         let whites = write(ReadyOutput { path, replace })?;
-        let highlights = self.work.flags.params.display.highlights;
+        let highlights = self.args().flags.params.display.highlights;
         if let Some(warning) = message::burnt(whites, highlights) {
             self.say_once("warning", &warning, true);
         }
-        if !self.work.run.quiet && !self.log.is_sequence() {
+        if !self.args().run.quiet && !self.log.is_sequence() {
             let seconds = self.started.elapsed().as_secs_f64();
             let words = [chosen.in_words(), message::whites(whites)];
             let words = words.into_iter().filter(|words| !words.is_empty());
@@ -613,11 +516,11 @@ impl<'a> Job<'a> {
 
     /// Writes the timings, where they are asked for.
     pub(super) fn write_timings(&self, timings: &Timings) -> Result<()> {
-        let Some(path) = &self.work.run.timings else {
+        let Some(path) = &self.args().run.timings else {
             return Ok(());
         };
         let text = timings.json(self.started.elapsed());
-        write_text(path, self.work.output.replace_beside(), &text)
+        write_text(path, self.args().output.replace_beside(), &text)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{PROGRAM, command, message};
 use crate::command::commands::ManArgs;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::untrusted::Untrusted;
 use clap_mangen::Man;
 use std::path::Path;
@@ -15,10 +15,12 @@ pub(super) fn man(args: &ManArgs) -> Result<()> {
         None => program,
         Some(name) => {
             let found = program.find_subcommand(name).cloned();
-            let found = found.ok_or_else(|| Error::BadParameter {
-                name: "COMMAND",
-                found: format!("is {}, which {PROGRAM} does not have", Untrusted(name)),
-                remedy: format!("see {PROGRAM} --help"),
+            let found = found.ok_or_else(|| {
+                bad(
+                    "COMMAND",
+                    format!("is {}, which {PROGRAM} does not have", Untrusted(name)),
+                    format!("see {PROGRAM} --help"),
+                )
             })?;
             found.name(format!("{PROGRAM}-{name}"))
         }

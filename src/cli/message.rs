@@ -46,13 +46,6 @@ pub(super) fn misuse(error: &clap::Error) -> i32 {
     error.exit_code()
 }
 
-/// Prints a warning, unless it is to be quiet.
-pub(super) fn warning(quiet: bool, text: &str) {
-    if !quiet {
-        say(&format!("warning: {text}"));
-    }
-}
-
 /// A conclusion as one line.
 pub(super) fn finding_line(finding: &Finding) -> String {
     let Finding {

@@ -3,18 +3,17 @@
 mod batch;
 mod cells;
 mod complete;
-mod enhance;
 mod exit;
 mod explained;
 mod files;
 mod frames;
 mod guard;
-mod hatch;
 mod inspect;
 mod inspect_motion;
 mod job;
+mod kit;
+mod make;
 mod manual;
-mod map;
 mod message;
 mod motion;
 mod output;
@@ -22,10 +21,8 @@ pub(crate) mod panics;
 mod progress;
 #[cfg(test)]
 mod reference;
-mod relight;
 mod report;
 mod run_log;
-mod shape;
 mod sheet;
 mod stop;
 mod strip_memory;
@@ -37,12 +34,11 @@ mod window;
 
 pub use crate::command::recipe;
 
-use crate::command::commands::{Cli, Command, EnhanceArgs, ShapeArgs};
+use crate::command::commands::{Cli, Command};
+#[cfg(not(feature = "view"))]
+use crate::command::flags::Flag;
 use crate::command::invocation::Invocation;
-use crate::command::line_args::HatchArgs;
-use crate::command::map::MapArgs;
 use crate::command::recipe::Recipe;
-use crate::command::relight_args::RelightArgs;
 use crate::error::Result;
 use std::ffi::OsString;
 #[cfg(feature = "view")]
@@ -67,7 +63,7 @@ pub fn run_words(words: impl IntoIterator<Item = OsString>) -> i32 {
     }
     panics::keep_quiet();
     stop::outlive_full_files();
-    run_typed(&Invocation::of(words)).unwrap_or_else(|error| {
+    run_typed(Invocation::of(words)).unwrap_or_else(|error| {
         message::error(&error);
         message::exit_code(&error)
     })
@@ -78,38 +74,35 @@ pub fn command() -> clap::Command {
     <Cli as clap::CommandFactory>::command()
 }
 
-fn run_typed(typed: &Invocation) -> Result<i32> {
+fn run_typed(typed: Invocation) -> Result<i32> {
     if let Some(help) = typed.help_on_all() {
         return message::result(help.trim_end().lines().map(String::from)).map(|()| exit::DONE);
     }
-    let command = match typed.parse() {
-        Ok(parsed) => parsed.cli.command,
+    let task = match typed.parse() {
+        Ok(task) => task,
         Err(error) => return Ok(message::misuse(&error)),
     };
-    match &command {
+    let typed = &task.typed;
+    match &task.command {
         Command::Inspect(args) => inspect::run(args).map(|()| exit::DONE),
-        Command::Report(args) => report::run(args, typed),
+        Command::Report(args) => report::run(args, task.recipe.settings()),
         Command::Schema => message::json(&recipe::schema()).map(|()| exit::DONE),
         Command::Completions(args) => complete::script(args).map(|()| exit::DONE),
         Command::Man(args) => manual::man(args).map(|()| exit::DONE),
-        Command::Shape(_) => batch::run::<ShapeArgs>(typed),
-        Command::Enhance(_) => batch::run::<EnhanceArgs>(typed),
-        Command::Relight(_) => batch::run::<RelightArgs>(typed),
-        Command::Hatch(_) => batch::run::<HatchArgs>(typed),
-        Command::Map(_) | Command::Normals(_) => batch::run::<MapArgs>(typed),
-        Command::View(args) => view(args, typed),
+        Command::View(args) => view(args, task.recipe.settings()),
         Command::Run(args) => {
             let recipe = Recipe::read(&args.recipe)?;
             let typed = typed.of_recipe(&recipe, &args.rest)?;
             typed.note().into_iter().for_each(message::say);
-            run_typed(&typed)
+            run_typed(typed)
         }
+        _ => batch::run(&task),
     }
 }
 
 /// Reports that this build has no window, and how to get one.
 #[cfg(not(feature = "view"))]
-fn view(_: &crate::command::commands::ViewArgs, _: &Invocation) -> Result<i32> {
+fn view(_: &crate::command::commands::ViewArgs, _: &[Flag]) -> Result<i32> {
     Err(crate::Error::Window {
         found: "this build has no window".into(),
         remedy: "build one with cargo build --release --features view".into(),

@@ -3,10 +3,10 @@
 use crate::command::args::{LayersArg, OutputArgs, WorkArgs};
 use crate::command::layer_names::names_of;
 use crate::command::output::{Kind, MOST_PLANES};
-use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Plane, Window};
+use crate::error::{Error, Result, bad};
+use crate::frame::{Plane, Window};
 use crate::io::Loaded;
-use crate::io::exr::{OutputChannel, OutputType, PartDescription, PartWriter, X_DENSITY};
+use crate::io::exr::{OutputChannel, PartDescription, PartWriter, X_DENSITY};
 use crate::io::likest;
 use crate::io::output::{Replace, write_atomically};
 use crate::io::picture::{Array, ArrayFormat, Encoding};
@@ -67,21 +67,6 @@ impl OutputArgs {
         match self.force {
             true => Replace::Always,
             false => Replace::IfWritable,
-        }
-    }
-
-    /// The prefix of our colour channels: none in a file of our own, where they are the picture.
-    pub(super) fn color_layer(&self, loaded: &Loaded) -> Option<&'static str> {
-        let beside = loaded.exr().is_some() && self.layers != LayersArg::Results;
-        beside.then_some(PART)
-    }
-
-    /// How samples of a picture are stored.
-    pub(super) fn sample_type(&self, loaded: &Loaded) -> OutputType {
-        match self.depth_of_output {
-            Some(chosen) => chosen,
-            None if loaded.color_is_half => OutputType::Half,
-            None => OutputType::Float,
         }
     }
 
@@ -242,15 +227,15 @@ fn write_numbers(
     let count = part.channels.len();
     if count > MOST_PLANES {
         let names = part.channels.iter().map(|(name, _)| name.as_str());
-        return Err(Error::BadParameter {
-            name: "--write",
-            found: format!(
+        return Err(bad(
+            "--write",
+            format!(
                 "names {count} planes for {} ({})",
                 shown(path),
                 names.collect::<Vec<_>>().join(", ")
             ),
-            remedy: format!("name up to {MOST_PLANES}, or write an .exr"),
-        });
+            format!("name up to {MOST_PLANES}, or write an .exr"),
+        ));
     }
     let window = part.data_window;
     let mut array = Array::new([window.width(), window.height()], count);
@@ -274,49 +259,21 @@ fn write_numbers(
 fn no_such_channel(wanted: &str, channels: &[OutputChannel]) -> Error {
     let all: Vec<&str> = channels.iter().map(|channel| &*channel.name).collect();
     let every: Vec<&str> = all.iter().flat_map(|name| names_of(name)).collect();
-    Error::BadParameter {
-        name: "--write",
-        found: format!(
+    bad(
+        "--write",
+        format!(
             "no channel called {} (there are {})",
             Untrusted(wanted),
             all.join(", ")
         ),
-        remedy: match likest(&every, wanted) {
+        match likest(&every, wanted) {
             Some(meant) => format!("did you mean {meant}?"),
             None => "give their names, or those of their layers".into(),
         },
-    }
+    )
 }
 
 /// The software named in written files.
 fn software() -> String {
     format!("relievo {}", env!("CARGO_PKG_VERSION"))
-}
-
-/// Colour planes as channels, with alpha where the picture has one.
-pub(super) fn color_channels<'a>(
-    layer: Option<&str>,
-    color: &'a ColorPlanes,
-    alpha: Option<&'a Plane>,
-    sample_type: OutputType,
-) -> Vec<OutputChannel<'a>> {
-    let planes = [
-        ("R", Some(&color.r)),
-        ("G", Some(&color.g)),
-        ("B", Some(&color.b)),
-        ("A", alpha),
-    ];
-    let name = |component: &str| match layer {
-        Some(layer) => format!("{layer}.{component}"),
-        None => component.to_string(),
-    };
-    planes
-        .into_iter()
-        .filter_map(|(component, plane)| plane.map(|plane| (name(component), plane)))
-        .map(|(name, plane)| OutputChannel {
-            name,
-            plane,
-            sample_type,
-        })
-        .collect()
 }

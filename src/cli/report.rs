@@ -5,8 +5,9 @@ use super::message;
 use super::panics::caught;
 use super::threads::on_threads;
 use crate::command::commands::ReportArgs;
-use crate::command::invocation::Invocation;
-use crate::error::{Error, Result};
+use crate::command::flags::Flag;
+use crate::command::named::Named;
+use crate::error::{Error, Result, bad};
 use crate::io::output::{Files, Replace, check_folder, remove_leftovers, write_atomically};
 use crate::report::{Asked, Report, all_cases, lines, lines_of_cases, measured, page};
 use crate::untrusted::shown;
@@ -17,11 +18,11 @@ use std::time::Instant;
 const PAGE: &str = "report.html";
 const NUMBERS: &str = "report.json";
 
-pub(super) fn run(args: &ReportArgs, typed: &Invocation) -> Result<i32> {
+pub(super) fn run(args: &ReportArgs, typed: &[Flag]) -> Result<i32> {
     on_threads(args.threads, || caught(&args.input, || report(args, typed)))
 }
 
-fn report(args: &ReportArgs, typed: &Invocation) -> Result<i32> {
+fn report(args: &ReportArgs, typed: &[Flag]) -> Result<i32> {
     let started = Instant::now();
     let progress = |doing: &str| {
         if !args.quiet {
@@ -57,7 +58,7 @@ fn report(args: &ReportArgs, typed: &Invocation) -> Result<i32> {
     }
     let report = measured(&Asked {
         args,
-        typed: &typed.typed_settings(),
+        typed,
         number,
         progress: &progress,
     })?;
@@ -90,19 +91,18 @@ fn refuse_collisions(args: &ReportArgs) -> Result<()> {
         return Ok(());
     };
     if directory.exists() && !directory.is_dir() {
-        return Err(Error::BadParameter {
-            name: "-o",
-            found: format!("{} is not a directory", shown(directory)),
-            remedy: "name a directory for the report's files".into(),
-        });
+        return Err(bad(
+            "-o",
+            format!("{} is not a directory", shown(directory)),
+            "name a directory for the report's files",
+        ));
     }
     let mut files = Files::default();
     let recipe: Option<&PathBuf> = args.recipe.as_ref();
-    let inputs = args.roles.files(&args.input);
-    inputs
-        .iter()
-        .chain(recipe)
-        .for_each(|input| files.reads(input));
+    let mut roles = args.roles.clone();
+    let inputs = roles.names().into_iter().filter_map(Named::file);
+    let inputs = inputs.chain(recipe.cloned()).chain([args.input.clone()]);
+    inputs.for_each(|input| files.reads(&input));
     let mut own = [PAGE, NUMBERS].iter();
     own.try_for_each(|file| files.writes("-o", &directory.join(file)))
 }

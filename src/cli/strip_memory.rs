@@ -5,7 +5,7 @@ use crate::command::args::BackendArg;
 use crate::command::memory::MaxMemory;
 use crate::command::output::{Kind, MOST_PLANES};
 use crate::engine::tiles::Strips;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::io::exr::encoding_bytes;
 use crate::io::inputs::Wrap;
 use crate::io::picture::Gathered;
@@ -32,15 +32,18 @@ pub(super) const FEWEST_ROWS: usize = 16;
 /// [`Error::Unsupported`] for such a tile: strips have no borders to join.
 pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
     if job.part.is_some() {
-        return job.work.refuse_too_large(&job.work.input).map(|()| false);
+        return job
+            .args()
+            .refuse_too_large(&job.args().input)
+            .map(|()| false);
     }
-    if job.work.roles.wrap != Wrap::None {
-        let input = &job.work.input;
-        let is_exr = matches!(job.work.output.kind(), Ok(Kind::Exr));
+    if job.args().roles.wrap != Wrap::None {
+        let input = &job.args().input;
+        let is_exr = matches!(job.args().output.kind(), Ok(Kind::Exr));
         let size = picture_size(input).filter(|_| is_exr);
         let layers = size.map_or(0, |size| size.pixels.saturating_mul(TILE_LAYERS_PER_PIXEL));
         let why = "joins the borders of the picture whole";
-        job.work.refuse_above(input, layers, why)?;
+        job.args().refuse_above(input, layers, why)?;
         return Ok(false);
     }
     Ok(whole_bytes(job) > allowed(job))
@@ -49,17 +52,17 @@ pub(super) fn goes_in_strips(job: &Job) -> Result<bool> {
 /// Refuses surroundings that are too large to go with the frame, and those of a sheet.
 pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Result<()> {
     if job.part.is_some() {
-        return Err(Error::BadParameter {
-            name: "--grid",
-            found: "does not go with what mirrors and lenses show".into(),
-            remedy: "leave one of them out".into(),
-        });
+        return Err(bad(
+            "--grid",
+            "does not go with what mirrors and lenses show",
+            "leave one of them out",
+        ));
     }
     let bytes = path.map_or(Ok(0), surroundings_bytes)?;
     let least = bytes.saturating_add(whole_bytes(job));
     let (mib, most) = (
         |bytes: u64| bytes.div_ceil(1 << 20),
-        job.work.run.max_memory.most(),
+        job.args().run.max_memory.most(),
     );
     match path.filter(|_| least > most) {
         None => Ok(()),
@@ -80,15 +83,15 @@ pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Resul
 
 /// About how much memory the frame takes as a whole.
 fn whole_bytes(job: &Job) -> u64 {
-    job.work.frame_bytes(&job.work.input)
+    job.args().frame_bytes(&job.args().input)
 }
 
 /// Memory that the frame may take before it goes in strips. Where nothing is given, photos take no more than they
 /// need to be quick; a GPU that was asked for works on whole frames.
 fn allowed(job: &Job) -> u64 {
-    let run = &job.work.run;
+    let run = &job.args().run;
     let bytes = run.max_memory.bytes();
-    let is_photo = !matches!(Kind::of(&job.work.input), Ok(Kind::Exr));
+    let is_photo = !matches!(Kind::of(&job.args().input), Ok(Kind::Exr));
     match run.max_memory {
         MaxMemory::Auto if is_photo && run.compute.backend != BackendArg::Gpu => {
             bytes.min(PHOTO_BYTES)
@@ -99,8 +102,8 @@ fn allowed(job: &Job) -> u64 {
 
 /// Bytes of planes that are written as numbers, of which all are held.
 fn array_bytes(job: &Job) -> u64 {
-    let pixels = || picture_size(&job.work.input).map_or(0, |size| size.pixels);
-    match job.work.output.kind() {
+    let pixels = || picture_size(&job.args().input).map_or(0, |size| size.pixels);
+    match job.args().output.kind() {
         Ok(Kind::Numbers(_)) => pixels().saturating_mul((MOST_PLANES * size_of::<f32>()) as u64),
         _ => 0,
     }
@@ -130,13 +133,13 @@ impl Cost {
         gathered: Option<&Gathered>,
     ) -> Self {
         let row = whole_bytes(job).div_ceil(height.max(1) as u64).max(1);
-        let output = job.work.output.output.as_ref();
+        let output = job.args().output.output.as_ref();
         let [samples, encoding] = gathered.map_or([0; 2], |g| [g.bytes(), g.encoding_bytes()]);
         Self {
             // Photos are let go of before the result is encoded.
             fixed: program_bytes() + samples + array_bytes(job) + photo_bytes.max(encoding),
             row,
-            decoding: decoding_bytes(&job.work.input),
+            decoding: decoding_bytes(&job.args().input),
             is_exr: output.is_some_and(|path| matches!(Kind::of(path), Ok(Kind::Exr))),
             height,
         }
@@ -180,12 +183,12 @@ impl Cost {
 
 /// How a picture is cut, as memory allows.
 pub(super) fn strips_of(job: &Job, cost: Cost, reach: usize) -> Result<Strips> {
-    let (least, most) = (cost.least(reach), job.work.run.max_memory.bytes());
+    let (least, most) = (cost.least(reach), job.args().run.max_memory.bytes());
     let rows = cost.rows_in(allowed(job).max(least));
     let strips = Strips::new(reach, cost.height, rows).filter(|_| least <= most);
     strips.ok_or_else(|| {
         let why = format!("takes {} MiB even in strips", least.div_ceil(1 << 20));
-        let work = &job.work;
+        let work = job.args();
         work.too_large(&work.input, &why, least.min(whole_bytes(job)))
     })
 }

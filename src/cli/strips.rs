@@ -1,101 +1,47 @@
 //! Pictures that do not fit in memory: read, processed and written strip by strip.
 
 use super::job::Job;
-use super::output::{ReadyOutput, attributes};
+use super::kit::Kit;
+use super::output::ReadyOutput;
 use super::progress::strips_bar;
 use super::strip_memory::{Cost, FEWEST_ROWS, strips_of};
 use super::timings::Timings;
 use crate::command::chosen::Chosen;
-use crate::command::output::{Kind, MadePicture};
+use crate::command::output::Kind;
 use crate::engine;
-use crate::engine::cpu::Runner;
 use crate::engine::cpu::strips::{StripChoice, StripSearch};
 use crate::engine::outcome::Outcome;
 use crate::engine::tiles::Strips;
 use crate::error::Result;
-use crate::frame::{CONFIDENCE_REACH, ColorPlanes, Frame, HOLE_REACH, Plane, Window};
-use crate::io::exr::OutputChannel;
+use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
-use crate::io::picture::{Brightness, Encoding, Gathered, Picture, Whites};
+use crate::io::picture::{Brightness, Encoding, Gathered, Whites};
 use crate::io::{InputFiles, Loaded, Needs};
 use crate::plan::Plan;
+use crate::work::picture::MadePicture;
+use crate::work::source::Source;
+use crate::work::{Seen, Work};
+use indicatif::ProgressBar;
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::time::Instant;
 
-/// The work of a command on a picture, whole or in strips.
-pub(super) trait StripWork {
-    fn runner(&self) -> &Runner;
-
-    /// The plan for a picture or a strip of it, with what was found in the whole.
-    fn plan(&self, strip: &Loaded, found: &StripChoice) -> Result<Plan>;
-
-    /// Inputs of a plan other than the picture.
-    fn inputs(&self) -> engine::Inputs<'_> {
-        engine::Inputs::default()
-    }
-
-    /// Finishes all results of a strip, pixel by pixel.
-    fn finish(&self, _strip: &Frame, _outcome: &mut Outcome) {}
-
-    /// The layers of a strip written to an EXR.
-    fn channels<'a>(
-        &self,
-        job: &Job,
-        strip: &'a Loaded,
-        outcome: &'a Outcome,
-    ) -> Vec<OutputChannel<'a>>;
-
-    /// The colours of a strip shown by a picture.
-    fn shown<'a>(&self, strip: &'a Loaded, outcome: &'a Outcome) -> Shown<'a>;
-
-    /// Warnings about the settings given for this picture.
-    fn warnings(&self, _loaded: &Loaded) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-/// The contents of a picture.
-pub(super) enum Shown<'a> {
-    /// A picture, as it is in linear light.
-    Made(MadePicture<'a>),
-    /// A display of something else.
-    Display(Picture<'a>),
-}
-
-impl Shown<'_> {
-    /// The result of `take` for the displayed picture of a strip at this exposure, and the one before.
-    fn with<T>(
-        &self,
-        job: &Job,
-        strip: &Loaded,
-        exposure: Option<f32>,
-        take: impl FnOnce(&Picture, Option<&ColorPlanes>) -> T,
-    ) -> T {
-        match *self {
-            Self::Made(made) => {
-                let displayed = job.displayed(strip, made, exposure);
-                take(&displayed.picture(), displayed.before())
-            }
-            Self::Display(ref picture) => take(picture, None),
-        }
-    }
-}
-
 /// A picture of which strips are read.
-struct Source<'a, W> {
+struct StripSource<'a> {
     files: InputFiles,
     inputs: Inputs,
     needs: Needs,
     whole: Window,
     strips: Strips,
-    work: &'a W,
+    kit: &'a Kit,
+    work: &'a dyn Work,
     found: StripChoice,
     timings: RefCell<Timings>,
 }
 
-impl<W: StripWork> Source<'_, W> {
+impl StripSource<'_> {
     /// These rows of the picture, and their plan.
     fn load(&self, takes: Range<usize>) -> Result<(Loaded, Plan)> {
         let inputs = Inputs {
@@ -103,8 +49,22 @@ impl<W: StripWork> Source<'_, W> {
             ..self.inputs.clone()
         };
         let loaded = self.timed("read", || self.files.load(&inputs, self.needs))?;
-        let plan = self.work.plan(&loaded, &self.found)?;
+        let plan = plan(self.work, self.kit, &loaded, &self.found)?;
         Ok((loaded, plan))
+    }
+
+    /// Reads every strip, from top to bottom, and hands it, its plan and the rows that count to `take`.
+    fn each(
+        &self,
+        bar: &ProgressBar,
+        mut take: impl FnMut(&Loaded, &Plan, Range<usize>) -> Result<()>,
+    ) -> Result<()> {
+        for (takes, rows) in self.strips.each() {
+            let (loaded, plan) = self.load(takes)?;
+            take(&loaded, &plan, rows)?;
+            bar.inc(1);
+        }
+        Ok(())
     }
 
     fn timed<T>(&self, name: &'static str, stage: impl FnOnce() -> T) -> T {
@@ -116,15 +76,15 @@ impl<W: StripWork> Source<'_, W> {
 }
 
 /// Makes the picture of `job` in strips: bit for bit what it would be as a whole.
-pub(super) fn make<W: StripWork>(
-    work: &W,
-    job: &Job,
-    mut inputs: Inputs,
-    needs: Needs,
-) -> Result<Chosen> {
+pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
+    let work = job.work();
+    let Source {
+        mut inputs, needs, ..
+    } = source;
     let files = InputFiles::open_for_strips(&inputs)?;
     let extent = files.extent(&inputs, needs)?;
     let (whole, photo_bytes) = (extent.window, extent.photo_bytes);
+    let args = job.args();
     let mut sample = middle(job, &files, &mut inputs, needs)?;
     sample.settle(&mut inputs);
     inputs.known_camera = sample.known_camera();
@@ -133,55 +93,64 @@ pub(super) fn make<W: StripWork>(
         projection: needs.projection && sample.frame.camera.is_some(),
         ..needs
     };
-    let plan = work.plan(&sample, &StripChoice::default())?;
-    job.tell_plan(&plan);
-    let warnings = work.warnings(&sample);
+    let first = plan(work, kit, &sample, &StripChoice::default())?;
+    job.tell_plan(&first);
+    let warnings = work.warnings_on(&sample.frame);
     warnings.iter().for_each(|text| job.warn(text));
     let read = Chosen::of_reading(&sample);
     // Its planes are not needed any more: one pixel tells what a strip gives.
     let corner = sample.frame.data_window;
     let pixel = Window::at(corner.x0, corner.y0, 1, 1);
     sample.frame = sample.frame.crop(pixel);
-    let gathered = gathered(work, job, &sample, &plan, whole)?;
+    let gathered = gathered(kit, job, &sample, &first, whole)?;
     let cost = Cost::new(job, whole.height(), photo_bytes, gathered.as_ref());
-    let mut source = Source {
+    let mut source = StripSource {
         files,
         inputs,
         needs,
         whole,
-        strips: strips_of(job, cost, plan.reach() + HOLE_REACH + CONFIDENCE_REACH)?,
+        strips: strips_of(job, cost, first.reach() + HOLE_REACH + CONFIDENCE_REACH)?,
+        kit,
         work,
         found: StripChoice::default(),
         timings: RefCell::new(Timings::of_window(whole)),
     };
-    source.found = choose(&source, job, &plan)?;
-    job.note_gain(&plan, source.found.gain);
-    let plan = work.plan(&sample, &source.found)?;
-    let outcome = run(work, &plan, &sample.frame)?;
-    let chosen = read.with(&source.found, &outcome);
-    let shown = gathered.as_ref().map(|_| work.shown(&sample, &outcome));
-    let exposure = match shown {
-        Some(Shown::Made(made)) => exposure(&source, job, made)?,
-        _ => None,
+    source.found = choose(&source, job, &first)?;
+    job.note_gain(&first, source.found.gain);
+    let settled = plan(work, kit, &sample, &source.found)?;
+    let mut outcome = run(work, kit, &settled, &sample.frame)?;
+    outcome.gain = source.found.gain;
+    outcome.white_level = source.found.white_level;
+    outcome.term_white_levels = source.found.term_white_levels.clone();
+    let chosen = read.running(&outcome);
+    let picture = work.picture(&sample.frame, &outcome);
+    let exposure = match picture.as_ref().filter(|_| gathered.is_some()) {
+        Some(made) => exposure(&source, job, made)?,
+        None => None,
     };
     let chosen = chosen.exposed(exposure);
     job.write_output(&chosen, |output| {
         let whites = match gathered {
             Some(gathered) => {
                 let settings = job.recipe(&chosen);
-                let encoding =
-                    job.work
-                        .output
-                        .encoding(&sample, settings, &job.work.flags.params)?;
+                let encoding = args
+                    .output
+                    .encoding(&sample, settings, &args.flags.params)?;
                 write_gathered(&source, job, output, (gathered, &encoding), exposure)?
             }
             None => {
-                let channels = job
-                    .work
-                    .output
-                    .picked(work.channels(job, &sample, &outcome))?;
-                let recipe = job.recipe(&chosen);
-                write_part(&source, job, output, (&sample, &channels), recipe)?;
+                let channels = work.channels(&sample, &outcome, picture.as_ref());
+                let channels = args.output.picked(channels)?;
+                job.write_part(output, (&sample, whole), &channels, &chosen, |next| {
+                    each_made(&source, job, |(strip, outcome), rows| {
+                        let picture = work.picture(&strip.frame, outcome);
+                        let channels = work.channels(strip, outcome, picture.as_ref());
+                        let channels = args.output.picked(channels)?;
+                        let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
+                        job.check_channels(&strip.frame, &channels)?;
+                        next(&planes, rows, &mut || ())
+                    })
+                })?;
                 Whites::default()
             }
         };
@@ -193,33 +162,39 @@ pub(super) fn make<W: StripWork>(
 }
 
 /// Stops that suit new light, of which `sample` is a part, where they are left open: all strips are lit for them.
-fn exposure<W: StripWork>(
-    source: &Source<W>,
-    job: &Job,
-    sample: MadePicture,
-) -> Result<Option<f32>> {
-    if !sample.leaves_exposure(&job.work) {
+fn exposure(source: &StripSource, job: &Job, sample: &MadePicture) -> Result<Option<f32>> {
+    if !sample.leaves_exposure(job.args()) {
         return Ok(None);
     }
-    let bar = strips_bar(&job.work.run, "looking", source.strips.count());
     let mut brightness = Brightness::default();
-    for (takes, rows) in source.strips.each() {
-        let (loaded, plan) = source.load(takes)?;
-        let outcome = source.timed("look", || run(source.work, &plan, &loaded.frame))?;
-        if let Shown::Made(made) = source.work.shown(&loaded, &outcome) {
-            brightness.add(made.color, made.like, &loaded.frame.mask, rows);
+    let bar = strips_bar(&job.args().run, "looking", source.strips.count());
+    source.each(&bar, |strip, plan, rows| {
+        let outcome = source.timed("look", || run(source.work, source.kit, plan, &strip.frame))?;
+        if let Some(made) = source.work.picture(&strip.frame, &outcome) {
+            brightness.add(&made.color, made.like, &strip.frame.mask, rows);
         }
-        source.work.runner().recycle(outcome);
-        bar.inc(1);
-    }
+        source.kit.engine.recycle(outcome);
+        Ok(())
+    })?;
     bar.finish_and_clear();
     Ok(Some(brightness.exposure()))
 }
 
+/// The plan for a picture or a strip of it, with what was found in the whole.
+fn plan(work: &dyn Work, kit: &Kit, strip: &Loaded, found: &StripChoice) -> Result<Plan> {
+    let mut seen = Seen {
+        found: Cow::Borrowed(found),
+        ..Seen::new(&strip.frame, &kit.light)
+    };
+    let plans = work.plans(&mut seen)?;
+    Ok(plans.into_iter().next().expect("one plan makes a picture"))
+}
+
 /// The result of a strip.
-fn run<W: StripWork>(work: &W, plan: &Plan, strip: &Frame) -> Result<Outcome> {
-    let mut outcome = work.runner().execute(plan, strip, work.inputs())?;
-    work.finish(strip, &mut outcome);
+fn run(work: &dyn Work, kit: &Kit, plan: &Plan, strip: &Frame) -> Result<Outcome> {
+    let runner = kit.engine.cpu_runner();
+    let mut outcome = runner.execute(plan, strip, engine::Inputs::lit_by(&kit.light))?;
+    work.mix(strip, 1.0, &mut outcome);
     Ok(outcome)
 }
 
@@ -231,7 +206,7 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
     let rows = cost.rows_allowed(job).max(FEWEST_ROWS).min(height);
     let first = (height - rows) / 2;
     inputs.rows = Some(first..first + rows);
-    let most = job.work.run.max_memory.bytes();
+    let most = job.args().run.max_memory.bytes();
     if cost.least(0) <= most {
         return Ok(job.load_from(files, inputs, needs)?.0);
     }
@@ -241,45 +216,39 @@ fn middle(job: &Job, files: &InputFiles, inputs: &mut Inputs, needs: Needs) -> R
 }
 
 /// Gathers the samples of a picture for a display; `None` for layers, and if nothing is written.
-fn gathered<W: StripWork>(
-    work: &W,
+fn gathered(
+    kit: &Kit,
     job: &Job,
     sample: &Loaded,
     plan: &Plan,
     whole: Window,
 ) -> Result<Option<Gathered>> {
-    let Kind::Picture(format) = job.work.output.kind()? else {
+    let output = &job.args().output;
+    let (Kind::Picture(format), Some(_)) = (output.kind()?, &output.output) else {
         return Ok(None);
     };
-    if job.work.output.output.is_none() {
-        return Ok(None);
-    }
-    let outcome = run(work, plan, &sample.frame)?;
+    let outcome = run(job.work(), kit, plan, &sample.frame)?;
     let size = [whole.width(), whole.height()];
-    let shown = work.shown(sample, &outcome);
-    let gathered = shown.with(job, sample, None, |like, _| {
-        Gathered::new(format, size, like)
-    });
-    Ok(Some(gathered))
+    let made = job.work().picture(&sample.frame, &outcome);
+    let shown = made.map(|made| job.displayed(sample, made, None));
+    Ok(shown.map(|like| Gathered::new(format, size, &like.picture())))
 }
 
 /// Settings left open that are chosen from the whole picture.
-fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<StripChoice> {
+fn choose(source: &StripSource, job: &Job, plan: &Plan) -> Result<StripChoice> {
     let Some(mut search) = StripSearch::new(plan, source.whole) else {
         return Ok(StripChoice::default());
     };
     let count = source.strips.count();
-    let bar = strips_bar(&job.work.run, "looking", StripSearch::USUAL_LOOKS * count);
+    let bar = strips_bar(&job.args().run, "looking", StripSearch::USUAL_LOOKS * count);
     for look in 1.. {
         if look > StripSearch::USUAL_LOOKS {
             bar.inc_length(count as u64);
         }
-        for (takes, rows) in source.strips.each() {
-            let (loaded, plan) = source.load(takes)?;
-            let runner = source.work.runner();
-            source.timed("look", || search.look(runner, &plan, &loaded.frame, rows))?;
-            bar.inc(1);
-        }
+        source.each(&bar, |loaded, plan, rows| {
+            let runner = source.kit.engine.cpu_runner();
+            source.timed("look", || search.look(runner, plan, &loaded.frame, rows))
+        })?;
         if !search.next_look() {
             break;
         }
@@ -288,32 +257,9 @@ fn choose<W: StripWork>(source: &Source<W>, job: &Job, plan: &Plan) -> Result<St
     Ok(search.found())
 }
 
-/// Makes the strips and writes them to a part of an EXR that is like `sample`, or as numbers, with the channels it has.
-fn write_part<W: StripWork>(
-    source: &Source<W>,
-    job: &Job,
-    output: ReadyOutput,
-    (sample, channels): (&Loaded, &[OutputChannel]),
-    recipe: String,
-) -> Result<()> {
-    let args = &job.work.output;
-    let attributes = attributes(&job.work, sample, recipe);
-    let part = args.part(sample, source.whole, channels, attributes);
-    let warnings = args.write_part(output, sample, &part, |next| {
-        each_made(source, job, |(strip, outcome), rows| {
-            let channels = args.picked(source.work.channels(job, strip, outcome))?;
-            let planes: Vec<&Plane> = channels.iter().map(|c| c.plane).collect();
-            job.check_channels(&strip.frame, &channels)?;
-            next(&planes, rows, &mut || ())
-        })
-    })?;
-    warnings.iter().for_each(|warning| job.warn(warning));
-    Ok(())
-}
-
 /// Makes the strips, gathers what a display is shown of them, and writes it.
-fn write_gathered<W: StripWork>(
-    source: &Source<W>,
+fn write_gathered(
+    source: &StripSource,
     job: &Job,
     ReadyOutput { path, replace }: ReadyOutput,
     (mut gathered, encoding): (Gathered, &Encoding),
@@ -321,16 +267,12 @@ fn write_gathered<W: StripWork>(
 ) -> Result<Whites> {
     let mut whites = Whites::default();
     each_made(source, job, |(strip, outcome), rows| {
-        let shown = source.work.shown(strip, outcome);
-        let counted = shown.with(job, strip, exposure, |picture, before| {
-            job.check_picture(&strip.frame, picture)?;
-            gathered.push(picture, rows.clone());
-            Ok(match shown {
-                Shown::Made(_) => job.whites((picture, before), &strip.frame.mask, rows),
-                Shown::Display(_) => Whites::default(),
-            })
-        })?;
-        whites = whites.with(counted);
+        let made = source.work.picture(&strip.frame, outcome);
+        let shown = job.displayed(strip, made.expect("a picture is gathered"), exposure);
+        let picture = shown.picture();
+        job.check_picture(&strip.frame, &picture)?;
+        gathered.push(&picture, rows.clone());
+        whites = whites.with(job.whites(&shown, &strip.frame.mask, rows));
         Ok(())
     })?;
     source.files.release();
@@ -341,15 +283,14 @@ fn write_gathered<W: StripWork>(
 }
 
 /// Makes every strip, from top to bottom, and hands it, its result and the rows that count to `take`.
-fn each_made<W: StripWork>(
-    source: &Source<W>,
+fn each_made(
+    source: &StripSource,
     job: &Job,
     mut take: impl FnMut((&Loaded, &Outcome), Range<usize>) -> Result<()>,
 ) -> Result<()> {
-    let bar = strips_bar(&job.work.run, "writing", source.strips.count());
-    for (takes, rows) in source.strips.each() {
-        let (loaded, plan) = source.load(takes)?;
-        let outcome = run(source.work, &plan, &loaded.frame)?;
+    let bar = strips_bar(&job.args().run, "writing", source.strips.count());
+    source.each(&bar, |loaded, plan, rows| {
+        let outcome = run(source.work, source.kit, plan, &loaded.frame)?;
         let covered = |y| loaded.frame.mask.row(y).iter().filter(|&&c| c).count();
         let covered: usize = rows.clone().map(covered).sum();
         {
@@ -357,10 +298,10 @@ fn each_made<W: StripWork>(
             timings.covered += covered;
             timings.add_all(&outcome);
         }
-        source.timed("write", || take((&loaded, &outcome), rows))?;
-        source.work.runner().recycle(outcome);
-        bar.inc(1);
-    }
+        source.timed("write", || take((loaded, &outcome), rows))?;
+        source.kit.engine.recycle(outcome);
+        Ok(())
+    })?;
     bar.finish_and_clear();
     Ok(())
 }

@@ -4,17 +4,16 @@ use super::{run_typed, threads};
 use crate::command::commands::ViewArgs;
 use crate::command::error_line::line_of;
 use crate::command::flags::Flag;
-use crate::command::invocation::Invocation;
-use crate::command::look::{Look, Opening, Said};
 use crate::error::Result;
 use crate::untrusted::shown;
 use crate::view::View;
+use crate::view::look::{Look, Opening, Said};
 use eframe::egui::Context;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Opens the window.
-pub(super) fn view(args: &ViewArgs, typed: &Invocation) -> Result<i32> {
+pub(super) fn view(args: &ViewArgs, typed: &[Flag]) -> Result<i32> {
     threads::use_threads(args.compute.threads);
     let opening = Opening::of(args, typed, save)?;
     crate::view::open(opening).map(|()| 0)
@@ -23,7 +22,7 @@ pub(super) fn view(args: &ViewArgs, typed: &Invocation) -> Result<i32> {
 /// Saves the result of a look on `input` to `output`, by running the look's command line.
 fn save(look: &Look, input: &Path, output: &Path) -> std::result::Result<(), Said> {
     let typed = look.invocation(input, output);
-    match run_typed(&typed.with(&[Flag::switch("quiet")])) {
+    match run_typed(typed.with(&[Flag::switch("quiet")])) {
         Ok(0) => Ok(()),
         Ok(code) => Err(format!("{} was not written ({code})", shown(output))),
         Err(error) => Err(line_of(&error)),

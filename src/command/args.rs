@@ -2,10 +2,11 @@
 
 use super::flags::{Flags, Section, one_of};
 use super::memory::MaxMemory;
+use super::named::Named;
 use super::role_args::RoleArgs;
-use super::sequence::{SequenceArgs, inputs_of_frame, numbered, numbered_path};
+use super::sequence::SequenceArgs;
 use crate::engine::Engine;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::io::exr::{OutputCompression, OutputType};
 use crate::io::inputs::{Inputs, Wrap};
 use crate::io::picture::ViewTransform;
@@ -56,34 +57,27 @@ impl WorkArgs {
             .frames
             .of(&self.input, self.output.output.as_deref())?;
         match &self.run.timings {
-            Some(path) if frames.is_some() && path_of_frame(path, 0).is_none() => {
-                Err(Error::BadParameter {
-                    name: "--timings",
-                    found: format!("{} is one file for all frames", shown(path)),
-                    remedy: "put #### where their numbers go".into(),
-                })
-            }
+            Some(path) if frames.is_some() && path_of_frame(path, 0).is_none() => Err(bad(
+                "--timings",
+                format!("{} is one file for all frames", shown(path)),
+                "put #### where their numbers go",
+            )),
             _ => Ok(frames),
         }
     }
 
-    /// These arguments for one frame of a sequence.
-    pub(crate) fn of_frame(&self, frame: i32) -> Self {
-        let mut one = self.clone();
-        one.input = numbered_path(&self.input, frame);
-        one.roles.rename(|name| numbered(name, frame));
-        let numbered = |path: &PathBuf| numbered_path(path, frame);
-        one.output.output = self.output.output.as_ref().map(numbered);
-        one.run.timings = self.run.timings.as_ref().map(numbered);
-        one
+    /// The layers and files that are named.
+    pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
+        let mut all = vec![Named::Input(&mut self.input)];
+        all.extend(self.roles.names());
+        let written = [&mut self.output.output, &mut self.run.timings];
+        all.extend(written.into_iter().flatten().map(Named::Output));
+        all
     }
 
-    /// Files and layers to read, for a single picture or one frame of a sequence.
-    pub(super) fn inputs(&self, frame: Option<i32>) -> Inputs {
-        match frame {
-            Some(frame) => inputs_of_frame(&self.roles, &self.input, frame),
-            None => self.roles.inputs(&self.input),
-        }
+    /// Files and layers to read.
+    pub(crate) fn inputs(&self) -> Inputs {
+        self.roles.inputs(&self.input)
     }
 
     /// Estimated memory, in bytes, for processing `picture`.
@@ -169,7 +163,7 @@ pub(crate) struct OutputArgs {
     /// Pictures: mapping from scene-linear to display. standard, also called srgb, is the sRGB curve; agx that of
     /// Blender's AgX; none writes the linear numbers from 0 to 1.
     #[arg(hide_short_help = true, long, value_name = "CURVE", default_value = "standard", value_parser = one_of(VIEW_TRANSFORMS))]
-    pub(super) view_transform: View,
+    pub(crate) view_transform: View,
     /// JPEG: quality, 1 to 100; 95 by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=100))]
     pub(crate) quality: Option<u8>,
@@ -195,7 +189,7 @@ const OUTPUT_TYPES: [(OutputType, &str); 2] =
 
 /// Mapping of a picture's linear light to the numbers of a file for a display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum View {
+pub(crate) enum View {
     /// Exposure, compressed highlights, the sRGB curve.
     Standard,
     /// Exposure, AgX, the sRGB curve.
@@ -206,7 +200,7 @@ pub(super) enum View {
 
 impl View {
     /// The encoding of values.
-    pub(super) fn transform(self) -> ViewTransform {
+    pub(crate) fn transform(self) -> ViewTransform {
         match self {
             Self::Standard | Self::Agx => ViewTransform::Srgb,
             Self::None => ViewTransform::None,

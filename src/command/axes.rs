@@ -1,6 +1,6 @@
 //! The axes that normals are written in.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::{Frame, Plane, Vector3Planes};
 use glam::{DMat3, DVec3};
 
@@ -42,10 +42,12 @@ impl Axes {
             Self::OpenCv => DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)),
             Self::StableNormal => DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
             Self::World => {
-                let camera = frame.camera.ok_or_else(|| Error::BadParameter {
-                    name: "--as",
-                    found: "world takes a camera, and none is known".into(),
-                    remedy: "give one with --camera FILE".into(),
+                let camera = frame.camera.ok_or_else(|| {
+                    bad(
+                        "--as",
+                        "world takes a camera, and none is known",
+                        "give one with --camera FILE",
+                    )
                 })?;
                 camera.view_from_world.matrix3.transpose()
             }

@@ -2,7 +2,7 @@
 
 use super::args::WorkArgs;
 use super::output::{Kind, NAME};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::untrusted::{Untrusted, shown};
 use std::path::{Path, PathBuf};
 
@@ -29,14 +29,14 @@ impl Batch {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
         match Untrusted(&stem).path_component() {
             Some(name) => Ok(name.into()),
-            None => Err(Error::BadParameter {
-                name: "IN",
-                found: format!(
+            None => Err(bad(
+                "IN",
+                format!(
                     "{} leaves '{stem}' as the name of its results",
                     shown(input)
                 ),
-                remedy: "rename it".into(),
-            }),
+                "rename it",
+            )),
         }
     }
 
@@ -82,11 +82,11 @@ impl WorkArgs {
         match files.into_iter().find_map(one_for_all) {
             Some((name, path)) => return Err(self.one_for_all(name, &path)),
             None if is_sequence => {
-                return Err(Error::BadParameter {
-                    name: "--frames",
-                    found: "does not go with several pictures".into(),
-                    remedy: "give one input with #### for its numbers, or leave it out".into(),
-                });
+                return Err(bad(
+                    "--frames",
+                    "does not go with several pictures",
+                    "give one input with #### for its numbers, or leave it out",
+                ));
             }
             None => {}
         }
@@ -115,13 +115,13 @@ impl WorkArgs {
         let stray = stray.as_deref().map(Untrusted);
         let folder = if name == "-o" { "a folder, or " } else { "" };
         let several = format!("give {folder}a name with {NAME} for theirs");
-        Error::BadParameter {
+        bad(
             name,
-            found: format!("{} is one file for all pictures", shown(path)),
-            remedy: match stray {
+            format!("{} is one file for all pictures", shown(path)),
+            match stray {
                 Some(stray) => format!("{several}; to write {stray}, give -o {}", stray.word()),
                 None => several,
             },
-        }
+        )
     }
 }

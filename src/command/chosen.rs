@@ -3,8 +3,8 @@
 use super::flags::Flag;
 use super::role_args;
 use super::still_camera::{self, StillCamera};
-use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
+use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::io::Loaded;
 use crate::io::inputs::{Conventions, KnownCamera};
@@ -77,19 +77,6 @@ impl Chosen {
         }
     }
 
-    /// Adds the choices made on the whole of a picture processed in strips.
-    pub(crate) fn with(mut self, choice: &StripChoice, outcome: &Outcome) -> Self {
-        let single = [
-            ("curvature-gain", choice.gain),
-            ("white-level", choice.white_level),
-            ("environment-gain", outcome.environment_gain),
-        ];
-        self.numbers
-            .extend(numbers(&single, &choice.term_white_levels));
-        self.light = outcome.light_choice;
-        self
-    }
-
     /// Adds the exposure chosen for the picture, in stops.
     pub(crate) fn exposed(mut self, stops: Option<f32>) -> Self {
         self.numbers
@@ -97,8 +84,27 @@ impl Chosen {
         self
     }
 
-    /// Choices that suit all frames: the median of each number, the most frequent conventions.
-    pub(crate) fn for_all(each: &[Self]) -> Self {
+    /// Choices that suit all frames: the median of each number, the most frequent conventions. Frames that failed are left
+    /// out.
+    ///
+    /// # Errors
+    /// That of the first frame if all failed; [`Error::Cancelled`].
+    pub(crate) fn for_all(frames: impl Iterator<Item = Result<Self>>) -> Result<Self> {
+        let (mut each, mut first_error) = (Vec::new(), None);
+        for chosen in frames {
+            match chosen {
+                Ok(chosen) => each.push(chosen),
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        match first_error {
+            Some(error) if each.is_empty() => Err(error),
+            _ => Ok(Self::of_several(&each)),
+        }
+    }
+
+    fn of_several(each: &[Self]) -> Self {
         let mut kinds: Vec<_> = each.iter().flat_map(|chosen| &chosen.numbers).collect();
         kinds.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
         let cameras: Option<Vec<_>> = each.iter().map(|chosen| chosen.recovered).collect();
@@ -142,7 +148,7 @@ impl Chosen {
 
     /// The numbers chosen, by the names of their settings.
     #[cfg(feature = "view")]
-    pub(super) fn numbers(&self) -> Vec<(String, String)> {
+    pub(crate) fn numbers(&self) -> Vec<(String, String)> {
         let numbers = self.numbers.iter().filter(|(_, term, _)| term.is_empty());
         numbers
             .map(|(name, _, number)| (name.to_string(), number.to_string()))
@@ -252,7 +258,7 @@ mod tests {
             ..Chosen::default()
         };
         // One frame is a flash, one is dark.
-        let all = Chosen::for_all(&[frame(2.0, 0.5), frame(9.0, 70.0), frame(2.5, 0.01)]);
+        let all = Chosen::of_several(&[frame(2.0, 0.5), frame(9.0, 70.0), frame(2.5, 0.01)]);
         assert_eq!(all, frame(2.5, 0.5));
         let words: Vec<_> = all.flags().iter().map(Flag::word).collect();
         assert_eq!(
@@ -263,6 +269,6 @@ mod tests {
             all.in_words(),
             "curvature gain 2.500, white level diffuse 0.5000"
         );
-        assert_eq!(Chosen::for_all(&[]), Chosen::default());
+        assert_eq!(Chosen::of_several(&[]), Chosen::default());
     }
 }

@@ -38,7 +38,7 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-#[derive(Debug, Subcommand)]
+#[derive(Debug, Clone, Subcommand)]
 pub(crate) enum Command {
     /// Describe files: the role and space of each layer, and the evidence.
     #[command(after_help = INSPECT_EXAMPLES)]
@@ -191,21 +191,21 @@ Examples:
   relievo view photo.jpg --normal normals.png --normal-flip y
   relievo view shot.####.exr                     all frames that are there";
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct CompletionsArgs {
     /// The shell.
     #[arg(value_name = "SHELL")]
     pub(crate) shell: Shell,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ManArgs {
     /// A command; all in short if left out.
     #[arg(value_name = "COMMAND")]
     pub(crate) command: Option<String>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct InspectArgs {
     /// Files to look into.
     #[arg(required = true, value_name = "FILE")]
@@ -223,7 +223,7 @@ pub(crate) struct InspectArgs {
     pub(crate) json: bool,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct RecipeArgs {
     /// The recipe: a TOML file, or the name of a preset.
     #[arg(value_name = "RECIPE")]
@@ -238,23 +238,23 @@ pub(crate) struct RecipeArgs {
     pub(crate) rest: Vec<OsString>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ViewArgs {
     /// The render or photo; one can also be opened in the window.
     #[arg(value_name = "IN")]
-    pub(super) input: Option<PathBuf>,
+    pub(crate) input: Option<PathBuf>,
     /// Recipe to begin with.
     #[arg(long, value_name = "FILE.toml", help_heading = "Run")]
-    pub(super) recipe: Option<PathBuf>,
+    pub(crate) recipe: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) roles: RoleArgs,
+    pub(crate) roles: RoleArgs,
     #[command(flatten)]
-    pub(super) frames: FramesArg,
+    pub(crate) frames: FramesArg,
     #[command(flatten)]
     pub(crate) compute: ComputeArgs,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ShapeArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
@@ -262,7 +262,7 @@ pub(crate) struct ShapeArgs {
     _relief: Section<{ Group::Relief as u8 }>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct EnhanceArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
@@ -278,7 +278,7 @@ pub(crate) struct EnhanceArgs {
     _display: Section<{ Group::Display as u8 }>,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ReportArgs {
     /// The render or photo, or a folder as estimators of normals and depth write one.
     #[arg(

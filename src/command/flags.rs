@@ -1,6 +1,6 @@
 //! Flags of parameters, generated from the parameter table, and flags as typed.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::params::{
     Choice, Kind, Many, Param, Parameters, Params, Scale, Style, check_scales, table,
 };
@@ -63,12 +63,12 @@ pub(crate) struct Flags {
 
 impl Flags {
     /// Sigmas of the scales after the first.
-    pub(super) fn more_scales(&self) -> &[f32] {
+    pub(crate) fn more_scales(&self) -> &[f32] {
         self.scales.get(1..).unwrap_or(&[])
     }
 
     /// All radii of occlusion; none where the command makes none.
-    pub(super) fn radii(&self) -> &[f32] {
+    pub(crate) fn radii(&self) -> &[f32] {
         &self.radii
     }
 
@@ -89,12 +89,11 @@ impl Flags {
         if self.more_scales().is_empty() {
             return Ok(());
         }
-        Err(Error::BadParameter {
-            name: "--scale",
-            found: "names several scales".into(),
-            remedy: "give one, or write the layers of all with `shape` to an .exr; `enhance` and `relight` mix two"
-                .into(),
-        })
+        Err(bad(
+            "--scale",
+            "names several scales",
+            "give one, or write the layers of all with `shape` to an .exr; `enhance` and `relight` mix two",
+        ))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Sheets of sprites: pictures whose cells are pictures of their own.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, bad};
 use crate::frame::Window;
 use std::fmt;
 use std::str::FromStr;
@@ -42,14 +42,6 @@ impl CellSize {
         let sides = [sheet.width(), sheet.height()];
         let count = [sides[0] / width, sides[1] / height];
         let whole = Self([count[0] * width, count[1] * height]);
-        let bad = |found: String, remedy: String| {
-            let name = "--grid";
-            Err(Error::BadParameter {
-                name,
-                found,
-                remedy,
-            })
-        };
         if whole.0 != sides {
             let fits = Self([
                 nearest_divisor(sides[0], width),
@@ -59,15 +51,17 @@ impl CellSize {
                 [0, _] | [_, 0] => String::new(),
                 _ => format!(", or crop the sheet to {whole}"),
             };
-            return bad(
+            return Err(bad(
+                "--grid",
                 format!("{self} does not fit a sheet of {}", Self(sides)),
                 format!("give {fits}{crop}"),
-            );
+            ));
         }
         let all = count[0].saturating_mul(count[1]);
         if all > MOST_CELLS {
             let remedy = format!("give larger ones: up to {MOST_CELLS} are made");
-            return bad(format!("{self} makes {all} cells"), remedy);
+            let found = format!("{self} makes {all} cells");
+            return Err(bad("--grid", found, remedy));
         }
         let cell = |i: usize| {
             let [x, y] = [i % count[0] * width, i / count[0] * height];

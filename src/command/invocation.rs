@@ -1,12 +1,12 @@
 //! A command line being assembled: the words typed, the flags of a recipe, and the choices for a whole sequence.
 
-use super::commands::{Cli, command_named, help_on_all, long, program, typed_ids};
+use super::commands::{Cli, Command, command_named, help_on_all, long, program, typed_ids};
 use super::flags::Flag;
 use super::output::NAME;
-use super::recipe::{KEEP_LEVELS, Recipe, frames_of, is_repeatable, is_setting, is_switch};
+use super::recipe::{KEEP_LEVELS, Recipe, RecipeText, frames_of};
 use crate::error::Result;
 use crate::untrusted::shown;
-use clap::{ArgMatches, Command, FromArgMatches};
+use clap::FromArgMatches;
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -23,10 +23,23 @@ pub(crate) struct Invocation {
     note: Option<String>,
 }
 
-/// The command line as parsed by clap.
-pub(crate) struct Parsed {
-    pub(crate) cli: Cli,
-    pub(crate) matches: ArgMatches,
+/// A command line, parsed: the command with its settings, which the recipe has as they were typed.
+#[derive(Debug, Clone)]
+pub(crate) struct Task {
+    pub(crate) command: Command,
+    pub(crate) recipe: RecipeText,
+    pub(crate) typed: Invocation,
+}
+
+impl Task {
+    /// The task with further `flags`, which override earlier ones.
+    ///
+    /// # Panics
+    /// If the command does not take them.
+    pub(crate) fn with(&self, flags: &[Flag]) -> Self {
+        let task = self.typed.with(flags).parse();
+        task.unwrap_or_else(|error| error.exit())
+    }
 }
 
 impl Invocation {
@@ -44,11 +57,6 @@ impl Invocation {
         self.recipe.as_deref()
     }
 
-    /// Flags taken from the recipe's choices for these frames.
-    pub(crate) fn kept(&self) -> &[Flag] {
-        &self.kept
-    }
-
     /// A note for the user about the recipe.
     pub(crate) fn note(&self) -> Option<&str> {
         self.note.as_deref()
@@ -59,10 +67,17 @@ impl Invocation {
         help_on_all(&self.words)
     }
 
-    pub(crate) fn parse(&self) -> std::result::Result<Parsed, clap::Error> {
+    pub(crate) fn parse(self) -> std::result::Result<Task, clap::Error> {
         let matches = program().clone().try_get_matches_from(&self.words)?;
-        let cli = Cli::from_arg_matches(&matches)?;
-        Ok(Parsed { cli, matches })
+        let mut command = Cli::from_arg_matches(&matches)?.command;
+        if let Command::Map(args) | Command::Normals(args) = &mut command {
+            args.settle();
+        }
+        Ok(Task {
+            command,
+            recipe: RecipeText::of(&matches, &self.kept),
+            typed: self,
+        })
     }
 
     /// The command line for `recipe`: its settings, then `rest`, which overrides them. Its automatic choices apply to
@@ -114,37 +129,6 @@ impl Invocation {
         })
     }
 
-    /// The settings among what was typed, as flags: those given to a command that passes them on.
-    ///
-    /// # Panics
-    /// If it cannot be parsed.
-    pub(crate) fn typed_settings(&self) -> Vec<Flag> {
-        let parsed = self.parse().unwrap_or_else(|error| error.exit());
-        let (name, matches) = parsed.matches.subcommand().expect("a command was parsed");
-        let command = command_named(name);
-        let typed: Vec<&str> = typed_ids(matches).collect();
-        let args = command.get_arguments();
-        let settings = args.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
-        let flags = settings.flat_map(|arg| {
-            let name = arg.get_long().expect("a setting has a name");
-            let values = matches.get_raw_occurrences(arg.get_id().as_str());
-            let words = values.into_iter().flatten().map(|values| {
-                let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
-                values.join(",")
-            });
-            let mut words: Vec<String> = words.collect();
-            if !is_repeatable(arg) {
-                words.drain(..words.len().saturating_sub(1));
-            }
-            let flag = move |value| match is_switch(arg) {
-                true => Flag::switch(name),
-                false => Flag::new(name, value),
-            };
-            words.into_iter().map(flag).collect::<Vec<_>>()
-        });
-        flags.collect()
-    }
-
     /// Replaces the name placeholder by `name`.
     pub(crate) fn named(&self, name: &str) -> Self {
         let named = |word: &OsString| match word.to_str() {
@@ -190,7 +174,7 @@ struct Given {
     input: Option<String>,
 }
 
-fn given_in(command: &Command, words: &[&OsString]) -> Given {
+fn given_in(command: &clap::Command, words: &[&OsString]) -> Given {
     let name = OsString::from(command.get_name());
     let lenient = command.clone().ignore_errors(true);
     let words = std::iter::once(&name).chain(words.iter().copied());

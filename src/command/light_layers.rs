@@ -1,16 +1,15 @@
 //! The flags of `enhance` that name layers of light.
 
-use super::sequence::numbered;
+use super::named::{Named, given};
 use crate::io::inputs::{GroupInput, LightInputs};
 use crate::light::lights::direction_of;
 use crate::params::Params;
 use clap::Args;
 use glam::Vec3;
-use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Layers of light to scale separately.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Light layers")]
 pub(crate) struct LightLayerFlags {
     /// Diffuse light, the surface's colour included: a layer of IN or a file.
@@ -59,13 +58,8 @@ impl FromStr for GroupDirection {
 }
 
 impl LightLayerFlags {
-    /// Layers of light to read, only those whose magnitude in `params` is not zero. In a sequence the names are those
-    /// of one frame.
-    pub(super) fn inputs(&self, params: &Params, frame: Option<i32>) -> LightInputs {
-        let named = |name: &Option<String>| {
-            let name = name.as_deref()?;
-            Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
-        };
+    /// Layers of light to read, only those whose magnitude in `params` is not zero.
+    pub(crate) fn inputs(&self, params: &Params) -> LightInputs {
         let magnitudes = params.scaling.magnitudes();
         let ambient = params.scaling.scaling_ambient.is_some_and(|g| g > 0.0);
         let mut groups: Vec<GroupInput> = Vec::new();
@@ -79,28 +73,27 @@ impl LightLayerFlags {
             }
         }
         LightInputs {
-            gloss: false,
-            gloss_is_tint: None,
             lobes: params.lobes,
             without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
             without_specular: magnitudes.specular == 0.0,
-            diffuse: named(&self.diffuse),
-            specular: named(&self.specular),
-            albedo: named(&self.albedo),
+            diffuse: self.diffuse.clone(),
+            specular: self.specular.clone(),
+            albedo: self.albedo.clone(),
             groups,
             occlusion: ambient,
+            ..LightInputs::default()
         }
     }
 
-    /// Every input that is a separate file, for one frame of a sequence.
-    pub(crate) fn files(&self, frame: Option<i32>) -> impl Iterator<Item = PathBuf> {
-        let named = [&self.diffuse, &self.specular, &self.albedo];
-        let of_frame = move |name: &String| match frame {
-            Some(frame) => numbered(name, frame).into(),
-            None => PathBuf::from(name),
-        };
-        let named = named.into_iter().flatten().map(of_frame);
-        named.filter(|path| path.exists())
+    /// The layers and files that are named.
+    pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
+        let Self {
+            diffuse,
+            specular,
+            albedo,
+            ..
+        } = self;
+        given([diffuse, specular, albedo], [])
     }
 }
 

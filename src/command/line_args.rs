@@ -7,7 +7,7 @@ use crate::params::{Group, LineParams, ObjectAngle, ToneSource};
 use clap::Args;
 use std::path::Path;
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct HatchArgs {
     #[command(flatten)]
     pub(crate) relight: RelightArgs,
@@ -27,7 +27,7 @@ pub(crate) struct HatchArgs {
         value_name = "NAME=DEG|surface",
         help_heading = "Directions"
     )]
-    pub(super) object_angles: Vec<ObjectAngle>,
+    pub(crate) object_angles: Vec<ObjectAngle>,
     #[command(flatten)]
     pub(crate) motion: MotionArg,
 }
@@ -38,11 +38,11 @@ impl HatchArgs {
         self.relight.work.flags.folder_of_strokes.as_deref()
     }
 
-    pub(super) fn tone(&self) -> ToneSource {
+    pub(crate) fn tone(&self) -> ToneSource {
         self.relight.work.flags.params.tone
     }
 
-    pub(super) fn params(&self) -> LineParams {
+    pub(crate) fn params(&self) -> LineParams {
         self.relight.work.flags.params.line
     }
 }

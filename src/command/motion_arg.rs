@@ -1,6 +1,6 @@
 //! The argument that names the motion between the frames of a sequence.
 
-use super::sequence::numbered;
+use super::named::{Named, given};
 use crate::io::motion::MotionConvention;
 use clap::Args;
 
@@ -57,9 +57,13 @@ impl MotionArg {
         self.motion_convention.0
     }
 
-    /// The named layer or file of motion, for one frame.
-    pub(crate) fn of_frame(&self, frame: i32) -> Option<String> {
-        let named = self.motion.as_deref().filter(|_| self.moves())?;
-        Some(numbered(named, frame))
+    /// The layer or file of motion, where it is named.
+    pub(crate) fn layer(&self) -> Option<String> {
+        self.motion.clone().filter(|_| self.moves())
+    }
+
+    /// Its name.
+    pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
+        given([&mut self.motion], [])
     }
 }

@@ -1,16 +1,9 @@
-//! The kind of output that a path names, and the picture for a display.
+//! The kind of output that a path names, and the names of files.
 
-use super::args::{OutputArgs, View, WorkArgs};
-use super::rec709::{converted, rec709_from};
-use crate::engine::outcome::Outcome;
-use crate::error::{Error, Result};
-use crate::frame::{ColorPlanes, Frame, Mask, Plane};
-use crate::io::colorspace::Chromaticities;
-use crate::io::picture::{ArrayFormat, Bright, Brightness, Display, Picture, PictureFormat};
-use crate::light::mixing::mix;
-use crate::params::{DisplayParams, Exposure, Highlights};
+use super::args::OutputArgs;
+use crate::error::{Result, bad};
+use crate::io::picture::{ArrayFormat, PictureFormat};
 use crate::untrusted::shown;
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Placeholder in file names for the input's name without folder and extension.
@@ -38,79 +31,11 @@ impl Kind {
             _ if ends_in("exr") => Ok(Self::Exr),
             _ if ends_in("npy") => Ok(Self::Numbers(ArrayFormat::Npy)),
             Some(format) => Ok(Self::Picture(format)),
-            None => Err(Error::BadParameter {
-                name: "-o",
-                found: format!("{} has no known extension", shown(path)),
-                remedy: "end it in .exr, .png, .jpg, .tif, .hdr or .npy".into(),
-            }),
-        }
-    }
-}
-
-/// A result picture.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct MadePicture<'a> {
-    pub(crate) color: &'a ColorPlanes,
-    /// The picture it was derived from; `None` where it was lit anew.
-    pub(crate) before: Option<&'a ColorPlanes>,
-    /// The picture that it is to be as bright as, where its surface was lit anew.
-    pub(crate) like: Option<&'a ColorPlanes>,
-}
-
-impl MadePicture<'_> {
-    /// Whether the exposure is still to be chosen: AgX has room for bright light, and linear numbers stay.
-    pub(crate) fn leaves_exposure(&self, work: &WorkArgs) -> bool {
-        work.flags.params.display.exposure == Exposure::Auto
-            && work.output.view_transform == View::Standard
-            && self.before.is_none()
-    }
-
-    /// Automatic exposure in stops for this surface; `None` where it is given.
-    pub(crate) fn exposure(&self, work: &WorkArgs, mask: &Mask) -> Option<f32> {
-        self.leaves_exposure(work).then(|| {
-            let mut brightness = Brightness::default();
-            brightness.add(self.color, self.like, mask, 0..mask.height());
-            brightness.exposure()
-        })
-    }
-}
-
-/// A picture as sent to a display, in Rec. 709 primaries.
-pub(crate) struct Displayed<'a> {
-    color: Cow<'a, ColorPlanes>,
-    before: Option<Cow<'a, ColorPlanes>>,
-    alpha: Option<&'a Plane>,
-    pub(crate) bits: u8,
-    dpi: Option<[f32; 2]>,
-    view: View,
-    exposure: f32,
-    highlights: Highlights,
-}
-
-impl Displayed<'_> {
-    /// The picture that it was derived from.
-    pub(crate) fn before(&self) -> Option<&ColorPlanes> {
-        self.before.as_deref()
-    }
-
-    pub(crate) fn picture(&self) -> Picture<'_> {
-        let bright = match (self.view, self.highlights, &self.before) {
-            (View::Agx, ..) => Bright::Agx,
-            (_, Highlights::Clip, _) => Bright::Clipped,
-            (_, Highlights::Compress, None) => Bright::Compressed,
-            (_, Highlights::Compress, Some(before)) => Bright::ChangedFrom(before),
-        };
-        Picture {
-            color: &self.color,
-            alpha: self.alpha,
-            grey: false,
-            bits: self.bits,
-            dpi: self.dpi,
-            transform: self.view.transform(),
-            display: Display {
-                exposure: self.exposure,
-                bright,
-            },
+            None => Err(bad(
+                "-o",
+                format!("{} has no known extension", shown(path)),
+                "end it in .exr, .png, .jpg, .tif, .hdr or .npy",
+            )),
         }
     }
 }
@@ -136,14 +61,14 @@ impl OutputArgs {
         let (Ok(Kind::Numbers(_)), Some(path)) = (self.kind(), &self.output) else {
             return Ok(());
         };
-        Err(Error::BadParameter {
-            name: "-o",
-            found: format!(
+        Err(bad(
+            "-o",
+            format!(
                 "{} is to hold planes of numbers, and this command makes a picture",
                 shown(path)
             ),
-            remedy: "write an .exr; normals, map and shape write numbers".into(),
-        })
+            "write an .exr; normals, map and shape write numbers",
+        ))
     }
 
     /// The files it names: one, or one for each map.
@@ -185,11 +110,11 @@ impl OutputArgs {
         let is_jpeg = PictureFormat::of_path(path) == Some(PictureFormat::Jpeg);
         let holds_layers = matches!(self.kind(), Ok(Kind::Exr | Kind::Numbers(_)));
         let of = |name, format: &str, extension: &str| {
-            Err(Error::BadParameter {
+            Err(bad(
                 name,
-                found: format!("is of {format} alone, and {} is none", shown(path)),
-                remedy: format!("write a {extension} or leave it out"),
-            })
+                format!("is of {format} alone, and {} is none", shown(path)),
+                format!("write a {extension} or leave it out"),
+            ))
         };
         if self.quality.is_some() && !is_jpeg {
             return of("--quality", "JPEG", ".jpg");
@@ -198,63 +123,6 @@ impl OutputArgs {
             return of("--write", "EXR, NPY and TIFF", ".exr");
         }
         Ok(())
-    }
-}
-
-impl WorkArgs {
-    /// Blends the result of `frame` with the original by the requested share, overall and per pixel.
-    pub(crate) fn mix(&self, frame: &Frame, outcome: &mut Outcome) {
-        if let Some(made) = &mut outcome.color {
-            let params = &self.flags.params;
-            let before = frame.color.as_ref();
-            mix(made, before, frame.strength.as_ref(), params.mix);
-            if let Some(confidence) = &frame.confidence {
-                let kept = confidence.map(|confidence| 1.0 - params.blur_fade * (1.0 - confidence));
-                mix(made, before, Some(&kept), 1.0);
-            }
-        }
-    }
-
-    /// Pixels per inch as given, across and down.
-    pub(crate) fn dpi(&self, frame: &Frame) -> Option<[f32; 2]> {
-        let dpi = self.flags.params.line.strokes.dpi?;
-        Some([dpi / frame.pixel_aspect, dpi])
-    }
-
-    /// The result for a display, in 8 bits, converted from the file's primaries; `chosen` is the exposure where none
-    /// was given.
-    pub(crate) fn displayed<'a>(
-        &self,
-        frame: &'a Frame,
-        primaries: Option<Chromaticities>,
-        made: MadePicture<'a>,
-        chosen: Option<f32>,
-    ) -> Displayed<'a> {
-        let view = self.output.view_transform;
-        let turn = primaries.and_then(rec709_from);
-        let turn = turn.filter(|_| view != View::None);
-        let turned = |color| match turn {
-            Some(matrix) => Cow::Owned(converted(color, matrix)),
-            None => Cow::Borrowed(color),
-        };
-        let DisplayParams {
-            exposure,
-            highlights,
-        } = self.flags.params.display;
-        let exposure = match exposure {
-            Exposure::Auto => chosen.unwrap_or(0.0),
-            Exposure::Stops(stops) => stops,
-        };
-        Displayed {
-            color: turned(made.color),
-            before: made.before.map(turned),
-            alpha: frame.alpha.as_ref(),
-            bits: 8,
-            dpi: self.dpi(frame),
-            view,
-            exposure,
-            highlights,
-        }
     }
 }
 

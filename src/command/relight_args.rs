@@ -2,7 +2,6 @@
 
 use super::args::WorkArgs;
 use super::flags::Section;
-use super::sequence::numbered;
 use super::specular_args::SpecularFlags;
 use crate::light::lights::Illumination;
 use crate::params::{AlbedoSource, Group, MaterialParams, RelightParams};
@@ -11,12 +10,12 @@ use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct RelightArgs {
     #[command(flatten)]
     pub(crate) work: WorkArgs,
     #[command(flatten)]
-    pub(super) light: LightFlags,
+    pub(crate) light: LightFlags,
     #[command(flatten)]
     _light: Section<{ Group::Light as u8 }>,
     #[command(flatten)]
@@ -24,7 +23,7 @@ pub(crate) struct RelightArgs {
     #[command(flatten)]
     _scaling: Section<{ Group::Scaling as u8 }>,
     #[command(flatten)]
-    surface: SurfaceFlags,
+    pub(crate) surface: SurfaceFlags,
     #[command(flatten)]
     _material: Section<{ Group::Material as u8 }>,
     #[command(flatten)]
@@ -36,13 +35,13 @@ pub(crate) struct RelightArgs {
 }
 
 /// Lights, environments and lit spheres.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Light")]
-pub(super) struct LightFlags {
+pub(crate) struct LightFlags {
     /// A light far away: degrees counterclockwise from the right of the picture, degrees from the picture
     /// plane toward the viewer, colour. Repeatable.
     #[arg(long, value_name = "AZ,EL[,R,G,B]", allow_hyphen_values = true)]
-    pub(super) light: Vec<Numbers<2>>,
+    pub(crate) light: Vec<Numbers<2>>,
     /// A round light far away: as --light, with its radius in degrees. Repeatable.
     #[arg(
         hide_short_help = true,
@@ -50,7 +49,7 @@ pub(super) struct LightFlags {
         value_name = "AZ,EL,RADIUS[,R,G,B]",
         allow_hyphen_values = true
     )]
-    pub(super) area_light: Vec<Numbers<3>>,
+    pub(crate) area_light: Vec<Numbers<3>>,
     /// A light near the surface, in view space and the units of depth: x right, y up, the eye at 0 looking
     /// toward -z; the colour is that at a distance of 1. Repeatable.
     #[arg(
@@ -59,22 +58,22 @@ pub(super) struct LightFlags {
         value_name = "X,Y,Z[,R,G,B]",
         allow_hyphen_values = true
     )]
-    pub(super) point_light: Vec<Numbers<3>>,
+    pub(crate) point_light: Vec<Numbers<3>>,
     /// Light from all around, attached to the view: latitude-longitude map, mirror ball or cube cross.
     #[arg(long, value_name = "FILE")]
-    pub(super) environment: Option<PathBuf>,
+    pub(crate) environment: Option<PathBuf>,
     /// A picture of a lit sphere in place of all light; or one for convexities and one for concavities.
     #[arg(long, value_name = "FILE[,FILE]", value_delimiter = ',', num_args = 1..=2)]
-    pub(super) lit_sphere: Vec<PathBuf>,
+    pub(crate) lit_sphere: Vec<PathBuf>,
 }
 
 /// Surface properties other than the parameters of its material.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Material")]
-struct SurfaceFlags {
+pub(crate) struct SurfaceFlags {
     /// Colour of the surface itself: a layer of IN or a file.
     #[arg(hide_short_help = true, long, value_name = "NAME|FILE")]
-    albedo: Option<String>,
+    pub(crate) albedo: Option<String>,
 }
 
 /// N numbers and an optional colour, separated by commas.
@@ -103,7 +102,7 @@ impl<const N: usize> FromStr for Numbers<N> {
 
 impl<const N: usize> Numbers<N> {
     /// The colour, white where none is given.
-    pub(super) fn color(&self) -> [f32; 3] {
+    pub(crate) fn color(&self) -> [f32; 3] {
         self.1.unwrap_or([1.0; 3])
     }
 }
@@ -152,25 +151,7 @@ impl RelightArgs {
     }
 
     /// Whether some light comes from all directions, so that occlusion dims it.
-    pub(super) fn dims_by_occlusion(&self) -> bool {
+    pub(crate) fn dims_by_occlusion(&self) -> bool {
         self.light.environment.is_some() || self.params().material.ambient > 0.0
-    }
-
-    /// The named layer or file of the surface's colour, for one frame of a sequence.
-    pub(super) fn albedo_of_frame(&self, frame: Option<i32>) -> Option<String> {
-        let name = self.surface.albedo.as_deref()?;
-        Some(frame.map_or_else(|| name.into(), |frame| numbered(name, frame)))
-    }
-
-    /// Files that only this command reads, for one frame of a sequence.
-    pub(crate) fn files(&self, frame: Option<i32>) -> Vec<PathBuf> {
-        let albedo = self.albedo_of_frame(frame).map(PathBuf::from);
-        let lights = self.light.environment.iter().chain(&self.light.lit_sphere);
-        albedo
-            .filter(|path| path.exists())
-            .into_iter()
-            .chain(lights.cloned())
-            .chain(self.specular.of_frame(frame).files())
-            .collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Arguments that assign roles to layers and files.
 
 use super::flags::{Flag, one_of};
+use super::named::{Named, given};
 use super::still_camera::StillCamera;
 use crate::frame::NormalSpace;
 use crate::io::colorspace::ColorSpace;
@@ -190,13 +191,10 @@ impl RoleArgs {
             depth: self.height.clone().or_else(|| self.depth.clone()),
             position: self.position.clone(),
             occlusion: self.occlusion.clone(),
-            albedo: None,
             importance: self.importance.clone(),
-            motion: None,
             mask: self.mask.clone(),
             objects: self.objects.clone(),
             cryptomatte: self.cryptomatte.clone(),
-            object_angles: Vec::new(),
             coverage: self.coverage.clone(),
             camera: self.camera.clone(),
             normal_space: self.normal_space.0,
@@ -208,16 +206,15 @@ impl RoleArgs {
             },
             height_scale: self.height_scale,
             colorspace: self.colorspace.0,
-            light: None,
             wrap: self.wrap,
-            rows: None,
             known_camera: self.still_camera.map(|still| still.0),
+            ..Inputs::default()
         }
     }
 
-    /// Replaces every layer and file name by `name` of it.
-    pub(super) fn rename(&mut self, name: impl Fn(&str) -> String) {
-        let named = [
+    /// The layers and files that are named.
+    pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
+        let layers = [
             &mut self.normal,
             &mut self.depth,
             &mut self.height,
@@ -228,41 +225,6 @@ impl RoleArgs {
             &mut self.mask,
             &mut self.coverage,
         ];
-        for own in named.into_iter().flatten() {
-            *own = name(own);
-        }
-        for path in [&mut self.camera, &mut self.cryptomatte]
-            .into_iter()
-            .flatten()
-        {
-            if let Some(own) = path.to_str() {
-                *path = name(own).into();
-            }
-        }
-    }
-
-    /// Every input that is a separate file.
-    pub(crate) fn files(&self, picture: &std::path::Path) -> Vec<PathBuf> {
-        let named = [
-            &self.normal,
-            &self.depth,
-            &self.height,
-            &self.position,
-            &self.color,
-            &self.occlusion,
-            &self.importance,
-            &self.mask,
-            &self.coverage,
-        ];
-        let named = named
-            .into_iter()
-            .flatten()
-            .map(PathBuf::from)
-            .filter(|path| path.exists());
-        std::iter::once(picture.to_path_buf())
-            .chain(named)
-            .chain(self.camera.clone())
-            .chain(self.cryptomatte.clone())
-            .collect()
+        given(layers, [&mut self.camera, &mut self.cryptomatte])
     }
 }

@@ -1,13 +1,11 @@
 //! Sequences: frame numbers, and the names of their files.
 
 use super::grid::CellSize;
-use super::role_args::RoleArgs;
-use crate::error::{Error, Result};
-use crate::io::inputs::Inputs;
-use crate::io::sequence::{FrameList, is_pattern, of_frame, path_of_frame};
+use crate::error::{Result, bad};
+use crate::io::sequence::{FrameList, is_pattern, path_of_frame};
 use crate::untrusted::shown;
 use clap::{Args, ValueEnum};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 
 /// Number of frames sampled for automatic choices.
@@ -95,7 +93,7 @@ impl FramesArg {
 
     /// The frames that were given.
     #[cfg(feature = "view")]
-    pub(super) fn numbers(&self) -> Option<Vec<i32>> {
+    pub(crate) fn numbers(&self) -> Option<Vec<i32>> {
         Some(self.frames.as_ref()?.numbers().to_vec())
     }
 
@@ -133,11 +131,7 @@ fn frames_of<'a>(
     let named = named.into_iter();
     let mut named = named.filter_map(|(name, path)| Some((name, path?)));
     let bad = |name, path: &Path, what: &str, remedy: &str| {
-        Err(Error::BadParameter {
-            name,
-            found: format!("{} {what}", shown(path)),
-            remedy: remedy.into(),
-        })
+        Err(bad(name, format!("{} {what}", shown(path)), remedy))
     };
     match frames {
         None => match named.find(|(_, path)| path.to_str().is_some_and(is_pattern)) {
@@ -167,22 +161,6 @@ fn spread(frames: &[i32]) -> Vec<i32> {
     let count = SAMPLES.min(frames.len());
     let place = |i: usize| i * last / (count - 1).max(1);
     (0..count).map(|i| frames[place(i)]).collect()
-}
-
-/// The name with its placeholder replaced by the frame number, if it has one.
-pub(super) fn numbered(name: &str, frame: i32) -> String {
-    of_frame(name, frame).unwrap_or_else(|| name.into())
-}
-
-pub(super) fn numbered_path(path: &Path, frame: i32) -> PathBuf {
-    path_of_frame(path, frame).unwrap_or_else(|| path.into())
-}
-
-/// The inputs of one frame of a sequence.
-pub(crate) fn inputs_of_frame(roles: &RoleArgs, input: &Path, frame: i32) -> Inputs {
-    let mut roles = roles.clone();
-    roles.rename(|name| numbered(name, frame));
-    roles.inputs(&numbered_path(input, frame))
 }
 
 #[cfg(test)]

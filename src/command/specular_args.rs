@@ -1,6 +1,6 @@
 //! Arguments for the scene seen in mirrors and lenses.
 
-use super::sequence::numbered;
+use super::named::{Named, given};
 use crate::io::SpecularInputs;
 use crate::params::{Bend, Params, SpecularParams};
 use clap::Args;
@@ -46,7 +46,7 @@ impl SpecularFlags {
     }
 
     /// The bend of sight lines: refracted if back faces are named or the material is glass, else mirrored.
-    pub(super) fn params(&self, params: &Params) -> SpecularParams {
+    pub(crate) fn params(&self, params: &Params) -> SpecularParams {
         let material = &params.relight.material;
         let is_glass = self.back.is_some() || material.material.is_clear();
         let bend = match (is_glass, material.thin) {
@@ -60,48 +60,16 @@ impl SpecularFlags {
         }
     }
 
-    /// Every input that is a separate file.
-    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
-        let named = [&self.specular_mask, &self.hit_position];
-        let named = named.into_iter().flatten().map(PathBuf::from);
-        let files = [
-            &self.back,
-            &self.behind,
-            &self.surroundings,
-            &self.surroundings_camera,
-        ];
-        named
-            .filter(|path| path.exists())
-            .chain(files.into_iter().flatten().cloned())
-            .collect::<Vec<_>>()
-            .into_iter()
-    }
-
-    /// These arguments for one frame of a sequence.
-    pub(crate) fn of_frame(&self, frame: Option<i32>) -> Self {
-        let mut one = self.clone();
-        if let Some(frame) = frame {
-            one.rename(|name| numbered(name, frame));
-        }
-        one
-    }
-
-    /// Replaces every layer and file name by `name` of it.
-    fn rename(&mut self, name: impl Fn(&str) -> String) {
-        let layers = [&mut self.specular_mask, &mut self.hit_position];
-        for own in layers.into_iter().flatten() {
-            *own = name(own);
-        }
-        let files = [
-            &mut self.back,
-            &mut self.behind,
-            &mut self.surroundings,
-            &mut self.surroundings_camera,
-        ];
-        for own in files.into_iter().flatten() {
-            if let Some(path) = own.to_str() {
-                *own = name(path).into();
-            }
-        }
+    /// The layers and files that are named.
+    pub(crate) fn names(&mut self) -> Vec<Named<'_>> {
+        given(
+            [&mut self.specular_mask, &mut self.hit_position],
+            [
+                &mut self.back,
+                &mut self.behind,
+                &mut self.surroundings,
+                &mut self.surroundings_camera,
+            ],
+        )
     }
 }

@@ -3,6 +3,7 @@
 use crate::frame::Samples;
 
 /// Layers of a frame in memory: see [`FrameBuilder`](crate::frame::FrameBuilder) for what each holds.
+#[derive(Default)]
 pub struct Given<'a> {
     /// Columns and rows.
     pub size: [usize; 2],
@@ -51,21 +52,8 @@ impl<'a> Given<'a> {
     pub fn of_size(size: [usize; 2]) -> Self {
         Self {
             size,
-            normal: None,
-            normal_is_unsigned: false,
-            color: None,
-            depth: None,
-            height: None,
-            height_scale: None,
-            position: None,
-            mask: None,
-            object: None,
-            coverage: None,
-            occlusion: None,
-            importance: None,
-            albedo: None,
-            camera: None,
             pixel_aspect: 1.0,
+            ..Self::default()
         }
     }
 }

@@ -3,15 +3,15 @@
 use crate::command::chosen::Chosen;
 use crate::command::commands::{command_named, long};
 use crate::command::flags::Flag;
-use crate::command::making;
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Plane};
 use crate::product::Product;
+use crate::work;
 
 /// What a command has made of a scene.
 #[derive(Debug, Default)]
 pub struct Made {
-    pub(super) made: making::Made,
+    pub(super) made: work::Made,
     /// A drawing as the text of an SVG, if lines were asked for.
     pub svg: Option<String>,
     /// Warnings about inputs and settings.
@@ -36,19 +36,22 @@ pub struct Layer<'a> {
 impl Made {
     /// The picture, scene-linear: enhanced, in new light, or a drawing on its paper.
     pub fn picture(&self) -> Option<&ColorPlanes> {
-        self.made.picture()
+        self.made.outcome.picture()
     }
 
     /// Layers: of the descriptor, maps, or coverage by the strokes of a drawing.
     pub fn layers(&self) -> Vec<Layer<'_>> {
         let maps = self
             .made
-            .maps
+            .planes
             .iter()
             .map(|(name, plane)| layer(name, vec![plane]));
         let products = Product::all().filter(|product| {
             let row = product.row();
-            row.layer.is_some() || (self.made.printed.is_some() && *product != Product::Picture)
+            row.layer.is_some()
+                || (self.made.outcome.drawing.is_some()
+                    && self.svg.is_none()
+                    && *product != Product::Picture)
         });
         let products =
             products.map(|product| layer(&name_of(product), self.made.outcome.planes(product)));
@@ -67,7 +70,7 @@ impl Made {
 
     /// The names of the maps among the layers.
     pub fn map_names(&self) -> impl Iterator<Item = &str> {
-        self.made.maps.iter().map(|(name, _)| &name[..])
+        self.made.planes.iter().map(|(name, _)| &name[..])
     }
 
     /// What was chosen by itself, by the names of settings.

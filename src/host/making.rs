@@ -4,16 +4,13 @@ use super::made::Made;
 use super::scene::{File, Scene};
 use super::work::Work;
 use crate::command::chosen::Chosen;
-use crate::command::commands::Command;
-use crate::command::enhance::idle_magnitudes;
-use crate::command::hatch::is_svg;
-use crate::command::making::Making;
-use crate::command::reading::Source;
 use crate::engine::{Engine, Run};
 use crate::error::Result;
 use crate::frame::{Frame, Mask, Plane};
 use crate::io::picture::pixels;
 use crate::io::wrapped;
+use crate::work::making::Making;
+use crate::work::source::Source;
 use std::sync::Arc;
 
 impl Work {
@@ -22,11 +19,12 @@ impl Work {
     /// # Errors
     /// As [`crate::io::load`].
     pub fn load(&self, file: &File, held: Option<Arc<Scene>>) -> Result<Arc<Scene>> {
-        let source = Source::of(&self.command, &self.light, file.number)?;
+        let command = self.task.command.of_frame(file.number);
+        let source = Source::of(command.work(), &self.light, file.number.is_some())?;
         if let Some(held) = held.filter(|held| held.source.as_ref() == Some(&source)) {
             return Ok(held);
         }
-        let (loaded, specular) = source.load(&self.command)?;
+        let (loaded, specular) = source.load(command.work())?;
         Ok(Arc::new(Scene {
             specular,
             chosen: Chosen::in_loading(&loaded),
@@ -47,16 +45,14 @@ impl Work {
         if scene.source.is_none() {
             self.refuse_names()?;
         }
-        let fitted = self.fitted(scene);
+        let fitted = self.fitted(scene)?;
         let frame = fitted.as_ref().unwrap_or(&scene.frame);
         let mut made = self.making(scene, frame).run(engine, run)?;
         let mut warnings = [&scene.warnings[..], &self.warnings].concat();
-        if let Command::Enhance(args) = &self.command {
-            let scaling = &args.work.flags.params.scaling;
-            warnings.extend(idle_magnitudes(scaling, &frame.light));
-        }
+        warnings.extend(self.work().warnings_on(frame));
+        warnings.append(&mut made.warnings);
         Ok(Made {
-            command: self.recipe.command().into(),
+            command: self.task.recipe.command().into(),
             chosen: scene.chosen.clone().running(&made.outcome),
             warnings,
             svg: made.svg.take(),
@@ -66,7 +62,7 @@ impl Work {
 
     fn making<'a>(&'a self, scene: &'a Scene, frame: &'a Frame) -> Making<'a> {
         Making {
-            command: &self.command,
+            work: self.work(),
             light: &self.light,
             frame,
             specular: scene.specular.as_ref(),
@@ -78,33 +74,28 @@ impl Work {
     /// premultiplied; `None` for other commands. An exposure that is chosen for it is one of the choices from then on.
     pub fn shown(&self, scene: &Scene, made: &mut Made) -> Option<([usize; 2], Vec<[u8; 4]>)> {
         let making = self.making(scene, &scene.frame);
-        let shown = making.shown(&made.made, scene.primaries, |picture, exposure| {
-            let size = [picture.color.r.width(), picture.color.r.height()];
-            (size, pixels(picture), exposure)
-        });
-        let (size, shown, exposure) = shown?;
+        let (shown, exposure) = making.shown(&made.made, scene.primaries)?;
+        let picture = shown.picture();
+        let size = [picture.color.r.width(), picture.color.r.height()];
+        let shown = pixels(&picture);
         made.chosen = made.chosen.clone().exposed(exposure);
         Some((size, shown))
     }
 
     /// The frame of a scene of arrays, with its mask and its borders as the command has them; `None` where it is as it
     /// is, as all frames of files are.
-    fn fitted(&self, scene: &Scene) -> Option<Frame> {
+    fn fitted(&self, scene: &Scene) -> Result<Option<Frame>> {
         if scene.source.is_some() {
-            return None;
+            return Ok(None);
         }
         let wraps = wrapped(&scene.frame.normal, self.inputs().wrap);
         if scene.mask.is_none() && wraps == scene.frame.wraps {
-            return None;
+            return Ok(None);
         }
         let mut frame = scene.frame.clone();
         frame.wraps = wraps;
-        let changes_picture = match &self.command {
-            Command::Hatch(args) => !is_svg(&args.relight.work),
-            Command::Enhance(_) | Command::Relight(_) => true,
-            _ => false,
-        };
-        match (&scene.mask, changes_picture) {
+        let needs = self.work().reading(&self.light)?.1;
+        match (&scene.mask, needs.strength) {
             (Some(given), true) => frame.strength = Some(given.clone()),
             (Some(given), false) => {
                 let (width, height) = (given.width(), given.height());
@@ -113,6 +104,6 @@ impl Work {
             }
             (None, _) => {}
         }
-        Some(frame)
+        Ok(Some(frame))
     }
 }

@@ -1,10 +1,10 @@
 //! Scenes: frames, with what else a command has read.
 
 use crate::command::chosen::Chosen;
-use crate::command::reading::Source;
 use crate::frame::{Frame, Plane, SpecularScene};
 use crate::io::Finding;
 use crate::io::colorspace::Chromaticities;
+use crate::work::source::Source;
 use std::path::PathBuf;
 
 /// A file as input: a picture, or one frame of a sequence, whose name has a placeholder for the number.

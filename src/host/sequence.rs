@@ -6,7 +6,7 @@ use super::work::Work;
 use crate::command::chosen::Chosen;
 use crate::command::recipe::SAMPLE_FRAMES;
 use crate::engine::{Engine, Run};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use std::path::Path;
 
 pub use crate::command::frames_there::frames_on_disk as frames_of;
@@ -15,7 +15,7 @@ pub use crate::command::frames_there::frames_on_disk as frames_of;
 /// from five of them, or those of `sample-frames`. Frames that cannot be read are ignored.
 ///
 /// # Errors
-/// As [`Work::new`]; that of the first frame if none can be read; [`Error::Cancelled`].
+/// As [`Work::new`]; that of the first frame if none can be read; [`crate::Error::Cancelled`].
 pub fn chosen_for_all(
     engine: &Engine,
     command: &str,
@@ -33,23 +33,15 @@ pub fn chosen_for_all(
     };
     let work = Work::new(command, settings, Some(&file(first)))?;
     let samples = work.sequence().samples(frames);
-    let (mut each, mut first_error) = (Vec::new(), None);
-    for &number in &samples {
+    let each = samples.iter().map(|&number| {
         run.watch().check()?;
-        let scene = work.load(&file(number), None);
-        match scene.and_then(|scene| work.run(engine, &scene, run)) {
-            Ok(made) => {
-                each.push(made.chosen.clone());
-                engine.recycle(made.into_outcome());
-            }
-            Err(Error::Cancelled) => return Err(Error::Cancelled),
-            Err(error) => first_error = first_error.or(Some(error)),
-        }
-    }
-    if let (Some(error), true) = (first_error, each.is_empty()) {
-        return Err(error);
-    }
-    let chosen = settings_in(&Chosen::for_all(&each), command);
+        let made = work.run(engine, &*work.load(&file(number), None)?, run)?;
+        let chosen = made.chosen.clone();
+        engine.recycle(made.into_outcome());
+        Ok(chosen)
+    });
+    let chosen = Chosen::for_all(each)?;
+    let chosen = settings_in(&chosen, command);
     let once = (!samples.is_empty()).then(|| (SAMPLE_FRAMES.into(), "none".into()));
     let given = settings.iter().filter(|(name, _)| name != SAMPLE_FRAMES);
     Ok(given.cloned().chain(chosen).chain(once).collect())

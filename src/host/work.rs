@@ -6,16 +6,15 @@ use crate::command::chosen::Chosen;
 use crate::command::commands::{Command, command_named, long};
 use crate::command::error_line::misuse_line;
 use crate::command::flags::Flag;
-use crate::command::invocation::Invocation;
-use crate::command::making::LINES;
-use crate::command::memory::MaxMemory;
-use crate::command::reading::{Source, light_of, setting_warnings, work_of};
-use crate::command::recipe::{COMMANDS, Recipe, RecipeText, is_setting, is_switch};
-use crate::command::relight::{illumination, light_or_lamp};
+use crate::command::invocation::{Invocation, Task};
+use crate::command::recipe::{COMMANDS, Recipe, is_setting, is_switch};
 use crate::command::sequence::SequenceArgs;
 use crate::error::{Error, Result};
 use crate::io::inputs::Inputs;
 use crate::light::lights::Illumination;
+use crate::work::light_of;
+use crate::work::making::LINES;
+use crate::work::source::Source;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -28,8 +27,7 @@ const ARRAYS: &str = "arrays";
 /// A command with its settings.
 #[derive(Debug)]
 pub struct Work {
-    pub(super) command: Command,
-    pub(super) recipe: RecipeText,
+    pub(super) task: Task,
     settings: Vec<(String, String)>,
     pub(super) light: Illumination,
     pub(super) warnings: Vec<String>,
@@ -50,7 +48,7 @@ impl Work {
         let start = ["relievo".into(), command.into()];
         let flags = words(command, settings)?;
         let typed = Invocation::of(start.into_iter().chain(flags).chain(end(file)));
-        Self::parsed(&typed, settings.to_vec())
+        Self::parsed(typed, settings.to_vec())
     }
 
     /// The same drawing in lines: what is made of it then is an SVG.
@@ -58,19 +56,23 @@ impl Work {
     /// # Errors
     /// [`Error::Arguments`] for commands that draw nothing; [`Error::BadParameter`] for strokes that are no lines.
     pub fn in_lines(mut self) -> Result<Self> {
-        let Command::Hatch(args) = &mut self.command else {
+        if !matches!(self.task.command, Command::Hatch(_)) {
             let found = "only hatch draws lines".into();
             return Err(Error::Arguments { found });
-        };
-        args.relight.work.output.output = Some(LINES.into());
-        args.looks()?;
+        }
+        let work = self.task.command.work_mut();
+        work.args_mut().output.output = Some(LINES.into());
+        work.check()?;
         Ok(self)
+    }
+
+    pub(super) fn work(&self) -> &dyn crate::work::Work {
+        self.task.command.work()
     }
 
     /// How and from where frames are read.
     pub(super) fn inputs(&self) -> Inputs {
-        let work = work_of(&self.command);
-        work.roles.inputs(&work.input)
+        self.work().args().inputs()
     }
 
     /// Refuses settings that name layers or files, or how these are read, for scenes of arrays.
@@ -78,7 +80,7 @@ impl Work {
     /// # Errors
     /// [`Error::Arguments`] naming the first one.
     pub(super) fn refuse_names(&self) -> Result<()> {
-        let source = Source::of(&self.command, &self.light, None)?;
+        let source = Source::of(self.work(), &self.light, false)?;
         source.named().map_or(Ok(()), |setting| {
             let found = format!(
                 "{setting} is of layers or files, and the frame is made of arrays: leave it out, or load a file"
@@ -89,7 +91,7 @@ impl Work {
 
     /// The frames that all automatic settings are chosen from.
     pub(super) fn sequence(&self) -> &SequenceArgs {
-        &work_of(&self.command).sequence
+        &self.work().args().sequence
     }
 
     /// The command of a recipe, with further settings, which overrule it. Its automatic choices apply to frames of the
@@ -107,38 +109,20 @@ impl Work {
         let typed = Invocation::of(["relievo".into()]).of_recipe(recipe, &rest)?;
         let own = recipe.flags(&command_named(&recipe.command))?;
         let own = own.iter().map(named);
-        Self::parsed(&typed, own.chain(settings.iter().cloned()).collect())
+        Self::parsed(typed, own.chain(settings.iter().cloned()).collect())
     }
 
-    fn parsed(invocation: &Invocation, settings: Vec<(String, String)>) -> Result<Self> {
-        let parsed = invocation.parse().map_err(|error| Error::Arguments {
+    fn parsed(typed: Invocation, settings: Vec<(String, String)>) -> Result<Self> {
+        let task = typed.parse().map_err(|error| Error::Arguments {
             found: misuse_line(&error).replacen("error: ", "", 1),
         })?;
-        let command = parsed.cli.command;
-        let flags = &work_of(&command).flags;
-        flags.validate()?;
-        match &command {
-            Command::Shape(_) => {}
-            Command::Map(args) | Command::Normals(args) => args.check()?,
-            Command::Hatch(args) => args.looks().map(|_| ())?,
-            _ => flags.refuse_more_scales()?,
-        }
-        let mut warnings = setting_warnings(&command);
-        let light = match light_of(&command) {
-            Some(args) => illumination(args, MaxMemory::Auto.for_light())?,
-            None => Illumination::default(),
-        };
-        let light = match &command {
-            Command::Relight(args) => {
-                let (light, said) = light_or_lamp(args, light);
-                warnings.extend(said);
-                light
-            }
-            _ => light,
-        };
+        let work = task.command.work();
+        work.args().flags.validate()?;
+        work.check()?;
+        let (light, said) = light_of(work)?;
+        let warnings = work.warnings().into_iter().chain(said).collect();
         Ok(Self {
-            recipe: RecipeText::of(&parsed.matches, invocation.kept()),
-            command,
+            task,
             settings,
             light,
             warnings,
@@ -153,7 +137,9 @@ impl Work {
     /// It as a recipe, with the choices made for `made`, if anything has been made.
     pub fn recipe(&self, made: Option<&Made>) -> String {
         let none = Chosen::default();
-        self.recipe.with(made.map_or(&none, |made| &made.chosen))
+        self.task
+            .recipe
+            .with(made.map_or(&none, |made| &made.chosen))
     }
 }
 

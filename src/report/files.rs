@@ -46,7 +46,7 @@ pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<
         error: Difference::between(&given.codes, &shown, counts),
         used,
     }];
-    let Some(color) = given.made.picture() else {
+    let Some(color) = given.made.outcome.picture() else {
         return Ok(files);
     };
     for (flags, sample_type, compression) in KINDS {

@@ -2,7 +2,6 @@
 
 use super::subject::{BACKEND, Subject, Variation};
 use crate::command::commands::Command;
-use crate::command::reading::{light_of, work_of};
 use crate::params::{Samples, Scale, Solver};
 
 /// The most explicit steps worth a try.
@@ -19,7 +18,7 @@ pub(super) struct Ladder {
 
 /// The ladders of a command on its frame.
 pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
-    let shape = &work_of(&subject.command).flags.params.shape;
+    let shape = &subject.command.work().args().flags.params.shape;
     let plan = subject.plan(&subject.command);
     let diffuses = plan.as_ref().map_or(shape.diffusion_time() > 0.0, |plan| {
         plan.stages().contains(&"diffusion")
@@ -28,7 +27,11 @@ pub(super) fn ladders(subject: &Subject) -> Vec<Ladder> {
     let has_steps = !matches!(shape.scale, Scale::Mixed(_)) && steps <= MOST_STEPS;
     let is_expanded = diffuses && has_steps && shape.solver == Solver::Chebyshev;
     let is_relit = plan.is_some_and(|plan| plan.relighting.is_some());
-    let samples = light_of(&subject.command).map(|args| args.params().samples);
+    let samples = subject
+        .command
+        .work()
+        .light()
+        .map(|args| args.params().samples);
     let samples = samples.filter(|_| is_relit && subject.light.environment.is_some());
     let is_sampled = samples.is_some_and(|samples| samples != Samples::Fixed(0));
     let makes = |map: &str| match &subject.command {

@@ -2,7 +2,6 @@
 
 use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Removal, Subject, Variation};
 use crate::command::commands::Command;
-use crate::command::reading::{light_of, work_of};
 use crate::engine::Outcome;
 use crate::frame::LightLayers;
 use crate::params::{Adaptive, Highlights, Method, ToneSource};
@@ -42,14 +41,17 @@ const NEVER: &str = "1e29,1e30";
 /// What can be left out of the command as given, which made `outcome`.
 pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
     let (command, frame) = (&subject.command, &subject.frame);
-    let params = &work_of(command).flags.params;
+    let params = &command.work().args().flags.params;
     let ran = |stage: &str| outcome.timings.iter().any(|(name, _)| *name == stage);
     let scaling = &params.scaling;
     let chosen = |auto: Adaptive, found: Option<f32>| found.filter(|_| auto == Adaptive::Auto);
     let gain = chosen(scaling.curvature_gain, outcome.gain);
     let white = chosen(scaling.white_level, outcome.white_level);
     let is_enhanced = matches!(command, Command::Enhance(_));
-    let is_relit = light_of(command).is_some_and(|args| args.params().method == Method::Both);
+    let is_relit = command
+        .work()
+        .light()
+        .is_some_and(|args| args.params().method == Method::Both);
     let is_relit = is_relit && ran("relight");
     let is_picture = matches!(command, Command::Enhance(_) | Command::Relight(_));
     let fades = is_picture && frame.confidence.is_some() && params.blur_fade > 0.0;

@@ -7,13 +7,8 @@ use crate::command::chosen::look_at_depth;
 use crate::command::commands::{Command, ReportArgs};
 use crate::command::error_line::misuse_line;
 use crate::command::flags::Flag;
-use crate::command::hatch::Drawn;
 use crate::command::invocation::Invocation;
-use crate::command::making::{Made, Making};
-use crate::command::memory::MaxMemory;
-use crate::command::reading::{Source, light_of, params_of, plan_of, setting_warnings, work_of};
 use crate::command::recipe::{COMMANDS, Recipe};
-use crate::command::relight::{illumination, light_or_lamp};
 use crate::engine::{Engine, Outcome, Run};
 use crate::error::{Error, Result};
 use crate::frame::{ColorPlanes, Frame, LightLayers, SpecularScene};
@@ -22,6 +17,9 @@ use crate::io::picture::pixels_16;
 use crate::light::lights::Illumination;
 use crate::params::{Parameters, Solver};
 use crate::plan::Plan;
+use crate::work::making::Making;
+use crate::work::source::Source;
+use crate::work::{Made, light_of};
 use std::ffi::OsString;
 
 /// Stands for the output, a picture: nothing is written there.
@@ -130,26 +128,20 @@ impl Subject {
                 Invocation::of(start.into_iter().chain(rest))
             }
         };
-        let command = parsed(&typed)?;
-        work_of(&command).flags.validate()?;
-        let mut warnings = setting_warnings(&command);
-        let mut light = match light_of(&command) {
-            Some(args) => illumination(args, MaxMemory::Auto.for_light())?,
-            None => Illumination::default(),
-        };
-        if let Command::Relight(args) = &command {
-            let (lit, said) = light_or_lamp(args, light);
-            light = lit;
-            warnings.extend(said);
-        }
-        let backend = work_of(&command).run.compute.backend;
+        let command = parsed(typed.clone())?.of_frame(number);
+        let work = command.work();
+        work.args().flags.validate()?;
+        let mut warnings = work.warnings();
+        let (light, said) = light_of(work)?;
+        warnings.extend(said);
+        let backend = work.args().run.compute.backend;
         let engine = backend.engine()?;
         let other = match backend {
             BackendArg::Cpu => Some(Engine::auto()).filter(Engine::has_device),
             _ => engine.has_device().then(Engine::cpu),
         };
-        let source = Source::of(&command, &light, number)?;
-        let (loaded, read) = timed(|| source.load(&command));
+        let source = Source::of(work, &light, number.is_some())?;
+        let (loaded, read) = timed(|| source.load(work));
         let (mut loaded, specular) = loaded?;
         look_at_depth(&mut loaded);
         warnings.extend(loaded.warnings);
@@ -181,8 +173,8 @@ impl Subject {
     /// # Errors
     /// [`Error::BadParameter`] for a value out of range.
     pub(super) fn command_with(&self, settings: &[(&'static str, String)]) -> Result<Command> {
-        let mut command = parsed(&self.typed)?;
-        let params = params_of(&mut command);
+        let mut command = parsed(self.typed.clone())?;
+        let params = &mut command.work_mut().args_mut().flags.params;
         for (name, value) in settings.iter().filter(|(name, _)| *name != BACKEND) {
             params
                 .set(name, value)
@@ -219,12 +211,13 @@ impl Subject {
         engine.forget_environment();
         let (made, used) = timed(|| making.run(engine, &Run::new()));
         let made = made?;
-        let shown = making.shown(&made, self.primaries, |picture, _| {
+        let shown = making.shown(&made, self.primaries).map(|(shown, _)| {
+            let picture = shown.picture();
             let size = [picture.color.r.width(), picture.color.r.height()];
-            (pixels_16(picture), size)
+            (pixels_16(&picture), size)
         });
         let (codes, size) = shown.unwrap_or_else(|| {
-            let codes = made.maps.iter().flat_map(|(_, map)| map.samples());
+            let codes = made.planes.iter().flat_map(|(_, map)| map.samples());
             let codes = codes.map(|v| (65_535.0 * v.clamp(0.0, 1.0)) as u16);
             let codes = codes.map(|code| [code, code, code, u16::MAX]);
             (codes.collect(), [frame.mask.width(), frame.mask.height()])
@@ -253,13 +246,15 @@ impl Subject {
             },
             ..Made::default()
         };
-        self.making(&self.command, &self.frame)
-            .shown(&made, self.primaries, |picture, _| pixels_16(picture))
+        let shown = self
+            .making(&self.command, &self.frame)
+            .shown(&made, self.primaries)?;
+        Some(pixels_16(&shown.0.picture()))
     }
 
     fn making<'a>(&'a self, command: &'a Command, frame: &'a Frame) -> Making<'a> {
         Making {
-            command,
+            work: command.work(),
             light: &self.light,
             frame,
             specular: self.specular.as_ref(),
@@ -278,15 +273,10 @@ impl Subject {
 
     /// The plan of a command, `None` for maps, which have several.
     pub(super) fn plan(&self, command: &Command) -> Option<Plan> {
-        let drawn = Drawn {
-            times: 1.0,
-            is_in_sequence: self.is_in_sequence,
-            moves: false,
-            is_specular: self.specular.is_some(),
-        };
-        let is_map = matches!(command, Command::Map(_) | Command::Normals(_));
-        let plan = (!is_map).then(|| plan_of(command, &self.frame, self.light.clone(), drawn))?;
-        plan.ok().map(|(plan, _)| plan)
+        let making = self.making(command, &self.frame);
+        let is_single = making.work.maps().is_none();
+        let plans = is_single.then(|| making.work.plans(&mut making.seen()));
+        plans?.ok()?.pop()
     }
 
     /// Whether a change of settings leaves every stage as it is.
@@ -339,11 +329,11 @@ fn split(text: &str) -> Result<Vec<String>> {
     }
 }
 
-fn parsed(typed: &Invocation) -> Result<Command> {
+fn parsed(typed: Invocation) -> Result<Command> {
     let parsed = typed.parse().map_err(|error| Error::BadParameter {
         name: "--for",
         found: misuse_line(&error).replacen("error: ", "", 1),
         remedy: "give a command with its flags, without IN and -o".into(),
     })?;
-    Ok(parsed.cli.command)
+    Ok(parsed.command)
 }

@@ -8,6 +8,7 @@ use super::handles::{Place, handles};
 use super::history::History;
 use super::layer::Layer;
 use super::lights::Lights;
+use super::look::{LightFile, Look, Opening, Reading};
 use super::notices::Notices;
 use super::overlay;
 use super::picks::Picks;
@@ -15,9 +16,8 @@ use super::probe::Value;
 use super::shortcuts;
 use super::texture::Texture;
 use super::thumbnails::Thumbnails;
-use super::worker::{Order, Reply, Save, Shown, Worker};
+use super::worker::{Order, Reply, Save, Shown, Task, Wanted, Worker};
 use crate::command::frames_there::frames_on_disk;
-use crate::command::look::{LightFile, Look, Opening, Reading};
 use eframe::egui::{
     CentralPanel, Color32, Context, Frame, Margin, Panel, ScrollArea, Theme, Ui, Vec2, vec2,
 };
@@ -31,15 +31,6 @@ const SURROUND: Color32 = Color32::from_gray(38);
 pub(super) struct Notice {
     pub(super) text: String,
     pub(super) is_error: bool,
-}
-
-/// The result that the canvas should show.
-#[derive(Debug, Clone, PartialEq)]
-struct Wanted {
-    look: Look,
-    reading: Reading,
-    layer: Layer,
-    before: bool,
 }
 
 /// A request sent to the worker.
@@ -155,7 +146,7 @@ impl View {
         self.frame_index = 0;
         self.input = Some(path.to_path_buf());
         self.light_files.clear();
-        self.worker.search(path.to_path_buf());
+        self.worker.ask(Task::Search(path.to_path_buf()));
         self.canvas.fit();
         self.probed = None;
     }
@@ -207,7 +198,8 @@ impl View {
         }
         self.ask(is_changing);
         if let Some(wanted) = self.thumbnails.order(is_changing) {
-            self.worker.draw_small(wanted);
+            self.worker
+                .ask_all(wanted.into_iter().map(Task::Small).collect());
         }
     }
 
@@ -226,7 +218,7 @@ impl View {
         }
         if let Some(reading) = reading.filter(|_| changes.adds_near) {
             self.is_placing = true;
-            self.worker.place(self.look.clone(), reading);
+            self.worker.ask(Task::Place(self.look.clone(), reading));
         }
         if let Some(setting) = changes.browses {
             self.browse(ui.ctx(), Purpose::Setting(setting));
@@ -278,7 +270,7 @@ impl View {
         {
             let last = self.probed.take().and_then(|(_, values)| values);
             self.probed = Some((pixel, last));
-            self.worker.probe(pixel);
+            self.worker.ask(Task::Probe(pixel));
         }
         if let Some((pixel, Some(values))) = &self.probed {
             overlay::values(ui, area, *pixel, values);
@@ -309,15 +301,12 @@ impl View {
             .ordered
             .as_ref()
             .map_or(0, |ordered| ordered.number + 1);
-        self.worker.order(Order {
+        self.worker.ask(Task::Show(Order {
             number,
-            look: wanted.look.clone(),
-            reading: wanted.reading.clone(),
-            layer: wanted.layer,
-            before: wanted.before,
+            wanted: wanted.clone(),
             changed: self.changed.clone(),
             is_quick: is_changing,
-        });
+        }));
         self.ordered = Some(Ordered {
             wanted,
             number,
@@ -345,7 +334,7 @@ impl View {
                     self.shown = Some(shown);
                     // Values at the probed pixel may have changed.
                     if let Some((pixel, _)) = &self.probed {
-                        self.worker.probe(*pixel);
+                        self.worker.ask(Task::Probe(*pixel));
                     }
                 }
                 Reply::Failed(number, said) => {
@@ -427,8 +416,8 @@ impl View {
     fn save(&mut self, save: Save, path: &Path) {
         if let Some(reading) = self.reading() {
             self.saving += 1;
-            self.worker
-                .save(save, self.look.clone(), reading, path.to_path_buf());
+            let task = Task::Save(save, self.look.clone(), reading, path.to_path_buf());
+            self.worker.ask(task);
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::light_rows::light_rows;
 use super::lights::LIGHTS;
+use super::look::{INPUTS, Kind, Look, Setting};
 use super::picks::{Picks, leads, picks};
 use super::setting_row::{Changes, help_of, name_of, reset};
-use crate::command::look::{INPUTS, Kind, Look, Setting};
 use crate::params::Useful;
 use eframe::egui::{
     self, CollapsingHeader, ComboBox, Response, RichText, Slider, SliderClamping, TextEdit, Ui,
@@ -205,7 +205,7 @@ fn is_light(setting: &Setting) -> bool {
 /// The settings of a command by family, those most used first.
 fn families(command: &str) -> Vec<(String, Vec<Setting>)> {
     let mut families: Vec<(String, Vec<Setting>)> = Vec::new();
-    for setting in crate::command::look::settings_of(command) {
+    for setting in super::look::settings_of(command) {
         match families
             .iter_mut()
             .find(|(name, _)| *name == setting.family)

@@ -1,7 +1,7 @@
 //! The presets, each applied to the open frame.
 
+use super::look::{Look, Reading};
 use super::thumbnails::{Motif, Thumbnails, tile};
-use crate::command::look::{Look, Reading};
 use eframe::egui::{Context, Grid, Vec2, Window, vec2};
 
 /// Presets side by side.

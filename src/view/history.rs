@@ -1,6 +1,6 @@
 //! Undo and redo over every look left unchanged for a moment.
 
-use crate::command::look::Look;
+use super::look::Look;
 
 /// Number of looks remembered.
 const MOST: usize = 1000;

@@ -1,7 +1,7 @@
 //! The layers of a frame that can be shown.
 
 use super::flow;
-use crate::command::look::{Pixels, Said, What};
+use super::look::{Pixels, Said, What};
 use crate::engine::outcome::Outcome;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::io::picture::{Picture, ViewTransform};

@@ -2,8 +2,8 @@
 
 use super::ball::ball;
 use super::lights::{Light, Lights, NearLight};
+use super::look::Look;
 use super::setting_row::{Changes, named_button};
-use crate::command::look::Look;
 use crate::params::MAX_LIGHTS;
 use eframe::egui::{Align, DragValue, Layout, Response, Ui, WidgetInfo};
 

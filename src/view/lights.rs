@@ -1,6 +1,6 @@
 //! The lights of a look, in the forms of their flags: `AZ,EL[,R,G,B]`, `AZ,EL,RADIUS[,R,G,B]` and `X,Y,Z[,R,G,B]`.
 
-use crate::command::look::{ENVIRONMENT, LIT_SPHERE, Look};
+use super::look::{ENVIRONMENT, LIT_SPHERE, Look};
 use crate::command::relight_args::Numbers;
 use crate::light::lights::direction_of;
 use eframe::egui::{Vec2, vec2};

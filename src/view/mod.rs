@@ -18,6 +18,7 @@ mod history;
 mod layer;
 mod light_rows;
 mod lights;
+pub(crate) mod look;
 mod notices;
 mod observed;
 mod overlay;
@@ -33,8 +34,8 @@ mod worker;
 
 pub use app::View;
 
-use crate::command::look::Opening;
 use crate::error::{Error, Result};
+use look::Opening;
 
 /// Opens a window, and returns when it is closed.
 ///

@@ -1,9 +1,9 @@
 //! Settings picked among small pictures: styles and materials on the open frame, and light from files beside it.
 
 use super::lights::make_way;
+use super::look::{ENVIRONMENT, LIT_SPHERE, LightFile, Look, Reading, Setting};
 use super::setting_row::{Changes, name_of, named_button, reset};
 use super::thumbnails::{Motif, Thumbnails, tile};
-use crate::command::look::{ENVIRONMENT, LIT_SPHERE, LightFile, Look, Reading, Setting};
 use crate::params::{self, Kind, param};
 use eframe::egui::{Ui, Vec2, vec2};
 

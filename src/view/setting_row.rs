@@ -1,6 +1,6 @@
 //! What the rows of all settings have in common: a name, a way back to the default, and the changes they report.
 
-use crate::command::look::{Look, Setting};
+use super::look::{Look, Setting};
 use eframe::egui::{self, Response, RichText, Ui};
 
 /// Changes made in one frame of the window.

@@ -2,155 +2,58 @@
 
 use eframe::egui::{Context, Grid, Key, KeyboardShortcut, Modifiers, Ui, Window};
 
-/// Actions of the keyboard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Action {
-    Open,
-    SavePicture,
-    SaveRecipe,
-    CopyCommand,
-    Undo,
-    Redo,
-    Split,
-    Before,
-    Lines,
-    Presets,
-    Handles,
-    Notices,
-    Fit,
-    ActualSize,
-    Probe,
-    NextFrame,
-    PreviousFrame,
-    NextLayer,
-    PreviousLayer,
-    Help,
-}
-
+/// One of the keys of an action.
 struct Shortcut {
     action: Action,
     keys: KeyboardShortcut,
     does: &'static str,
 }
 
-const fn shortcut(action: Action, modifiers: Modifiers, key: Key, does: &'static str) -> Shortcut {
-    Shortcut {
-        action,
-        keys: KeyboardShortcut::new(modifiers, key),
-        does,
-    }
+/// Defines the actions of the keyboard: the keys of each, several with a stroke between, and what it does.
+macro_rules! actions {
+    ($($action:ident: $($modifiers:ident $key:ident)|+, $does:literal;)*) => {
+        /// Actions of the keyboard.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum Action {
+            $($action,)*
+        }
+
+        const SHORTCUTS: &[Shortcut] = &[$($(Shortcut {
+            action: Action::$action,
+            keys: KeyboardShortcut::new($modifiers, Key::$key),
+            does: $does,
+        },)+)*];
+    };
 }
 
-/// All shortcuts. Those with more modifiers come first, since fewer modifiers match too.
-const SHORTCUTS: [Shortcut; 22] = [
-    shortcut(
-        Action::Open,
-        Modifiers::COMMAND,
-        Key::O,
-        "open a picture or a recipe",
-    ),
-    shortcut(
-        Action::SavePicture,
-        Modifiers::COMMAND.plus(Modifiers::SHIFT),
-        Key::S,
-        "save the picture",
-    ),
-    shortcut(
-        Action::SaveRecipe,
-        Modifiers::COMMAND,
-        Key::S,
-        "save the recipe",
-    ),
-    shortcut(
-        Action::CopyCommand,
-        Modifiers::COMMAND.plus(Modifiers::SHIFT),
-        Key::C,
-        "copy the command line that makes the same",
-    ),
-    shortcut(
-        Action::Redo,
-        Modifiers::COMMAND.plus(Modifiers::SHIFT),
-        Key::Z,
-        "redo",
-    ),
-    shortcut(Action::Redo, Modifiers::COMMAND, Key::Y, "redo"),
-    shortcut(Action::Undo, Modifiers::COMMAND, Key::Z, "undo"),
-    shortcut(
-        Action::Split,
-        Modifiers::NONE,
-        Key::S,
-        "compare with before; drag the divider",
-    ),
-    shortcut(
-        Action::Before,
-        Modifiers::NONE,
-        Key::B,
-        "the picture before, in place of the other",
-    ),
-    shortcut(
-        Action::Lines,
-        Modifiers::NONE,
-        Key::D,
-        "of a drawing: strokes, contours or interior lines alone",
-    ),
-    shortcut(Action::Presets, Modifiers::NONE, Key::G, "the presets"),
-    shortcut(
-        Action::Handles,
-        Modifiers::NONE,
-        Key::H,
-        "hide the handles of lights, or show them",
-    ),
-    shortcut(
-        Action::Notices,
-        Modifiers::NONE,
-        Key::W,
-        "close the warnings, or open them",
-    ),
-    shortcut(
-        Action::Fit,
-        Modifiers::NONE,
-        Key::F,
-        "fit the picture in (or double-click)",
-    ),
-    shortcut(
-        Action::ActualSize,
-        Modifiers::NONE,
-        Key::Num1,
-        "one point for each pixel",
-    ),
-    shortcut(
-        Action::Probe,
-        Modifiers::NONE,
-        Key::P,
-        "values under the pointer",
-    ),
-    shortcut(
-        Action::PreviousLayer,
-        Modifiers::SHIFT,
-        Key::L,
-        "layer before",
-    ),
-    shortcut(Action::NextLayer, Modifiers::NONE, Key::L, "next layer"),
-    shortcut(
-        Action::NextFrame,
-        Modifiers::NONE,
-        Key::ArrowRight,
-        "next frame",
-    ),
-    shortcut(
-        Action::PreviousFrame,
-        Modifiers::NONE,
-        Key::ArrowLeft,
-        "frame before",
-    ),
-    shortcut(Action::Help, Modifiers::NONE, Key::F1, "this list"),
-    shortcut(
-        Action::Help,
-        Modifiers::SHIFT,
-        Key::Questionmark,
-        "this list",
-    ),
-];
+const PLAIN: Modifiers = Modifiers::NONE;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const COMMAND: Modifiers = Modifiers::COMMAND;
+const COMMAND_SHIFT: Modifiers = COMMAND.plus(SHIFT);
+
+// Those with more modifiers come first, since fewer modifiers match too.
+actions! {
+    Open: COMMAND O, "open a picture or a recipe";
+    SavePicture: COMMAND_SHIFT S, "save the picture";
+    SaveRecipe: COMMAND S, "save the recipe";
+    CopyCommand: COMMAND_SHIFT C, "copy the command line that makes the same";
+    Redo: COMMAND_SHIFT Z | COMMAND Y, "redo";
+    Undo: COMMAND Z, "undo";
+    Split: PLAIN S, "compare with before; drag the divider";
+    Before: PLAIN B, "the picture before, in place of the other";
+    Lines: PLAIN D, "of a drawing: strokes, contours or interior lines alone";
+    Presets: PLAIN G, "the presets";
+    Handles: PLAIN H, "hide the handles of lights, or show them";
+    Notices: PLAIN W, "close the warnings, or open them";
+    Fit: PLAIN F, "fit the picture in (or double-click)";
+    ActualSize: PLAIN Num1, "one point for each pixel";
+    Probe: PLAIN P, "values under the pointer";
+    PreviousLayer: SHIFT L, "layer before";
+    NextLayer: PLAIN L, "next layer";
+    NextFrame: PLAIN ArrowRight, "next frame";
+    PreviousFrame: PLAIN ArrowLeft, "frame before";
+    Help: PLAIN F1 | SHIFT Questionmark, "this list";
+}
 
 /// Actions of the keys pressed; while a text is being typed, only those of Ctrl and F1.
 pub(super) fn asked(context: &Context) -> Vec<Action> {
@@ -192,7 +95,7 @@ fn list(ui: &mut Ui) {
         .num_columns(2)
         .spacing([24.0, 4.0])
         .show(ui, |ui| {
-            for shortcut in &SHORTCUTS {
+            for shortcut in SHORTCUTS {
                 ui.monospace(text_of(ui.ctx(), &shortcut.keys));
                 ui.label(shortcut.does);
                 ui.end_row();
@@ -224,7 +127,7 @@ mod tests {
     #[test]
     fn the_guide_lists_all_keys() {
         let chapter = include_str!("../../docs/guide/window.md");
-        for Shortcut { keys, does, .. } in &SHORTCUTS {
+        for Shortcut { keys, does, .. } in SHORTCUTS {
             let keys = plainly(&keys.format(&ModifierNames::NAMES, false));
             let row = format!("| `{keys}` | {does} |");
             assert!(chapter.contains(&row), "the guide has no row {row}");

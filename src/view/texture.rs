@@ -1,6 +1,6 @@
 //! A picture as textures, in tiles within the device's size limit.
 
-use crate::command::look::Pixels;
+use super::look::Pixels;
 use eframe::egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
     TextureOptions, pos2, vec2,

@@ -1,7 +1,7 @@
 //! Small pictures of choices, made by the worker while it has nothing else to do.
 
+use super::look::{LightFile, Look, Pixels, Reading};
 use super::texture::Texture;
-use crate::command::look::{LightFile, Look, Pixels, Reading};
 use eframe::egui::{
     Color32, Context, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
     Vec2, WidgetInfo, pos2, vec2,

@@ -2,10 +2,17 @@
 
 use super::app::View;
 use super::layer::Layer;
+use super::look::Look;
 use super::notices::Notices;
 use super::shortcuts::{Action, keys_of};
-use crate::command::look::Look;
-use eframe::egui::{self, Align, Button, ComboBox, Layout, Response, RichText, Slider, Ui};
+use eframe::egui::{self, Align, Button, ComboBox, Layout, RichText, Slider, Ui};
+
+const RECIPE: &str = "The settings, for relievo run";
+const PICTURE: &str = "The picture, as the command line writes it";
+const COMMAND: &str = "The command line that makes the same";
+const PRESETS: &str = "Drawings for kinds of subjects";
+const COMPARE: &str = "Left of the divider: without its shape brought out";
+const PROBE: &str = "Values under the pointer";
 
 impl View {
     /// Files, command and layer.
@@ -14,41 +21,29 @@ impl View {
             let has_picture = self.input().is_some();
             let mut asked = None;
             let mut button =
-                |ui: &mut Ui, enabled: bool, text: &str, hint: &str, action: Action| {
+                |ui: &mut Ui, enabled: bool, button: Button, hint: &str, action: Action| {
                     let keys = keys_of(ui.ctx(), action);
-                    let made = ui.add_enabled(enabled, Button::new(text));
+                    let made = ui.add_enabled(enabled, button);
                     if made.on_hover_text(format!("{hint}  {keys}")).clicked() {
                         asked = Some(action);
                     }
                 };
-            button(ui, true, "Open", "A picture or a recipe", Action::Open);
-            let recipe = "The settings, for relievo run";
-            button(ui, has_picture, "Save recipe", recipe, Action::SaveRecipe);
-            let picture = "The picture, as the command line writes it";
-            button(
-                ui,
-                has_picture,
-                "Save picture",
-                picture,
-                Action::SavePicture,
-            );
-            let copy = "The command line that makes the same";
-            button(ui, has_picture, "Copy command", copy, Action::CopyCommand);
+            for (name, enabled, hint, action) in [
+                ("Open", true, "A picture or a recipe", Action::Open),
+                ("Save recipe", has_picture, RECIPE, Action::SaveRecipe),
+                ("Save picture", has_picture, PICTURE, Action::SavePicture),
+                ("Copy command", has_picture, COMMAND, Action::CopyCommand),
+            ] {
+                button(ui, enabled, Button::new(name), hint, action);
+            }
             ui.separator();
-            button(
-                ui,
-                self.history.can_undo(),
-                "Undo",
-                "The last change",
-                Action::Undo,
-            );
-            button(
-                ui,
-                self.history.can_redo(),
-                "Redo",
-                "What was undone",
-                Action::Redo,
-            );
+            let (undo, redo) = (self.history.can_undo(), self.history.can_redo());
+            for (name, enabled, hint, action) in [
+                ("Undo", undo, "The last change", Action::Undo),
+                ("Redo", redo, "What was undone", Action::Redo),
+            ] {
+                button(ui, enabled, Button::new(name), hint, action);
+            }
             ui.separator();
             for &command in Look::commands() {
                 let is_current = self.look.command() == command;
@@ -57,33 +52,16 @@ impl View {
                     self.look.set_command(command);
                 }
             }
-            let presets = ui.selectable_label(self.is_choosing, "Presets");
-            if hinted(
-                presets,
-                ui,
-                "Drawings for kinds of subjects",
-                Action::Presets,
-            ) {
-                asked = Some(Action::Presets);
-            }
+            let presets = Button::selectable(self.is_choosing, "Presets");
+            button(ui, true, presets, PRESETS, Action::Presets);
             ui.separator();
             self.layer_picker(ui);
-            let compare = ui.selectable_label(self.is_split, "Compare");
-            if hinted(
-                compare,
-                ui,
-                "Left of the divider: without its shape brought out",
-                Action::Split,
-            ) {
-                asked = Some(Action::Split);
-            }
-            let probe = ui.selectable_label(self.is_probing, "Probe");
-            if hinted(probe, ui, "Values under the pointer", Action::Probe) {
-                asked = Some(Action::Probe);
-            }
-            let help = ui.selectable_label(self.is_helping, "Keys");
-            if hinted(help, ui, "Keys and mouse", Action::Help) {
-                asked = Some(Action::Help);
+            for (name, is_on, hint, action) in [
+                ("Compare", self.is_split, COMPARE, Action::Split),
+                ("Probe", self.is_probing, PROBE, Action::Probe),
+                ("Keys", self.is_helping, "Keys and mouse", Action::Help),
+            ] {
+                button(ui, true, Button::selectable(is_on, name), hint, action);
             }
             if let Some(action) = asked {
                 self.act(ui.ctx(), action);
@@ -156,11 +134,6 @@ impl View {
             });
         });
     }
-}
-
-fn hinted(response: Response, ui: &Ui, hint: &str, action: Action) -> bool {
-    let keys = keys_of(ui.ctx(), action);
-    response.on_hover_text(format!("{hint}  {keys}")).clicked()
 }
 
 fn capitalised(word: &str) -> String {

@@ -3,15 +3,15 @@
 use super::arrows::{Arrow, arrows};
 use super::layer::{self, Layer};
 use super::lights::{Lights, NearLight};
+use super::look::{
+    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
+};
 use super::probe::{self, Value};
 use super::space::{Space, before_the_middle};
 use super::thumbnails::{LONGEST, Motif};
-use crate::command::look::{
-    LightFile, Look, Pixels, Reading, Said, SavePicture, ViewSession, What, light_files,
-};
 use crate::engine::Engine;
 use crate::io::output::{Replace, write_text};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -24,15 +24,21 @@ const SOON: f64 = 0.04;
 /// Pixel steps of previews.
 const STEPS: [usize; 3] = [1, 2, 4];
 
-/// A picture to make.
-#[derive(Debug, Clone)]
-pub(super) struct Order {
-    pub(super) number: u64,
+/// The picture that is to be shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Wanted {
     pub(super) look: Look,
     pub(super) reading: Reading,
     pub(super) layer: Layer,
     /// Whether the comparison is wanted too: the same relighting without shape enhancement, or the input picture.
     pub(super) before: bool,
+}
+
+/// A picture to make.
+#[derive(Debug, Clone)]
+pub(super) struct Order {
+    pub(super) number: u64,
+    pub(super) wanted: Wanted,
     /// The setting being changed; run times are recorded by it.
     pub(super) changed: Option<String>,
     /// Whether it is still being changed: a preview will do.
@@ -84,16 +90,38 @@ pub(super) enum Reply {
     Small((String, Motif), Option<Pixels>),
 }
 
+/// What the worker is asked for.
+#[derive(Debug, Clone)]
+pub(super) enum Task {
+    Save(Save, Look, Reading, PathBuf),
+    /// A place for a light near the surface.
+    Place(Look, Reading),
+    Show(Order),
+    /// The values at a pixel.
+    Probe([usize; 2]),
+    /// What may be light beside a picture.
+    Search(PathBuf),
+    /// The small picture of a choice, by its name.
+    Small((String, Motif)),
+}
+
+impl Task {
+    /// Its place in the order of tasks: files first, then the picture and the values, and small pictures last.
+    fn rank(&self) -> usize {
+        match self {
+            Self::Save(..) => 0,
+            Self::Place(..) => 1,
+            Self::Show(_) => 2,
+            Self::Probe(_) => 3,
+            Self::Search(_) => 4,
+            Self::Small(_) => 5,
+        }
+    }
+}
+
 #[derive(Default)]
 struct Inbox {
-    /// Only the latest order is made, and only the latest pixel probed.
-    order: Option<Order>,
-    probe: Option<[usize; 2]>,
-    saves: VecDeque<(Save, Look, Reading, PathBuf)>,
-    place: Option<(Look, Reading)>,
-    /// The picture beside which light is looked for.
-    search: Option<PathBuf>,
-    small: VecDeque<(String, Motif)>,
+    tasks: Vec<Task>,
     has_ended: bool,
 }
 
@@ -139,37 +167,19 @@ impl Worker {
         Self { shared, replies }
     }
 
-    pub(super) fn order(&self, order: Order) {
-        self.shared.inbox().order = Some(order);
-        self.shared.changed.notify_one();
+    /// Asks for something. Every file is saved; of all else only what is asked for last is made.
+    pub(super) fn ask(&self, task: Task) {
+        self.ask_all(vec![task]);
     }
 
-    pub(super) fn probe(&self, pixel: [usize; 2]) {
-        self.shared.inbox().probe = Some(pixel);
-        self.shared.changed.notify_one();
-    }
-
-    pub(super) fn save(&self, save: Save, look: Look, reading: Reading, path: PathBuf) {
-        let saves = &mut self.shared.inbox().saves;
-        saves.push_back((save, look, reading, path));
-        self.shared.changed.notify_one();
-    }
-
-    /// Finds a place for a light near the surface.
-    pub(super) fn place(&self, look: Look, reading: Reading) {
-        self.shared.inbox().place = Some((look, reading));
-        self.shared.changed.notify_one();
-    }
-
-    /// Looks for what may be light beside a picture.
-    pub(super) fn search(&self, input: PathBuf) {
-        self.shared.inbox().search = Some(input);
-        self.shared.changed.notify_one();
-    }
-
-    /// Makes small pictures, in place of those not made yet.
-    pub(super) fn draw_small(&self, wanted: Vec<(String, Motif)>) {
-        self.shared.inbox().small = wanted.into();
+    /// Asks for several things of a kind.
+    pub(super) fn ask_all(&self, mut tasks: Vec<Task>) {
+        let waiting = &mut self.shared.inbox().tasks;
+        waiting.retain(|old| {
+            let is_file = matches!(old, Task::Save(..));
+            is_file || tasks.iter().all(|new| new.rank() != old.rank())
+        });
+        waiting.append(&mut tasks);
         self.shared.changed.notify_one();
     }
 
@@ -195,15 +205,6 @@ struct ViewWorker {
     /// Run times of whole pictures in seconds, by the setting changed.
     times: BTreeMap<Option<String>, f64>,
     replies: Sender<Reply>,
-}
-
-enum Task {
-    Show(Order),
-    Probe([usize; 2]),
-    Save(Save, Look, Reading, PathBuf),
-    Place(Look, Reading),
-    Search(PathBuf),
-    Small((String, Motif)),
 }
 
 impl ViewWorker {
@@ -269,13 +270,13 @@ impl ViewWorker {
     fn show(&mut self, order: &Order) -> Result<Shown, Said> {
         let start = Instant::now();
         let step = self.step(order);
-        let Order {
+        let Wanted {
             look,
             reading,
             layer,
-            ..
-        } = order;
-        let is_compared = order.before && *layer == Layer::Picture;
+            before: is_compared,
+        } = &order.wanted;
+        let is_compared = *is_compared && *layer == Layer::Picture;
         let mut before = None;
         if let Some(plain) = look.unaltered().filter(|_| is_compared) {
             self.session.make(&plain, reading, What::Picture, step)?;
@@ -361,30 +362,17 @@ impl ViewWorker {
     }
 }
 
-/// Waits for the next task: files first, then the latest order, then the latest pixel, and small pictures last.
+/// Waits for the next task.
 fn next(shared: &Shared) -> Option<Task> {
     let mut inbox = shared.inbox();
     loop {
         if inbox.has_ended {
             return None;
         }
-        if let Some((save, look, reading, path)) = inbox.saves.pop_front() {
-            return Some(Task::Save(save, look, reading, path));
-        }
-        if let Some((look, reading)) = inbox.place.take() {
-            return Some(Task::Place(look, reading));
-        }
-        if let Some(order) = inbox.order.take() {
-            return Some(Task::Show(order));
-        }
-        if let Some(pixel) = inbox.probe.take() {
-            return Some(Task::Probe(pixel));
-        }
-        if let Some(input) = inbox.search.take() {
-            return Some(Task::Search(input));
-        }
-        if let Some(choice) = inbox.small.pop_front() {
-            return Some(Task::Small(choice));
+        let tasks = &mut inbox.tasks;
+        let first = (0..tasks.len()).min_by_key(|&at| tasks[at].rank());
+        if let Some(first) = first {
+            return Some(tasks.remove(first));
         }
         inbox = shared
             .changed

@@ -1,9 +1,10 @@
 //! The JSON schema of recipes, from the table of parameters and the other flags.
 
-use super::{CHOSEN, COMMANDS, FRAMES, VERSION, is_repeatable, is_setting, is_switch};
+use super::{CHOSEN, COMMANDS, FRAMES, VERSION};
 use crate::command::commands::command_named;
+use crate::command::setting::{self, Setting, settings_of};
 use crate::params::{Kind, Many, Param, param};
-use clap::{Arg, Command};
+use clap::Command;
 use serde_json::{Map, Value, json};
 
 /// The schema of all recipes: one object for each command.
@@ -23,8 +24,8 @@ fn of_command(command: &Command) -> Value {
     let mut properties = Map::new();
     properties.insert("version".into(), json!({ "const": VERSION }));
     properties.insert("command".into(), json!({ "const": command.get_name() }));
-    let settings = command.get_arguments().filter(|arg| is_setting(arg));
-    let settings = settings.filter_map(|arg| Some((arg.get_long()?.into(), of_setting(arg))));
+    let settings = settings_of(command.get_name()).into_iter();
+    let settings = settings.map(|setting| (setting.name.clone(), of_setting(&setting)));
     let settings: Map<String, Value> = settings.collect();
     let mut chosen = settings.clone();
     let frames = "the frames that it is for, by the name of their files, `#` for the number";
@@ -52,42 +53,28 @@ fn of_command(command: &Command) -> Value {
     })
 }
 
-fn of_setting(arg: &Arg) -> Value {
-    let one = of_value(arg);
-    let mut schema = match is_repeatable(arg) {
-        true => json!({ "anyOf": [one, { "type": "array", "items": one }] }),
-        false => one,
+fn of_setting(setting: &Setting) -> Value {
+    let one = of_value(setting);
+    let mut schema = match setting.kind {
+        setting::Kind::Text {
+            is_repeatable: true,
+            ..
+        } => json!({ "anyOf": [one, { "type": "array", "items": one }] }),
+        _ => one,
     };
-    let mut say = |name: &str, value: Option<String>| {
-        if let (Some(value), Some(schema)) = (value, schema.as_object_mut()) {
-            schema.insert(name.into(), value.into());
-        }
-    };
-    say("description", arg.get_help().map(ToString::to_string));
-    let defaults = arg.get_default_values().iter();
-    let defaults: Vec<_> = defaults.map(|v| v.to_string_lossy()).collect();
-    let shown = !defaults.is_empty() && !arg.is_hide_default_value_set();
-    say(
-        "default",
-        shown
-            .then(|| defaults.join(","))
-            .filter(|_| !is_switch(arg)),
-    );
+    schema["description"] = json!(setting.help);
+    if let Some(default) = &setting.default {
+        schema["default"] = json!(default);
+    }
     schema
 }
 
-fn of_value(arg: &Arg) -> Value {
-    if is_switch(arg) {
-        return json!({ "type": "boolean" });
-    }
-    let possible = arg.get_possible_values();
-    if !possible.is_empty() {
-        let names: Vec<_> = possible.iter().map(|value| value.get_name()).collect();
-        return json!({ "enum": names });
-    }
-    let row = arg.get_long().and_then(param);
-    match row.map(|row| (row, row.kind, row.many)) {
-        Some((row, Kind::Number { whole, word: None }, Many::One)) => of_number(row, whole),
+fn of_value(setting: &Setting) -> Value {
+    let row = param(&setting.name).map(|row| (row, row.kind, row.many));
+    match (&setting.kind, row) {
+        (_, Some((row, Kind::Number { whole, word: None }, Many::One))) => of_number(row, whole),
+        (setting::Kind::Switch, _) => json!({ "type": "boolean" }),
+        (setting::Kind::Choice(words), _) => json!({ "enum": words }),
         _ => json!({ "type": ["string", "number", "array"] }),
     }
 }

@@ -13,7 +13,8 @@ use toml::Value;
 #[derive(Debug, Clone)]
 pub(crate) struct RecipeText {
     command: String,
-    settings: BTreeMap<String, Value>,
+    /// As they were typed.
+    settings: Vec<Flag>,
     /// The frames the choices are for, by file name.
     frames: String,
     /// Choices made for all frames.
@@ -27,22 +28,25 @@ impl RecipeText {
         let (name, matches) = matches.subcommand().expect("a command was parsed");
         let command = command_named(name);
         let typed: Vec<&str> = typed_ids(matches).collect();
-        let is_kept = |name: &str| kept.iter().any(|flag| flag.name() == name);
         let args = command.get_arguments();
         let args = args.filter(|arg| is_setting(arg) && typed.contains(&arg.get_id().as_str()));
-        let settings = args.map(|arg| {
-            let name = arg.get_long().expect("a setting has a name");
-            (name.to_string(), value(arg, matches))
-        });
-        let input = matches.get_raw("input").and_then(Iterator::last);
+        let settings = args.flat_map(|arg| flags_of(arg, matches));
+        let is_kept = |flag: &Flag| kept.iter().any(|kept| kept.name() == flag.name());
+        let input = matches.try_get_raw("input").ok().flatten();
         Self {
-            settings: settings.filter(|(name, _)| !is_kept(name)).collect(),
+            settings: settings.filter(|flag| !is_kept(flag)).collect(),
             command: name.to_string(),
             frames: input
+                .and_then(Iterator::last)
                 .map(|input| frames_of(Path::new(input)))
                 .unwrap_or_default(),
             chosen: kept.to_vec(),
         }
+    }
+
+    /// The settings that were typed.
+    pub(crate) fn settings(&self) -> &[Flag] {
+        &self.settings
     }
 
     /// The name of its command.
@@ -60,59 +64,61 @@ impl RecipeText {
     /// The recipe text, with the choices in `chosen` for settings it leaves open in a separate table.
     pub(crate) fn with(&self, chosen: &Chosen) -> String {
         let mut text = format!("version = {VERSION}\ncommand = \"{}\"\n", self.command);
-        for (name, value) in &self.settings {
+        let settings = self.values(&self.settings);
+        // Choices for all frames override those for this one.
+        let mut open = self.values(&chosen.flags());
+        open.extend(self.values(&self.chosen));
+        open.retain(|name, _| !settings.contains_key(name));
+        for (name, value) in &settings {
             text.push_str(&format!("{name} = {value}\n"));
         }
-        let chosen = self.chosen_values(chosen);
-        if !chosen.is_empty() {
+        if !open.is_empty() {
             let frames = Value::String(self.frames.clone());
             text.push_str(&format!("\n[{CHOSEN}]\n{FRAMES} = {frames}\n"));
         }
-        for (name, value) in chosen {
+        for (name, value) in open {
             text.push_str(&format!("{name} = {value}\n"));
         }
         text
     }
 
-    /// Automatic choices by setting name, without the settings that were typed.
-    fn chosen_values(&self, chosen: &Chosen) -> BTreeMap<String, Value> {
+    /// Flags that the command has by name, in TOML.
+    fn values(&self, flags: &[Flag]) -> BTreeMap<String, Value> {
         let command = command_named(&self.command);
-        let mut found = BTreeMap::new();
-        let of_frame = chosen.flags();
-        // Choices for all frames override those for this one.
-        for flags in [&of_frame, &self.chosen] {
-            for flags in flags.chunk_by(|a, b| a.name() == b.name()) {
-                let name = flags[0].name();
-                let arg = long(&command, name).filter(|arg| is_setting(arg));
-                let Some(arg) = arg.filter(|_| !self.settings.contains_key(name)) else {
-                    continue;
-                };
-                let mut values = flags.iter().filter_map(Flag::value).map(typed_value);
-                let value = match is_repeatable(arg) {
-                    true => Value::Array(values.collect()),
-                    false => values.next_back().unwrap_or(Value::Boolean(true)),
-                };
-                found.insert(name.to_string(), value);
-            }
-        }
-        found
+        let by_name = flags.chunk_by(|a, b| a.name() == b.name());
+        let values = by_name.filter_map(|flags| {
+            let name = flags[0].name();
+            let arg = long(&command, name).filter(|arg| is_setting(arg))?;
+            let mut values = flags.iter().filter_map(Flag::value).map(typed_value);
+            let value = match is_repeatable(arg) {
+                true => Value::Array(values.collect()),
+                false => values.next_back().unwrap_or(Value::Boolean(true)),
+            };
+            Some((name.to_string(), value))
+        });
+        values.collect()
     }
 }
 
-/// The value typed for one argument.
-fn value(arg: &Arg, matches: &ArgMatches) -> Value {
+/// The flags typed for one argument, the last of those that count once.
+fn flags_of(arg: &Arg, matches: &ArgMatches) -> Vec<Flag> {
+    let name = arg.get_long().expect("a setting has a name");
     if is_switch(arg) {
-        return Value::Boolean(true);
+        return vec![Flag::switch(name)];
     }
-    let occurrences = matches.get_raw_occurrences(arg.get_id().as_str());
-    let mut occurrences = occurrences.into_iter().flatten().map(|values| {
-        let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
-        typed_value(&values.join(","))
-    });
-    match is_repeatable(arg) {
-        true => Value::Array(occurrences.collect()),
-        false => occurrences.next_back().unwrap_or(Value::Boolean(true)),
+    let typed = matches.get_raw_occurrences(arg.get_id().as_str());
+    let mut flags: Vec<Flag> = typed
+        .into_iter()
+        .flatten()
+        .map(|values| {
+            let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+            Flag::new(name, values.join(","))
+        })
+        .collect();
+    if !is_repeatable(arg) {
+        flags.drain(..flags.len().saturating_sub(1));
     }
+    flags
 }
 
 /// A TOML number if the text is one.

@@ -92,6 +92,13 @@ pub struct Loaded {
 }
 
 #[cfg(feature = "view")]
+impl AsRef<Frame> for Loaded {
+    fn as_ref(&self) -> &Frame {
+        &self.frame
+    }
+}
+
+#[cfg(feature = "view")]
 impl Loaded {
     /// It with its frame [reduced](Frame::reduced) to every `step`th pixel, and without motion.
     pub(crate) fn reduced(&self, step: usize) -> Self {

@@ -12,7 +12,7 @@ mod format;
 mod gathered;
 mod group;
 mod scale_bar;
-#[cfg(feature = "host")]
+#[cfg(any(feature = "host", feature = "view"))]
 mod small;
 mod stored;
 #[cfg(feature = "cli")]
@@ -27,7 +27,7 @@ pub(crate) use exposure::Brightness;
 pub(crate) use format::is_picture_name;
 pub use format::{Picture, PictureFormat, ViewTransform};
 pub(crate) use gathered::Gathered;
-#[cfg(feature = "host")]
+#[cfg(any(feature = "host", feature = "view"))]
 pub(crate) use small::small;
 #[cfg(feature = "cli")]
 pub(crate) use whites::Whites;

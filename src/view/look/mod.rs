@@ -4,17 +4,17 @@
 mod light_files;
 mod view_session;
 
-pub(crate) use super::role_args::INPUTS;
-pub(crate) use super::setting::{Kind, Setting, settings_of};
+pub(crate) use crate::command::role_args::INPUTS;
+pub(crate) use crate::command::setting::{Kind, Setting, settings_of};
 pub(crate) use light_files::{ENVIRONMENT, LIT_SPHERE, LightFile, light_files};
 pub(crate) use view_session::{Pixels, Reading, ViewSession, What};
 
-use super::chosen::Chosen;
-use super::commands::{ViewArgs, command_named, long};
-use super::error_line::misuse_line;
-use super::flags::Flag;
-use super::invocation::{Invocation, Parsed};
-use super::recipe::{PRESETS, Recipe, RecipeText, is_setting, is_switch};
+use crate::command::chosen::Chosen;
+use crate::command::commands::{ViewArgs, command_named, long};
+use crate::command::error_line::misuse_line;
+use crate::command::flags::Flag;
+use crate::command::invocation::{Invocation, Task};
+use crate::command::recipe::{PRESETS, Recipe, is_setting, is_switch};
 use crate::engine::Engine;
 use crate::error::{Error, Result};
 use crate::light::lights::LAMP_DEG;
@@ -187,7 +187,7 @@ impl Look {
         Invocation::of(start.into_iter().chain(flags).chain(end))
     }
 
-    fn parse(&self, input: &Path) -> std::result::Result<Parsed, Said> {
+    fn parse(&self, input: &Path) -> std::result::Result<Task, Said> {
         let invocation = self.invocation(input, Path::new(NOWHERE));
         invocation
             .parse()
@@ -196,8 +196,7 @@ impl Look {
 
     /// The recipe of the look, with the automatic choices it leaves open.
     fn recipe(&self, input: &Path, chosen: &Chosen) -> std::result::Result<String, Said> {
-        let parsed = self.parse(input)?;
-        Ok(RecipeText::of(&parsed.matches, &[]).with(chosen))
+        Ok(self.parse(input)?.recipe.with(chosen))
     }
 
     /// The command line that reproduces the result from `input`, quoted for a shell.
@@ -256,13 +255,13 @@ impl Opening {
     ///
     /// # Errors
     /// As [`Recipe::read`]; [`crate::Error::NoGpu`] where a device is required and none is available.
-    pub(crate) fn of(args: &ViewArgs, typed: &Invocation, save: SavePicture) -> Result<Self> {
+    pub(crate) fn of(args: &ViewArgs, typed: &[Flag], save: SavePicture) -> Result<Self> {
         let mut look = match &args.recipe {
             Some(path) => Look::of_recipe(path)?,
             None => Look::default(),
         };
         let mut given: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for flag in typed.typed_settings() {
+        for flag in typed {
             let values = given.entry(flag.name().into()).or_default();
             values.push(flag.value().unwrap_or("true").into());
         }

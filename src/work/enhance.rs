@@ -1,33 +1,51 @@
-//! `relievo enhance`: the layers it needs, and its plan.
+//! `relievo enhance`: the shading that a picture has, scaled by shape.
 
-use super::commands::EnhanceArgs;
-use super::output::MadePicture;
-use crate::engine::cpu::strips::StripChoice;
+use super::picture::{Form, MadePicture};
+use super::{Seen, Work};
+use crate::command::args::WorkArgs;
+use crate::command::commands::EnhanceArgs;
+use crate::command::named::Named;
 use crate::engine::outcome::Outcome;
 use crate::error::Result;
 use crate::frame::{Frame, LightLayers};
 use crate::io::Needs;
 use crate::io::inputs::Inputs;
+use crate::light::lights::Illumination;
 use crate::light::radiance_scaling::monotone_limit;
 use crate::params::{Params, ScalingParams};
 use crate::plan::{Available, Goal, LightAvailable, Plan};
+use std::borrow::Cow;
 
-/// The enhanced picture and the frame's own. A plan with nothing to do leaves the picture unchanged.
-pub(crate) fn made<'a>(frame: &'a Frame, outcome: &'a Outcome) -> MadePicture<'a> {
-    let before = frame.color.as_ref();
-    let color = outcome.color.as_ref().or(before);
-    MadePicture {
-        color: color.expect("a picture was asked for"),
-        before,
-        like: None,
+impl Work for EnhanceArgs {
+    fn args(&self) -> &WorkArgs {
+        &self.work
     }
-}
 
-impl EnhanceArgs {
-    /// Inputs and layers to read for a frame.
-    pub(crate) fn reading(&self, frame: Option<i32>) -> (Inputs, Needs) {
-        let mut inputs = self.work.inputs(frame);
-        inputs.light = Some(self.light.inputs(&self.work.flags.params, frame));
+    fn args_mut(&mut self) -> &mut WorkArgs {
+        &mut self.work
+    }
+
+    fn names(&mut self) -> Vec<Named<'_>> {
+        let mut all = self.work.names();
+        all.extend(self.light.names());
+        all
+    }
+
+    fn check(&self) -> Result<()> {
+        self.work.check_one_picture()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        dark_rims(&self.work.flags.params.scaling)
+    }
+
+    fn warnings_on(&self, frame: &Frame) -> Vec<String> {
+        idle_magnitudes(&self.work.flags.params.scaling, &frame.light)
+    }
+
+    fn reading(&self, _: &Illumination) -> Result<(Inputs, Needs)> {
+        let mut inputs = self.work.inputs();
+        inputs.light = Some(self.light.inputs(&self.work.flags.params));
         let needs = Needs {
             color: true,
             strength: true,
@@ -35,18 +53,16 @@ impl EnhanceArgs {
             projection: true,
             ..Needs::default()
         };
-        (inputs, needs)
+        Ok((inputs, needs))
     }
 
-    /// The plan for a frame, with choices made on the whole picture if the frame is a strip of it.
-    pub(crate) fn plan(&self, frame: &Frame, found: &StripChoice) -> Result<Plan> {
+    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
         let Params {
             shape,
             scaling,
             mix,
             ..
         } = self.work.flags.params;
-        let available = Available::in_frame(frame);
         // None of the change shows: it is left out.
         let scaling = match mix {
             0.0 => ScalingParams {
@@ -56,9 +72,32 @@ impl EnhanceArgs {
                 scaling_specular: None,
                 ..scaling
             },
-            _ => found.given(scaling),
+            _ => seen.found.given(scaling),
         };
-        Plan::new(Goal::Enhance, available, shape, scaling)
+        let available = Available::in_frame(seen.frame);
+        let plan = Plan::new(Goal::Enhance, available, shape, scaling)?;
+        Ok(vec![plan])
+    }
+
+    /// The enhanced picture and the frame's own. A plan with nothing to do leaves the picture unchanged.
+    fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
+        let before = frame.color.as_ref();
+        let color = outcome.color.as_ref().or(before);
+        Some(MadePicture {
+            color: Cow::Borrowed(color?),
+            before,
+            like: None,
+            form: Form::Light,
+        })
+    }
+}
+
+impl WorkArgs {
+    /// Refuses what does not go with a single picture.
+    pub(super) fn check_one_picture(&self) -> Result<()> {
+        self.output.kind()?;
+        self.output.refuse_numbers()?;
+        self.flags.refuse_more_scales()
     }
 }
 
@@ -84,7 +123,7 @@ pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
 }
 
 /// Magnitudes that were given but have no light to scale.
-pub(crate) fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> Vec<String> {
+fn idle_magnitudes(scaling: &ScalingParams, light: &LightLayers) -> Vec<String> {
     let available = LightAvailable::of(light);
     let LightAvailable {
         groups,

@@ -6,13 +6,7 @@ use super::{Look, Said};
 use crate::command::args::WorkArgs;
 use crate::command::chosen::Chosen;
 use crate::command::commands::Command;
-use crate::command::enhance::{self, idle_magnitudes};
 use crate::command::error_line::line_of;
-use crate::command::hatch::Drawn;
-use crate::command::output::MadePicture;
-use crate::command::reading::{Source, plan_of, setting_warnings, work_of};
-use crate::command::{relight, shape};
-use crate::engine::cpu::strips::StripChoice;
 use crate::engine::outcome::Outcome;
 use crate::engine::{Engine, Inputs, Run, Session};
 use crate::error::Result;
@@ -20,9 +14,12 @@ use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
-use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::{Goal, Plan};
-use reading::SurroundingFiles;
+use crate::work::picture::{Form, MadePicture};
+use crate::work::source::Source;
+use crate::work::{Seen, shape};
+use reading::LookFiles;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -63,39 +60,21 @@ pub(crate) enum What {
     Layers,
 }
 
-/// The frame held by an engine session.
-enum Held {
-    /// At full size, with everything read along with it.
-    Whole(Box<Loaded>),
-    /// Reduced to every n-th pixel.
-    Reduced(Box<Frame>),
-}
-
-impl AsRef<Frame> for Held {
-    fn as_ref(&self) -> &Frame {
-        match self {
-            Self::Whole(loaded) => &loaded.frame,
-            Self::Reduced(frame) => frame,
-        }
-    }
-}
-
 /// The open frame.
 struct OpenFrame {
     source: Source,
     /// The scene that mirrors and lenses show.
     scene: Option<SpecularScene>,
     /// Engine sessions by pixel step; step 1 holds the whole frame.
-    sessions: BTreeMap<usize, Session<Held>>,
+    sessions: BTreeMap<usize, Session<Loaded>>,
 }
 
 impl OpenFrame {
-    fn session(&mut self, engine: &Arc<Engine>, step: usize) -> &mut Session<Held> {
+    fn session(&mut self, engine: &Arc<Engine>, step: usize) -> &mut Session<Loaded> {
         if !self.sessions.contains_key(&step) {
-            let reduced = self.loaded().frame.reduced(step);
-            let held = Held::Reduced(Box::new(reduced));
-            self.sessions
-                .insert(step, Session::new(engine.clone(), held));
+            let reduced = self.loaded().reduced(step);
+            let session = Session::new(engine.clone(), reduced);
+            self.sessions.insert(step, session);
         }
         self.sessions.get_mut(&step).expect("it is there by now")
     }
@@ -124,10 +103,7 @@ impl OpenFrame {
     }
 
     fn loaded(&self) -> &Loaded {
-        match self.sessions[&1].held() {
-            Held::Whole(loaded) => loaded,
-            Held::Reduced(_) => unreachable!("step 1 is the whole"),
-        }
+        self.sessions[&1].held()
     }
 }
 
@@ -148,9 +124,7 @@ pub(crate) struct ViewSession {
     /// Device messages shown so far.
     said: Mutex<BTreeSet<String>>,
     sitter: Option<OpenFrame>,
-    around: SurroundingFiles,
-    /// The stroke texture read from a folder.
-    art_map: Option<(PathBuf, crate::params::StrokeScale, TonalArtMap)>,
+    around: LookFiles,
     made: Option<Made>,
 }
 
@@ -164,8 +138,7 @@ impl ViewSession {
             longest: None,
             said: Mutex::default(),
             sitter: None,
-            around: SurroundingFiles::default(),
-            art_map: None,
+            around: LookFiles::default(),
             made: None,
         }
     }
@@ -216,7 +189,7 @@ impl ViewSession {
     ) -> std::result::Result<(), Said> {
         self.made = None;
         let parsed = look.parse(&reading.input)?;
-        let mut command = parsed.cli.command;
+        let mut command = parsed.command;
         let said = |error| line_of(&error);
         self.read(&command, reading, beside).map_err(said)?;
         let sitter = self.sitter.as_ref().expect(IN_HAND);
@@ -233,7 +206,7 @@ impl ViewSession {
             // Previews use lengths in pixels of the whole frame.
             let height = sitter.loaded().frame.display_window.height().max(1);
             let at_size = look.with("reference-height", height);
-            command = at_size.parse(&reading.input)?.cli.command;
+            command = at_size.parse(&reading.input)?.command;
         }
         let warnings = self.run(&command, what, step).map_err(said)?;
         self.made = Some(Made {
@@ -311,7 +284,7 @@ impl ViewSession {
         of_frame.chain(more).collect()
     }
 
-    fn session(&self) -> Option<&Session<Held>> {
+    fn session(&self) -> Option<&Session<Loaded>> {
         let made = self.made.as_ref()?;
         self.sitter.as_ref()?.sessions.get(&made.step)
     }
@@ -319,44 +292,38 @@ impl ViewSession {
     /// The last picture, as its file would show it.
     pub(crate) fn picture(&self) -> Option<Pixels> {
         let made = self.made.as_ref()?;
-        let (frame, outcome) = (self.frame()?, self.outcome()?);
-        let work = work_of(&made.command);
-        Some(match (&made.command, made.what) {
-            (_, What::Layers) => return None,
-            (_, What::Curvature) | (Command::Shape(_), _) => Pixels::of(&shape::display(outcome)),
-            (Command::Hatch(args), _) => {
-                let drawing = outcome.drawing.as_ref()?;
-                let color = args.printed(drawing);
-                Pixels::of(&args.on_a_page(&color, frame.pixel_aspect))
+        let (frame, outcome, work) = (self.frame()?, self.outcome()?, made.command.work());
+        match made.what {
+            What::Layers => None,
+            What::Curvature => {
+                let picture = shape::display(work.args(), frame, outcome)?;
+                Some(self.shown(picture, work.args()))
             }
-            (command, _) => {
-                let mut outcome = Outcome {
+            What::Picture => {
+                let mut mixed = Outcome {
                     color: outcome.color.clone(),
+                    drawing: outcome.drawing.clone(),
                     takes_picture: outcome.takes_picture,
                     ..Outcome::default()
                 };
-                work.mix(frame, &mut outcome);
-                let share = work.flags.params.mix;
-                let made = match command {
-                    Command::Enhance(_) => enhance::made(frame, &outcome),
-                    _ => relight::lit(frame, &outcome, share),
-                };
-                self.shown(made, work)
+                work.mix(frame, 1.0, &mut mixed);
+                Some(self.shown(work.picture(frame, &mixed)?, work.args()))
             }
-        })
+        }
     }
 
     /// The input picture, or the normals where there is none.
     pub(crate) fn as_it_came(&self) -> Option<Pixels> {
         let frame = self.frame()?;
         if let Some(color) = &frame.color {
-            let work = work_of(&self.made.as_ref()?.command);
+            let work = self.made.as_ref()?.command.work();
             let as_it_is = MadePicture {
-                color,
+                color: Cow::Borrowed(color),
                 before: Some(color),
                 like: None,
+                form: Form::Light,
             };
-            return Some(self.shown(as_it_is, work));
+            return Some(self.shown(as_it_is, work.args()));
         }
         let half = |plane: &crate::frame::Plane| plane.map(|n| 0.5 * n + 0.5);
         let normals = ColorPlanes {
@@ -367,61 +334,51 @@ impl ViewSession {
         Some(Pixels::of(&Picture::of(&normals, ViewTransform::None)))
     }
 
-    fn shown(&self, made: MadePicture, work: &WorkArgs) -> Pixels {
+    fn shown(&self, made: MadePicture, args: &WorkArgs) -> Pixels {
         let primaries = self.sitter.as_ref().expect(IN_HAND).loaded().chromaticities;
         let frame = self.frame().expect(IN_HAND);
-        let exposure = made.exposure(work, &frame.mask);
-        Pixels::of(&work.displayed(frame, primaries, made, exposure).picture())
+        let exposure = made.exposure(args, &frame.mask);
+        let shown = args.displayed(frame, primaries, made, 8, exposure);
+        Pixels::of(&shown.picture())
     }
 
     /// Runs the stages for `what`, and returns the warnings about the settings; the frame's engine session then holds
     /// the result.
     fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Vec<String>> {
-        let goal = match (command, what) {
-            (_, What::Layers) => Some(Goal::Layers),
-            (_, What::Curvature) | (Command::Shape(_), _) => Some(Goal::Display),
-            _ => None,
+        let work = command.work();
+        let goal = match what {
+            What::Layers => Some(Goal::Layers),
+            What::Curvature => Some(Goal::Display),
+            What::Picture => None,
         };
         let (light, lamp) = match goal {
-            None => self.illumination(command)?,
+            None => self.illumination(work)?,
             Some(_) => (Illumination::default(), None),
         };
-        let mut warnings = setting_warnings(command);
+        let mut warnings = work.warnings();
         warnings.extend(lamp);
-        if let Command::Hatch(args) = command
-            && goal.is_none()
-        {
-            self.read_art_map(args, &args.looks()?)?;
-        }
         let sitter = self.sitter.as_mut().expect(IN_HAND);
-        let drawn = Drawn {
-            times: 1.0,
-            is_in_sequence: sitter.source.is_in_sequence,
-            moves: false,
-            is_specular: sitter.scene.is_some(),
-        };
+        let (is_in_sequence, is_specular) = (sitter.source.is_in_sequence, sitter.scene.is_some());
         let frame = sitter.session(&self.engine, step).held().as_ref();
-        let (plan, light) = match goal {
-            Some(goal) => {
-                let work = work_of(command);
-                (work.plan(goal, frame, &StripChoice::default())?, light)
-            }
-            None => plan_of(command, frame, light, drawn)?,
+        let mut seen = Seen {
+            is_in_sequence,
+            is_specular,
+            ..Seen::new(frame, &light)
         };
-        let map = match command {
-            Command::Hatch(args) => args.pictures().and(self.art_map.as_ref()),
-            _ => None,
+        let plans = match goal {
+            Some(goal) => vec![shape::plan(work.args(), goal, &seen)?],
+            None => work.plans(&mut seen)?,
         };
+        let light = seen.light;
         let inputs = Inputs {
-            art_map: map.map(|(_, _, map)| map),
+            art_map: self.around.art_map.as_ref(),
             ..Inputs::lit_by(&light)
         };
-        sitter.execute(step, &plan, inputs, &self.said)?;
-        let session = &sitter.sessions[&step];
-        warnings.extend(shape::held_gain(&plan, session.outcome().gain));
-        if let Command::Enhance(args) = command {
-            let scaling = &args.work.flags.params.scaling;
-            warnings.extend(idle_magnitudes(scaling, &session.held().as_ref().light));
+        for plan in &plans {
+            sitter.execute(step, plan, inputs, &self.said)?;
+            let session = &sitter.sessions[&step];
+            warnings.extend(shape::held_gain(plan, session.outcome().gain));
+            warnings.extend(work.warnings_on(session.held().as_ref()));
         }
         Ok(warnings)
     }

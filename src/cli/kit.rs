@@ -1,0 +1,102 @@
+//! What all frames of a command share: its light, textures and engine, and what a frame leaves to the next.
+
+use super::job::Job;
+use super::motion::Steps;
+use crate::engine::outcome::Outcome;
+use crate::engine::{Engine, Inputs};
+use crate::error::Result;
+use crate::frame::{Frame, SpecularScene, Surroundings};
+use crate::io::Loaded;
+use crate::light::lights::Illumination;
+use crate::line::texture_coordinates::cpu::{SequenceInputs, TextureCoordinates};
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::work::source::Source;
+use crate::work::{Work, light_of};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Inputs and state shared by all frames.
+pub(super) struct Kit {
+    pub(super) engine: Engine,
+    pub(super) light: Illumination,
+    pub(super) art_map: Option<TonalArtMap>,
+    /// What there is to say of the light.
+    pub(super) warning: Option<String>,
+    /// The surroundings of a frame before, and their file.
+    surroundings: Mutex<Option<(PathBuf, Arc<Surroundings>)>>,
+    course: Mutex<Course>,
+}
+
+/// State carried over from the frame before.
+struct Course {
+    steps: Steps,
+    /// Where the texture of strokes lay.
+    coordinates: Option<TextureCoordinates>,
+}
+
+impl Kit {
+    pub(super) fn of(work: &dyn Work) -> Result<Self> {
+        let (light, warning) = light_of(work)?;
+        let convention = work.motion().and_then(|motion| motion.convention());
+        Ok(Self {
+            art_map: work.art_map()?,
+            engine: work.args().run.compute.backend.engine()?,
+            light,
+            warning,
+            surroundings: Mutex::default(),
+            course: Mutex::new(Course {
+                steps: Steps::new(convention),
+                coordinates: None,
+            }),
+        })
+    }
+
+    /// What mirrors and lenses show in a frame.
+    pub(super) fn scene(
+        &self,
+        work: &dyn Work,
+        source: &Source,
+        loaded: &mut Loaded,
+    ) -> Result<Option<SpecularScene>> {
+        let named = source.specular.as_ref();
+        let Some(path) = named.and_then(|(inputs, _)| inputs.surroundings.clone()) else {
+            return source.scene(work, loaded, None);
+        };
+        let mut kept = self
+            .surroundings
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let known = kept.take().filter(|(known, _)| *known == path);
+        let scene = source.scene(work, loaded, known.map(|(_, surroundings)| surroundings))?;
+        let surroundings = scene.as_ref().and_then(|scene| scene.surroundings.clone());
+        *kept = surroundings.map(|surroundings| (path, surroundings));
+        Ok(scene)
+    }
+
+    /// Draws a frame of a sequence in its turn, with strokes that move on from the frame before.
+    pub(super) fn drawn_on(
+        &self,
+        job: &Job,
+        loaded: &mut Loaded,
+        inputs: Inputs,
+        draw: impl FnOnce(&mut Frame, Inputs) -> Result<Outcome>,
+    ) -> Result<Outcome> {
+        job.in_turn(|| {
+            let mut course = self.course.lock().unwrap_or_else(PoisonError::into_inner);
+            let number = job.frame.unwrap_or_default();
+            let motion = course.steps.motion(number, loaded, |text| job.warn(text));
+            let sequence = SequenceInputs {
+                before: course.coordinates.as_ref(),
+                motion: motion.as_ref(),
+            };
+            let inputs = Inputs {
+                sequence: Some(sequence),
+                ..inputs
+            };
+            let mut outcome = draw(&mut loaded.frame, inputs)?;
+            let drawing = outcome.drawing.as_mut().expect("a drawing was planned");
+            course.coordinates = drawing.coordinates.take();
+            Ok(outcome)
+        })
+    }
+}

@@ -1,0 +1,489 @@
+//! `relievo hatch`: line art.
+
+use super::picture::{Form, MadePicture};
+use super::relight::needs;
+use super::{Seen, Work, layers};
+use crate::command::args::WorkArgs;
+use crate::command::line_args::HatchArgs;
+use crate::command::motion_arg::MotionArg;
+use crate::command::named::Named;
+use crate::command::output::Kind;
+use crate::command::relight_args::RelightArgs;
+use crate::engine::outcome::{Drawing, Outcome};
+use crate::error::{Error, Result, bad};
+use crate::frame::{Frame, Window};
+use crate::io::exr::{OutputChannel, OutputType};
+use crate::io::inputs::Inputs;
+use crate::io::picture::PictureFormat;
+use crate::io::svg;
+use crate::io::{self, Loaded, Needs, picture_size};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::line::contours::Contour;
+use crate::line::fading::{faded, largest_around};
+use crate::line::paper::on_paper;
+use crate::line::stippling::cpu::most_dots_per_px;
+use crate::line::streamlines::{Streamline, Tool};
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::params::{
+    Ink, LineParams, ObjectLines, ShapeParams, SoftThreshold, StrokeParams, StrokeScale, Style,
+    ToneSource,
+};
+use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Memory per pixel of an enlarged drawing, beside its strokes. Measured at 32 megapixels: 58 to 68, with few strokes.
+const BYTES_PER_PIXEL: f64 = 110.0;
+
+/// Memory per pixel of an enlarged drawing for what mirrors and lenses show. Measured with a lens before a wall at one
+/// megapixel: 205 in all.
+const TRACED_BYTES_PER_PIXEL: f64 = 100.0;
+
+/// Memory per pixel of a drawing at the size of its frame, beyond that of a frame. Measured without depth: 17 at 2
+/// megapixels, 33 at .8.
+const DRAWN_BYTES_PER_PIXEL: f64 = 45.0;
+
+/// Memory of a point of a stroke, and of a dot. Measured on black pictures of 8 megapixels, with 0.2 to 2.1 points and 0.3
+/// to 4.5 dots in a pixel: 85 to 95, and 32.
+const POINT_BYTES: f32 = 100.0;
+const DOT_BYTES: f32 = 40.0;
+
+impl Work for HatchArgs {
+    fn args(&self) -> &WorkArgs {
+        &self.relight.work
+    }
+
+    fn args_mut(&mut self) -> &mut WorkArgs {
+        &mut self.relight.work
+    }
+
+    fn names(&mut self) -> Vec<Named<'_>> {
+        let mut all = self.relight.names();
+        all.extend(self.motion.names());
+        all
+    }
+
+    fn folder(&self) -> Option<&Path> {
+        self.pictures()
+    }
+
+    fn light(&self) -> Option<&RelightArgs> {
+        Some(&self.relight)
+    }
+
+    fn motion(&self) -> Option<&MotionArg> {
+        Some(&self.motion).filter(|motion| motion.moves())
+    }
+
+    fn check(&self) -> Result<()> {
+        self.args().output.refuse_numbers()?;
+        self.line().map(drop)
+    }
+
+    fn art_map(&self) -> Result<Option<TonalArtMap>> {
+        let most = self.args().run.max_memory.for_light();
+        let map = self.pictures();
+        map.map(|path| own_map(path, &self.line()?.strokes, most))
+            .transpose()
+    }
+
+    fn reading(&self, light: &Illumination) -> Result<(Inputs, Needs)> {
+        let mut needs = needs(&self.relight.params(), light);
+        // Lines of an SVG are either there or not, so the mask is read as coverage.
+        needs.strength = !is_svg(self.args());
+        needs.confidence_if_any = false;
+        let LineParams {
+            contours, interior, ..
+        } = self.params();
+        needs.objects = contours.is_some_and(|c| c.object_lines == ObjectLines::Auto);
+        needs.color |= matches!(self.tone(), ToneSource::Enhance | ToneSource::Picture);
+        if interior.is_some_and(|interior| interior.has_shadows()) {
+            (needs.color, needs.albedo) = (true, true);
+        }
+        let inputs = Inputs {
+            object_angles: self.object_angles.clone(),
+            ..self.relight.inputs()
+        };
+        Ok((inputs, needs))
+    }
+
+    fn takes_whole(&self) -> bool {
+        true
+    }
+
+    fn refuse_too_large(&self, picture: &Path) -> Result<()> {
+        let work = self.args();
+        let Some(size) = picture_size(picture) else {
+            return work.refuse_too_large(picture);
+        };
+        let times = self.times_of(size.display_window, size.pixel_aspect)?;
+        let [width, height] = enlarged_size(size.display_window, times);
+        let why = match times > 1.0 {
+            true => format!("draws it in {width:.0}x{height:.0} pixels"),
+            false => "draws the picture whole".into(),
+        };
+        let beside = self.drawing_bytes(size.display_window, size.pixels, times)?;
+        work.refuse_above(picture, beside, &why)
+    }
+
+    fn times(&self, frame: &Frame, is_specular: bool) -> Result<f64> {
+        let times = self.times_of(frame.display_window, frame.pixel_aspect)?;
+        if times != 1.0 {
+            self.refuse_enlarged(frame, times, is_specular)?;
+        }
+        Ok(times)
+    }
+
+    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+        let params = &self.args().flags.params;
+        let available = Available {
+            moving: seen.moves,
+            in_sequence: seen.is_in_sequence,
+            specular: (seen.is_specular).then(|| self.relight.specular.params(params)),
+            ..Available::in_frame(seen.frame)
+        };
+        let tone = self.lit_tone(seen);
+        let shape = enlarged(params.shape, seen.times, seen.frame);
+        let line = self.line()?;
+        let line = LineParams {
+            contours: line
+                .contours
+                .map(|contours| contours.enlarged(seen.times as f32)),
+            ..line
+        };
+        let mut plan = Plan::hatch(available, shape, params.scaling, tone, line)?;
+        plan.inks_strokes = !is_svg(self.args());
+        plan.keeps_tone = plan.inks_strokes && self.args().output.kind()? == Kind::Exr;
+        Ok(vec![plan])
+    }
+
+    /// Mixes in only the requested share of ink, overall and per pixel. Where the mask selects lines along edges, they
+    /// are kept whole as far as they reach.
+    fn mix(&self, frame: &Frame, times: f64, outcome: &mut Outcome) {
+        let Some(drawing) = outcome.drawing.as_mut().filter(|_| !is_svg(self.args())) else {
+            return;
+        };
+        let share = self.args().flags.params.mix;
+        let strength = frame.strength.as_ref();
+        let width_px = self.params().contours.map_or(0.0, |lines| lines.width_px);
+        let reach = (0.5 * f64::from(width_px) * times).ceil() as usize + 1;
+        let around = strength.map(|strength| largest_around(strength, reach));
+        faded(&mut drawing.hatching, strength, share);
+        let within = drawing.interior.iter_mut().chain(&mut drawing.asked);
+        within.for_each(|ink| faded(ink, strength, share));
+        let along_edges = drawing.contours.iter_mut();
+        along_edges.for_each(|ink| faded(ink, around.as_ref(), share));
+    }
+
+    /// The drawing on its paper, of pixels `pixel_aspect` times as wide as high.
+    fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
+        if is_svg(self.args()) {
+            return None;
+        }
+        let strokes = self.params().strokes;
+        let is_bilevel = strokes.ink == Ink::Bilevel;
+        let has_size = self.args().flags.params.size.is_some() || strokes.dpi.is_some();
+        let dpi = strokes.print_dpi();
+        let form = Form::Shown {
+            grey: true,
+            bits: if is_bilevel { 1 } else { 8 },
+            dpi: (is_bilevel || has_size).then_some([dpi / frame.pixel_aspect, dpi]),
+            transform: self.args().output.view_transform.transform(),
+        };
+        let color = match &outcome.drawing {
+            Some(drawing) => Cow::Owned(on_paper(&drawing.layers())),
+            None => Cow::Borrowed(outcome.color.as_ref()?),
+        };
+        Some(MadePicture::shown(color, form))
+    }
+
+    fn channels<'a>(
+        &self,
+        loaded: &'a Loaded,
+        outcome: &'a Outcome,
+        picture: Option<&'a MadePicture>,
+    ) -> Vec<OutputChannel<'a>> {
+        let output = &self.args().output;
+        let sample_type = output.depth_of_output.unwrap_or(OutputType::Half);
+        let color = picture.map(|picture| &*picture.color);
+        let color = color.expect("a drawing was made");
+        let mut channels = layers::of_color(output.color_layer(loaded), color, None, sample_type);
+        let drawing = outcome.drawing.iter();
+        let planes = drawing.flat_map(|drawing| {
+            [
+                ("strokes.hatching", Some(&drawing.hatching)),
+                ("strokes.contours", drawing.contours.as_ref()),
+                ("strokes.interior", drawing.interior.as_ref()),
+                ("strokes.tone", drawing.asked.as_ref()),
+            ]
+        });
+        channels.extend(planes.filter_map(|(name, plane)| {
+            Some(OutputChannel {
+                name: name.into(),
+                plane: plane?,
+                sample_type,
+            })
+        }));
+        channels
+    }
+
+    fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
+        let drawing = outcome.drawing.as_ref().filter(|_| is_svg(self.args()))?;
+        Some(page(frame, drawing, &self.line().ok()?.strokes))
+    }
+}
+
+impl HatchArgs {
+    /// Settings of the lines, checked for contradictions.
+    fn line(&self) -> Result<LineParams> {
+        let work = self.args();
+        work.flags.refuse_more_scales()?;
+        let mut line = self.params();
+        if !is_svg(work) {
+            refuse_grey(work.output.kind()?, line.strokes.ink)?;
+            return Ok(line);
+        }
+        in_lines(&mut line.strokes)?;
+        match work.flags.params.mix < 1.0 {
+            false => Ok(line),
+            true => Err(bad(
+                "--mix",
+                "takes a share of ink, and the lines of an SVG are there or not",
+                "leave it out, or write a .png",
+            )),
+        }
+    }
+
+    fn times_of(&self, window: Window, pixel_aspect: f32) -> Result<f64> {
+        let params = &self.relight.work.flags.params;
+        let (width, height) = (window.width(), window.height());
+        match params.size {
+            Some(paper) => paper.factor(
+                [width, height],
+                pixel_aspect,
+                self.params().strokes.print_dpi(),
+            ),
+            None => {
+                let size_px = ((width * height) as f32).sqrt();
+                Ok(params.enlarge.times(size_px) as f64)
+            }
+        }
+    }
+
+    /// Refuses to enlarge frames, with what their mirrors and lenses show, beyond the memory limit.
+    fn refuse_enlarged(&self, frame: &Frame, times: f64, is_specular: bool) -> Result<()> {
+        let work = &self.relight.work;
+        let pixels = frame.mask.plane().samples().len() as u64;
+        let shown = match is_specular {
+            true => pixels as f64 * times * times * TRACED_BYTES_PER_PIXEL,
+            false => 0.0,
+        };
+        let bytes = self.drawing_bytes(frame.display_window, pixels, times)? + shown as u64;
+        if bytes <= work.run.max_memory.most() {
+            return Ok(());
+        }
+        let [width, height] = enlarged_size(frame.display_window, times);
+        let found = format!(
+            "makes a drawing of {width:.0}x{height:.0} pixels, and memory for it is not allowed"
+        );
+        let less = match work.flags.params.size {
+            Some(_) => "give a lower --dpi",
+            None => "give a lower one",
+        };
+        Err(work.cannot_enlarge(found, format!("{less}, or raise --max-memory")))
+    }
+
+    /// Memory that a drawing of so many pixels of a picture takes beside these, at worst, which is where all of it is
+    /// black: an enlarged frame, and strokes that are laid one by one.
+    fn drawing_bytes(&self, display_window: Window, pixels: u64, times: f64) -> Result<u64> {
+        let work = &self.relight.work;
+        let mut strokes = self.params().strokes;
+        if is_svg(work) {
+            in_lines(&mut strokes)?;
+        }
+        let [width, height] = enlarged_size(display_window, times);
+        let reference = work.flags.params.shape.reference_height;
+        let reference = reference.map_or(display_window.height() as f64, f64::from);
+        let factor = (height / reference) as f32;
+        strokes.fit((width * height).sqrt() as f32, factor);
+        let drawn = match times > 1.0 {
+            true => BYTES_PER_PIXEL,
+            false => DRAWN_BYTES_PER_PIXEL,
+        };
+        let per_pixel = drawn + f64::from(stroke_bytes_per_px(&strokes, factor));
+        Ok((pixels as f64 * times * times * per_pixel) as u64)
+    }
+
+    /// The source of tones for a frame. Those that need light get a lamp where none is given.
+    fn lit_tone(&self, seen: &mut Seen) -> ToneFrom {
+        let relight = self.relight.params();
+        let is_lit = LightKinds::in_light(&seen.light) != LightKinds::default();
+        // A surface seen in mirrors has no tone but that of its light.
+        let shows_shape = self.tone() == ToneSource::Auto && !seen.is_specular;
+        let relit = match self.tone() {
+            ToneSource::Relight => true,
+            ToneSource::Auto if shows_shape => is_lit,
+            ToneSource::Auto => is_lit || seen.frame.color.is_none(),
+            ToneSource::Enhance | ToneSource::Picture => false,
+        };
+        let is_mirror = relight.material.material.shows_surroundings();
+        if relit && !is_lit && !(is_mirror && seen.is_specular) {
+            let lamp = DirectionalLight::white(LAMP_DEG);
+            seen.light.to_mut().directional.push(lamp);
+        }
+        let kinds = LightKinds::in_light(&seen.light);
+        match self.tone() {
+            _ if shows_shape => ToneFrom::Shape(relit.then_some((relight, kinds))),
+            _ if relit => ToneFrom::Relit(relight, kinds),
+            ToneSource::Picture => ToneFrom::Picture,
+            _ => ToneFrom::Enhanced,
+        }
+    }
+}
+
+/// Shape parameters for a frame enlarged by `times`, measured in pixels of the original.
+fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
+    if times == 1.0 {
+        return shape;
+    }
+    let height = (frame.display_window.height() as f64 / times)
+        .round()
+        .max(1.0) as u32;
+    let SoftThreshold { lo, hi } = shape.crease;
+    ShapeParams {
+        reference_height: shape.reference_height.or(Some(height)),
+        // Interpolated normals turn `times` less from pixel to pixel.
+        crease: SoftThreshold {
+            lo: lo / times as f32,
+            hi: hi / times as f32,
+        },
+        ..shape
+    }
+}
+
+/// Columns and rows of a window that is enlarged.
+fn enlarged_size(window: Window, times: f64) -> [f64; 2] {
+    [window.width(), window.height()].map(|side| side as f64 * times)
+}
+
+/// Memory of strokes in a black pixel, with `factor` as in [`StrokeParams::factor`].
+fn stroke_bytes_per_px(strokes: &StrokeParams, factor: f32) -> f32 {
+    let stroke = strokes.stroke(factor);
+    match strokes.style {
+        Style::Lines | Style::Engraving => {
+            POINT_BYTES * Tool::of(&stroke, strokes.style).most_points_per_px()
+        }
+        Style::Stipple => DOT_BYTES * most_dots_per_px(&stroke),
+        Style::Pen | Style::Pencil | Style::Pictures => 0.0,
+    }
+}
+
+/// The lines of a drawing on a page.
+fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg::Drawing<'a> {
+    let is_plotted = strokes.plotter.is_on(strokes.style);
+    // Lines that cross others are a layer of their own for a plotter.
+    let laid = |wanted: &dyn Fn(&Streamline) -> bool| {
+        let lines = drawing.lines.iter().filter(|line| wanted(line));
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect::<Vec<svg::Line>>()
+    };
+    let along = |lines: &'a [Contour]| {
+        let lines = lines.iter();
+        lines
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect()
+    };
+    let mut layers = match is_plotted {
+        true => vec![
+            ("strokes", laid(&|line| !line.crosses)),
+            ("crossing", laid(&|line| line.crosses)),
+        ],
+        false => vec![("strokes", laid(&|_| true))],
+    };
+    layers.push(("contours", along(&drawing.contour_lines)));
+    if drawing.interior.is_some() {
+        layers.push(("interior", along(&drawing.interior_lines)));
+    }
+    svg::Drawing {
+        display_window: frame.display_window,
+        data_window: frame.data_window,
+        pixel_aspect: frame.pixel_aspect,
+        dpi: strokes.print_dpi(),
+        dots: drawing
+            .dots
+            .iter()
+            .map(|dot| (dot.at, dot.radius))
+            .collect(),
+        layers,
+        is_plotted,
+    }
+}
+
+/// Refuses bilevel ink for file types without it; EXR layers hold coverage.
+fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
+    let is_grey = matches!(
+        kind,
+        Kind::Picture(PictureFormat::Jpeg | PictureFormat::Hdr)
+    );
+    match is_grey && ink == Ink::Bilevel {
+        false => Ok(()),
+        true => Err(bad(
+            "--ink",
+            "is bilevel, and the output is of a kind that cannot be",
+            "write a .png or .tif",
+        )),
+    }
+}
+
+/// Turns pen strokes into lines for an SVG, and refuses textures.
+fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
+    match strokes.style {
+        Style::Pen => strokes.style = Style::Lines,
+        Style::Lines | Style::Engraving | Style::Stipple => {}
+        Style::Pencil | Style::Pictures => {
+            return Err(bad(
+                "--style",
+                "is a texture, and an SVG holds lines",
+                "leave it out, or write a .png",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The stroke texture read from a folder of pictures.
+fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<TonalArtMap> {
+    let factor = match strokes.scale {
+        StrokeScale::Auto => 1.0,
+        StrokeScale::Factor(factor) => factor,
+        StrokeScale::Millimetres(_) => {
+            return Err(bad(
+                "--stroke-scale",
+                "is in millimetres, but how wide the strokes of pictures are is not known",
+                "give a factor",
+            ));
+        }
+    };
+    Ok(TonalArtMap::of_pictures(
+        &io::read_art_map(path, most_bytes)?,
+        factor.recip(),
+    ))
+}
+
+/// Whether the drawing is written as SVG lines.
+pub(crate) fn is_svg(work: &WorkArgs) -> bool {
+    let extension = work.output.output.as_deref().and_then(Path::extension);
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+}
+
+impl WorkArgs {
+    /// Error for an enlargement that is not possible.
+    pub(crate) fn cannot_enlarge(&self, found: String, remedy: String) -> Error {
+        let name = match self.flags.params.size {
+            Some(_) => "--size",
+            None => "--enlarge",
+        };
+        bad(name, found, remedy)
+    }
+}

@@ -1,0 +1,104 @@
+//! What a command makes of a frame in memory: the steps of the command line between reading and writing.
+
+use super::picture::Displayed;
+use super::{Made, Seen, Work};
+use crate::engine::{Engine, Inputs, Run};
+use crate::error::Result;
+use crate::frame::{Frame, SpecularScene};
+use crate::io::colorspace::Chromaticities;
+use crate::io::svg::write_svg;
+use crate::light::lights::Illumination;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Stands for the file that a drawing in lines would go to.
+pub(crate) const LINES: &str = "made.svg";
+
+/// A command and all that it is run on.
+#[derive(Clone, Copy)]
+pub(crate) struct Making<'a> {
+    pub(crate) work: &'a dyn Work,
+    pub(crate) light: &'a Illumination,
+    pub(crate) frame: &'a Frame,
+    /// The scene seen in mirrors and lenses.
+    pub(crate) specular: Option<&'a SpecularScene>,
+    pub(crate) is_in_sequence: bool,
+}
+
+impl<'a> Making<'a> {
+    /// Its frame, as it was read.
+    pub(crate) fn seen(&self) -> Seen<'a, 'a> {
+        Seen {
+            is_specular: self.specular.is_some(),
+            is_in_sequence: self.is_in_sequence,
+            ..Seen::new(self.frame, self.light)
+        }
+    }
+
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// As [`Engine::run`]; [`crate::Error::BadParameter`] for settings that the frame does not allow.
+    pub(crate) fn run(&self, engine: &Engine, run: &Run) -> Result<Made> {
+        let work = self.work;
+        let times = work.times(self.frame, self.specular.is_some())?;
+        let scene = self.specular.filter(|_| times != 1.0);
+        let scene = scene.map(|scene| run.install(|| scene.enlarged(self.frame, times)));
+        let frame = match times == 1.0 {
+            true => Cow::Borrowed(self.frame),
+            false => Cow::Owned(run.enlarged(self.frame, times)?),
+        };
+        let (frame, art_map) = (&*frame, work.art_map()?);
+        let mut made = work.begin(&work.reading(self.light)?.0, frame)?;
+        let mut seen = Seen {
+            frame,
+            times,
+            ..self.seen()
+        };
+        for plan in work.plans(&mut seen)? {
+            let inputs = Inputs {
+                specular: scene.as_ref().or(self.specular),
+                art_map: art_map.as_ref(),
+                ..Inputs::lit_by(&seen.light)
+            };
+            let outcome = engine.execute(&plan, frame, inputs, run)?;
+            engine.recycle(work.take(&mut made, &plan, outcome));
+        }
+        work.mix(frame, times, &mut made.outcome);
+        // The tone of a drawing is no picture, and a plan with nothing to do leaves the frame's.
+        let color = match work
+            .picture(frame, &made.outcome)
+            .map(|p| p.printed().color)
+        {
+            Some(Cow::Borrowed(_)) if made.outcome.color.is_some() => None,
+            color => color.map(Cow::into_owned),
+        };
+        made.outcome.color = color.or(made.outcome.color.take());
+        for map in work
+            .maps()
+            .iter()
+            .flat_map(|args| args.made(&made.maps, frame))
+        {
+            made.planes.extend(map?.named());
+        }
+        if let Some(drawn) = work.lines(frame, &made.outcome) {
+            let mut text = Vec::new();
+            write_svg(&mut text, Path::new(LINES), &drawn)?;
+            made.svg = Some(String::from_utf8(text).expect("an SVG is text"));
+        }
+        Ok(made)
+    }
+
+    /// The picture as a PNG would hold it, and the exposure that was chosen for it; `None` where layers were made.
+    pub(crate) fn shown(
+        &self,
+        made: &'a Made,
+        primaries: Option<Chromaticities>,
+    ) -> Option<(Displayed<'a>, Option<f32>)> {
+        let args = self.work.args();
+        let picture = self.work.picture(self.frame, &made.outcome)?;
+        let exposure = picture.exposure(args, &self.frame.mask);
+        let shown = args.displayed(self.frame, primaries, picture, 8, exposure);
+        Some((shown, exposure))
+    }
+}

@@ -1,0 +1,262 @@
+//! The commands that make something of a frame, each in a file of its own: what it reads, the plans that it runs, and its
+//! results. Doors add the rest: files and messages, arrays, or a session.
+
+mod enhance;
+mod hatch;
+mod layers;
+pub(crate) mod making;
+pub(crate) mod map;
+pub(crate) mod picture;
+mod rec709;
+mod relight;
+pub(crate) mod shape;
+pub(crate) mod source;
+
+pub(crate) use enhance::dark_rims;
+pub(crate) use hatch::is_svg;
+#[cfg(feature = "view")]
+pub(crate) use relight::{illumination, lights};
+
+use crate::command::args::WorkArgs;
+use crate::command::commands::Command;
+use crate::command::map::MapArgs;
+use crate::command::motion_arg::MotionArg;
+use crate::command::named::Named;
+use crate::command::relight_args::RelightArgs;
+use crate::engine::cpu::strips::StripChoice;
+use crate::engine::outcome::Outcome;
+use crate::error::Result;
+use crate::frame::{Frame, Plane};
+use crate::io::exr::OutputChannel;
+use crate::io::inputs::Inputs;
+use crate::io::{Loaded, Needs, SpecularInputs, svg};
+use crate::light::lights::Illumination;
+use crate::line::tonal_art_map::TonalArtMap;
+use crate::plan::Plan;
+use map::MapSamples;
+use picture::MadePicture;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// A frame, and how a command meets it.
+pub(crate) struct Seen<'f, 'l> {
+    pub(crate) frame: &'f Frame,
+    pub(crate) light: Cow<'l, Illumination>,
+    /// Whether mirrors or lenses are traced.
+    pub(crate) is_specular: bool,
+    /// How many times as large as it was read.
+    pub(crate) times: f64,
+    /// Whether it belongs to a sequence, whose frames need consistent tones and lines.
+    pub(crate) is_in_sequence: bool,
+    /// Whether strokes move with the surface.
+    pub(crate) moves: bool,
+    /// Choices made on the whole picture, if the frame is a strip of it.
+    pub(crate) found: Cow<'l, StripChoice>,
+}
+
+impl<'f, 'l> Seen<'f, 'l> {
+    /// A single frame as it was read, in this light.
+    pub(crate) fn new(frame: &'f Frame, light: &'l Illumination) -> Self {
+        Self {
+            frame,
+            light: Cow::Borrowed(light),
+            is_specular: false,
+            times: 1.0,
+            is_in_sequence: false,
+            moves: false,
+            found: Cow::default(),
+        }
+    }
+}
+
+/// What a command has made of a frame.
+#[derive(Debug, Default)]
+pub(crate) struct Made {
+    pub(crate) outcome: Outcome,
+    /// What maps are made of.
+    pub(crate) maps: MapSamples,
+    /// What there is to say of it, and to warn of.
+    pub(crate) notes: Vec<String>,
+    pub(crate) warnings: Vec<String>,
+    /// Planes of maps by name, where they are kept in memory.
+    pub(crate) planes: Vec<(String, Plane)>,
+    /// A drawing as the text of an SVG, likewise.
+    pub(crate) svg: Option<String>,
+}
+
+/// A command that makes something of a frame, with its settings.
+pub(crate) trait Work: Sync {
+    /// The arguments that all commands share.
+    fn args(&self) -> &WorkArgs;
+
+    fn args_mut(&mut self) -> &mut WorkArgs;
+
+    /// The layers and files that are named.
+    fn names(&mut self) -> Vec<Named<'_>> {
+        self.args_mut().names()
+    }
+
+    /// A folder whose files are all inputs.
+    fn folder(&self) -> Option<&Path> {
+        None
+    }
+
+    /// The arguments of light.
+    fn light(&self) -> Option<&RelightArgs> {
+        None
+    }
+
+    /// The arguments of maps, if those are made.
+    fn maps(&self) -> Option<&MapArgs> {
+        None
+    }
+
+    /// The motion between frames, if a frame depends on the ones before it.
+    fn motion(&self) -> Option<&MotionArg> {
+        None
+    }
+
+    /// Refuses settings that contradict each other or the output.
+    fn check(&self) -> Result<()>;
+
+    /// Refuses what mirrors and lenses are to show where it cannot be shown.
+    fn check_specular(&self, _inputs: &SpecularInputs) -> Result<()> {
+        Ok(())
+    }
+
+    /// Warnings about its settings, whatever they are applied to.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Warnings about its settings on this frame.
+    fn warnings_on(&self, _frame: &Frame) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Adds a lamp to light that would leave all dark, and says so.
+    fn add_lamp(&self, _light: &mut Illumination) -> Option<String> {
+        None
+    }
+
+    /// The stroke texture, if it comes from pictures.
+    fn art_map(&self) -> Result<Option<TonalArtMap>> {
+        Ok(None)
+    }
+
+    /// Files and layers to read, in this light.
+    fn reading(&self, light: &Illumination) -> Result<(Inputs, Needs)>;
+
+    /// Whether the picture cannot go in strips.
+    fn takes_whole(&self) -> bool {
+        false
+    }
+
+    /// Refuses a `picture` over the memory limit, by its header.
+    fn refuse_too_large(&self, picture: &Path) -> Result<()> {
+        self.args().refuse_too_large(picture)
+    }
+
+    /// The enlargement of a frame, and whether the memory limit allows it.
+    fn times(&self, _frame: &Frame, _is_specular: bool) -> Result<f64> {
+        Ok(1.0)
+    }
+
+    /// Whether layers are made that can be written some rows at a time.
+    fn goes_by_rows(&self) -> bool {
+        false
+    }
+
+    /// Begins to make something of a frame: reads what is laid over it.
+    fn begin(&self, _inputs: &Inputs, _frame: &Frame) -> Result<Made> {
+        Ok(Made::default())
+    }
+
+    /// The plans that are run on a frame, one after another. A lamp is added to its light where tones need one.
+    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>>;
+
+    /// Takes the results of a plan; what is left of them can be recycled.
+    fn take(&self, made: &mut Made, _plan: &Plan, outcome: Outcome) -> Outcome {
+        made.outcome = outcome;
+        Outcome::default()
+    }
+
+    /// Blends the result with the original by the requested share, overall and per pixel.
+    fn mix(&self, frame: &Frame, _times: f64, outcome: &mut Outcome) {
+        picture::mix_color(self.args(), frame, outcome);
+    }
+
+    /// The picture that was made, if one was.
+    fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>>;
+
+    /// The layers that were made, with the colours of the picture.
+    fn channels<'a>(
+        &self,
+        loaded: &'a Loaded,
+        outcome: &'a Outcome,
+        picture: Option<&'a MadePicture>,
+    ) -> Vec<OutputChannel<'a>> {
+        let _ = outcome;
+        let picture = picture.expect("a picture was made");
+        layers::of_picture(&self.args().output, loaded, &picture.color)
+    }
+
+    /// The lines that were made, if they are written as such.
+    fn lines<'a>(&self, _frame: &Frame, _outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
+        None
+    }
+}
+
+impl Command {
+    /// The command that makes something of a frame.
+    ///
+    /// # Panics
+    /// If it is none of those of recipes.
+    pub(crate) fn work(&self) -> &dyn Work {
+        match self {
+            Self::Shape(args) => args,
+            Self::Enhance(args) => args,
+            Self::Relight(args) => &**args,
+            Self::Hatch(args) => &**args,
+            Self::Map(args) | Self::Normals(args) => args,
+            _ => unreachable!("it is one of the commands of recipes"),
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn work_mut(&mut self) -> &mut dyn Work {
+        match self {
+            Self::Shape(args) => args,
+            Self::Enhance(args) => args,
+            Self::Relight(args) => &mut **args,
+            Self::Hatch(args) => &mut **args,
+            Self::Map(args) | Self::Normals(args) => args,
+            _ => unreachable!("it is one of the commands of recipes"),
+        }
+    }
+
+    /// The command for one frame of a sequence, or for a single picture.
+    pub(crate) fn of_frame(&self, frame: Option<i32>) -> Self {
+        let mut one = self.clone();
+        if let Some(frame) = frame {
+            let names = one.work_mut().names();
+            names.into_iter().for_each(|name| name.number(frame));
+        }
+        one
+    }
+
+    /// Every input that is a separate file.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let mut one = self.clone();
+        let names = one.work_mut().names().into_iter();
+        names.filter_map(Named::file).collect()
+    }
+}
+
+/// The light of a command, with a lamp in place of none, and what is to be said of that.
+pub(crate) fn light_of(work: &dyn Work) -> Result<(Illumination, Option<String>)> {
+    let mut light = work.light().map(relight::illumination).transpose()?;
+    let light = light.get_or_insert_default();
+    let said = work.add_lamp(light);
+    Ok((std::mem::take(light), said))
+}

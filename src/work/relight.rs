@@ -1,0 +1,244 @@
+//! `relievo relight`: new light.
+
+use super::picture::{Form, MadePicture};
+use super::{Seen, Work, dark_rims};
+use crate::command::args::WorkArgs;
+use crate::command::named::{Named, given};
+use crate::command::relight_args::{Numbers, RelightArgs};
+use crate::engine::outcome::Outcome;
+use crate::error::{Result, bad};
+use crate::frame::Frame;
+use crate::io::environment::{read_environment_within, read_lit_sphere_within};
+use crate::io::inputs::{Inputs, LightInputs, LobeChoice};
+use crate::io::{Needs, SpecularInputs};
+use crate::light::environment::Environment;
+use crate::light::light_samples::light_disc;
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
+use crate::light::lit_sphere::LitSphere;
+use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, RelightParams, Samples, in_range};
+use crate::plan::{Available, LightKinds, Plan};
+use glam::Vec3;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+impl Work for RelightArgs {
+    fn args(&self) -> &WorkArgs {
+        &self.work
+    }
+
+    fn args_mut(&mut self) -> &mut WorkArgs {
+        &mut self.work
+    }
+
+    fn names(&mut self) -> Vec<Named<'_>> {
+        let mut all = self.work.names();
+        all.extend(self.specular.names());
+        all.extend(given([&mut self.surface.albedo], []));
+        let lights = self.light.environment.iter().chain(&self.light.lit_sphere);
+        all.extend(lights.map(|path| Named::Shared(path)));
+        all
+    }
+
+    fn light(&self) -> Option<&RelightArgs> {
+        Some(self)
+    }
+
+    fn check(&self) -> Result<()> {
+        self.work.check_one_picture()
+    }
+
+    fn check_specular(&self, inputs: &SpecularInputs) -> Result<()> {
+        let material = self.params().material.material;
+        if !material.shows_surroundings() {
+            let found = "is neither mirror nor glass, and shows nothing of what is around it";
+            let remedy =
+                "give --material mirror or --material glass, or leave out what it could show";
+            return Err(bad("--material", found, remedy));
+        }
+        if inputs.back.is_some() && !material.is_clear() {
+            let found = "are the back faces of a lens, and --material is mirror";
+            return Err(bad("--back", found, "give --material glass"));
+        }
+        if inputs.hit_position.is_some() {
+            let found = "tells where strokes lie, and not what light has been bent to";
+            let remedy = "leave it out: new light follows the sight lines itself";
+            return Err(bad("--hit-position", found, remedy));
+        }
+        Ok(())
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let scaling = Some(self.work.flags.params.scaling);
+        let scaling = scaling.filter(|_| self.params().method.scales());
+        let rims = scaling.iter().flat_map(dark_rims);
+        rims.chain(self.past_the_zenith()).collect()
+    }
+
+    fn add_lamp(&self, light: &mut Illumination) -> Option<String> {
+        if !self.is_dark(light) {
+            return None;
+        }
+        light.directional.push(DirectionalLight::white(LAMP_DEG));
+        let [azimuth, elevation] = LAMP_DEG;
+        Some(format!(
+            "no light is given: --light {azimuth},{elevation}, from the upper left, takes its place"
+        ))
+    }
+
+    fn reading(&self, light: &Illumination) -> Result<(Inputs, Needs)> {
+        Ok((self.inputs(), needs(&self.params(), light)))
+    }
+
+    fn takes_whole(&self) -> bool {
+        !self.specular.inputs().is_empty()
+    }
+
+    fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
+        let params = &self.work.flags.params;
+        let scaling = seen.found.given(params.scaling);
+        let available = Available {
+            specular: seen.is_specular.then(|| self.specular.params(params)),
+            ..Available::in_frame(seen.frame)
+        };
+        let kinds = LightKinds::in_light(&seen.light);
+        let mut plan = Plan::relight(available, params.shape, scaling, self.params(), kinds)?;
+        if let Some(relighting) = &mut plan.relighting {
+            relighting.estimate = seen.found.albedo;
+        }
+        Ok(vec![plan])
+    }
+
+    /// The relit picture; it is derived from the frame's own where only a share of it is blended in, overall or per
+    /// pixel.
+    fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
+        let is_mixed = self.work.flags.params.mix != 1.0 || frame.strength.is_some();
+        Some(MadePicture {
+            color: Cow::Borrowed(outcome.color.as_ref()?),
+            before: frame.color.as_ref().filter(|_| is_mixed),
+            like: frame.color.as_ref().filter(|_| outcome.takes_picture),
+            form: Form::Light,
+        })
+    }
+}
+
+impl RelightArgs {
+    /// Files and layers to read for new light.
+    pub(super) fn inputs(&self) -> Inputs {
+        Inputs {
+            albedo: self.surface.albedo.clone(),
+            light: Some(LightInputs {
+                lobes: LobeChoice::Off,
+                occlusion: self.dims_by_occlusion(),
+                gloss: self.params().albedo == AlbedoSource::Auto
+                    && self.light.lit_sphere.is_empty(),
+                ..LightInputs::default()
+            }),
+            ..self.work.inputs()
+        }
+    }
+}
+
+/// The picture is needed for estimating an albedo, and for the surroundings of the surface.
+pub(super) fn needs(params: &RelightParams, illumination: &Illumination) -> Needs {
+    let own_color = params.albedo == AlbedoSource::White;
+    Needs {
+        color: matches!(
+            params.albedo,
+            AlbedoSource::Estimate | AlbedoSource::Picture
+        ),
+        color_if_any: true,
+        albedo: !own_color && illumination.lit_spheres.is_empty(),
+        projection: true,
+        strength: true,
+        confidence_if_any: true,
+        ..Needs::default()
+    }
+}
+
+/// The light; its images may take their part of the memory limit.
+pub(crate) fn illumination(args: &RelightArgs) -> Result<Illumination> {
+    Ok(Illumination {
+        environment: environment(args)?,
+        lit_spheres: lit_spheres(args)?,
+        ..lights(args)?
+    })
+}
+
+/// The environment, if any.
+fn environment(args: &RelightArgs) -> Result<Option<Arc<Environment>>> {
+    let most = args.work.run.max_memory.for_light();
+    let read = |path| read_environment_within(path, most);
+    let environment = args.light.environment.as_deref().map(read);
+    let turned = |e: Environment| {
+        e.rotated_deg(args.work.flags.params.environment_rotate_deg)
+            .into()
+    };
+    Ok(environment.transpose()?.map(turned))
+}
+
+/// The lit spheres, if any.
+fn lit_spheres(args: &RelightArgs) -> Result<Vec<LitSphere>> {
+    let most = args.work.run.max_memory.for_light();
+    let spheres = args.light.lit_sphere.iter();
+    spheres
+        .map(|path| read_lit_sphere_within(path, most))
+        .collect()
+}
+
+/// The lights given by flags rather than files.
+pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
+    let flags = &args.light;
+    let mut directional: Vec<DirectionalLight> = flags
+        .light
+        .iter()
+        .map(|light| {
+            let Numbers([azimuth, elevation], _) = *light;
+            DirectionalLight {
+                to_light: direction_of(azimuth, elevation),
+                intensity: light.color(),
+            }
+        })
+        .collect();
+    let samples = match args.params().samples {
+        Samples::Fixed(count) if count > 0 => count,
+        _ => AUTO_SAMPLES,
+    };
+    let count = directional.len() + flags.point_light.len();
+    let count = count as u64 + flags.area_light.len() as u64 * u64::from(samples);
+    if count > u64::from(MAX_LIGHTS) {
+        return Err(bad(
+            "--light",
+            format!("makes {count} lights"),
+            format!("give at most {MAX_LIGHTS} in all"),
+        ));
+    }
+    for light in &flags.area_light {
+        in_range("--area-light", light.0[2], 0.0..=180.0)?;
+        directional.extend(area_light(light, samples));
+    }
+    let points = flags.point_light.iter().map(|light| PointLight {
+        position: Vec3::from_array(light.0),
+        intensity: light.color(),
+    });
+    let lights = Illumination {
+        points: points.collect(),
+        directional,
+        ..Illumination::default()
+    };
+    lights.validate()?;
+    Ok(lights)
+}
+
+/// A disc light as `count` directional lights that together have its brightness.
+fn area_light(light: &Numbers<3>, count: u32) -> impl Iterator<Item = DirectionalLight> + use<> {
+    let [azimuth, elevation, radius] = light.0;
+    let center = direction_of(azimuth, elevation);
+    let intensity = light.color().map(|channel| channel / count as f32);
+    let directions = light_disc(center, radius.to_radians(), count as usize);
+    directions
+        .into_iter()
+        .map(move |to_light| DirectionalLight {
+            to_light,
+            intensity,
+        })
+}

@@ -1,0 +1,107 @@
+//! What a command reads: files and layers, and what mirrors and lenses show.
+
+use super::Work;
+use crate::error::Result;
+use crate::frame::{SpecularScene, Surroundings};
+use crate::io::inputs::Inputs;
+use crate::io::{self, Loaded, Needs, SpecularInputs, load_specular};
+use crate::light::lights::Illumination;
+use crate::params::Material;
+use std::sync::Arc;
+
+/// Everything that is read for a frame of a command.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) inputs: Inputs,
+    pub(crate) needs: Needs,
+    /// Whether it belongs to a sequence.
+    pub(crate) is_in_sequence: bool,
+    pub(crate) specular: Option<(SpecularInputs, Material)>,
+}
+
+impl Source {
+    /// What `work` reads in this light.
+    ///
+    /// # Errors
+    /// [`crate::Error::BadParameter`] for settings that contradict each other.
+    pub(crate) fn of(work: &dyn Work, light: &Illumination, is_in_sequence: bool) -> Result<Self> {
+        let (inputs, needs) = work.reading(light)?;
+        let specular = work.light().and_then(|args| {
+            let inputs = args.specular.inputs();
+            let material = args.params().material.material;
+            (!inputs.is_empty()).then_some((inputs, material))
+        });
+        Ok(Self {
+            inputs,
+            needs,
+            is_in_sequence,
+            specular,
+        })
+    }
+
+    /// The first setting that names a layer or a file, or tells how these are read, but for conventions of normals and
+    /// depth; `None` if there is none.
+    #[cfg(feature = "host")]
+    pub(crate) fn named(&self) -> Option<&'static str> {
+        let Self {
+            inputs, specular, ..
+        } = self;
+        let light = inputs.light.clone().unwrap_or_default();
+        let named = [
+            ("view", inputs.view.is_some()),
+            ("layer", inputs.layer.is_some()),
+            ("normal", inputs.normal.is_some()),
+            ("color", inputs.color.is_some()),
+            ("depth", inputs.depth.is_some()),
+            ("position", inputs.position.is_some()),
+            ("occlusion", inputs.occlusion.is_some()),
+            ("importance", inputs.importance.is_some()),
+            ("mask", inputs.mask.is_some()),
+            ("coverage", inputs.coverage.is_some()),
+            ("albedo", inputs.albedo.is_some() || light.albedo.is_some()),
+            ("object", !inputs.objects.is_empty()),
+            ("cryptomatte", inputs.cryptomatte.is_some()),
+            ("object-angle", !inputs.object_angles.is_empty()),
+            ("camera", inputs.camera.is_some()),
+            ("still-camera", inputs.known_camera.is_some()),
+            ("colorspace", inputs.colorspace.is_some()),
+            ("diffuse", light.diffuse.is_some()),
+            ("specular", light.specular.is_some()),
+            ("light-group", !light.groups.is_empty()),
+            ("what mirrors and lenses show", specular.is_some()),
+        ];
+        let found = named.into_iter().find(|(_, is_given)| *is_given);
+        found.map(|(setting, _)| setting)
+    }
+
+    /// Reads it, and what mirrors and lenses show.
+    ///
+    /// # Errors
+    /// As [`io::load`] and [`load_specular`]; [`crate::Error::Unsupported`] beyond the memory limit.
+    pub(crate) fn load(&self, work: &dyn Work) -> Result<(Loaded, Option<SpecularScene>)> {
+        work.refuse_too_large(&self.inputs.picture)?;
+        let mut loaded = io::load(&self.inputs, self.needs)?;
+        let scene = self.scene(work, &mut loaded, None)?;
+        Ok((loaded, scene))
+    }
+
+    /// What mirrors and lenses show, if anything is named; what lies behind fills the frame where it is empty.
+    /// Surroundings that are `known` are not read again.
+    ///
+    /// # Errors
+    /// As [`load_specular`]; [`crate::Error::BadParameter`] for what the command cannot show.
+    pub(crate) fn scene(
+        &self,
+        work: &dyn Work,
+        loaded: &mut Loaded,
+        known: Option<Arc<Surroundings>>,
+    ) -> Result<Option<SpecularScene>> {
+        let Some((inputs, _)) = &self.specular else {
+            return Ok(None);
+        };
+        work.check_specular(inputs)?;
+        let mut scene = load_specular(inputs, loaded, known)?;
+        scene.fill_from_behind(&mut loaded.frame);
+        Ok(Some(scene))
+    }
+}
