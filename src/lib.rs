@@ -110,3 +110,6 @@ mod untrusted;
 pub mod view;
 
 pub use error::{Error, Result};
+#[cfg(feature = "gpu")]
+#[doc(hidden)]
+pub use stages::kernels::kernel_sources;

@@ -153,7 +153,10 @@ impl Engine {
         // A tile is run with as much of its repetition around it as the plan reaches.
         let tile = frame.is_tile().then_some(frame.data_window);
         let Some(region) = run.region.or(tile) else {
-            let outcome = run.install(|| self.execute_here(plan, frame, inputs, run))?;
+            let outcome = run.install(|| match run.max_memory {
+                Some(most) => self.execute_in_strips(plan, frame, inputs, run, most),
+                None => self.execute_here(plan, frame, inputs, run),
+            })?;
             run.finish(frame, &outcome)?;
             return Ok(outcome);
         };
@@ -167,7 +170,7 @@ impl Engine {
     }
 
     /// Runs the whole frame on the caller's threads.
-    fn execute_here(
+    pub(super) fn execute_here(
         &self,
         plan: &Plan,
         frame: &Frame,
@@ -307,6 +310,11 @@ impl Engine {
         Ok(self.cpu.stroke_fields(plan, frame, inputs, params))
     }
 
+    /// The runner of the CPU.
+    pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
+        &self.cpu
+    }
+
     /// Drops the prepared environment, so that benchmarks measure its preparation again.
     pub fn forget_environment(&self) {
         self.cpu.forget_environment();
@@ -320,11 +328,6 @@ impl Engine {
 
 #[cfg(feature = "cli")]
 impl Engine {
-    /// The runner of the CPU.
-    pub(crate) fn cpu_runner(&self) -> &cpu::Runner {
-        &self.cpu
-    }
-
     /// As [`Engine::execute`], with stages left where the CPU does it: they run on rows, while these are written.
     ///
     /// # Errors

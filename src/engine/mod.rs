@@ -4,6 +4,7 @@ pub(crate) mod backends;
 pub(crate) mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod in_strips;
 pub(crate) mod inputs;
 pub(crate) mod outcome;
 pub(crate) mod part;
@@ -11,7 +12,6 @@ pub(crate) mod request;
 pub(crate) mod run;
 pub(crate) mod session;
 pub(crate) mod target;
-#[cfg(feature = "cli")]
 pub(crate) mod tiles;
 pub(crate) mod tolerances;
 pub(crate) mod watch;

@@ -253,7 +253,6 @@ pub struct Outcome {
 }
 
 /// Adds times to those of the same passes.
-#[cfg(any(feature = "cli", feature = "gpu"))]
 pub(crate) fn add_timings(
     sum: &mut Vec<(&'static str, Duration)>,
     more: &[(&'static str, Duration)],
@@ -425,6 +424,36 @@ impl Outcome {
             made.put_scale(*sigma_px, &mut planes.map(&change));
         }
         made
+    }
+
+    /// The same for another window, with planes of zeros.
+    pub(crate) fn blank(&self, window: Window) -> Self {
+        let mut blank = Self {
+            left_out: [0; 2],
+            timings: Vec::new(),
+            ..self.clone()
+        };
+        blank.for_each_plane(|plane| {
+            *plane = Plane::filled(window.width(), window.height(), 0.0);
+        });
+        blank
+    }
+
+    /// Lays the planes of a `part` of the window `whole` in their place.
+    pub(crate) fn paste(&mut self, part: &Self, whole: Window, at: Window) {
+        let lay = |all: Vec<&mut Plane>, part: Vec<&Plane>| {
+            let planes = all.into_iter().zip(part);
+            planes.for_each(|(all, part)| all.paste(whole, at, part, at));
+        };
+        for product in Product::all() {
+            lay(self.planes_mut(product), part.planes(product));
+            let scales = self.shape.more_scales.iter_mut();
+            for (all, part) in scales.zip(&part.shape.more_scales) {
+                lay(all.planes_mut(product), part.planes(product));
+            }
+        }
+        let sums = self.left_out.iter_mut().zip(part.left_out);
+        sums.for_each(|(sum, left_out)| *sum += left_out);
     }
 
     /// Crops results of the window `from` to the window `to`.

@@ -26,6 +26,7 @@ pub struct Run<'a> {
     before: AtomicU32,
     cancel: Option<&'a CancelToken>,
     pub(crate) region: Option<Window>,
+    pub(crate) max_memory: Option<u64>,
     warn: Option<&'a (dyn Fn(&str) + Sync)>,
     pool: Option<&'a ThreadPool>,
     targets: Mutex<Vec<(Product, Target<'a>)>>,
@@ -65,6 +66,14 @@ impl<'a> Run<'a> {
     #[must_use]
     pub fn region(mut self, region: Window) -> Self {
         self.region = Some(region);
+        self
+    }
+
+    /// Lets the run take about so many bytes beside the frame and the result: a picture or layers that would take more are
+    /// made in strips, with the samples of the whole. Drawings, heights and skies take a frame whole.
+    #[must_use]
+    pub fn max_memory(mut self, bytes: u64) -> Self {
+        self.max_memory = Some(bytes);
         self
     }
 

@@ -24,7 +24,6 @@ impl Strips {
 
     /// Strips of at most `most_rows` rows, margins of `reach` included; `None` if that leaves no output row. One strip
     /// if the whole picture fits.
-    #[cfg(any(feature = "cli", feature = "gpu"))]
     pub(crate) fn new(reach: usize, height: usize, most_rows: usize) -> Option<Self> {
         if most_rows >= height {
             return Some(Self::of_rows(height, height, 0));
@@ -51,6 +50,7 @@ impl Strips {
 }
 
 /// The given rows of a frame, as a frame.
+#[cfg(feature = "cli")]
 pub(crate) fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
     frame.crop(rows_of(frame.data_window, rows))
 }

@@ -48,7 +48,7 @@ pub use ray::Ray;
 pub(crate) use repair::{CONFIDENCE_REACH, HOLE_REACH};
 pub(crate) use repair::{
     DENOISING_REACH, UNROUNDING_PHASE, UNROUNDING_REACH, confidence, denoise, lift_out_of_fog,
-    unround, unround_wrapped,
+    noise_left, unround, unround_wrapped,
 };
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;

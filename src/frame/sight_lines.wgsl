@@ -2,9 +2,7 @@
 
 // The direction of the sight line at a position in pixels from the corner of the picture, y down, scaled to z = -1.
 fn line(place: vec2<f32>) -> vec3<f32> {
-    let first = vec2<f32>(params.line_x, params.line_y);
-    let step = vec2<f32>(params.line_x_step, params.line_y_step);
-    return vec3<f32>(first + step * (place - 0.5), -1.0);
+    return vec3<f32>(params.line.xy + params.line.zw * (place - 0.5), -1.0);
 }
 
 // The unit direction in the picture, y up, of a unit tangent; 0 where it points at the eye.

@@ -12,25 +12,14 @@ struct Map {
 }
 
 fn first_map() -> Map {
-    return Map(
-        0u,
-        params.map_width,
-        params.map_height,
-        params.map_turn,
-        params.map_bend,
-        params.map_level,
-    );
+    let light = params.map_light;
+    return Map(0u, params.map_size.x, params.map_size.y, light.x, light.y, light.z);
 }
 
 fn second_map() -> Map {
-    return Map(
-        params.map_width * params.map_height,
-        params.second_width,
-        params.second_height,
-        params.second_turn,
-        params.second_bend,
-        params.second_level,
-    );
+    let first = params.map_size.x * params.map_size.y;
+    let light = params.second_light;
+    return Map(first, params.second_size.x, params.second_size.y, light.x, light.y, light.z);
 }
 
 fn texel(map: Map, x: i32, y: i32) -> vec3<f32> {

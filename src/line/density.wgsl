@@ -12,7 +12,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         densities[i] = 0.0;
         return;
     }
-    let weighted = red[i] * params.weight_r + green[i] * params.weight_g + blue[i] * params.weight_b;
+    let weighted = red[i] * params.weights.x + green[i] * params.weights.y + blue[i] * params.weights.z;
     var share = weighted / params.white;
     var is_number = !is_nan(share);
     if HAS_ALPHA {

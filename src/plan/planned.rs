@@ -136,7 +136,6 @@ impl Plan {
     }
 
     /// The same plan without the stages that produce `product`.
-    #[cfg(feature = "cli")]
     pub(crate) fn without(mut self, product: Product) -> Self {
         let gives = |stage: &Stage| stage.gives().any(|given| given == product);
         self.stages.retain(|stage| !gives(stage));

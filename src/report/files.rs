@@ -11,42 +11,21 @@ use crate::io::exr::{
     ExrFile, Limits, OutputChannel, OutputCompression, OutputPart, OutputType, write_results,
 };
 use crate::product::PART;
+use OutputCompression::{Dwaa, None, Piz, Zip, Zips};
+use OutputType::{Float, Half};
 use std::io::BufWriter;
 use std::path::Path;
 use tempfile::NamedTempFile;
 
 /// Kinds of EXR worth a try, by their flags.
+#[rustfmt::skip] // A row each.
 const KINDS: [(&str, OutputType, OutputCompression); 6] = [
-    (
-        "--depth-of-output float",
-        OutputType::Float,
-        OutputCompression::Zip,
-    ),
-    (
-        "--depth-of-output half",
-        OutputType::Half,
-        OutputCompression::Zip,
-    ),
-    (
-        "--depth-of-output half --compression zips",
-        OutputType::Half,
-        OutputCompression::Zips,
-    ),
-    (
-        "--depth-of-output half --compression piz",
-        OutputType::Half,
-        OutputCompression::Piz,
-    ),
-    (
-        "--depth-of-output half --compression dwaa",
-        OutputType::Half,
-        OutputCompression::Dwaa,
-    ),
-    (
-        "--depth-of-output half --compression none",
-        OutputType::Half,
-        OutputCompression::None,
-    ),
+    ("--depth-of-output float", Float, Zip),
+    ("--depth-of-output half", Half, Zip),
+    ("--depth-of-output half --compression zips", Half, Zips),
+    ("--depth-of-output half --compression piz", Half, Piz),
+    ("--depth-of-output half --compression dwaa", Half, Dwaa),
+    ("--depth-of-output half --compression none", Half, None),
 ];
 
 /// Writes the picture that the command makes as a PNG and as each kind of EXR, its three channels alone.
@@ -117,7 +96,7 @@ fn part<'a>(
             channel("B", &color.b),
         ],
         attributes: Vec::new(),
-        chromaticities: None,
+        chromaticities: Option::None,
         compression,
     }
 }

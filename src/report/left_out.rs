@@ -1,6 +1,6 @@
 //! What the command could go without: each input and each stage left out in turn.
 
-use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Subject, Variation};
+use super::subject::{ALBEDO, DEPTH, LIGHT, OCCLUSION, Removal, Subject, Variation};
 use crate::command::commands::Command;
 use crate::command::reading::{light_of, work_of};
 use crate::engine::Outcome;
@@ -17,10 +17,10 @@ pub(super) struct Omission {
     pub(super) is_command: bool,
 }
 
-fn input(name: &'static str, change: Variation, flags: &str) -> Omission {
+fn input(name: &'static str, input: Removal, flags: &str) -> Omission {
     Omission {
         name,
-        change,
+        change: Variation::without(input),
         flags: flags.into(),
         is_command: false,
     }
@@ -44,73 +44,49 @@ pub(super) fn parts(subject: &Subject, outcome: &Outcome) -> Vec<Omission> {
     let (command, frame) = (&subject.command, &subject.frame);
     let params = &work_of(command).flags.params;
     let ran = |stage: &str| outcome.timings.iter().any(|(name, _)| *name == stage);
-    let mut parts = Vec::new();
-    parts.extend(of_command(subject));
-    if frame.depth.is_some() {
-        parts.push(input(
-            "depth",
-            Variation::without(DEPTH),
-            "--depth none --position none",
-        ));
-    }
-    if frame.occlusion.is_some() {
-        parts.push(input(
-            "occlusion",
-            Variation::without(OCCLUSION),
-            "--occlusion none",
-        ));
-    }
-    if frame.albedo.is_some() {
-        parts.push(input("albedo", Variation::without(ALBEDO), "--albedo none"));
-    }
-    if frame.light != LightLayers::default() && matches!(command, Command::Enhance(_)) {
-        parts.push(input(
-            "light layers",
-            Variation::without(LIGHT),
-            "--lobes off",
-        ));
-    }
-    if ran("diffusion") {
-        parts.push(stage("diffusion", "iterations", 0));
-    }
-    if ran("edges-and-gradient") {
-        parts.push(stage("silhouettes", "silhouette", NEVER));
-        parts.push(stage("creases", "crease", NEVER));
-    }
     let scaling = &params.scaling;
-    if let (Some(gain), Adaptive::Auto) = (outcome.gain, scaling.curvature_gain) {
-        parts.push(stage("choice of the gain", "curvature-gain", gain));
-    }
-    if let (Some(white), Adaptive::Auto) = (outcome.white_level, scaling.white_level) {
-        parts.push(stage("choice of white", "white-level", white));
-    }
+    let chosen = |auto: Adaptive, found: Option<f32>| found.filter(|_| auto == Adaptive::Auto);
+    let gain = chosen(scaling.curvature_gain, outcome.gain);
+    let white = chosen(scaling.white_level, outcome.white_level);
+    let is_enhanced = matches!(command, Command::Enhance(_));
+    let is_relit = light_of(command).is_some_and(|args| args.params().method == Method::Both);
+    let is_relit = is_relit && ran("relight");
     let is_picture = matches!(command, Command::Enhance(_) | Command::Relight(_));
-    if is_picture && frame.confidence.is_some() && params.blur_fade > 0.0 {
-        parts.push(stage("fade at blended pixels", "blur-fade", 0));
-    }
-    if is_picture && params.display.highlights == Highlights::Compress {
-        parts.push(stage("compression of highlights", "highlights", "clip"));
-    }
-    if let Some(args) = light_of(command).filter(|_| ran("relight"))
-        && args.params().method == Method::Both
-    {
-        parts.push(stage("warping", "method", "scale"));
-        parts.push(stage("radiance scaling", "method", "warp"));
-    }
-    if ran("contours") {
-        parts.push(stage("contours", "contours", "off"));
-    }
-    if ran("interior") {
-        parts.push(stage("lines inside", "interior", "off"));
-    }
-    if ran("shape-tone") {
-        parts.push(stage(
-            "tone that shows shape",
-            "tone",
-            ToneSource::Picture.name(),
-        ));
-    }
-    parts
+    let fades = is_picture && frame.confidence.is_some() && params.blur_fade > 0.0;
+    let compresses = is_picture && params.display.highlights == Highlights::Compress;
+    let has_light = is_enhanced && frame.light != LightLayers::default();
+    let has_edges = ran("edges-and-gradient");
+    let picture = ToneSource::Picture.name();
+    let [gain_value, white_value] = [gain, white].map(|v| v.unwrap_or_default().to_string());
+    #[rustfmt::skip] // A row each.
+    let inputs = [
+        (frame.depth.is_some(), "depth", DEPTH, "--depth none --position none"),
+        (frame.occlusion.is_some(), "occlusion", OCCLUSION, "--occlusion none"),
+        (frame.albedo.is_some(), "albedo", ALBEDO, "--albedo none"),
+        (has_light, "light layers", LIGHT, "--lobes off"),
+    ];
+    #[rustfmt::skip]
+    let stages = [
+        (ran("diffusion"), "diffusion", "iterations", "0"),
+        (has_edges, "silhouettes", "silhouette", NEVER),
+        (has_edges, "creases", "crease", NEVER),
+        (gain.is_some(), "choice of the gain", "curvature-gain", &gain_value),
+        (white.is_some(), "choice of white", "white-level", &white_value),
+        (fades, "fade at blended pixels", "blur-fade", "0"),
+        (compresses, "compression of highlights", "highlights", "clip"),
+        (is_relit, "warping", "method", "scale"),
+        (is_relit, "radiance scaling", "method", "warp"),
+        (ran("contours"), "contours", "contours", "off"),
+        (ran("interior"), "lines inside", "interior", "off"),
+        (ran("shape-tone"), "tone that shows shape", "tone", picture),
+    ];
+    let inputs = inputs.into_iter().filter(|(is_there, ..)| *is_there);
+    let stages = stages.into_iter().filter(|(ran, ..)| *ran);
+    of_command(subject)
+        .into_iter()
+        .chain(inputs.map(|(_, name, removal, flags)| input(name, removal, flags)))
+        .chain(stages.map(|(_, name, setting, value)| stage(name, setting, value)))
+        .collect()
 }
 
 /// The shape that it brings out.

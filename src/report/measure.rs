@@ -59,7 +59,7 @@ struct Measuring<'a> {
 pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let began = Instant::now();
     let say = asked.progress;
-    let mut subject = Subject::read(asked.args, asked.typed, asked.number)?;
+    let subject = Subject::read(asked.args, asked.typed, asked.number)?;
     let usual = USUAL_S[usize::from(subject.light.environment.is_some())];
     let budget = Duration::from_secs(asked.args.budget.unwrap_or(usual).into());
     say("the command as given");
@@ -85,21 +85,24 @@ pub(crate) fn measured(asked: &Asked) -> Result<Report> {
     let costs = costs(&candidates, &times);
     let (of_trades, of_parts) = costs.split_at(trades.candidates.len());
 
-    let mut settings = vec![Tried {
-        flags: String::new(),
-        error: trades.error_of_given,
-        cost: Cost::of_given(times.given),
-        is_on_front: false,
-        chosen: chosen(&measuring.given),
-    }];
-    let rows = trades.candidates.iter().zip(of_trades);
-    settings.extend(rows.map(|(candidate, &cost)| Tried {
-        flags: candidate.change.flags(),
-        error: candidate.difference,
+    let tried = |flags, error, cost, chosen| Tried {
+        flags,
+        error,
         cost,
         is_on_front: false,
-        chosen: candidate.chosen.clone(),
-    }));
+        chosen,
+    };
+    let given = Cost::of_given(times.given);
+    let given = tried(
+        String::new(),
+        trades.error_of_given,
+        given,
+        chosen(&measuring.given),
+    );
+    let rows = trades.candidates.iter().zip(of_trades);
+    let others =
+        rows.map(|(c, &cost)| tried(c.change.flags(), c.difference, cost, c.chosen.clone()));
+    let mut settings: Vec<Tried> = std::iter::once(given).chain(others).collect();
     mark_front(&mut settings);
     let own_error = trades.reference.as_ref().map_or(0.0, |truth| truth.own.p99);
     let of_command = parts.iter().find(|(part, _)| part.is_command);
@@ -200,7 +203,7 @@ impl Measuring<'_> {
     fn rungs(&mut self, ladder: &Ladder, same: &mut Vec<String>) -> Result<Vec<(Variation, Shot)>> {
         let mut shots = Vec::new();
         let mut slowest = self.given.used.wall_ms;
-        for rung in &ladder.rungs {
+        for rung in ladder.rungs {
             let change = Variation::setting(ladder.setting, rung);
             if self.subject.is_same(&change) {
                 same.push(change.flags());

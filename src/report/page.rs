@@ -2,7 +2,8 @@
 
 use super::difference::Codes;
 use super::text::{
-    can_be_left_out, hardly_shows, megabytes, ms, name, percent, same_stages, trust,
+    FILE, LEFT_OUT, SETTING, can_be_left_out, cells_of_file, cells_of_part, cells_of_setting,
+    hardly_shows, ms, percent, same_stages, trust,
 };
 use super::{LeftOut, Reference, Report, SEEN, Tried};
 use crate::untrusted::Untrusted;
@@ -18,18 +19,7 @@ const LONGEST: usize = 640;
 /// An error of so many levels is shown white.
 const BRIGHTEST: f32 = 8.0;
 
-const STYLE: &str = "\
-:root{color-scheme:light dark;--ink:#1b1b1b;--soft:#666;--line:#ddd;--paper:#fff;--mark:#0b62a8}
-@media(prefers-color-scheme:dark){:root{--ink:#e6e6e6;--soft:#a0a0a0;--line:#3a3a3a;--paper:#161616;--mark:#6fb7f2}}
-body{margin:0 auto;padding:1.2rem;max-width:72rem;font:15px/1.45 system-ui,sans-serif;color:var(--ink);background:var(--paper)}
-h1{font-size:1.15rem;margin:0 0 .4rem}h2{font-size:1rem;margin:1.6rem 0 .4rem}
-code{font:13px ui-monospace,monospace;overflow-wrap:anywhere}.line{display:block;margin:0 0 .8rem;padding:.6rem .8rem;border:1px solid var(--mark);border-radius:.3rem}
-.soft{color:var(--soft)}.say{font-size:1.1rem}
-.row{display:flex;flex-wrap:wrap;gap:.8rem}figure{margin:0;flex:1 1 15rem;min-width:0}img{max-width:100%;display:block}figcaption{color:var(--soft);font-size:.85rem}
-.wide{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}td,th{padding:.15rem .7rem .15rem 0;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
-td:first-child,th:first-child,table.stages td:last-child{text-align:left}.mark{display:inline-block;width:1.1em;color:var(--mark)}svg{width:100%;max-width:40rem;height:auto}svg text{fill:var(--ink);font:12px system-ui,sans-serif}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,29rem),1fr));gap:0 2rem}.bar{display:inline-block;height:.6rem;background:var(--mark)}
-tr.given td{font-weight:600}tr.off td{color:var(--soft)}";
+const STYLE: &str = include_str!("page.css");
 
 /// A picture of 8 bits as a PNG.
 pub(super) fn png([width, height]: [usize; 2], codes: &Codes) -> Vec<u8> {
@@ -54,20 +44,13 @@ fn encoded([width, height]: [usize; 2], rgb: &[u8]) -> Vec<u8> {
 /// The page.
 pub(crate) fn page(report: &Report) -> String {
     let frame = &report.frame;
-    let title = format!(
-        "{}, {}x{}",
-        Untrusted(&frame.name).html(),
-        frame.width,
-        frame.height
-    );
+    let (name, width, height) = (Untrusted(&frame.name).html(), frame.width, frame.height);
+    let title = format!("{name}, {width}x{height}");
     let mut body = format!("<h1>relievo report: {title}</h1>\n");
     let command = Untrusted(&report.command).html();
     let _ = writeln!(body, "<p class=\"soft\"><code>{command}</code></p>");
-    let _ = writeln!(
-        body,
-        "<p class=\"say\">{}</p>",
-        Untrusted(&report.verdict.sentence).html()
-    );
+    let sentence = Untrusted(&report.verdict.sentence).html();
+    let _ = writeln!(body, "<p class=\"say\">{sentence}</p>");
     if let Some(hardly) = hardly_shows(report) {
         let _ = writeln!(body, "<p class=\"say\">{hardly}</p>");
     }
@@ -76,11 +59,7 @@ pub(crate) fn page(report: &Report) -> String {
     }
     body += &pictures(report);
     body += "<div class=\"grid\">\n";
-    if report
-        .settings
-        .iter()
-        .any(|setting| setting.error.p99 > 1.0)
-    {
+    if report.settings.iter().any(|tried| tried.error.p99 > 1.0) {
         body += &section("Error against time", &plot(&report.settings));
     }
     body += &section("What it can leave out", &left_out(report));
@@ -90,10 +69,8 @@ pub(crate) fn page(report: &Report) -> String {
     if !report.warnings.is_empty() {
         let warnings = report.warnings.iter();
         let warnings = warnings.map(|text| format!("<li>{}</li>\n", Untrusted(text).html()));
-        body += &section(
-            "Beware",
-            &format!("<ul>{}</ul>", warnings.collect::<String>()),
-        );
+        let warnings: String = warnings.collect();
+        body += &section("Beware", &format!("<ul>{warnings}</ul>"));
     }
     if report.files.len() > 1 {
         body += &section("The picture as a file", &files(report));
@@ -115,21 +92,17 @@ fn left_out(report: &Report) -> String {
     let (hardly, needed) = can_be_left_out(report);
     let hardly = hardly.into_iter().map(|part| of_part(part, true));
     let needed = needed.into_iter().map(|part| of_part(part, false));
-    let head = ["left out", "pixels &gt; 2", "largest", "saves ms", "by"];
-    table(&head, hardly.chain(needed))
+    table(&LEFT_OUT, hardly.chain(needed))
         + "<p class=\"soft\">Pixels that change by more than 2 grey levels of 255, and the largest change.</p>\n"
 }
 
 fn settings(report: &Report, reference: &Reference) -> String {
     let mut tried: Vec<&Tried> = report.settings.iter().collect();
     tried.sort_by(|a, b| b.cost.saved_ms.total_cmp(&a.cost.saved_ms));
-    let head = [
-        "setting", "p50", "p99", "max", "&gt; 1", "&gt; 2", "CPU ms", "wall",
-    ];
     format!(
         "{}<p class=\"soft\">Grey levels of 255 against <code>{}</code>, itself within {:.2} of half its effort (99 % of \
          pixels). \u{25cf} nothing else is both quicker and more exact. ~ timed once. {}</p>\n",
-        table(&head, tried.into_iter().map(of_setting)),
+        table(&SETTING, tried.into_iter().map(of_setting)),
         reference.flags,
         reference.own.p99,
         same_stages(report).unwrap_or_default()
@@ -137,18 +110,8 @@ fn settings(report: &Report, reference: &Reference) -> String {
 }
 
 fn files(report: &Report) -> String {
-    let rows = report.files.iter().map(|file| {
-        let error = &file.error;
-        let cells = [
-            file.flags.clone(),
-            format!("{:.2}", megabytes(file)),
-            ms(file.used.cpu_ms),
-            format!("{:.2}", error.p99),
-            format!("{:.2}", error.largest),
-        ];
-        (cells.to_vec(), "")
-    });
-    table(&["file", "MB", "CPU ms", "p99", "max"], rows)
+    let rows = report.files.iter();
+    table(&FILE, rows.map(|file| (cells_of_file(file).to_vec(), "")))
         + "<p class=\"soft\">Written once, with nothing but the picture; grey levels from the picture as made.</p>\n"
 }
 
@@ -179,7 +142,8 @@ fn table(head: &[&str], rows: impl Iterator<Item = (Vec<String>, &'static str)>)
             .map(|cell| format!("<{tag}>{cell}</{tag}>"))
             .collect()
     };
-    let head: Vec<String> = head.iter().map(ToString::to_string).collect();
+    let head = head.iter().map(|head| head.replace('>', "&gt;"));
+    let head: Vec<String> = head.collect();
     let rows =
         rows.map(|(row, class)| format!("<tr class=\"{class}\">{}</tr>\n", cells("td", &row)));
     let rows: String = rows.collect();
@@ -190,37 +154,28 @@ fn table(head: &[&str], rows: impl Iterator<Item = (Vec<String>, &'static str)>)
 }
 
 fn of_setting(setting: &Tried) -> (Vec<String>, &'static str) {
-    let error = &setting.error;
-    let once = if setting.cost.is_in_rounds { "" } else { "~" };
     let mark = if setting.is_on_front { "\u{25cf}" } else { "" };
-    let name = Untrusted(&name(setting)).html();
-    let mut cells = vec![format!("<span class=\"mark\">{mark}</span>{name}")];
-    cells.extend([error.p50, error.p99, error.largest].map(|levels| format!("{levels:.2}")));
-    cells.extend([error.beyond_1, error.beyond_2].map(percent));
-    cells.push(format!("{once}{}", ms(setting.cost.cpu_ms)));
-    cells.push(ms(setting.cost.wall_ms));
-    let is_given = setting.flags.is_empty();
-    (cells, if is_given { "given" } else { "" })
+    let mut cells = cells_of_setting(setting).to_vec();
+    let name = Untrusted(&cells[0]).html();
+    cells[0] = format!("<span class=\"mark\">{mark}</span>{name}");
+    (
+        cells,
+        if setting.flags.is_empty() {
+            "given"
+        } else {
+            ""
+        },
+    )
 }
 
 fn of_part(part: &LeftOut, is_spare: bool) -> (Vec<String>, &'static str) {
-    let saved = match (is_spare, part.cost.saved_ms) {
-        (false, _) => String::new(),
-        (true, 0.0) => "no difference".into(),
-        (true, saved) => ms(saved).replace("--", "-"),
-    };
-    let cells = vec![
-        part.name.into(),
-        percent(part.change.beyond_2),
-        format!("{:.1}", part.change.largest),
-        saved,
-        if is_spare {
-            format!("<code>{}</code>", part.flags)
-        } else {
-            "needed".into()
-        },
-    ];
-    (cells, if is_spare { "" } else { "off" })
+    let mut cells = cells_of_part(part).to_vec();
+    if is_spare {
+        cells[4] = format!("<code>{}</code>", cells[4]);
+        return (cells, "");
+    }
+    (cells[3], cells[4]) = (String::new(), "needed".into());
+    (cells, "off")
 }
 
 /// The frame before and after, and where it is off.
@@ -303,11 +258,7 @@ fn plot(settings: &[Tried]) -> String {
         if setting.is_on_front {
             front.push([x, y]);
         }
-        let fill = if setting.is_on_front {
-            "var(--mark)"
-        } else {
-            "var(--soft)"
-        };
+        let fill = ["var(--soft)", "var(--mark)"][usize::from(setting.is_on_front)];
         let is_near = |q: &&[f64; 2]| (q[0] - x).abs() < 90.0 && (q[1] - y).abs() < 12.0;
         let label = match &setting.flags[..] {
             "" => "given",
@@ -324,10 +275,8 @@ fn plot(settings: &[Tried]) -> String {
         );
     }
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let front: Vec<_> = front
-        .iter()
-        .map(|[x, y]| format!("{x:.1},{y:.1}"))
-        .collect();
+    let front = front.iter().map(|[x, y]| format!("{x:.1},{y:.1}"));
+    let front: Vec<_> = front.collect();
     let (right, floor) = (width - margin, height - margin);
     let mut grid = String::new();
     let seen = place(&[across[0], SEEN.log10()])[1].clamp(0.5 * margin, floor);
@@ -345,22 +294,15 @@ fn plot(settings: &[Tried]) -> String {
             let mut p = [across[0], up[0]];
             p[axis] = value.log10();
             let [x, y] = place(&p);
-            let (to_x, to_y) = if axis == 0 {
-                (x, 0.5 * margin)
-            } else {
-                (right, y)
-            };
-            let (dx, dy, anchor) = if axis == 0 {
-                (0.0, 16.0, "middle")
-            } else {
-                (-6.0, 4.0, "end")
+            let (to, label, anchor) = match axis {
+                0 => ([x, 0.5 * margin], [x, y + 16.0], "middle"),
+                _ => ([right, y], [x - 6.0, y + 4.0], "end"),
             };
             let _ = writeln!(
                 grid,
-                "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{to_x:.1}\" y2=\"{to_y:.1}\" stroke=\"var(--line)\"/>\
+                "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"var(--line)\"/>\
                  <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{value}</text>",
-                x + dx,
-                y + dy
+                to[0], to[1], label[0], label[1]
             );
         }
     }

@@ -16,14 +16,13 @@ use crate::command::recipe::{COMMANDS, Recipe};
 use crate::command::relight::{illumination, light_or_lamp};
 use crate::engine::{Engine, Outcome, Run};
 use crate::error::{Error, Result};
-use crate::frame::{Camera, ColorPlanes, Frame, LightLayers, Plane, SpecularScene};
+use crate::frame::{ColorPlanes, Frame, LightLayers, SpecularScene};
 use crate::io::colorspace::Chromaticities;
 use crate::io::picture::pixels_16;
 use crate::light::lights::Illumination;
 use crate::params::{Parameters, Solver};
 use crate::plan::Plan;
 use std::ffi::OsString;
-use std::mem::swap;
 
 /// Stands for the output, a picture: nothing is written there.
 const OUTPUT: &str = "report.png";
@@ -53,34 +52,21 @@ pub(super) struct Subject {
     pub(super) read: Spent,
 }
 
-/// Spare of a frame that one can go without.
-#[derive(Default)]
-pub(super) struct Spare {
-    depth: Option<Plane>,
-    camera: Option<Camera>,
-    occlusion: Option<Plane>,
-    albedo: Option<ColorPlanes>,
-    light: LightLayers,
-}
-
-/// An input, by what takes it out of a frame and puts it back.
-pub(super) type Swap = fn(&mut Frame, &mut Spare);
+/// An input, by what takes it out of a frame.
+pub(super) type Removal = fn(&mut Frame);
 
 /// Depth, and the camera that turns it to positions.
-pub(super) const DEPTH: Swap = |frame, spare| {
-    swap(&mut frame.depth, &mut spare.depth);
-    swap(&mut frame.camera, &mut spare.camera);
-};
-pub(super) const OCCLUSION: Swap = |frame, spare| swap(&mut frame.occlusion, &mut spare.occlusion);
-pub(super) const ALBEDO: Swap = |frame, spare| swap(&mut frame.albedo, &mut spare.albedo);
-pub(super) const LIGHT: Swap = |frame, spare| swap(&mut frame.light, &mut spare.light);
+pub(super) const DEPTH: Removal = |frame| (frame.depth, frame.camera) = (None, None);
+pub(super) const OCCLUSION: Removal = |frame| frame.occlusion = None;
+pub(super) const ALBEDO: Removal = |frame| frame.albedo = None;
+pub(super) const LIGHT: Removal = |frame| frame.light = LightLayers::default();
 
 /// What a run differs in from the command as given.
 #[derive(Clone, Default)]
 pub(super) struct Variation {
     /// Settings by their names.
     pub(super) settings: Vec<(&'static str, String)>,
-    pub(super) without: Option<Swap>,
+    pub(super) without: Option<Removal>,
 }
 
 impl Variation {
@@ -91,7 +77,7 @@ impl Variation {
         }
     }
 
-    pub(super) fn without(input: Swap) -> Self {
+    pub(super) fn without(input: Removal) -> Self {
         Self {
             without: Some(input),
             ..Self::default()
@@ -212,24 +198,23 @@ impl Subject {
     ///
     /// # Errors
     /// As the command.
-    pub(super) fn shot(&mut self, change: &Variation) -> Result<Shot> {
+    pub(super) fn shot(&self, change: &Variation) -> Result<Shot> {
         let command = self.command_with(&change.settings)?;
-        let mut spare = Spare::default();
-        let mut exchange = |frame: &mut Frame| {
-            if let Some(swap) = change.without {
-                swap(frame, &mut spare);
-            }
-        };
-        exchange(&mut self.frame);
         let moves = change.settings.iter().any(|(name, _)| *name == BACKEND);
         let other = self.other.as_ref().filter(|_| moves);
-        let shot = self.run(&command, other.unwrap_or(&self.engine));
-        exchange(&mut self.frame);
-        shot
+        let engine = other.unwrap_or(&self.engine);
+        match change.without {
+            None => self.run(&command, &self.frame, engine),
+            Some(remove) => {
+                let mut frame = self.frame.clone();
+                remove(&mut frame);
+                self.run(&command, &frame, engine)
+            }
+        }
     }
 
-    fn run(&self, command: &Command, engine: &Engine) -> Result<Shot> {
-        let making = self.making(command);
+    fn run(&self, command: &Command, frame: &Frame, engine: &Engine) -> Result<Shot> {
+        let making = self.making(command, frame);
         // A command of one picture prepares its light.
         engine.forget_environment();
         let (made, used) = timed(|| making.run(engine, &Run::new()));
@@ -238,12 +223,11 @@ impl Subject {
             let size = [picture.color.r.width(), picture.color.r.height()];
             (pixels_16(picture), size)
         });
-        let mask = &self.frame.mask;
         let (codes, size) = shown.unwrap_or_else(|| {
             let codes = made.maps.iter().flat_map(|(_, map)| map.samples());
             let codes = codes.map(|v| (65_535.0 * v.clamp(0.0, 1.0)) as u16);
             let codes = codes.map(|code| [code, code, code, u16::MAX]);
-            (codes.collect(), [mask.width(), mask.height()])
+            (codes.collect(), [frame.mask.width(), frame.mask.height()])
         });
         Ok(Shot {
             codes,
@@ -269,15 +253,15 @@ impl Subject {
             },
             ..Made::default()
         };
-        self.making(&self.command)
+        self.making(&self.command, &self.frame)
             .shown(&made, self.primaries, |picture, _| pixels_16(picture))
     }
 
-    fn making<'a>(&'a self, command: &'a Command) -> Making<'a> {
+    fn making<'a>(&'a self, command: &'a Command, frame: &'a Frame) -> Making<'a> {
         Making {
             command,
             light: &self.light,
-            frame: &self.frame,
+            frame,
             specular: self.specular.as_ref(),
             is_in_sequence: self.is_in_sequence,
         }

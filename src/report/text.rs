@@ -34,14 +34,10 @@ pub(super) fn percent(share: f64) -> String {
 
 /// The report, line by line.
 pub(crate) fn lines(report: &Report) -> Vec<String> {
+    let (on, command) = (&report.frame, &report.command);
+    let name = Untrusted(&on.name);
     let mut lines = vec![
-        format!(
-            "{}, {}x{}: {}",
-            Untrusted(&report.frame.name),
-            report.frame.width,
-            report.frame.height,
-            report.command
-        ),
+        format!("{name}, {}x{}: {command}", on.width, on.height),
         report.verdict.sentence.clone(),
     ];
     lines.extend(hardly_shows(report));
@@ -54,13 +50,11 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
             reference.own.p99
         ));
         lines.push(String::new());
-        let names = report.settings.iter().map(|s| name(s).chars().count());
-        let width = names.max().unwrap_or(0);
-        lines.push(format!(
-            "  {:<width$} {:>6} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8}",
-            "setting", "p50", "p99", "max", "> 1", "> 2", "CPU ms", "wall ms"
-        ));
-        lines.extend(report.settings.iter().map(|setting| row(setting, width)));
+        let rows = report.settings.iter().map(|setting| {
+            let star = if setting.is_on_front { "*" } else { " " };
+            (star, cells_of_setting(setting))
+        });
+        lines.extend(table(SETTING, rows.collect()));
         lines.push(
             "  * nothing else is both quicker and more exact; errors in levels of 255".into(),
         );
@@ -68,8 +62,8 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
     lines.push(String::new());
     let (hardly, needed): (Vec<_>, Vec<_>) = can_be_left_out(report);
     if !hardly.is_empty() {
-        lines.push("can be left out:".into());
-        lines.extend(hardly.iter().map(|part| format!("  {}", without(part))));
+        let rows = hardly.iter().map(|part| (" ", cells_of_part(part)));
+        lines.extend(table(LEFT_OUT, rows.collect()));
     }
     if !needed.is_empty() {
         let of = |part: &&LeftOut| format!("{} ({})", part.name, percent(part.change.beyond_2));
@@ -79,13 +73,12 @@ pub(crate) fn lines(report: &Report) -> Vec<String> {
             needed.join(", ")
         ));
     }
-    lines.extend(files(report));
-    lines.extend(
-        report
-            .warnings
-            .iter()
-            .map(|warning| format!("beware: {warning}")),
-    );
+    if report.files.len() > 1 {
+        let rows = report.files.iter().map(|file| (" ", cells_of_file(file)));
+        lines.extend(table(FILE, rows.collect()));
+    }
+    let warnings = report.warnings.iter();
+    lines.extend(warnings.map(|warning| format!("beware: {warning}")));
     lines.push(trust(report));
     lines
 }
@@ -119,18 +112,23 @@ fn is_command(report: &Report, part: &LeftOut) -> bool {
     report.verdict.shows.is_some() && part.name == report.parts[0].name
 }
 
-/// A part, what changes without it, and what that saves.
-pub(super) fn without(part: &LeftOut) -> String {
-    let changes = match part.change.largest {
-        0.0 => "same picture".to_string(),
-        _ => format!("{} of pixels", percent(part.change.beyond_2)),
+/// Heads of the table of what can be left out.
+pub(super) const LEFT_OUT: [&str; 5] = ["can be left out", "pixels > 2", "max", "saves ms", "by"];
+
+/// A row of that table.
+pub(super) fn cells_of_part(part: &LeftOut) -> [String; 5] {
+    let saved = match part.cost.saved_ms {
+        0.0 => "no difference".to_string(),
+        saved => format!("{}{}", if saved < 0.0 { "-" } else { "" }, ms(saved.abs())),
     };
-    let saves = match part.cost.saved_ms {
-        0.0 => "no difference in time".to_string(),
-        saved if saved > 0.0 => format!("saves {} ms", ms(saved)),
-        longer => format!("takes {} ms longer", ms(-longer)),
-    };
-    format!("{:<26} {changes:<18} {saves:<24} {}", part.name, part.flags)
+    let (changed, largest) = (percent(part.change.beyond_2), part.change.largest);
+    [
+        part.name.into(),
+        changed,
+        format!("{largest:.2}"),
+        saved,
+        part.flags.clone(),
+    ]
 }
 
 /// The name of a setting in tables.
@@ -145,55 +143,50 @@ pub(super) fn name(setting: &Tried) -> String {
     }
 }
 
-fn row(setting: &Tried, width: usize) -> String {
-    let error = &setting.error;
-    let star = if setting.is_on_front { "*" } else { " " };
-    let time = match setting.cost.is_in_rounds {
-        true => ms(setting.cost.cpu_ms),
-        false => format!("~{}", ms(setting.cost.cpu_ms)),
-    };
-    format!(
-        "{star} {:<width$} {:>6.2} {:>6.2} {:>6.1} {:>8} {:>8} {:>8} {:>8}",
-        name(setting),
-        error.p50,
-        error.p99,
-        error.largest,
-        percent(error.beyond_1),
-        percent(error.beyond_2),
-        time,
-        ms(setting.cost.wall_ms)
-    )
+/// Heads of the table of settings.
+pub(super) const SETTING: [&str; 8] = [
+    "setting", "p50", "p99", "max", "> 1", "> 2", "CPU ms", "wall ms",
+];
+
+/// A row of that table.
+pub(super) fn cells_of_setting(setting: &Tried) -> [String; 8] {
+    let (error, cost) = (&setting.error, &setting.cost);
+    let [p50, p99, max] = [error.p50, error.p99, error.largest].map(|e| format!("{e:.2}"));
+    let [beyond_1, beyond_2] = [error.beyond_1, error.beyond_2].map(percent);
+    let once = if cost.is_in_rounds { "" } else { "~" };
+    let cpu = format!("{once}{}", ms(cost.cpu_ms));
+    let wall = ms(cost.wall_ms);
+    [name(setting), p50, p99, max, beyond_1, beyond_2, cpu, wall]
 }
 
-/// Kinds of files of the picture, where it makes one.
-fn files(report: &Report) -> Vec<String> {
-    let [_, _, ..] = report.files[..] else {
-        return Vec::new();
-    };
-    let names = report.files.iter().map(|file| file.flags.len());
-    let width = names.max().unwrap_or(0);
-    let head = format!(
-        "  {:<width$} {:>8} {:>8} {:>6} {:>6}",
-        "file of the picture", "MB", "CPU ms", "p99", "max"
-    );
-    let row = |file: &Stored| {
-        let (error, used) = (&file.error, ms(file.used.cpu_ms));
-        format!(
-            "  {:<width$} {:>8.2} {used:>8} {:>6.2} {:>6.2}",
-            file.flags,
-            megabytes(file),
-            error.p99,
-            error.largest
-        )
-    };
-    std::iter::once(head)
-        .chain(report.files.iter().map(row))
-        .collect()
+/// Heads of the table of files of the picture.
+pub(super) const FILE: [&str; 5] = ["file of the picture", "MB", "CPU ms", "p99", "max"];
+
+/// A row of that table.
+pub(super) fn cells_of_file(file: &Stored) -> [String; 5] {
+    let megabytes = file.bytes as f64 / 1e6;
+    let [size, p99, max] =
+        [megabytes, file.error.p99, file.error.largest].map(|v| format!("{v:.2}"));
+    [file.flags.clone(), size, ms(file.used.cpu_ms), p99, max]
 }
 
-/// The size of a file.
-pub(super) fn megabytes(file: &Stored) -> f64 {
-    file.bytes as f64 / 1e6
+/// A table: its heads, and rows with their mark; all but the first column end alike.
+fn table<const N: usize>(heads: [&str; N], rows: Vec<(&str, [String; N])>) -> Vec<String> {
+    let rows = std::iter::once((" ", heads.map(String::from))).chain(rows);
+    let rows: Vec<_> = rows.collect();
+    let widths: [usize; N] = std::array::from_fn(|i| {
+        let cells = rows.iter().map(|(_, cells)| cells[i].chars().count());
+        cells.max().unwrap_or(0)
+    });
+    let line = |(mark, cells): &(&str, [String; N])| {
+        let first = format!("{mark} {:<1$}", cells[0], widths[0]);
+        let rest = cells.iter().zip(widths).skip(1);
+        first
+            + &rest.fold(String::new(), |row, (cell, width)| {
+                row + &format!("  {cell:>width$}")
+            })
+    };
+    rows.iter().map(line).collect()
 }
 
 /// How far to trust the times.

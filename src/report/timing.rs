@@ -131,27 +131,26 @@ pub(super) fn rounds(
     };
     let cost = |i: usize| {
         let runs = &found[i];
-        let is_in_rounds = !runs.is_empty();
-        let less: Vec<f64> = match is_in_rounds {
-            true => runs
-                .iter()
-                .zip(&middles)
-                .map(|(used, middle)| middle - used.cpu_ms)
-                .collect(),
-            false => vec![first[0].cpu_ms - first[i].cpu_ms],
+        let (saved, wall_ms) = match runs.is_empty() {
+            true => (first[0].cpu_ms - first[i].cpu_ms, first[i].wall_ms),
+            false => {
+                let less = runs
+                    .iter()
+                    .zip(&middles)
+                    .map(|(used, middle)| middle - used.cpu_ms);
+                let wall = runs.iter().map(|used| used.wall_ms);
+                (
+                    median(&less.collect::<Vec<_>>()),
+                    median(&wall.collect::<Vec<_>>()),
+                )
+            }
         };
-        let wall: Vec<f64> = runs.iter().map(|used| used.wall_ms).collect();
-        let saved = median(&less);
         let is_told = saved.abs() >= TOLD_APART * disagreement_ms;
         Cost {
             cpu_ms: (given.cpu_ms - saved).max(0.0),
-            wall_ms: if is_in_rounds {
-                median(&wall)
-            } else {
-                first[i].wall_ms
-            },
+            wall_ms,
             saved_ms: if is_told { saved } else { 0.0 },
-            is_in_rounds,
+            is_in_rounds: !runs.is_empty(),
         }
     };
     Ok(Timed {

@@ -67,16 +67,14 @@ pub(super) fn verdict(settings: &[Tried], own_error: f64, shows: Option<f64>) ->
         }),
     };
     let Some(found) = found else {
-        return nothing(match is_exact(&given) {
-            true => format!(
-                "nothing to trade: as given it is off by {:.1} levels (99 % of pixels), and nothing as exact is quicker",
-                given.error.p99
-            ),
-            false => format!(
-                "as given it is off by {:.1} levels (99 % of pixels), and no other setting does better",
-                given.error.p99
-            ),
-        });
+        let (start, end) = match is_exact(&given) {
+            true => ("nothing to trade: ", "nothing as exact is quicker"),
+            false => ("", "no other setting does better"),
+        };
+        let off = given.error.p99;
+        return nothing(format!(
+            "{start}as given it is off by {off:.1} levels (99 % of pixels), and {end}"
+        ));
     };
     let (from, to) = (ms(given.cost.cpu_ms), ms(found.cost.cpu_ms));
     let sentence = match (is_exact(&given), found.cost.saved_ms) {

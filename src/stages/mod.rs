@@ -1,5 +1,7 @@
 //! All stages, in the order of execution, and the plan that they make of a request.
 
+#[cfg(feature = "gpu")]
+pub(crate) mod kernels;
 pub(crate) mod resolve;
 
 use crate::light::layers::stage::{AMBIENT_OCCLUSION, LIGHT_GROUPS, LIGHT_LOBES};

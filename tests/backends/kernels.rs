@@ -1,6 +1,6 @@
 //! The kernels as text: validated even where there is no device.
 
-use relievo::engine::gpu::kernel_sources;
+use relievo::kernel_sources;
 use wgpu::naga::front::wgsl;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 

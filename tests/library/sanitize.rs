@@ -557,3 +557,22 @@ fn files_of_any_size_pass() {
         }
     }
 }
+
+/// Noise evenly within .1 / 2 of each component: a deviation of .1 / sqrt(12) = .029 of the slopes.
+#[test]
+fn noise_of_normals_is_told() {
+    let [x, y] = [0, 1].map(|i| Plane::from_fn(192, 192, |x, y| 0.1 * (noise(x, y, i) - 0.5)));
+    for (share, is_told) in [(1.0, true), (0.0, false)] {
+        let [x, y] = [&x, &y].map(|plane| plane.map(|value| share * value));
+        let [z, grey] = [0.99, 0.5].map(|value| Plane::filled(192, 192, value));
+        let normal = [("N.x", &x), ("N.y", &y), ("N.z", &z)];
+        let layers = [("R", &grey), ("G", &grey), ("B", &grey)]
+            .into_iter()
+            .chain(normal);
+        let warnings = through_a_file(&layers.collect::<Vec<_>>(), Stored::Float).warnings;
+        let told = warnings
+            .iter()
+            .any(|warning| warning.contains("noise of 0.0"));
+        assert_eq!(told, is_told, "{warnings:?}");
+    }
+}

@@ -5,7 +5,6 @@ pub(crate) mod frame_cache;
 #[cfg(feature = "cli")]
 pub(crate) mod row_layers;
 pub(crate) mod runner;
-#[cfg(feature = "cli")]
 pub(crate) mod strips;
 
 pub(crate) use crate::engine::cpu::execution::Runner;

@@ -120,7 +120,12 @@ impl Runner {
         watch: Watch,
     ) -> Result<Outcome> {
         if changed.width() == 0 {
-            return Ok(Outcome::default());
+            let relit = plan.relighting.as_ref();
+            return Ok(Outcome {
+                color: whole.color.clone().filter(|_| relit.is_some()),
+                takes_picture: relit.is_some_and(|relit| relit.takes_picture()),
+                ..Outcome::default()
+            });
         }
         let part = Part::around(changed, plan, whole, inputs)?;
         let mut run = Execution {
@@ -196,14 +201,20 @@ impl Runner {
 }
 
 /// The part of the frame that a plan changes, where it and its margin are no more than half of it: all other pixels are
-/// those of the picture. `None` for plans that make more.
+/// those of the picture. `None` for plans that make more, and for new light that reaches all of a frame.
 fn changed_part(plan: &Plan, frame: &Frame) -> Option<Window> {
-    if plan.enhancement.is_none() || plan.drawing.is_some() {
+    let is_relit = plan.relighting.is_some() && plan.specular.is_none();
+    let is_masked = is_relit && frame.color.is_some() && frame.strength.is_some();
+    if (plan.enhancement.is_none() && !is_masked) || plan.drawing.is_some() {
         return None;
     }
     let (whole, pixels) = (frame.data_window, |w: Window| w.width() * w.height());
     let changed = (0..frame.mask.height()).filter_map(|y| {
-        let mut span = frame.mask.span(y);
+        // Rims take light beside the surface.
+        let mut span = match is_masked {
+            true => 0..frame.mask.width(),
+            false => frame.mask.span(y),
+        };
         if let Some(strength) = &frame.strength {
             let shares = &strength.row(y)[span.clone()];
             let first = shares.iter().position(|&share| share > 0.0)?;
@@ -287,7 +298,9 @@ mod tests {
     use crate::kernel::cancel::CancelToken;
     use crate::kernel::rows::map_covered;
     use crate::light::lights::{DirectionalLight, Illumination};
-    use crate::params::{Adaptive, Method, RelightParams, RunOptions, ScalingParams, ShapeParams};
+    use crate::params::{
+        Adaptive, AlbedoSource, Method, RelightParams, RunOptions, ScalingParams, ShapeParams,
+    };
     use crate::plan::{Available, Goal, LightKinds, ToneFrom};
     use crate::shape::diffusion::cpu::diffusion;
     use crate::shape::diffusion::medium::Medium;
@@ -345,6 +358,52 @@ mod tests {
         let (frame, made) = assert_sparing(&plan.unwrap(), Inputs::default());
         assert_ne!(made.color, frame.color);
         assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
+    }
+
+    /// Where new light has strength, it is that of the whole frame, bit for bit: its albedo is estimated from all of it.
+    #[test]
+    fn masked_light_is_made_where_it_shows() {
+        let light = Illumination {
+            directional: vec![DirectionalLight::white([135.0, 40.0])],
+            ..Illumination::default()
+        };
+        let mut frame = bumps();
+        let (width, height) = (frame.mask.width(), frame.mask.height());
+        let is_in = |x: usize, y: usize| (4..24).contains(&x) && (8..30).contains(&y);
+        let strength = |x, y| 0.5 * f32::from(is_in(x, y));
+        frame.strength = Some(Plane::from_fn(width, height, strength));
+        let params = RelightParams {
+            albedo: AlbedoSource::Estimate,
+            method: Method::Both,
+            ..RelightParams::default()
+        };
+        let plan = Plan::relight(
+            Available::in_frame(&frame),
+            ShapeParams::default(),
+            ScalingParams::default(),
+            params,
+            LightKinds::in_light(&light),
+        );
+        let (plan, runner) = (plan.unwrap(), Runner::default());
+        let inputs = Inputs::lit_by(&light);
+        let whole = runner.execute(&plan, &frame, inputs).unwrap();
+        assert!(changed_part(&plan, &frame).is_some());
+        let own = frame.color.clone().unwrap().r;
+        let made = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        let made = made.unwrap();
+        assert_eq!(
+            (made.gain, made.takes_picture),
+            (whole.gain, whole.takes_picture)
+        );
+        let [made, whole] = [made, whole].map(|outcome| outcome.color.unwrap().r);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let expected = if is_in(x, y) { &whole } else { &own };
+            assert_eq!(made.at(x, y), expected.at(x, y), "{x}, {y}");
+        }
+        assert_ne!(made.at(10, 10), own.at(10, 10));
+        frame.strength = Some(Plane::filled(width, height, 0.0));
+        let idle = runner.execute_sparingly(&plan, &mut frame, inputs, Watch::default());
+        assert_eq!(idle.unwrap().color.unwrap().r, own);
     }
 
     /// Where the effect has strength the picture and all that is chosen are those of the whole frame, bit for bit; the rest

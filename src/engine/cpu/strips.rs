@@ -51,6 +51,7 @@ pub(crate) struct StripChoice {
 
 impl StripSearch {
     /// Looks that most pictures take.
+    #[cfg(feature = "cli")]
     pub(crate) const USUAL_LOOKS: usize = 2;
 
     /// A search for the settings that `plan` leaves open in a picture of this window; `None` if there are none.

@@ -1,6 +1,5 @@
 //! Kernels: WGSL composed of shared parts.
 
-use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::constants::constants;
 use crate::engine::gpu::uniforms::Uniforms;
 use crate::engine::gpu::wgsl::Wgsl;
@@ -12,41 +11,83 @@ pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     /// The definition of its uniform block.
     uniforms: &'static str,
-    /// Declarations of its buffers.
-    buffers: &'static [&'static str],
+    /// Its buffers in the order of their bindings: `covered: u32; normal_x, normal_y: f32; weights?: mut vec2<f32>`. `mut`
+    /// ones are written; `?` ones only where a switch says that they are there.
+    buffers: &'static str,
     /// Its WGSL, after the part common to all kernels.
     parts: &'static [Wgsl],
 }
 
+/// A buffer of a kernel.
+pub(crate) struct Binding {
+    /// Its WGSL variable, and the plane bound to it where none is named.
+    pub(crate) name: &'static str,
+    /// Its elements in WGSL: one for each pixel of a plane that the kernel makes.
+    element: &'static str,
+    pub(crate) is_written: bool,
+    pub(crate) is_optional: bool,
+}
+
+impl Binding {
+    /// Bytes of an element.
+    pub(crate) fn element_bytes(&self) -> u64 {
+        match self.element {
+            "vec4<f32>" => 16,
+            "vec2<f32>" => 8,
+            _ => 4,
+        }
+    }
+}
+
 impl Kernel {
     /// A kernel with these uniforms and these buffers.
-    pub(crate) const fn new<U: Uniforms, B: Bindings>(
+    pub(crate) const fn new<U: Uniforms>(
         name: &'static str,
+        buffers: &'static str,
         parts: &'static [Wgsl],
     ) -> Self {
         Self {
             name,
             uniforms: U::WGSL,
-            buffers: B::WGSL,
+            buffers,
             parts,
         }
     }
 
-    /// Whether it has these uniforms and these buffers.
-    pub(crate) fn takes<U: Uniforms, B: Bindings>(&self) -> bool {
-        self.uniforms == U::WGSL && self.buffers == B::WGSL
+    /// Its buffers.
+    pub(crate) fn bindings(&self) -> impl Iterator<Item = Binding> {
+        self.buffers.split(';').flat_map(|group| {
+            let (names, kind) = group.split_once(':').expect("names have a type");
+            let element = kind.trim().trim_start_matches("mut ");
+            let is_written = element.len() < kind.trim().len();
+            names.split(',').map(move |name| Binding {
+                name: name.trim().trim_end_matches('?'),
+                element,
+                is_written,
+                is_optional: name.contains('?'),
+            })
+        })
+    }
+
+    /// Whether it has these uniforms.
+    pub(crate) fn takes<U: Uniforms>(&self) -> bool {
+        self.uniforms == U::WGSL
     }
 
     /// The whole module.
     pub(crate) fn source(&self) -> String {
         let mut source = constants();
         source += self.uniforms;
-        for (binding, declared) in (1..).zip(self.buffers) {
-            source += &format!("@group(0) @binding({binding}) {declared}");
+        for (at, buffer) in (1..).zip(self.bindings()) {
+            let Binding { name, element, .. } = buffer;
+            let access = ["read", "read_write"][usize::from(buffer.is_written)];
+            source += &format!(
+                "@group(0) @binding({at}) var<storage, {access}> {name}: array<{element}>;\n"
+            );
         }
         source += include_str!("../../kernel/fast_math/fast_math.wgsl");
         source += include_str!("index.wgsl");
-        if source.contains("> covered:") {
+        if self.bindings().any(|buffer| buffer.name == "covered") {
             source += include_str!("coverage.wgsl");
         }
         for part in self.parts {

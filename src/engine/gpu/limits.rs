@@ -93,7 +93,7 @@ pub(crate) fn most_pixels(groups: u32) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::gpu::all_kernels::kernel_sources;
+    use crate::stages::kernels::kernel_sources;
     use wgpu::Limits;
     use wgpu::naga::front::wgsl;
     use wgpu::naga::proc::Layouter;

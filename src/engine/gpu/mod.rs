@@ -7,8 +7,6 @@
 //! What is followed from pixel to pixel, the lines and directions of a drawing, comes after that, on the CPU; only strokes
 //! of a texture are drawn on the device again.
 
-mod all_kernels;
-pub(crate) mod bindings;
 mod buffers;
 pub(crate) mod constants;
 pub(crate) mod device;
@@ -16,8 +14,8 @@ pub(crate) mod device;
 pub(crate) mod failures;
 pub(crate) mod fault;
 pub(crate) mod kernels;
+pub(crate) mod last;
 pub(crate) mod limits;
-pub(crate) mod made;
 pub(crate) mod recorder;
 pub(crate) mod recording;
 pub(crate) mod runner;
@@ -29,7 +27,6 @@ pub(crate) mod uniforms;
 pub(crate) mod wait;
 pub(crate) mod wgsl;
 
-pub use crate::engine::gpu::all_kernels::kernel_sources;
 #[cfg(test)]
 pub(crate) use crate::engine::gpu::device::to_test_on;
 pub use crate::engine::gpu::device::{Choice, Device};

@@ -1,11 +1,8 @@
 //! Records kernels and their inputs in order of execution.
 
-use crate::engine::gpu::bindings::Bindings;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
-use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::uniforms::Uniforms;
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::outcome::add_timings;
 use crate::error::{Error, Result};
@@ -118,20 +115,18 @@ impl<'d> Recorder<'d> {
         }
     }
 
-    /// Runs a kernel over this many workgroups.
-    pub(crate) fn dispatch<U: Uniforms, B: Bindings>(
+    /// Runs a kernel over this many workgroups, with a uniform block of these `bytes` and these buffers.
+    pub(crate) fn dispatch(
         &mut self,
         stage: &'static str,
         (kernel, switches): (&Kernel, &[(&'static str, bool)]),
-        uniforms: &U,
-        buffers: &B,
+        bytes: &[u8],
+        buffers: &[wgpu::Buffer],
         groups: [u32; 2],
     ) {
-        debug_assert!(kernel.takes::<U, B>(), "{} is given its own", kernel.name);
         self.start.get_or_insert_with(Instant::now);
         let device = &self.device.device;
         let pipeline = self.programs.of(device, kernel, switches);
-        let bytes = uniforms.bytes();
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: bytes.len() as u64,
@@ -139,7 +134,7 @@ impl<'d> Recorder<'d> {
             mapped_at_creation: true,
         });
         match uniform.slice(..).get_mapped_range_mut() {
-            Ok(mut range) => range.copy_from_slice(&bytes),
+            Ok(mut range) => range.copy_from_slice(bytes),
             // Buffers are mapped at creation, so this one was never created.
             Err(error) => {
                 self.failed.get_or_insert_with(|| self.device.error(error));
@@ -147,7 +142,7 @@ impl<'d> Recorder<'d> {
             }
         }
         uniform.unmap();
-        let bound = std::iter::once(&uniform).chain(buffers.buffers());
+        let bound = std::iter::once(&uniform).chain(buffers);
         let entries: Vec<_> = (0..)
             .zip(bound)
             .map(|(binding, buffer)| wgpu::BindGroupEntry {
@@ -183,32 +178,6 @@ impl<'d> Recorder<'d> {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups(groups[0], groups[1], 1);
-    }
-
-    /// Runs a kernel with one invocation per pixel of a picture of this size.
-    pub(crate) fn over_pixels<U: Uniforms>(
-        &mut self,
-        stage: &'static str,
-        kernel: (&Kernel, &[(&'static str, bool)]),
-        uniforms: &U,
-        buffers: &impl Bindings,
-        [width, height]: [u32; 2],
-    ) {
-        let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
-        self.dispatch(stage, kernel, uniforms, buffers, groups);
-    }
-
-    /// Runs a kernel with one invocation per group of rows of a picture of this size.
-    pub(crate) fn over_rows<U: Uniforms>(
-        &mut self,
-        stage: &'static str,
-        kernel: (&Kernel, &[(&'static str, bool)]),
-        uniforms: &U,
-        buffers: &impl Bindings,
-        [width, height]: [u32; 2],
-    ) {
-        let size = [width, height.div_ceil(STRIP_ROWS)];
-        self.over_pixels(stage, kernel, uniforms, buffers, size);
     }
 
     /// Copies a buffer.

@@ -2,20 +2,29 @@
 
 use crate::engine::cpu::execution::Execution;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
+use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
 use crate::engine::gpu::device::Device;
-use crate::engine::gpu::made::{Made, Shape};
+use crate::engine::gpu::kernels::Kernel;
+use crate::engine::gpu::last::Last;
 use crate::engine::gpu::recorder::{KERNELS, Recorder, Submitted, Timings};
-use crate::engine::gpu::surface::{SurfaceBuffers, Upload};
+use crate::engine::gpu::surface::Upload;
+use crate::engine::gpu::uniforms::{Uniforms, bytes_of};
 use crate::engine::outcome::add_timings;
 use crate::error::Result;
-use crate::frame::{Frame, Plane, Vector2Planes};
+use crate::frame::{ColorPlanes, Frame, Plane, Vector2Planes};
 use crate::light::relight::gpu_lights::Light;
-use crate::line::hatching::gpu_texture::TextureCache;
+use crate::line::hatching::gpu_texture::Texture;
+use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::Plan;
+use crate::shape::diffusion::importance::Levels;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Bytes of a placeholder buffer that is never written.
 pub(crate) const NOWHERE: u64 = 16;
+
+/// The planes of a picture.
+pub(crate) const PICTURE: [&str; 3] = ["red", "green", "blue"];
 
 /// A run while it is being recorded.
 pub(crate) struct Recording<'a> {
@@ -26,12 +35,19 @@ pub(crate) struct Recording<'a> {
     pub(crate) device: &'a Device,
     pub(crate) buffers: &'a Buffers,
     pub(crate) recorder: Recorder<'a>,
-    pub(crate) surface: SurfaceBuffers,
-    pub(crate) made: Made,
+    /// Columns and rows.
+    pub(crate) size: [u32; 2],
+    /// Planes by the names that they have in kernels, and what they were taken for.
+    pub(super) planes: BTreeMap<&'static str, (wgpu::Buffer, Purpose)>,
+    /// Gradients and curvatures at further scales.
+    pub(crate) more_gradients: Vec<wgpu::Buffer>,
+    pub(crate) more_curvatures: Vec<wgpu::Buffer>,
+    /// Levels of importance, if the sweeps are weighted by them: their planes are `levels`.
+    pub(crate) importance: Option<Levels>,
     /// The CPU run, for automatic choices, and for stages or parts of them without kernels. Its outcome is the result.
     pub(crate) host: Execution<'a>,
     /// The stroke texture cached from earlier runs.
-    pub(crate) texture: &'a TextureCache,
+    pub(crate) texture: &'a Last<TonalArtMap, Texture>,
     /// The submission in progress, if the run is observed.
     pub(super) at_work: Option<Submitted<'a>>,
     /// Timings of submissions waited for so far.
@@ -69,7 +85,7 @@ impl<'a> Recording<'a> {
 
     /// [`Recording::read`] of planes.
     pub(crate) fn read_planes<const N: usize>(&mut self, wanted: [&wgpu::Buffer; N]) -> [Plane; N] {
-        let [width, height] = self.surface.size.map(|side| side as usize);
+        let [width, height] = self.size.map(|side| side as usize);
         self.read(wanted)
             .map(|samples| Plane::from_samples(width, height, samples))
     }
@@ -86,10 +102,145 @@ impl<'a> Recording<'a> {
         self.host.outcome.gain.unwrap_or(0.0)
     }
 
-    /// Replaces the shape.
-    pub(crate) fn change_shape(&mut self, change: impl FnOnce(&mut Self, Shape) -> Shape) {
-        let shape = self.made.shape.take().expect("edges come first");
-        self.made.shape = Some(change(self, shape));
+    /// Whether there is a plane of this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.planes.contains_key(name)
+    }
+
+    /// The plane of this name.
+    ///
+    /// # Panics
+    /// If no stage before has made it.
+    pub(crate) fn plane(&self, name: &str) -> wgpu::Buffer {
+        let (plane, _) = self.planes.get(name).expect(name);
+        plane.clone()
+    }
+
+    /// Names a plane that kernels made, in place of another of this name.
+    pub(crate) fn put(&mut self, name: &'static str, plane: wgpu::Buffer) {
+        self.drop_plane(name);
+        self.planes.insert(name, (plane, Purpose::Kernels));
+    }
+
+    /// Copies a plane of the frame to the device, unless one of this name is there; whether one is.
+    pub(crate) fn upload_as(&mut self, name: &'static str, plane: Option<&Plane>) -> bool {
+        if let Some(plane) = plane.filter(|_| !self.has(name)) {
+            let plane = self.upload().plane(plane);
+            self.planes.insert(name, (plane, Purpose::Upload));
+        }
+        self.has(name)
+    }
+
+    /// [`Recording::upload_as`] of the channels of a picture.
+    pub(crate) fn upload_picture(&mut self, ColorPlanes { r, g, b }: &ColorPlanes) {
+        for (name, plane) in PICTURE.into_iter().zip([r, g, b]) {
+            self.upload_as(name, Some(plane));
+        }
+    }
+
+    /// Copies the planes that shape is found from.
+    pub(super) fn upload_surface(&mut self) {
+        let (plan, frame) = (self.plan, self.frame);
+        let covered = self.upload().coverage(&frame.mask);
+        self.planes.insert("covered", (covered, Purpose::Upload));
+        let normal = &frame.normal;
+        self.upload_as("normal_x", Some(&normal.x));
+        self.upload_as("normal_y", Some(&normal.y));
+        self.upload_as("normal_z", Some(&normal.z));
+        self.upload_as("normal_length", frame.normal_length.as_ref());
+        if let Some(levels) = Levels::of(frame, &plan.sweeps) {
+            let numbers = levels.plane.map(|level| f32::from_bits(level.into()));
+            self.upload_as("levels", Some(&numbers));
+            self.importance = Some(levels);
+        }
+    }
+
+    /// Gives up a plane that no later kernel takes.
+    pub(crate) fn drop_plane(&mut self, name: &str) {
+        match self.planes.remove(name) {
+            Some((plane, Purpose::Kernels)) => self.buffers.recycle([plane]),
+            // Copies precede all kernels of a run, so the memory is not free before its end.
+            Some((plane, _)) => self.held.push(plane),
+            None => {}
+        }
+    }
+
+    /// Runs a kernel with one invocation per pixel. Its buffers are those named, or else planes of their names; planes that
+    /// it writes are made if they are not there.
+    pub(crate) fn over_pixels(
+        &mut self,
+        stage: &'static str,
+        kernel: (&Kernel, &[(&'static str, bool)]),
+        params: &impl Uniforms,
+        named: &[(&str, &wgpu::Buffer)],
+    ) {
+        let [width, height] = self.size;
+        let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
+        self.dispatch(stage, kernel, params, named, groups);
+    }
+
+    /// [`Recording::over_pixels`] with one invocation per group of rows.
+    pub(crate) fn over_rows(
+        &mut self,
+        stage: &'static str,
+        kernel: (&Kernel, &[(&'static str, bool)]),
+        params: &impl Uniforms,
+        named: &[(&str, &wgpu::Buffer)],
+    ) {
+        let [width, height] = self.size;
+        let strips = height.div_ceil(STRIP_ROWS);
+        let groups = [width.div_ceil(GROUP[0]), strips.div_ceil(GROUP[1])];
+        self.dispatch(stage, kernel, params, named, groups);
+    }
+
+    /// [`Recording::over_pixels`] over this many workgroups.
+    pub(crate) fn dispatch<U: Uniforms>(
+        &mut self,
+        stage: &'static str,
+        (kernel, switches): (&Kernel, &[(&'static str, bool)]),
+        params: &U,
+        named: &[(&str, &wgpu::Buffer)],
+        groups: [u32; 2],
+    ) {
+        debug_assert!(kernel.takes::<U>(), "{} is given its own", kernel.name);
+        let mut nowhere = Vec::new();
+        let bound = kernel.bindings().map(|binding| {
+            let is_named = |(name, _): &&(&str, &wgpu::Buffer)| *name == binding.name;
+            if let Some((_, buffer)) = named.iter().find(is_named) {
+                return (*buffer).clone();
+            }
+            if let Some((plane, _)) = self.planes.get(binding.name) {
+                return plane.clone();
+            }
+            match (binding.is_written, binding.is_optional) {
+                (true, false) => {
+                    let plane = self.take(binding.element_bytes() * self.pixels());
+                    self.put(binding.name, plane.clone());
+                    plane
+                }
+                (true, true) => {
+                    nowhere.push(self.take(NOWHERE));
+                    nowhere[nowhere.len() - 1].clone()
+                }
+                (false, true) => self.plane("covered"),
+                (false, false) => panic!("{} takes {}", kernel.name, binding.name),
+            }
+        });
+        let bound: Vec<_> = bound.collect();
+        let bytes = bytes_of(self.size, params);
+        let kernel = (kernel, switches);
+        self.recorder
+            .dispatch(stage, kernel, &bytes, &bound, groups);
+        self.buffers.recycle(nowhere);
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+
+    /// A plane of vectors of this many numbers, with undefined contents.
+    pub(crate) fn take_plane(&self, components: u64) -> wgpu::Buffer {
+        self.take(4 * components * self.pixels())
     }
 
     /// A buffer of this many bytes with undefined contents.
@@ -138,22 +289,13 @@ impl<'a> Recording<'a> {
         Ok(read)
     }
 
-    /// Ends the run; its buffers are reused.
-    pub(crate) fn finish(self) -> Finished<'a> {
-        let copied = self.surface.into_buffers().chain(self.held);
-        self.buffers.recycle_as(Purpose::Upload, copied);
-        Finished {
-            made: self.made,
-            timings: self.waited,
-            host: self.host,
-        }
+    /// Ends the run, whose buffers are reused: its timings, and the CPU run.
+    pub(crate) fn finish(mut self) -> (Timings, Execution<'a>) {
+        let names: Vec<_> = self.planes.keys().copied().collect();
+        names.iter().for_each(|name| self.drop_plane(name));
+        let further = self.more_gradients.into_iter().chain(self.more_curvatures);
+        self.buffers.recycle(further);
+        self.buffers.recycle_as(Purpose::Upload, self.held);
+        (self.waited, self.host)
     }
-}
-
-/// The end of a run.
-pub(crate) struct Finished<'a> {
-    pub(crate) made: Made,
-    pub(crate) timings: Timings,
-    /// The CPU run.
-    pub(crate) host: Execution<'a>,
 }

@@ -3,13 +3,13 @@
 use crate::engine::cpu;
 use crate::engine::cpu::execution::Execution;
 use crate::engine::cpu::runner::taken_by;
-use crate::engine::gpu::buffers::{Buffers, Purpose};
+use crate::engine::gpu::buffers::Buffers;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::{Fault, watched};
-use crate::engine::gpu::made::{Layer, Made};
+use crate::engine::gpu::last::Last;
 use crate::engine::gpu::recorder::{Programs, READ_BACK, Recorder, Timings, UPLOAD};
-use crate::engine::gpu::recording::{Finished, Recording};
-use crate::engine::gpu::surface::{Upload, deinterleave};
+use crate::engine::gpu::recording::{PICTURE, Recording};
+use crate::engine::gpu::surface::deinterleave;
 use crate::engine::gpu::wait::wait_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
@@ -20,10 +20,13 @@ use crate::frame::{Frame, Plane};
 use crate::kernel::memory::Memory;
 use crate::light::relight::gpu::frame_lit;
 use crate::light::relight::gpu_lights::{Light, LightCache};
-use crate::line::hatching::gpu_texture::TextureCache;
+use crate::line::hatching::gpu_texture::Texture;
+use crate::line::tonal_art_map::TonalArtMap;
 use crate::plan::Plan;
 use crate::plan::stage::Stage;
 use crate::product::Product;
+use crate::shape::curvature::gpu::HESSIAN_PLANES as HESSIAN;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Inputs of a run other than plan and frame.
@@ -43,7 +46,7 @@ pub struct Runner {
     pub(crate) programs: Programs,
     pub(crate) buffers: Buffers,
     /// The texture of strokes.
-    pub(crate) texture: TextureCache,
+    pub(crate) texture: Last<TonalArtMap, Texture>,
     /// Runs the parts of drawings without kernels.
     host: cpu::Runner,
     light: LightCache,
@@ -56,7 +59,7 @@ impl Runner {
             device,
             programs: Programs::default(),
             buffers: Buffers::default(),
-            texture: TextureCache::default(),
+            texture: Last::default(),
             host: cpu::Runner::default(),
             light: LightCache::default(),
         }
@@ -186,13 +189,6 @@ impl Runner {
         }
     }
 
-    pub(crate) fn upload(&self) -> Upload<'_> {
-        Upload {
-            device: &self.device,
-            buffers: &self.buffers,
-        }
-    }
-
     /// Uploads the inputs of `plan` from `frame`, and starts recording.
     pub(crate) fn start<'a>(
         &'a self,
@@ -201,96 +197,113 @@ impl Runner {
         beside: Beside<'a>,
     ) -> Recording<'a> {
         self.buffers.begin_run();
-        Recording {
+        let mut run = Recording {
             plan,
             frame,
             light: beside.light,
             device: &self.device,
             buffers: &self.buffers,
             recorder: Recorder::new(&self.device, &self.programs, &self.buffers),
-            surface: self.upload().surface(plan, frame),
-            made: Made::default(),
+            size: [frame.mask.width() as u32, frame.mask.height() as u32],
+            planes: BTreeMap::new(),
+            more_gradients: Vec::new(),
+            more_curvatures: Vec::new(),
+            importance: None,
             host: self.host_run(plan, frame, beside),
             texture: &self.texture,
             at_work: None,
             waited: Timings::new(),
             held: Vec::new(),
-        }
+        };
+        run.upload_surface();
+        run
     }
 
     /// Runs `plan` on a frame that fits the device.
     fn run(&self, plan: &Plan, frame: &Frame, beside: Beside) -> Result<Outcome> {
         let start = Instant::now();
+        let mut run = self.start(plan, frame, beside);
         let copied = match beside.light {
             Some(light) => light.albedo(plan, frame),
             None if plan.makes_picture() && !plan.display => frame.color.as_ref(),
             None => None,
         };
-        let copied = copied.map(|color| self.upload().color(color));
-        let purpose = match copied {
-            Some(_) => Purpose::Upload,
-            None => Purpose::Kernels,
-        };
-        let mut run = self.start(plan, frame, beside);
-        run.made.picture = copied;
+        if let Some(color) = copied {
+            run.upload_picture(color);
+        }
         run.host.outcome.timings.push((UPLOAD, start.elapsed()));
         run.record(&plan.stages)?;
         run.read_results(beside.light.is_some())?;
         run.go_on(&plan.stages)?;
-        let Finished {
-            mut made,
-            timings,
-            host,
-        } = run.finish();
+        let (timings, host) = run.finish();
         let mut outcome = host.outcome;
         add_timings(&mut outcome.timings, &timings);
-        let picture = made.picture.take().into_iter().flatten();
-        self.buffers.recycle_as(purpose, picture);
-        self.buffers.recycle(made.into_buffers());
         Ok(outcome)
     }
 }
 
+/// Planes that hold products, by their names; with fewer planes than the products have, each pixel has several numbers.
+type Layer = (&'static [Product], &'static [&'static str]);
+
+/// The layers of the descriptor.
+const LAYERS: [Layer; 6] = [
+    (&[Product::Conductance], &["conductance"]),
+    (&[Product::Silhouette, Product::Crease], &["weights"]),
+    (&[Product::Gradient], &["gradient"]),
+    (&[Product::Hessian], &HESSIAN),
+    (&CURVATURES, &["curvature"]),
+    (&[Product::ViewDirection], &["direction"]),
+];
+
+/// The products in a plane of curvature, in order.
+const CURVATURES: [Product; 2] = [Product::Curvature, Product::MappedCurvature];
+
 /// The layers to read back from the device: those requested, and those that stages take on the CPU.
-fn layers_read(made: &Made, plan: &Plan) -> Vec<Layer> {
-    let mut layers = made.layers();
-    if !plan.wants(Product::Curvature) {
-        let stages = plan.stages.iter().copied();
-        let on_cpu = stages.filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
-        let taken = taken_by(&on_cpu.collect::<Vec<_>>(), plan);
-        layers.retain(|layer| layer.products.iter().any(|product| taken.contains(product)));
-    }
-    layers
+fn layers_read(run: &Recording) -> Vec<(&'static [Product], Vec<wgpu::Buffer>)> {
+    let plan = run.plan;
+    let stages = plan.stages.iter().copied();
+    let on_cpu = stages.filter(|stage| stage.gpu.is_none() || stage.after_gpu.is_some());
+    let taken = taken_by(&on_cpu.collect::<Vec<_>>(), plan);
+    let is_read = |product: &Product| plan.wants(Product::Curvature) || taken.contains(product);
+    let layers = LAYERS.into_iter().filter(|(products, names)| {
+        products.iter().any(is_read) && names.iter().all(|name| run.has(name))
+    });
+    let layer = |(products, names): Layer| {
+        let planes = names.iter().map(|name| run.plane(name));
+        (products, planes.collect())
+    };
+    let further = run.more_curvatures.iter();
+    let further = further.map(|plane| (&CURVATURES[..], vec![plane.clone()]));
+    layers.map(layer).chain(further).collect()
 }
 
 fn plane(frame: &Frame, samples: Vec<f32>) -> Plane {
     Plane::from_samples(frame.mask.width(), frame.mask.height(), samples)
 }
 
-/// Stores the layers read back in the outcome: each product at the first scale, then those of further scales.
+/// Stores planes read back in the outcome: each product at the first scale, then those of further scales.
 fn put_layers(
     outcome: &mut Outcome,
     plan: &Plan,
     frame: &Frame,
-    layers: &[Layer],
+    layers: &[(&[Product], Vec<wgpu::Buffer>)],
     mut read: impl Iterator<Item = Vec<f32>>,
 ) {
     let mut sigmas = plan.more_px.iter();
-    for layer in layers {
-        let components = layer.products.iter();
-        let components: usize = components.map(|p| p.row().components.len()).sum();
-        let samples = read.by_ref().take(layer.buffers.len());
-        let planes = samples.flat_map(|samples| match components / layer.buffers.len() {
+    for (products, buffers) in layers {
+        let components = products.iter().map(|p| p.row().components.len());
+        let components: usize = components.sum();
+        let samples = read.by_ref().take(buffers.len());
+        let planes = samples.flat_map(|samples| match components / buffers.len() {
             1 => vec![samples],
             2 => deinterleave::<2>(&samples).into(),
             _ => deinterleave::<4>(&samples).into(),
         });
         let mut planes = planes.map(|samples| plane(frame, samples));
         let is_there = |product: &Product| !outcome.planes(*product).is_empty();
-        match layer.products.iter().any(is_there) {
+        match products.iter().any(is_there) {
             true => outcome.put_scale(*sigmas.next().expect("a scale each"), &mut planes),
-            false => layer
-                .products
+            false => products
                 .iter()
                 .for_each(|&product| outcome.put(product, &mut planes)),
         }
@@ -332,10 +345,11 @@ impl Recording<'_> {
     /// the layers.
     fn read_results(&mut self, is_lit: bool) -> Result<()> {
         let (plan, frame) = (self.plan, self.frame);
-        let layers = layers_read(&self.made, plan);
-        let picture = self.made.picture.clone().filter(|_| plan.makes_picture());
+        let layers = layers_read(self);
+        let makes_picture = plan.makes_picture() && self.has(PICTURE[0]);
+        let picture = makes_picture.then(|| PICTURE.map(|name| self.plane(name)));
         let mut wanted: Vec<_> = picture.iter().flatten().collect();
-        wanted.extend(layers.iter().flat_map(|layer| &layer.buffers));
+        wanted.extend(layers.iter().flat_map(|(_, planes)| planes));
         let read = self.read_all(&wanted)?;
 
         let start = Instant::now();

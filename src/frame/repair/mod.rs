@@ -3,6 +3,7 @@
 mod confidence;
 mod holes;
 mod noise;
+mod noise_left;
 mod squares;
 mod tiled;
 mod unrounded;
@@ -14,5 +15,6 @@ pub(crate) use confidence::{confidence, lift_out_of_fog};
 pub(crate) use holes::HOLE_REACH;
 pub(super) use holes::fill;
 pub(crate) use noise::{DENOISING_REACH, denoise};
+pub(crate) use noise_left::noise_left;
 pub(super) use unrounded::unround_values;
 pub(crate) use unrounded::{UNROUNDING_PHASE, UNROUNDING_REACH, unround, unround_wrapped};

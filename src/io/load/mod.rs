@@ -209,6 +209,10 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         None => source.surface_of_depth(&mut layers, &mut notes)?,
     };
 
+    let is_whole = inputs.rows.is_none();
+    if is_whole && made.is_none() && !sources.roles[0].is_in_cells() {
+        notes.on_noise(&normal, &mask);
+    }
     let objects = source.numbered(&mask, needs, &mut notes);
     // Pictures take the memory of positions, which nothing reads from here on.
     let position = layers.position.take();

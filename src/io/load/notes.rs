@@ -5,7 +5,7 @@ use super::opened::Opened;
 use super::sources::Chosen;
 use crate::error::Result;
 use crate::frame::objects::Objects;
-use crate::frame::{Frame, Mask, Plane, Vector3Planes};
+use crate::frame::{Frame, Mask, Plane, Vector3Planes, noise_left};
 use crate::io::finding::{Finding, Notes};
 use crate::io::inputs::{Inputs, NormalEncoding};
 use crate::io::judge::normal_encoding::{judge_encoding, refuse_light, refuse_pictures};
@@ -115,6 +115,15 @@ impl Notes {
         if mask.count() == 0 {
             self.warnings
                 .push("no pixel shows a surface: nothing to do".into());
+        }
+    }
+
+    /// Warns if normals have noise that would be taken for relief.
+    pub(super) fn on_noise(&mut self, normal: &Vector3Planes, mask: &Mask) {
+        if let Some(noise) = noise_left(normal, mask) {
+            self.warnings.push(format!(
+                "normals have noise of {noise:.3} in their slopes, which is taken for relief: compare --scale 8, or denoise them first"
+            ));
         }
     }
 

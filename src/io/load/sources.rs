@@ -182,6 +182,12 @@ impl RoleSource {
         }
     }
 
+    /// Whether it is a sheet, whose cells join nowhere.
+    pub(super) fn is_in_cells(&self) -> bool {
+        let joins = |photo: &StoredPhoto| photo.cell == [photo.header.width, photo.header.height];
+        self.file.photo().is_some_and(|photo| !joins(photo))
+    }
+
     /// The encoding of its normals as far as it is known without their numbers, and why.
     pub(crate) fn encoding(&self) -> Option<(NormalEncoding, &'static str)> {
         let given = self.encoding.map(|encoding| (encoding, "as given"));

@@ -10,7 +10,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let rgb = vec3<f32>(red[i], green[i], blue[i]);
-    let weighted = rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+    let weighted = rgb.x * params.weights.x + rgb.y * params.weights.y + rgb.z * params.weights.z;
     let exponent = params.scaling * mapped_curvature(trace[i], params.gain);
     let sigma = scaling(weighted / params.white, exponent, params.invariant_point);
     // A NaN makes all three channels NaN; so do infinities of both signs.

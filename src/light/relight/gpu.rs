@@ -1,11 +1,8 @@
 //! Relighting on the device: one kernel for every covered pixel.
 
-use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::made::Shape;
 use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::sight::{is_eye_far, starts, to_eye};
-use crate::engine::gpu::surface::Picture;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::wgsl;
@@ -16,7 +13,7 @@ use crate::light::environment_layout::{LEAST_RADIUS, RIM_PX};
 use crate::light::light_warping;
 use crate::light::prepared_environment::Used;
 use crate::light::radiance_scaling::gpu::RADIANCE_SCALING;
-use crate::light::relight::gpu_lights::{Light, relighting};
+use crate::light::relight::gpu_lights::{Light, Placed, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
@@ -27,8 +24,6 @@ use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 uniforms! {
     /// Uniforms of `relight.wgsl`.
     LightParams {
-        width: u32,
-        height: u32,
         /// Lights that represent an environment, even directions it is looked up in, directional lights, and point
         /// lights.
         around_count: u32,
@@ -37,17 +32,10 @@ uniforms! {
         point_count: u32,
         /// Intensity of each even direction for a radiance of 1.
         even_share: f32,
-        /// The direction to the eye, scaled to z = 1: at the first column and row, and its increments per column and
-        /// row.
-        to_eye_x: f32,
-        to_eye_x_step: f32,
-        to_eye_y: f32,
-        to_eye_y_step: f32,
-        /// Origin of parallel sight lines, in the same form.
-        start_x: f32,
-        start_x_step: f32,
-        start_y: f32,
-        start_y_step: f32,
+        /// The direction to the eye, scaled to z = 1, and the origin of parallel sight lines, as
+        /// [`linear`](crate::engine::gpu::sight::linear) has them.
+        to_eye: vec4,
+        start: vec4,
         /// Whether depth is measured along sight lines rather than along the view axis.
         depth_along_ray: u32,
         ambient: f32,
@@ -62,8 +50,7 @@ uniforms! {
         lobe_2: f32,
         lobe_3: f32,
         /// The grain direction in the picture.
-        grain_x: f32,
-        grain_y: f32,
+        grain: vec2,
         ior: f32,
         is_thin: u32,
         /// Of mapped curvature.
@@ -73,53 +60,34 @@ uniforms! {
         contrast: f32,
         invariant_point: f32,
         anisotropy: f32,
-        ambient_magnitude: f32,
-        diffuse_magnitude: f32,
-        specular_magnitude: f32,
+        /// Of the scaling of ambient, diffuse and specular light.
+        magnitudes: vec3,
         /// Weights of luminance.
-        weight_r: f32,
-        weight_g: f32,
-        weight_b: f32,
+        weights: vec3,
         tone_levels: f32,
         tone_softness: f32,
         tone_most: f32,
         environment_gain: f32,
         /// The factor of a map prefiltered by a highlight.
         map_lobe: f32,
-        /// Look-up map: size, rotation in turns, the intensity of its light.
-        map_width: u32,
-        map_height: u32,
-        map_turn: f32,
-        map_bend: f32,
-        map_level: f32,
-        second_width: u32,
-        second_height: u32,
-        second_turn: f32,
-        second_bend: f32,
-        second_level: f32,
+        /// Look-up maps: size; rotation in turns, and the numbers of the intensity of its light.
+        map_size: vec2u,
+        map_light: vec3,
+        second_size: vec2u,
+        second_light: vec3,
         /// Bits of a NaN, which WGSL cannot express as a literal.
         nan_bits: u32,
     }
 }
 
-bindings! {
-    RelightBuffers {
-        covered: &[u32], normal_x: &[f32], normal_y: &[f32], normal_z: &[f32],
-        /// The Hessian, or its trace in the first buffer.
-        hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32], occlusion: &[f32], alpha: &[f32], depth: &[f32],
-        /// Three vectors per directional light: direction, half vector with z, colour. Two per point light: position,
-        /// colour. One per even direction.
-        lights: &[vec4<f32>],
-        /// Texels of look-up maps.
-        texels: &[vec4<f32>],
-        /// Albedo, if it is not white; then the resulting colour.
-        red: &mut [f32], green: &mut [f32], blue: &mut [f32],
-    }
-}
-
 /// Relights each pixel.
-pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
+pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams>(
     "Relight",
+    // The first entry of the Hessian may be its trace. `lights` are three vectors per directional light: direction, half
+    // vector with z, colour; two per point light: position, colour; one per even direction. The picture is the albedo, if
+    // it is not white, and then the resulting colour.
+    "covered: u32; normal_x, normal_y, normal_z, hessian_xx?, hessian_xy?, hessian_yy?, occlusion?, alpha?, depth?: f32; \
+     lights, texels: vec4<f32>; red, green, blue: mut f32",
     &[
         MAPPED_CURVATURE,
         MAPPED_CURVATURE_TOWARD,
@@ -161,80 +129,32 @@ pub(crate) static RELIGHT: Kernel = Kernel::new::<LightParams, RelightBuffers>(
     ],
 );
 
-/// Relights the frame, with its albedo if that is not white.
+/// Relights the frame, with its albedo if that is not white: the resulting colours of covered pixels.
 pub(crate) fn relight(run: &mut Recording) {
+    let (plan, frame) = (run.plan, run.frame);
     let light = run.light.expect("new light has lights");
-    let (shape, albedo) = (run.made.shape.take(), run.made.picture.take());
-    let lit = run.relight(run.plan, run.frame, light, shape.as_ref(), albedo);
-    (run.made.shape, run.made.picture) = (shape, Some(lit));
-}
-
-impl Recording<'_> {
-    /// Relights a frame whose albedo, if not white, is in `albedo`: the resulting colours of covered pixels.
-    pub(crate) fn relight(
-        &mut self,
-        plan: &Plan,
-        frame: &Frame,
-        light: &Light,
-        shape: Option<&Shape>,
-        albedo: Option<Picture>,
-    ) -> Picture {
-        let relighting = relighting(plan);
-        let has_albedo = albedo.is_some();
-        let picture =
-            albedo.unwrap_or_else(|| [(); 3].map(|()| self.take(self.surface.plane_bytes())));
-        let hessian = shape.and_then(|shape| shape.hessian.as_ref());
-        let [normal_x, normal_y, normal_z] = self.surface.normal.clone();
-        let entries = match hessian.map(|hessian| (hessian, &hessian.entries)) {
-            Some((_, Some(entries))) => entries.each_ref(),
-            Some((hessian, None)) => [&hessian.trace; 3],
-            None => [&normal_x; 3],
-        };
-        let occlusion = frame.light.occlusion.as_ref();
-        let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
-        let [occlusion, alpha, depth] = [occlusion, frame.alpha.as_ref(), depth]
-            .map(|plane| plane.map(|plane| self.uploaded(plane.samples())));
-        let of_frame = [
-            ("FAR_EYE", is_eye_far(frame)),
-            (
-                "HAS_HESSIAN",
-                hessian.is_some_and(|hessian| hessian.entries.is_some()),
-            ),
-            ("HAS_TRACE", hessian.is_some()),
-            ("HAS_OCCLUSION", occlusion.is_some()),
-            ("HAS_ALPHA", alpha.is_some()),
-            ("HAS_ALBEDO", has_albedo),
-        ];
-        let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
-        let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
-        let [red, green, blue] = &picture;
-        let params = light_params(plan, frame, light, self.gain());
-        let [xx, xy, yy] = entries;
-        self.recorder.over_pixels(
-            "relight",
-            (&RELIGHT, &switches),
-            &params,
-            &RelightBuffers {
-                covered: &self.surface.covered,
-                normal_x: &normal_x,
-                normal_y: &normal_y,
-                normal_z: &normal_z,
-                hessian_xx: xx,
-                hessian_xy: xy,
-                hessian_yy: yy,
-                occlusion: occlusion.as_ref().unwrap_or(&normal_x),
-                alpha: alpha.as_ref().unwrap_or(&normal_x),
-                depth: depth.as_ref().unwrap_or(&normal_x),
-                lights: &light.lights,
-                texels: &light.texels,
-                red,
-                green,
-                blue,
-            },
-            self.surface.size,
-        );
-        picture
-    }
+    let relighting = relighting(plan);
+    let (has_hessian, has_trace) = (run.has("hessian_xx"), run.has("trace"));
+    let depth = frame.depth.as_ref().filter(|_| light.counts.points > 0);
+    run.upload_as("depth", depth);
+    let of_frame = [
+        ("FAR_EYE", is_eye_far(frame)),
+        ("HAS_HESSIAN", has_hessian),
+        ("HAS_TRACE", has_trace),
+        (
+            "HAS_OCCLUSION",
+            run.upload_as("occlusion", frame.light.occlusion.as_ref()),
+        ),
+        ("HAS_ALPHA", run.upload_as("alpha", frame.alpha.as_ref())),
+        ("HAS_ALBEDO", run.has("red")),
+    ];
+    let of_lobes = Lobes::switches(Lobes::of(&relighting.params.material, is_eye_far(frame)));
+    let switches = [&of_light(relighting, light)[..], &of_lobes, &of_frame].concat();
+    let params = light_params(plan, frame, light, run.gain());
+    let trace = (has_trace && !has_hessian).then(|| run.plane("trace"));
+    let mut named = vec![("lights", &light.lights), ("texels", &light.texels)];
+    named.extend(trace.iter().map(|trace| ("hessian_xx", trace)));
+    run.over_pixels("relight", (&RELIGHT, &switches), &params, &named);
 }
 
 /// Completes the lit pixels: unlit ones get the frame's picture, or black, and partly covered rims the light of their
@@ -291,7 +211,6 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
     let magnitudes = scaling.magnitudes();
-    let weights = frame.luminance_weights();
     // Mirrors and glass are not summed over lights.
     let lobes = Lobes::of(material, is_eye_far(frame));
     let (whole_power, power) = match lobes.map(|lobes| lobes.exponent()) {
@@ -308,24 +227,16 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         levels: 1,
         softness: 0.0,
     });
-    let (to_eye, start) = (to_eye(frame), starts(frame));
     let [map, second] = light.maps;
+    let placed = |map: Placed| [map.turn, map.intensity.bend, map.intensity.level];
     LightParams {
-        width: frame.mask.width() as u32,
-        height: frame.mask.height() as u32,
         around_count: light.counts.around,
         even_count: light.counts.even,
         direction_count: light.counts.directions,
         point_count: light.counts.points,
         even_share: light.around.looked_up().map_or(0.0, |(_, share)| share),
-        to_eye_x: to_eye.first[0],
-        to_eye_x_step: to_eye.step[0],
-        to_eye_y: to_eye.first[1],
-        to_eye_y_step: to_eye.step[1],
-        start_x: start.first[0],
-        start_x_step: start.step[0],
-        start_y: start.first[1],
-        start_y_step: start.step[1],
+        to_eye: to_eye(frame),
+        start: starts(frame),
         depth_along_ray: u32::from(frame.source.depth_kind == DepthKind::Ray),
         ambient: material.ambient,
         diffuse_gain: material.diffuse_gain,
@@ -336,8 +247,7 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         lobe_1,
         lobe_2,
         lobe_3,
-        grain_x: grain.cos(),
-        grain_y: grain.sin(),
+        grain: [grain.cos(), grain.sin()],
         ior: material.ior,
         is_thin: u32::from(material.thin),
         gain,
@@ -345,27 +255,17 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         contrast: params.warping.contrast,
         invariant_point: scaling.invariant_point,
         anisotropy: scaling.anisotropy,
-        ambient_magnitude: magnitudes.ambient,
-        diffuse_magnitude: magnitudes.diffuse,
-        specular_magnitude: magnitudes.specular,
-        weight_r: weights[0],
-        weight_g: weights[1],
-        weight_b: weights[2],
+        magnitudes: [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular],
+        weights: frame.luminance_weights(),
         tone_levels: tones.levels as f32,
         tone_softness: tones.softness,
         tone_most: light.most_tone,
         environment_gain: light.around.gain().unwrap_or(1.0),
         map_lobe: 2.0 / (material.shininess + 1.0),
-        map_width: map.size[0],
-        map_height: map.size[1],
-        map_turn: map.turn,
-        map_bend: map.intensity.bend,
-        map_level: map.intensity.level,
-        second_width: second.size[0],
-        second_height: second.size[1],
-        second_turn: second.turn,
-        second_bend: second.intensity.bend,
-        second_level: second.intensity.level,
+        map_size: map.size,
+        map_light: placed(map),
+        second_size: second.size,
+        second_light: placed(second),
         nan_bits: f32::NAN.to_bits(),
     }
 }

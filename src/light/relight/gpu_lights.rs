@@ -2,6 +2,7 @@
 
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::fault::Fault;
+use crate::engine::gpu::last::Last;
 use crate::engine::watch::Watch;
 use crate::frame::{ColorPlanes, Frame};
 use crate::kernel::memory::Memory;
@@ -15,7 +16,6 @@ use crate::light::prepared_environment::{
 };
 use crate::light::relight::albedo;
 use crate::plan::{Albedo, Plan, Relighting};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The light of a frame.
@@ -52,32 +52,12 @@ pub(crate) struct Placed {
     pub(crate) intensity: Intensity,
 }
 
-/// The environment maps of the last run, on the device.
-#[derive(Debug, Default)]
-struct MapCache(Mutex<Option<(Arc<PreparedEnvironment>, wgpu::Buffer)>>);
-
-impl MapCache {
-    fn of(&self, ready: &Arc<PreparedEnvironment>) -> Option<wgpu::Buffer> {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let (of, buffer) = kept.as_ref()?;
-        Arc::ptr_eq(of, ready).then(|| buffer.clone())
-    }
-
-    fn forget(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    fn keep(&self, ready: &Arc<PreparedEnvironment>, buffer: &wgpu::Buffer) {
-        let kept = Some((ready.clone(), buffer.clone()));
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = kept;
-    }
-}
-
 /// The cache of the last run's light.
 #[derive(Debug, Default)]
 pub(crate) struct LightCache {
     environment: EnvironmentCache,
-    maps: MapCache,
+    /// Environment maps.
+    maps: Last<PreparedEnvironment, wgpu::Buffer>,
 }
 
 impl LightCache {
@@ -175,12 +155,7 @@ impl LightCache {
                 [mirrored.environment.texels(), &[]],
             ),
         };
-        if let Some(kept) = self.maps.of(ready) {
-            return Ok((kept, maps));
-        }
-        let buffer = filled(device, &texels)?;
-        self.maps.keep(ready, &buffer);
-        Ok((buffer, maps))
+        Ok((self.maps.of(ready, || filled(device, &texels))?, maps))
     }
 }
 

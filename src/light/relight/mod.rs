@@ -1,7 +1,6 @@
 //! Relighting: batches of covered pixels, gathered from the frame's planes, lit, and scattered back.
 
 pub(crate) mod albedo;
-#[cfg(feature = "cli")]
 pub(crate) mod albedo_search;
 pub(crate) mod batch;
 pub(crate) mod curvature;
@@ -62,11 +61,15 @@ pub(crate) fn relight(run: &mut Execution) {
     run.outcome.light_choice = around.choice();
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
+    let chosen_from = run.chosen_from();
     let estimate = (relighting.albedo == Albedo::Estimate).then(|| {
-        let estimate = || match (relighting.estimate, plan.own_part(frame)) {
+        let estimate = || match (relighting.estimate, chosen_from()) {
             (Some(found), _) => found,
-            (None, Cow::Borrowed(frame)) => albedo::estimate(frame, normal, weights),
-            (None, Cow::Owned(tile)) => albedo::estimate(&tile, &tile.normal, weights),
+            // Normals may have been handed on.
+            (None, Cow::Borrowed(own)) if std::ptr::eq(own, frame) => {
+                albedo::estimate(frame, normal, weights)
+            }
+            (None, own) => albedo::estimate(&own, &own.normal, weights),
         };
         run.copied_or("albedo", Some(""), |run| {
             run.timed("albedo-estimate", estimate)

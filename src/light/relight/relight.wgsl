@@ -24,14 +24,14 @@ var<private> diffuse: vec3<f32>;
 var<private> specular: vec3<f32>;
 
 fn luminance(rgb: vec3<f32>) -> f32 {
-    return rgb.x * params.weight_r + rgb.y * params.weight_g + rgb.z * params.weight_b;
+    return rgb.x * params.weights.x + rgb.y * params.weights.y + rgb.z * params.weights.z;
 }
 
 // Unit tangents along the grain and across it.
 fn set_grain() {
     let n = pixel.normal.vector;
-    let x = params.grain_x;
-    let y = params.grain_y;
+    let x = params.grain.x;
+    let y = params.grain.y;
     // The part of (x, y, 0) perpendicular to the normal; if that vanishes any tangent will do.
     let along = x * n.x + y * n.y;
     let tangent = vec3<f32>(x - along * n.x, y - along * n.y, -along * n.z);
@@ -60,16 +60,16 @@ fn find_kappa(i: u32) {
 fn prepare(i: u32, column: u32, row: u32) {
     pixel.normal.vector = vec3<f32>(normal_x[i], normal_y[i], normal_z[i]);
     let to_eye = vec2<f32>(
-        params.to_eye_x + f32(column) * params.to_eye_x_step,
-        params.to_eye_y + f32(row) * params.to_eye_y_step,
+        params.to_eye.x + f32(column) * params.to_eye.z,
+        params.to_eye.y + f32(row) * params.to_eye.w,
     );
     let inverse = 1.0 / sqrt(to_eye.x * to_eye.x + to_eye.y * to_eye.y + 1.0);
     pixel.to_eye.vector = vec3<f32>(to_eye, 1.0) * inverse;
     if params.point_count > 0u {
         let line = vec3<f32>(-to_eye, -1.0);
         let start = vec3<f32>(
-            params.start_x + f32(column) * params.start_x_step,
-            params.start_y + f32(row) * params.start_y_step,
+            params.start.x + f32(column) * params.start.z,
+            params.start.y + f32(row) * params.start.w,
             0.0,
         );
         let planar = depth[i] * select(1.0, inverse, params.depth_along_ray == 1u);
@@ -105,9 +105,9 @@ fn prepare(i: u32, column: u32, row: u32) {
         find_kappa(i);
     }
     if SCALES {
-        pixel.ambient_curve = scaling_curve_of(params.ambient_magnitude * pixel.kappa);
-        pixel.diffuse_curve = scaling_curve_of(params.diffuse_magnitude * pixel.kappa);
-        pixel.specular_curve = scaling_curve_of(params.specular_magnitude * pixel.kappa);
+        pixel.ambient_curve = scaling_curve_of(params.magnitudes.x * pixel.kappa);
+        pixel.diffuse_curve = scaling_curve_of(params.magnitudes.y * pixel.kappa);
+        pixel.specular_curve = scaling_curve_of(params.magnitudes.z * pixel.kappa);
     }
 }
 

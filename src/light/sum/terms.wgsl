@@ -127,8 +127,8 @@ fn reflect_light(light: Arriving) -> Terms {
             l = unwarped_xy(pixel.unwarp, light.half, arrived.inverse);
         }
         let kappa = mapped_curvature_toward(pixel.hessian, l, params.gain, params.anisotropy);
-        diffuse_curve = scaling_curve_of(params.diffuse_magnitude * kappa);
-        specular_curve = scaling_curve_of(params.specular_magnitude * kappa);
+        diffuse_curve = scaling_curve_of(params.magnitudes.y * kappa);
+        specular_curve = scaling_curve_of(params.magnitudes.z * kappa);
     }
     let reflected = reflect_by_lobes(light, arrived);
     var diffuse = arrived.weight * reflected.diffuse;

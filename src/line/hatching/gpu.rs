@@ -1,15 +1,13 @@
 //! Strokes: from tone to density, and a texture along a field of directions.
 
-use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::recorder::UPLOAD;
-use crate::engine::gpu::recording::Recording;
-use crate::engine::gpu::surface::Picture;
+use crate::engine::gpu::recording::{PICTURE, Recording};
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::engine::outcome::add_timings;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{Frame, Plane};
 use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
 use crate::line::drawing::{Tone, finish};
@@ -36,22 +34,16 @@ const HATCHING: Wgsl = wgsl!(
 uniforms! {
     /// Uniforms of `density.wgsl`.
     DensityParams {
-        width: u32,
-        height: u32,
-        weight_r: f32,
-        weight_g: f32,
-        weight_b: f32,
+        /// Weights of luminance.
+        weights: vec3,
         /// Luminance of paper white.
         white: f32,
     }
 
     /// Uniforms of `hatching.wgsl`.
     StrokeParams {
-        width: u32,
-        height: u32,
         /// Centre of the first pixel in a fixed texture.
-        first_x: f32,
-        first_y: f32,
+        first: vec2,
         levels: u32,
         levels_per_radian: f32,
         sets: u32,
@@ -67,34 +59,17 @@ uniforms! {
     }
 }
 
-bindings! {
-    DensityBuffers {
-        covered: &[u32], red: &[f32], green: &[f32], blue: &[f32],
-        /// Any buffer if there is no alpha.
-        alpha: &[f32],
-        /// Densities at even steps of the square root of luminance, from 0 to white.
-        density_table: &[f32], densities: &mut [f32],
-    }
-    StrokesBuffers {
-        covered: &[u32],
-        /// Optical density that is wanted in all.
-        densities: &[f32], direction_x: &[f32], direction_y: &[f32],
-        /// Thresholds at even steps of density.
-        thresholds: &[f32],
-        /// Level by level, set by set: cosine, sine and offset of the texture rotated to the level's angle.
-        turned: &[vec4<f32>], texels: &[u32],
-        /// Share of the paper left white; for the last pass, the share inked.
-        paper: &mut [f32],
-        /// Any buffers if there are no places.
-        place_x: &[f32], place_y: &[f32], depth: &[f32], motion_x: &[f32], motion_y: &[f32],
-        /// This sheet's share of the drawing; any buffer if it is the only one.
-        shares: &[f32],
-    }
-}
+/// Densities wanted in all; thresholds at even steps of density; level by level, set by set, cosine, sine and offset of the
+/// texture rotated to the level's angle; the share of the paper left white, and for the last pass the share inked; this
+/// sheet's share of the drawing.
+const STROKES_BUFFERS: &str = "covered: u32; densities, direction_x, direction_y, thresholds: f32; turned: vec4<f32>; \
+     texels: u32; paper: mut f32; place_x?, place_y?, depth?, motion_x?, motion_y?, shares?: f32";
 
 /// The optical density that is wanted of each pixel.
-pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>(
+pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams>(
     "Density",
+    // The table holds densities at even steps of the square root of luminance, from 0 to white.
+    "covered: u32; red, green, blue, alpha?, density_table: f32; densities: mut f32",
     &[wgsl!(
         "../density.wgsl",
         [
@@ -105,8 +80,9 @@ pub(crate) static DENSITY: Kernel = Kernel::new::<DensityParams, DensityBuffers>
 );
 
 /// Strokes inked by thresholds.
-pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams>(
     "Strokes",
+    STROKES_BUFFERS,
     &[
         TEXTURE_COORDINATES,
         PLACES,
@@ -116,8 +92,9 @@ pub(crate) static STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
 );
 
 /// Strokes of pictures.
-pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams, StrokesBuffers>(
+pub(crate) static PICTURE_STROKES: Kernel = Kernel::new::<StrokeParams>(
     "PictureStrokes",
+    STROKES_BUFFERS,
     &[
         TEXTURE_COORDINATES,
         PLACES,
@@ -150,10 +127,16 @@ pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(&mut run.host);
     let start = Instant::now();
-    let picture = run.drawn_picture();
+    // The picture made so far, or that of the frame.
+    if let Some(color) = frame.color.as_ref().filter(|_| !run.has(PICTURE[0])) {
+        run.upload_picture(color);
+    }
     let (strokes, texture) = (&params.strokes, run.texture);
     let strokes = match &run.host.canvas.art_map {
-        Some(map) => Strokes::new(map, texture.of(map, run.upload()), strokes),
+        Some(map) => {
+            let copied = texture.of(map, || Ok::<_, Error>(Texture::new(map, run.upload())))?;
+            Strokes::new(map, copied, strokes)
+        }
         None => {
             let map = run.host.inputs.art_map;
             let map = map.expect("strokes of pictures come with them");
@@ -166,86 +149,37 @@ pub(crate) fn hatch(run: &mut Recording) -> Result<()> {
     let directions: Vec<_> = directions.map(|field| run.hold_field(field)).collect();
     run.host.canvas = canvas;
     add_timings(&mut run.waited, &[(UPLOAD, start.elapsed())]);
-    let densities = run.densities(&params.tone, frame, &picture, tone.white);
-    let ink = run.hatched(
-        &params.strokes,
-        frame,
-        &densities,
-        &directions,
-        &strokes,
-        &sheets,
-    );
+    run.find_densities(&params.tone, tone.white);
+    run.hatched(&params.strokes, &directions, &strokes, &sheets);
+    let ink = run.plane("paper");
     let read = run.read_all(&[&ink])?.remove(0);
-    run.buffers.recycle([densities, ink]);
     let ink = Plane::from_samples(frame.mask.width(), frame.mask.height(), read);
     finish(&mut run.host, tone, ink, Vec::new());
     Ok(())
 }
 
 impl Recording<'_> {
-    /// The picture made so far, or that of the frame.
-    fn drawn_picture(&mut self) -> Picture {
-        self.made.picture.clone().unwrap_or_else(|| {
-            let color = self.frame.color.as_ref();
-            let color = color.expect("a drawing is planned with its tone");
-            let picture = self.upload().color(color);
-            self.held.extend(picture.iter().cloned());
-            picture
-        })
-    }
-
-    /// The optical density wanted of each pixel of a picture with this paper white.
-    fn densities(
-        &mut self,
-        params: &ToneParams,
-        frame: &Frame,
-        [red, green, blue]: &Picture,
-        white: f32,
-    ) -> wgpu::Buffer {
-        let [width, height] = self.surface.size;
-        let [weight_r, weight_g, weight_b] = frame.luminance_weights();
-        let densities = self.take(self.surface.plane_bytes());
+    /// The optical density wanted of each pixel of the picture, with this paper white.
+    fn find_densities(&mut self, params: &ToneParams, white: f32) {
+        let frame = self.frame;
         let table = self.uploaded(&density_table(params));
-        let alpha = frame
-            .alpha
-            .as_ref()
-            .map(|alpha| self.uploaded(alpha.samples()));
-        self.recorder.over_pixels(
-            "density",
-            (&DENSITY, &[("HAS_ALPHA", alpha.is_some())]),
-            &DensityParams {
-                width,
-                height,
-                weight_r,
-                weight_g,
-                weight_b,
-                white,
-            },
-            &DensityBuffers {
-                covered: &self.surface.covered,
-                red,
-                green,
-                blue,
-                alpha: alpha.as_ref().unwrap_or(red),
-                density_table: &table,
-                densities: &densities,
-            },
-            [width, height],
-        );
-        densities
+        let has_alpha = self.upload_as("alpha", frame.alpha.as_ref());
+        let params = DensityParams {
+            weights: frame.luminance_weights(),
+            white,
+        };
+        let kernel: (&Kernel, &[_]) = (&DENSITY, &[("HAS_ALPHA", has_alpha)]);
+        self.over_pixels("density", kernel, &params, &[("density_table", &table)]);
     }
 
     /// Coverage of the paper by strokes along one field of directions, x and y, for each of their families.
     fn hatched(
         &mut self,
         params: &params::StrokeParams,
-        frame: &Frame,
-        densities: &wgpu::Buffer,
         directions: &[[wgpu::Buffer; 2]],
         strokes: &Strokes,
         sheets: &Sheets,
-    ) -> wgpu::Buffer {
-        let paper = self.take(self.surface.plane_bytes());
+    ) {
         let Strokes { texture, turned } = strokes;
         let turned = turned
             .each_ref()
@@ -255,12 +189,12 @@ impl Recording<'_> {
             let families = directions.iter().zip(&turned).enumerate();
             families.map(move |family| (sheet, family))
         });
+        let kernel = match texture.slices {
+            0 => &STROKES,
+            _ => &PICTURE_STROKES,
+        };
         let count = sheets.each.len() * families;
         for (layer, (sheet, (family, ([x, y], turned)))) in layers.enumerate() {
-            let kernel = match texture.slices {
-                0 => &STROKES,
-                _ => &PICTURE_STROKES,
-            };
             let switches = [
                 ("MOVES", sheet.place.is_some()),
                 ("HAS_DEPTH", sheets.depth.is_some()),
@@ -269,36 +203,23 @@ impl Recording<'_> {
                 ("IS_FIRST", layer == 0),
                 ("IS_LAST", layer + 1 == count),
             ];
-            let [place_x, place_y] = sheet
-                .place
-                .as_ref()
-                .map_or([x, y], |place| place.each_ref());
-            let motion = sheets.motion.as_ref();
-            let [motion_x, motion_y] = motion.map_or([x, y], |motion| motion.each_ref());
-            self.recorder.over_pixels(
-                "hatching",
-                (kernel, &switches),
-                &stroke_params(params, frame, texture, sheet.origin, [family, families]),
-                &StrokesBuffers {
-                    covered: &self.surface.covered,
-                    densities,
-                    direction_x: x,
-                    direction_y: y,
-                    thresholds: &texture.thresholds,
-                    turned,
-                    texels: &texture.texels,
-                    paper: &paper,
-                    place_x,
-                    place_y,
-                    depth: sheets.depth.as_ref().unwrap_or(x),
-                    motion_x,
-                    motion_y,
-                    shares: sheet.share.as_ref().unwrap_or(x),
-                },
-                self.surface.size,
-            );
+            let mut named = vec![
+                ("direction_x", x),
+                ("direction_y", y),
+                ("thresholds", &texture.thresholds),
+                ("turned", turned),
+                ("texels", &texture.texels),
+            ];
+            let place = sheet.place.iter().flatten();
+            named.extend(["place_x", "place_y"].into_iter().zip(place));
+            let motion = sheets.motion.iter().flatten();
+            named.extend(["motion_x", "motion_y"].into_iter().zip(motion));
+            named.extend(sheets.depth.iter().map(|depth| ("depth", depth)));
+            named.extend(sheet.share.iter().map(|share| ("shares", share)));
+            let family = [family, families];
+            let params = stroke_params(params, self.frame, texture, sheet.origin, family);
+            self.over_pixels("hatching", (kernel, &switches), &params, &named);
         }
-        paper
     }
 }
 
@@ -312,10 +233,10 @@ fn stroke_params(
 ) -> StrokeParams {
     let window = frame.data_window;
     StrokeParams {
-        width: frame.mask.width() as u32,
-        height: frame.mask.height() as u32,
-        first_x: window.x0 as f32 + 0.5 + origin[0],
-        first_y: window.y0 as f32 + 0.5 + origin[1],
+        first: [
+            window.x0 as f32 + 0.5 + origin[0],
+            window.y0 as f32 + 0.5 + origin[1],
+        ],
         levels: params.levels,
         levels_per_radian: params.levels as f32 / PI,
         sets: params.sets,

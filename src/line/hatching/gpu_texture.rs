@@ -1,8 +1,7 @@
-//! Textures of strokes on a device, cached between runs.
+//! Textures of strokes on a device.
 
 use crate::engine::gpu::surface::Upload;
 use crate::line::tonal_art_map::{Texels, TonalArtMap};
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// A texture of strokes on the device.
 #[derive(Debug, Clone)]
@@ -31,29 +30,5 @@ impl Texture {
             size: size.map(|texels| texels as u32),
             slices,
         }
-    }
-}
-
-/// The texture of the last drawing, with its source.
-#[derive(Debug, Default)]
-pub(crate) struct TextureCache(Mutex<Option<(Arc<TonalArtMap>, Texture)>>);
-
-impl TextureCache {
-    /// Discards it: in a failed run the copy may be incomplete.
-    pub(crate) fn forget(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    }
-
-    /// The copy of `map`.
-    pub(crate) fn of(&self, map: &Arc<TonalArtMap>, upload: Upload) -> Texture {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((copied, texture)) = &*kept
-            && Arc::ptr_eq(copied, map)
-        {
-            return texture.clone();
-        }
-        let texture = Texture::new(map, upload);
-        *kept = Some((map.clone(), texture.clone()));
-        texture
     }
 }

@@ -56,7 +56,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if HAS_SHARE {
         density *= shares[i];
     }
-    var place = vec2<f32>(params.first_x + f32(id.x), params.first_y + f32(id.y));
+    var place = vec2<f32>(params.first.x + f32(id.x), params.first.y + f32(id.y));
     var direction = vec2<f32>(direction_x[i], direction_y[i]);
     if MOVES {
         place = place_at(i);

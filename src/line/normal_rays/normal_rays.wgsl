@@ -51,8 +51,8 @@ fn point_at(x: u32, y: u32) -> Point {
 
 // The step to the point given by depth, `away` in pixels.
 fn step_by_depth(here: Point, i: u32, away: vec2<f32>, line_there: vec3<f32>) -> Step {
-    let line_apart = vec3<f32>(away * vec2<f32>(params.line_x_step, params.line_y_step), 0.0);
-    let start_apart = vec3<f32>(away * vec2<f32>(params.start_x_step, params.start_y_step), 0.0);
+    let line_apart = vec3<f32>(away * params.line.zw, 0.0);
+    let start_apart = vec3<f32>(away * params.start_step, 0.0);
     var own = depth[here.i] / here.unit;
     var deeper = (depth[i] - depth[here.i]) / here.unit;
     if DEPTH_ALONG_RAY {
@@ -77,7 +77,7 @@ fn ray_at(here: Point, away: vec2<i32>) -> Ray {
     if HAS_DEPTH {
         step = step_by_depth(here, i, pixels, line_there);
     } else {
-        let apart = vec3<f32>(pixels * vec2<f32>(params.apart_x_step, params.apart_y_step), 0.0);
+        let apart = vec3<f32>(pixels * params.apart_step, 0.0);
         step = sight_lines_step(here.stored + there, here.line, line_there, apart);
     }
     return local_ray(step, there, there - here.stored, here.normal, here.tangents);

@@ -1,6 +1,6 @@
 //! Cases of light and lines: radiance scaling, warping, materials, environments, drawings.
 
-use super::{Case, apart, correlation, worst};
+use super::{Case, apart, correlation, pixels, table, worst};
 use crate::engine::{Engine, Outcome, Request, Run, Tone};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
@@ -66,7 +66,7 @@ fn material(material: Material, method: Method) -> Result<f64> {
     let color = picture(&outcome);
     let mut largest = 0.0_f64;
     let mut off = 0.0_f64;
-    for (y, x) in (0..96).flat_map(|y| (0..128).map(move |x| (y, x))) {
+    for (x, y) in pixels(128, 96) {
         let pixel = Pixel::of(&frame, &hessian, [x, y], 0.0);
         if let Some(exact) = lit(&pixel, &light.directional, &settings) {
             for (plane, exact) in [&color.r, &color.g, &color.b].into_iter().zip(exact) {
@@ -130,9 +130,7 @@ fn sign(frame: &Frame, plain: &Plane, scaled: &Plane) -> Result<f64> {
     let layers = run(&layers, frame)?;
     let kappa = layers.shape.kappa.as_ref().expect("layers hold it");
     let mut pairs = Vec::new();
-    for (y, x) in
-        (0..frame.mask.height()).flat_map(|y| (0..frame.mask.width()).map(move |x| (y, x)))
-    {
+    for (x, y) in pixels(frame.mask.width(), frame.mask.height()) {
         let (before, after) = (f64::from(plain.at(x, y)), f64::from(scaled.at(x, y)));
         if frame.mask.at(x, y) && before > 1e-6 && after > 1e-6 {
             pairs.push([(after / before).ln(), kappa.at(x, y).into()]);
@@ -149,19 +147,14 @@ fn mirror(texel: f32) -> Result<f64> {
         _ => [0.4 + 0.2 * (y as f32 / 32.0), 0.5, 0.6],
     });
     let light = under(map);
-    let of = |method| {
-        relit(
-            &frame,
-            white(Material::Mirror, method, Samples::Auto),
-            &light,
-        )
-    };
+    let params = |method| white(Material::Mirror, method, Samples::Auto);
+    let of = |method| relit(&frame, params(method), &light);
     let (plain, scaled) = (of(Method::Plain)?, of(Method::Scale)?);
     sign(&frame, &picture(&plain).g, &picture(&scaled).g)
 }
 
 /// Light chosen by its error against many lights, for 99 of 100 pixels, in levels of albedo one half.
-fn chosen_light(material: Material, most: u32) -> Result<f64> {
+fn chosen_light(material: Material) -> Result<f64> {
     let frame = Scene::ball(96, 96).frame;
     let light = under(environment());
     let of = |samples| {
@@ -169,10 +162,10 @@ fn chosen_light(material: Material, most: u32) -> Result<f64> {
         params.environment_gain = Adaptive::Auto;
         relit(&frame, params, &light)
     };
-    let (truth, found) = (of(Samples::Fixed(most))?, of(Samples::Auto)?);
+    let (truth, found) = (of(Samples::Fixed(4096))?, of(Samples::Auto)?);
     let level = |v: f32| 255.0 * encoded(f64::from(0.5 * v).clamp(0.0, 1.0));
     let mut off = Vec::new();
-    for (y, x) in (0..96).flat_map(|y| (0..96).map(move |x| (y, x))) {
+    for (x, y) in pixels(96, 96) {
         if frame.mask.at(x, y) && frame.normal.z.at(x, y) > 0.1 {
             let [a, b] = [&truth, &found].map(|outcome| level(picture(outcome).g.at(x, y)));
             off.push((a - b).abs());
@@ -209,167 +202,83 @@ fn ink(directions: StrokeDirections) -> Result<f64> {
     Ok((mean - 0.5).abs())
 }
 
-pub(super) fn cases() -> Vec<Case> {
-    use Method::{Both, Plain, Scale as Scaled, Warp};
-    let usual = (ShapeParams::default(), ScalingParams::default());
-    let of_scaling = |scaling| ScalingParams {
+/// How far `enhance` of this strength changes a picture.
+fn enhanced(frame: Frame, scaling: f32) -> Result<f64> {
+    let scaling = ScalingParams {
         scaling,
         ..ScalingParams::default()
     };
-    vec![
-        Case::new(
-            "enhance --scaling 0",
-            "the picture, bit for bit",
-            0.0,
-            move || {
-                changed(
-                    &painted(Scene::waves(96, 80).frame),
-                    usual.0,
-                    of_scaling(0.0),
-                )
-            },
-        ),
-        Case::new(
-            "enhance, a facing plane",
-            "the picture, to rounding",
-            1e-6,
-            move || changed(&painted(Scene::plane(96, 80).frame), usual.0, usual.1),
-        ),
-        Case::new(
-            "enhance, no surface",
-            "the picture, bit for bit",
-            0.0,
-            move || {
-                changed(
-                    &masked(painted(Scene::waves(96, 80).frame), |_, _| false),
-                    usual.0,
-                    usual.1,
-                )
-            },
-        ),
-        Case::new(
-            "scaling of intensity",
-            "[RS] equation 2, in double precision",
-            2e-6,
-            || Ok(formula()),
-        ),
-        Case::new(
-            "enhance, waves",
-            "bumps brighter, hollows darker: correlation above 0.7",
-            0.3,
-            move || {
-                let frame = grey(Scene::waves(160, 120).frame, 0.3);
-                let outcome = run(&Request::enhance(usual.0, usual.1), &frame)?;
-                let before = frame.color.as_ref().expect("it has a picture");
-                sign(&frame, &before.g, &picture(&outcome).g)
-            },
-        ),
-        Case::new(
-            "mirror, even room",
-            "bumps brighter: correlation above 0.4",
-            0.6,
-            || mirror(0.5),
-        ),
-        Case::new(
-            "mirror, one texel of 1e4",
-            "bumps brighter: correlation above 0.4",
-            0.6,
-            || mirror(1e4),
-        ),
-        Case::new("Lambert, plain", "the sum of three lamps", 1e-5, || {
-            material(Material::Lambert, Plain)
-        }),
-        Case::new("Phong, warped", "the same, bent by [LW]", 1e-4, || {
-            material(Material::Phong, Warp)
-        }),
-        Case::new(
-            "Blinn-Phong, scaled",
-            "the same, scaled by [RS]",
-            1e-4,
-            || material(Material::BlinnPhong, Scaled),
-        ),
-        Case::new(
-            "Ashikhmin-Shirley, both",
-            "the same, bent and scaled",
-            3e-4,
-            || material(Material::AshikhminShirley, Both),
-        ),
-        Case::new(
-            "Lambert under a formula's sky, prefiltered",
-            "irradiance, summed over every texel",
-            1e-2,
-            || {
-                let frame = Scene::ball(96, 96).frame;
-                let map = environment();
-                let outcome = relit(
-                    &frame,
-                    white(Material::Lambert, Plain, Samples::Fixed(0)),
-                    &under(map.clone()),
-                )?;
-                let green = &picture(&outcome).g;
-                let exact = |x: usize, y: usize| {
-                    let n = [&frame.normal.x, &frame.normal.y, &frame.normal.z]
-                        .map(|plane| f64::from(plane.at(x, y)));
-                    irradiance(&map, n.into())[1]
-                };
-                Ok(worst(&frame, |x, y| {
-                    let is_one_of_many = x % 5 == 0 && y % 5 == 0;
-                    is_one_of_many.then(|| f64::from(green.at(x, y)) / exact(x, y) - 1.0)
-                }))
-            },
-        ),
-        Case::new(
-            "Lambert, lights chosen by their error",
-            "4096 lights, in levels, 99 % of pixels",
-            2.0,
-            || chosen_light(Material::Lambert, 4096),
-        ),
-        Case::new(
-            "Phong, lights chosen by their error",
-            "4096 lights, in levels, 99 % of pixels",
-            2.0,
-            || chosen_light(Material::Phong, 4096),
-        ),
-        Case::new("light from behind", "nothing is lit", 0.0, || {
-            let frame = Scene::plane(32, 32).frame;
-            let outcome = relit(
-                &frame,
-                white(Material::Lambert, Both, Samples::Auto),
-                &lamp(90.0, -30.0),
-            )?;
-            Ok(worst(&frame, |x, y| {
-                Some(picture(&outcome).r.at(x, y).into())
-            }))
-        }),
-        Case::new(
-            "--solver explicit and chebyshev, enhanced",
-            "the same picture, to 1e-3",
-            1e-3,
-            || {
-                let frame = painted(Scene::waves(160, 120).frame);
-                let of = |solver| {
-                    let shape = ShapeParams {
-                        scale: Scale::Iterations(50),
-                        solver,
-                        ..ShapeParams::default()
-                    };
-                    run(&Request::enhance(shape, ScalingParams::default()), &frame)
-                };
-                let (a, b) = (of(Solver::Explicit)?, of(Solver::Chebyshev)?);
-                Ok(apart(&picture(&a).g, &picture(&b).g))
-            },
-        ),
-        Case::new(
-            "ink of one direction at tone 0.5",
-            "one half of the paper",
-            0.02,
-            || ink(StrokeDirections::Max),
-        ),
-        Case::new(
-            "ink of both directions at tone 0.5",
-            "one half of the paper",
-            0.02,
-            || ink(StrokeDirections::Both),
-        ),
-    ]
+    changed(&painted(frame), ShapeParams::default(), scaling)
+}
+
+/// Whether bumps of waves come out brighter.
+fn waves_enhanced() -> Result<f64> {
+    let frame = grey(Scene::waves(160, 120).frame, 0.3);
+    let request = Request::enhance(ShapeParams::default(), ScalingParams::default());
+    let outcome = run(&request, &frame)?;
+    let before = frame.color.as_ref().expect("it has a picture");
+    sign(&frame, &before.g, &picture(&outcome).g)
+}
+
+/// A prefiltered sky against the sum over its texels.
+fn prefiltered() -> Result<f64> {
+    let frame = Scene::ball(96, 96).frame;
+    let map = environment();
+    let params = white(Material::Lambert, Method::Plain, Samples::Fixed(0));
+    let outcome = relit(&frame, params, &under(map.clone()))?;
+    let green = &picture(&outcome).g;
+    Ok(worst(&frame, |x, y| {
+        let is_one_of_many = x % 5 == 0 && y % 5 == 0;
+        let exact = || irradiance(&map, frame.normal.at(x, y))[1];
+        is_one_of_many.then(|| f64::from(green.at(x, y)) / exact() - 1.0)
+    }))
+}
+
+fn lit_from_behind() -> Result<f64> {
+    let frame = Scene::plane(32, 32).frame;
+    let params = white(Material::Lambert, Method::Both, Samples::Auto);
+    let outcome = relit(&frame, params, &lamp(90.0, -30.0))?;
+    let red = &picture(&outcome).r;
+    Ok(worst(&frame, |x, y| Some(red.at(x, y).into())))
+}
+
+fn by_both_solvers() -> Result<f64> {
+    let frame = painted(Scene::waves(160, 120).frame);
+    let of = |solver| {
+        let shape = ShapeParams {
+            scale: Scale::Iterations(50),
+            solver,
+            ..ShapeParams::default()
+        };
+        run(&Request::enhance(shape, ScalingParams::default()), &frame)
+    };
+    let (a, b) = (of(Solver::Explicit)?, of(Solver::Chebyshev)?);
+    Ok(apart(&picture(&a).g, &picture(&b).g))
+}
+
+#[rustfmt::skip] // It would break the rows.
+pub(super) fn cases() -> Vec<Case> {
+    use Material::{AshikhminShirley, BlinnPhong, Lambert, Phong};
+    use Method::{Both, Plain, Scale as Scaled, Warp};
+    table! {
+        "enhance --scaling 0", "the picture, bit for bit", 0.0 => enhanced(Scene::waves(96, 80).frame, 0.0);
+        "enhance, a facing plane", "the picture, to rounding", 1e-6 => enhanced(Scene::plane(96, 80).frame, 1.0);
+        "enhance, no surface", "the picture, bit for bit", 0.0
+            => enhanced(masked(Scene::waves(96, 80).frame, |_, _| false), 1.0);
+        "scaling of intensity", "[RS] equation 2, in double precision", 2e-6 => Ok(formula());
+        "enhance, waves", "bumps brighter, hollows darker: correlation above 0.7", 0.3 => waves_enhanced();
+        "mirror, even room", "bumps brighter: correlation above 0.4", 0.6 => mirror(0.5);
+        "mirror, one texel of 1e4", "bumps brighter: correlation above 0.4", 0.6 => mirror(1e4);
+        "Lambert, plain", "the sum of three lamps", 1e-5 => material(Lambert, Plain);
+        "Phong, warped", "the same, bent by [LW]", 1e-4 => material(Phong, Warp);
+        "Blinn-Phong, scaled", "the same, scaled by [RS]", 1e-4 => material(BlinnPhong, Scaled);
+        "Ashikhmin-Shirley, both", "the same, bent and scaled", 3e-4 => material(AshikhminShirley, Both);
+        "Lambert under a formula's sky, prefiltered", "irradiance, summed over every texel", 1e-2 => prefiltered();
+        "Lambert, lights chosen by their error", "4096 lights, in levels, 99 % of pixels", 2.0 => chosen_light(Lambert);
+        "Phong, lights chosen by their error", "4096 lights, in levels, 99 % of pixels", 2.0 => chosen_light(Phong);
+        "light from behind", "nothing is lit", 0.0 => lit_from_behind();
+        "--solver explicit and chebyshev, enhanced", "the same picture, to 1e-3", 1e-3 => by_both_solvers();
+        "ink of one direction at tone 0.5", "one half of the paper", 0.02 => ink(StrokeDirections::Max);
+        "ink of both directions at tone 0.5", "one half of the paper", 0.02 => ink(StrokeDirections::Both);
+    }
 }

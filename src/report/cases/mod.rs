@@ -8,7 +8,7 @@ use super::text::scientific;
 use crate::error::Result;
 use crate::frame::{Frame, Plane};
 use serde::Serialize;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::catch_unwind;
 
 /// A case: what is measured, what it should be, and how far off it may be.
 pub(super) struct Case {
@@ -17,8 +17,23 @@ pub(super) struct Case {
     within: f64,
     /// Why it is known not to be met, if it is.
     miss: Option<&'static str>,
-    found: Box<dyn Fn() -> Result<f64>>,
+    found: fn() -> Result<f64>,
 }
+
+/// A table of cases, a row each: name, truth, the error allowed, and what finds the error. What is known to be missed says
+/// why.
+macro_rules! table {
+    ($($name:literal, $truth:literal, $within:literal => $found:expr $(, missed: $why:literal)?;)*) => {
+        vec![$($crate::report::cases::Case {
+            name: $name,
+            truth: $truth,
+            within: $within,
+            miss: None$(.or(Some($why)))?,
+            found: || $found,
+        }),*]
+    };
+}
+use table;
 
 /// A case with what was found.
 #[derive(Debug, Clone, Serialize)]
@@ -36,32 +51,9 @@ pub(crate) struct CaseResult {
 }
 
 impl Case {
-    fn new(
-        name: &'static str,
-        truth: &'static str,
-        within: f64,
-        found: impl Fn() -> Result<f64> + 'static,
-    ) -> Self {
-        Self {
-            name,
-            truth,
-            within,
-            miss: None,
-            found: Box::new(found),
-        }
-    }
-
-    /// The same, known to be missed for a reason.
-    fn missed(self, why: &'static str) -> Self {
-        Self {
-            miss: Some(why),
-            ..self
-        }
-    }
-
     /// Runs it; a panic fails this case alone.
     fn run(&self) -> CaseResult {
-        let found = catch_unwind(AssertUnwindSafe(&self.found));
+        let found = catch_unwind(self.found);
         let found = found.ok().and_then(Result::ok);
         // NaN is within nothing.
         let is_met = found.is_some_and(|found| found <= self.within);
@@ -122,30 +114,32 @@ pub(crate) fn lines(results: &[CaseResult]) -> Vec<String> {
         .collect()
 }
 
+/// The pixels of a picture, row by row.
+fn pixels(width: usize, height: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
 /// The largest of what `off` gives over the covered pixels; NaN if one is, or if there is none.
 fn worst(frame: &Frame, off: impl Fn(usize, usize) -> Option<f64>) -> f64 {
     let mask = &frame.mask;
     let pixels = (0..mask.height()).flat_map(|y| mask.runs(y).flatten().map(move |x| (x, y)));
     let found = pixels.filter_map(|(x, y)| off(x, y));
-    let most = found.fold(None, |most: Option<f64>, off| match most {
-        Some(most) if most.is_nan() || off.is_nan() => Some(f64::NAN),
-        Some(most) => Some(most.max(off.abs())),
-        None => Some(off.abs()),
-    });
-    most.unwrap_or(f64::NAN)
+    found.reduce(larger).unwrap_or(f64::NAN).abs()
 }
 
 /// The largest difference of two planes; NaN if a sample is.
 fn apart(a: &Plane, b: &Plane) -> f64 {
-    let off = a
-        .samples()
-        .iter()
-        .zip(b.samples())
-        .map(|(a, b)| f64::from((a - b).abs()));
-    off.fold(
-        0.0,
-        |most: f64, off| if off.is_nan() { off } else { most.max(off) },
-    )
+    let both = a.samples().iter().zip(b.samples());
+    both.map(|(a, b)| f64::from(a - b)).fold(0.0, larger)
+}
+
+/// The larger of two errors, of either sign; NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.abs().max(b.abs())
+    }
 }
 
 /// The correlation of two series.
@@ -169,8 +163,14 @@ mod tests {
 
     #[test]
     fn a_case_that_fails_is_wrong() {
-        let case = |found: fn() -> Result<f64>| Case::new("a case", "0", 1.0, found);
-        assert!(case(|| Ok(1.0)).run().is_as_declared);
+        let case = |found, miss| Case {
+            name: "a case",
+            truth: "0",
+            within: 1.0,
+            miss,
+            found,
+        };
+        assert!(case(|| Ok(1.0), None).run().is_as_declared);
         let failed: [fn() -> Result<f64>; 4] = [
             || Ok(1.1),
             || Ok(f64::NAN),
@@ -178,9 +178,9 @@ mod tests {
             || panic!("on purpose"),
         ];
         for found in failed {
-            assert!(!case(found).run().is_as_declared);
-            assert!(case(found).missed("known").run().is_as_declared);
+            assert!(!case(found, None).run().is_as_declared);
+            assert!(case(found, Some("known")).run().is_as_declared);
         }
-        assert!(!case(|| Ok(0.0)).missed("known").run().is_as_declared);
+        assert!(!case(|| Ok(0.0), Some("known")).run().is_as_declared);
     }
 }

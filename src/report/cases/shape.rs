@@ -1,6 +1,6 @@
 //! Cases of the shape: normals and depth to edges, gradient, curvature, directions, height.
 
-use super::{Case, apart, worst};
+use super::{Case, apart, larger, pixels, table, worst};
 use crate::engine::{Engine, Outcome, Request, Run};
 use crate::error::Result;
 use crate::frame::from_depth::{Precision, normals_of_depth};
@@ -41,8 +41,12 @@ fn is_open(outcome: &Outcome, x: usize, y: usize) -> bool {
             .all(|&c| c == 1.0)
 }
 
-fn weight(plane: &Option<Plane>) -> &Plane {
-    plane.as_ref().expect("layers hold it")
+fn silhouette(outcome: &Outcome) -> &Plane {
+    outcome.shape.silhouette.as_ref().expect("layers hold it")
+}
+
+fn crease(outcome: &Outcome) -> &Plane {
+    outcome.shape.crease.as_ref().expect("layers hold it")
 }
 
 fn at(surface: Surface) -> ExactScene {
@@ -55,7 +59,7 @@ fn plane(tilt_deg: f64, foreshortening: f32) -> Result<f64> {
     let scene = at(Surface::plane(DVec3::new(0.8 * sin, 0.6 * sin, cos)));
     let frame = scene.frame(96, 96);
     let outcome = described(&frame, itself(foreshortening))?;
-    let silhouette = weight(&outcome.shape.silhouette);
+    let silhouette = silhouette(&outcome);
     Ok(worst(&frame, |x, y| {
         let is_inside = (2..94).contains(&x) && (2..94).contains(&y);
         is_inside.then(|| trace(&outcome, x, y).abs().max(silhouette.at(x, y).into()))
@@ -108,7 +112,7 @@ fn of_depth() -> Result<[f64; 2]> {
         described(&frame, itself(0.0))?,
     ];
     let (mut off, mut error, mut size) = (0.0_f64, 0.0, 0.0);
-    for (x, y) in (0..256).flat_map(|y| (0..256).map(move |x| (x, y))) {
+    for (x, y) in pixels(256, 256) {
         if scene.exact(x, y).is_some_and(|exact| exact.normal.z > 0.7) {
             let [seen, normal] = [&made, &frame].map(|frame| frame.normal.at(x, y));
             off = off.max(seen.angle_between(normal).to_degrees());
@@ -127,7 +131,7 @@ fn height_field(scene: &ExactScene, least_n_z: f64) -> Result<f64> {
     let hessian = outcome.shape.hessian.as_ref().expect("layers hold it");
     let mut largest = 0.0_f64;
     let mut off = 0.0_f64;
-    for (y, x) in (0..256).flat_map(|y| (0..256).map(move |x| (y, x))) {
+    for (x, y) in pixels(256, 256) {
         let Some(exact) = scene.exact(x, y).filter(|e| e.normal.z > least_n_z) else {
             continue;
         };
@@ -162,12 +166,12 @@ fn waves(scale: Scale, solver: Solver, time: f64) -> Result<f64> {
 }
 
 /// The share of the pixels on both sides of a border between surfaces of which neither is marked.
-fn unmarked(scene: &ExactScene, size: usize, marks: impl Fn(&Outcome) -> &Plane) -> Result<f64> {
+fn unmarked(scene: &ExactScene, size: usize, marks: fn(&Outcome) -> &Plane) -> Result<f64> {
     let outcome = described(&scene.frame(size, size), itself(0.0))?;
     let marks = marks(&outcome);
     let seen = |x: usize, y: usize| scene.exact(x, y).map(|exact| exact.surface);
     let (mut missed, mut borders) = (0, 0);
-    for (y, x) in (1..size - 1).flat_map(|y| (1..size - 1).map(move |x| (y, x))) {
+    for (x, y) in pixels(size - 1, size - 1).filter(|&(x, y)| x > 0 && y > 0) {
         for (nx, ny) in [(x + 1, y), (x, y + 1)] {
             if let (Some(a), Some(b)) = (seen(x, y), seen(nx, ny))
                 && a != b
@@ -223,8 +227,7 @@ fn not_numbers(normal: impl Fn(usize, usize) -> [f32; 3], covered: usize) -> Res
         .normals(Normals::view(&normals))
         .build()?;
     let outcome = described(&frame, ShapeParams::default())?;
-    let all = (0..48).flat_map(|y| (0..48).map(move |x| (x, y)));
-    let bad = all
+    let bad = pixels(48, 48)
         .filter(|&(x, y)| !trace(&outcome, x, y).is_finite())
         .count();
     Ok((bad + frame.mask.count().abs_diff(covered)) as f64)
@@ -241,12 +244,7 @@ fn overshoot(sigma: f32) -> Result<f64> {
     let before = described(&scene.frame, of(Scale::Iterations(0)))?;
     let after = described(&scene.frame, of(Scale::Sigma(sigma)))?;
     let slopes = |outcome: &Outcome| outcome.shape.gradient.clone().expect("layers hold it");
-    let largest = |plane: &Plane| {
-        plane
-            .samples()
-            .iter()
-            .fold(0.0_f64, |m, v| m.max(f64::from(v.abs())))
-    };
+    let largest = |plane: &Plane| plane.samples().iter().map(|&v| v.into()).fold(0.0, larger);
     let (before, after) = (slopes(&before), slopes(&after));
     let x = largest(&after.x) / largest(&before.x) - 1.0;
     let y = largest(&after.y) / largest(&before.y) - 1.0;
@@ -272,7 +270,7 @@ fn directions() -> Result<f64> {
     let outcome = described(&scene.frame, itself(1.0))?;
     let found = outcome.shape.direction.as_ref().expect("layers hold it");
     let mut off = Vec::new();
-    for (y, x) in (0..200).flat_map(|y| (0..240).map(move |x| (y, x))) {
+    for (x, y) in pixels(240, 200) {
         if let Some(exact) = scene.exact_direction(x, y) {
             let found = DVec2::new(found.x.at(x, y).into(), found.y.at(x, y).into());
             off.push(angle_deg(found, exact));
@@ -332,262 +330,121 @@ fn height() -> Result<f64> {
     }))
 }
 
-pub(super) fn cases() -> Vec<Case> {
+/// The silhouettes of a picture seen from above, away from its border.
+fn no_silhouette() -> Result<f64> {
+    let frame = at(Surface::sine_relief(12.0, 60.0, 0.3)).frame(256, 256);
+    let outcome = described(&frame, itself(0.0))?;
+    let found = silhouette(&outcome);
+    Ok(worst(&frame, |x, y| {
+        ((2..254).contains(&x) && (2..254).contains(&y)).then(|| found.at(x, y).into())
+    }))
+}
+
+fn mirrored() -> Result<f64> {
+    let scene = ExactScene::two_balls(55.0, 80.0, 128.0, 127.0);
+    let [a, b] = [&scene, &scene.mirrored(256)].map(|scene| scene.frame(256, 256));
+    traces_apart(&a, &b, |x, y| [255 - x, y])
+}
+
+fn turned_over() -> Result<f64> {
+    let frame = Frame {
+        camera: None,
+        ..two_balls().frame(256, 240)
+    };
+    traces_apart(&frame, &transposed(&frame), |x, y| [y, x])
+}
+
+fn two_balls() -> ExactScene {
+    ExactScene::two_balls(55.0, 80.0, 128.3, 127.6)
+}
+
+fn corner(block: bool) -> ExactScene {
+    ExactScene::box_corner(block, 0.3, 128.3, 127.6)
+}
+
+fn ellipsoid() -> ExactScene {
     let turn = DMat3::from_quat(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 0.3)));
-    vec![
-        Case::new("plane, facing", "curvature 0, no silhouette", 0.0, || {
-            plane(0.0, 0.0)
-        }),
-        Case::new(
-            "plane, 60 degrees",
-            "curvature 0, no silhouette",
-            0.0,
-            || plane(60.0, 1.0),
-        ),
-        Case::new(
-            "plane, 85 degrees",
-            "curvature 0, no silhouette",
-            0.0,
-            || plane(85.0, 1.0),
-        ),
-        Case::new(
-            "plane, 89 degrees",
-            "curvature 0, no silhouette",
-            0.0,
-            || plane(89.0, 0.0),
-        ),
-        Case::new(
-            "ball of 100 px, foreshortening 0",
-            "trace -2/R, to 1e-4",
-            1e-4,
-            || ball(100.0, 0.0, 0.1),
-        ),
+    let surface = Surface::ellipsoid(DVec3::new(120.0, 70.0, 90.0), turn);
+    ExactScene::orthographic(surface, 128.3, 127.6).in_perspective()
+}
+
+fn torus() -> ExactScene {
+    at(Surface::torus(80.0, 35.0, DVec3::new(0.3, 0.5, 0.8)))
+}
+
+/// Every seventh normal is none.
+fn holes() -> Result<f64> {
+    let is_bad = |x: usize, y: usize| (x + 3 * y).is_multiple_of(7);
+    let covered = pixels(48, 48).filter(|&(x, y)| !is_bad(x, y)).count();
+    let normal = |x, y| {
+        if is_bad(x, y) {
+            [f32::NAN; 3]
+        } else {
+            [0.6, 0.0, 0.8]
+        }
+    };
+    not_numbers(normal, covered)
+}
+
+fn one_pixel() -> Result<f64> {
+    let frame = Frame::builder(1, 1)
+        .normals(Normals::view(&[0.6_f32, 0.0, 0.8][..]))
+        .build()?;
+    Ok(trace(&described(&frame, ShapeParams::default())?, 0, 0))
+}
+
+#[rustfmt::skip] // It would break the rows.
+pub(super) fn cases() -> Vec<Case> {
+    use Solver::{Chebyshev, Explicit};
+    table! {
+        "plane, facing", "curvature 0, no silhouette", 0.0 => plane(0.0, 0.0);
+        "plane, 60 degrees", "curvature 0, no silhouette", 0.0 => plane(60.0, 1.0);
+        "plane, 85 degrees", "curvature 0, no silhouette", 0.0 => plane(85.0, 1.0);
+        "plane, 89 degrees", "curvature 0, no silhouette", 0.0 => plane(89.0, 0.0);
+        "ball of 100 px, foreshortening 0", "trace -2/R, to 1e-4", 1e-4 => ball(100.0, 0.0, 0.1);
         // Central differences lose a sixth of the third derivative of the depth, 3 x / (z^5 R^2) in radii: at n_z = z = 0.7
         // and x = 0.71 that turns the normal by 0.006 degrees, a little more in perspective.
-        Case::new(
-            "normals of a ball's depth",
-            "exact normals, in degrees",
-            0.02,
-            || Ok(of_depth()?[0]),
-        ),
-        Case::new(
-            "curvature of a ball's depth",
-            "that of its exact normals",
-            0.01,
-            || Ok(of_depth()?[1]),
-        ),
+        "normals of a ball's depth", "exact normals, in degrees", 0.02 => Ok(of_depth()?[0]);
+        "curvature of a ball's depth", "that of its exact normals", 0.01 => Ok(of_depth()?[1]);
         // Truncation is (1/R)^2 times a fourth derivative that grows as n_z^-4: 2 / (100^2 0.6^4).
-        Case::new(
-            "ball of 100 px, foreshortening 1, n_z > 0.6",
-            "trace of the height field",
-            1.55e-3,
-            || ball(100.0, 1.0, 0.6),
-        ),
-        Case::new(
-            "the same, n_z > 0.15",
-            "trace of the height field, to 1 %",
-            1e-2,
-            || ball(100.0, 1.0, 0.15),
-        )
-        .missed("central differences of a slope that grows as 1 / n_z^3"),
-        Case::new("cylinder of 100 px", "curvatures 0 and -1/R", 1e-3, || {
-            principal_curvatures(Surface::cylinder(100.0, DVec3::Y), [0.0, -0.01])
-        }),
+        "ball of 100 px, foreshortening 1, n_z > 0.6", "trace of the height field", 1.55e-3 => ball(100.0, 1.0, 0.6);
+        "the same, n_z > 0.15", "trace of the height field, to 1 %", 1e-2 => ball(100.0, 1.0, 0.15),
+            missed: "central differences of a slope that grows as 1 / n_z^3";
+        "cylinder of 100 px", "curvatures 0 and -1/R", 1e-3
+            => principal_curvatures(Surface::cylinder(100.0, DVec3::Y), [0.0, -0.01]);
         // (2 pi / 80)^2 / 3: a wave of 80 px by central differences.
-        Case::new("waves of 80 px, turned", "second derivatives", 4e-3, || {
-            height_field(&at(Surface::sine_relief(6.0, 80.0, 0.7)), 0.1)
-        }),
-        Case::new("saddle", "second derivatives", 1e-3, || {
-            height_field(&at(Surface::saddle(0.006, -0.003, 0.4)), 0.5)
-        }),
+        "waves of 80 px, turned", "second derivatives", 4e-3
+            => height_field(&at(Surface::sine_relief(6.0, 80.0, 0.7)), 0.1);
+        "saddle", "second derivatives", 1e-3 => height_field(&at(Surface::saddle(0.006, -0.003, 0.4)), 0.5);
         // The same of its tube: 2 / (35^2 0.6^4).
-        Case::new("torus, n_z > 0.6", "second derivatives", 1.3e-2, || {
-            height_field(
-                &at(Surface::torus(80.0, 35.0, DVec3::new(0.3, 0.5, 0.8))),
-                0.6,
-            )
-        }),
-        Case::new(
-            "ellipsoid in perspective, n_z > 0.8",
-            "second derivatives",
-            5e-3,
-            move || {
-                let surface = Surface::ellipsoid(DVec3::new(120.0, 70.0, 90.0), turn);
-                height_field(
-                    &ExactScene::orthographic(surface, 128.3, 127.6).in_perspective(),
-                    0.8,
-                )
-            },
-        ),
-        Case::new(
-            "ellipsoid, directions of 95 % of pixels",
-            "of the larger curvature, in degrees",
-            1.0,
-            directions,
-        ),
+        "torus, n_z > 0.6", "second derivatives", 1.3e-2 => height_field(&torus(), 0.6);
+        "ellipsoid in perspective, n_z > 0.8", "second derivatives", 5e-3 => height_field(&ellipsoid(), 0.8);
+        "ellipsoid, directions of 95 % of pixels", "of the larger curvature, in degrees", 1.0 => directions();
         // Derivatives by differences over two pixels and three rows: 1 - k^2/6 - k^2/3 of a wave's, k = 2 pi / 64.
-        Case::new(
-            "waves of 64 px, 50 explicit steps",
-            "decay of a wave",
-            4.9e-3,
-            || waves(Scale::Iterations(50), Solver::Explicit, 10.0),
-        ),
-        Case::new("waves of 64 px, sigma 6", "decay of a wave", 4.9e-3, || {
-            waves(Scale::Sigma(6.0), Solver::Chebyshev, 18.0)
-        }),
-        Case::new("waves of 64 px, sigma 20", "decay of a wave", 2e-2, || {
-            waves(Scale::Sigma(20.0), Solver::Chebyshev, 200.0)
-        }),
-        Case::new(
-            "50 steps and their expansion, at barriers",
-            "the same slopes, to the tolerance",
-            1e-4,
-            steps_and_chebyshev,
-        ),
-        Case::new(
-            "sigma 200 at barriers",
-            "slopes stay in their range",
-            1e-4,
-            || overshoot(200.0),
-        ),
-        Case::new(
-            "ball before a wall, 300 units",
-            "all of its outline is silhouette",
-            0.0,
-            || {
-                unmarked(&before_wall(40.0, 300.0), 200, |o| {
-                    weight(&o.shape.silhouette)
-                })
-            },
-        ),
-        Case::new(
-            "ball before a wall, 30,000 units",
-            "all of its outline is silhouette",
-            0.0,
-            || {
-                unmarked(&before_wall(40.0, 30_000.0), 200, |o| {
-                    weight(&o.shape.silhouette)
-                })
-            },
-        ),
-        Case::new(
-            "ball that all but touches a wall",
-            "all of its outline is silhouette",
-            0.0,
-            || {
-                unmarked(&before_wall(-59.5, 300.0), 200, |o| {
-                    weight(&o.shape.silhouette)
-                })
-            },
-        )
-        .missed("a gap below 1.5 px is within the noise of rendered depth"),
-        Case::new(
-            "two balls, one before the other",
-            "all of the border is silhouette",
-            0.0,
-            || {
-                unmarked(&ExactScene::two_balls(55.0, 80.0, 128.3, 127.6), 256, |o| {
-                    weight(&o.shape.silhouette)
-                })
-            },
-        ),
-        Case::new("waves, seen from above", "no silhouette", 0.0, || {
-            let frame = at(Surface::sine_relief(12.0, 60.0, 0.3)).frame(256, 256);
-            let outcome = described(&frame, itself(0.0))?;
-            let found = weight(&outcome.shape.silhouette);
-            Ok(worst(&frame, |x, y| {
-                ((2..254).contains(&x) && (2..254).contains(&y)).then(|| found.at(x, y).into())
-            }))
-        }),
-        Case::new("edges of a cube", "all are creases", 0.0, || {
-            unmarked(&ExactScene::box_corner(true, 0.3, 128.3, 127.6), 256, |o| {
-                weight(&o.shape.crease)
-            })
-        }),
-        Case::new("edges of a room", "all are creases", 0.0, || {
-            unmarked(
-                &ExactScene::box_corner(false, 0.3, 128.3, 127.6),
-                256,
-                |o| weight(&o.shape.crease),
-            )
-        }),
-        Case::new(
-            "mirrored picture",
-            "the same curvature, bit for bit",
-            0.0,
-            || {
-                let scene = ExactScene::two_balls(55.0, 80.0, 128.0, 127.0);
-                traces_apart(
-                    &scene.frame(256, 256),
-                    &scene.mirrored(256).frame(256, 256),
-                    |x, y| [255 - x, y],
-                )
-            },
-        ),
-        Case::new(
-            "transposed picture",
-            "the same curvature, bit for bit",
-            0.0,
-            || {
-                let scene = ExactScene::two_balls(55.0, 80.0, 128.3, 127.6);
-                let frame = Frame {
-                    camera: None,
-                    ..scene.frame(256, 240)
-                };
-                traces_apart(&frame, &transposed(&frame), |x, y| [y, x])
-            },
-        ),
-        Case::new(
-            "twice the picture, with a reference height",
-            "the same curvature",
-            1e-3,
-            reference_height,
-        ),
-        Case::new(
-            "waves, height of their normals",
-            "the height, but for a constant",
-            1e-2,
-            height,
-        ),
-        Case::new(
-            "NaN normals, every seventh",
-            "left out of the surface, all else numbers",
-            0.0,
-            || {
-                let is_bad = |x: usize, y: usize| (x + 3 * y).is_multiple_of(7);
-                let all = (0..48).flat_map(|y| (0..48).map(move |x| (x, y)));
-                let covered = all.filter(|&(x, y)| !is_bad(x, y)).count();
-                not_numbers(
-                    move |x, y| {
-                        if is_bad(x, y) {
-                            [f32::NAN; 3]
-                        } else {
-                            [0.6, 0.0, 0.8]
-                        }
-                    },
-                    covered,
-                )
-            },
-        ),
-        Case::new("no surface at all", "nothing but zeros", 0.0, || {
-            not_numbers(|_, _| [0.0; 3], 0)
-        }),
-        Case::new(
-            "random normals, the far side too",
-            "all numbers",
-            0.0,
-            || {
-                not_numbers(
-                    |x, y| [1, 2, 3].map(|c| 2.0 * noise(x, y, c) - 1.0),
-                    48 * 48,
-                )
-            },
-        ),
-        Case::new("one pixel", "curvature 0", 0.0, || {
-            let frame = Frame::builder(1, 1)
-                .normals(Normals::view(&[0.6_f32, 0.0, 0.8][..]))
-                .build()?;
-            Ok(trace(&described(&frame, ShapeParams::default())?, 0, 0))
-        }),
-    ]
+        "waves of 64 px, 50 explicit steps", "decay of a wave", 4.9e-3 => waves(Scale::Iterations(50), Explicit, 10.0);
+        "waves of 64 px, sigma 6", "decay of a wave", 4.9e-3 => waves(Scale::Sigma(6.0), Chebyshev, 18.0);
+        "waves of 64 px, sigma 20", "decay of a wave", 2e-2 => waves(Scale::Sigma(20.0), Chebyshev, 200.0);
+        "50 steps and their expansion, at barriers", "the same slopes, to the tolerance", 1e-4 => steps_and_chebyshev();
+        "sigma 200 at barriers", "slopes stay in their range", 1e-4 => overshoot(200.0);
+        "ball before a wall, 300 units", "all of its outline is silhouette", 0.0
+            => unmarked(&before_wall(40.0, 300.0), 200, silhouette);
+        "ball before a wall, 30,000 units", "all of its outline is silhouette", 0.0
+            => unmarked(&before_wall(40.0, 30_000.0), 200, silhouette);
+        "ball that all but touches a wall", "all of its outline is silhouette", 0.0
+            => unmarked(&before_wall(-59.5, 300.0), 200, silhouette),
+            missed: "a gap below 1.5 px is within the noise of rendered depth";
+        "two balls, one before the other", "all of the border is silhouette", 0.0 => unmarked(&two_balls(), 256, silhouette);
+        "waves, seen from above", "no silhouette", 0.0 => no_silhouette();
+        "edges of a cube", "all are creases", 0.0 => unmarked(&corner(true), 256, crease);
+        "edges of a room", "all are creases", 0.0 => unmarked(&corner(false), 256, crease);
+        "mirrored picture", "the same curvature, bit for bit", 0.0 => mirrored();
+        "transposed picture", "the same curvature, bit for bit", 0.0 => turned_over();
+        "twice the picture, with a reference height", "the same curvature", 1e-3 => reference_height();
+        "waves, height of their normals", "the height, but for a constant", 1e-2 => height();
+        "NaN normals, every seventh", "left out of the surface, all else numbers", 0.0 => holes();
+        "no surface at all", "nothing but zeros", 0.0 => not_numbers(|_, _| [0.0; 3], 0);
+        "random normals, the far side too", "all numbers", 0.0
+            => not_numbers(|x, y| [1, 2, 3].map(|c| 2.0 * noise(x, y, c) - 1.0), 48 * 48);
+        "one pixel", "curvature 0", 0.0 => one_pixel();
+    }
 }

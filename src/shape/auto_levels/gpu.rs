@@ -6,11 +6,10 @@ use crate::engine::gpu::recording::Recording;
 /// Has the CPU choose the gain of curvature, with the planes it depends on if that is left open.
 pub(crate) fn with_trace(run: &mut Recording, choose: fn(&mut Execution)) {
     if run.plan.chooses_gain() {
-        let shape = run.made.shape.take().expect("the gain takes the trace");
-        let [trace, conductance] = run.read_planes([shape.trace(), &shape.conductance]);
+        let [trace, conductance] = ["trace", "conductance"].map(|name| run.plane(name));
+        let [trace, conductance] = run.read_planes([&trace, &conductance]);
         let of_host = &mut run.host.outcome.shape;
         (of_host.trace, of_host.conductance) = (Some(trace), Some(conductance));
-        run.made.shape = Some(shape);
     }
     run.choose(choose);
     let of_host = &mut run.host.outcome.shape;

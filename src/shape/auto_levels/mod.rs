@@ -1,7 +1,6 @@
 //! Automatic choices from the whole frame, shared by all backends: the gain of the curvature mapping and white levels.
 
 pub(crate) mod cpu;
-#[cfg(feature = "cli")]
 pub(crate) mod gain_search;
 #[cfg(feature = "gpu")]
 pub(crate) mod gpu;

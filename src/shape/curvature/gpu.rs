@@ -1,9 +1,7 @@
 //! The Hessian, and curvatures.
 
-use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
-use crate::engine::gpu::made::{Curvatures, Hessian, Shape};
-use crate::engine::gpu::recording::{NOWHERE, Recording};
+use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::F32;
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
@@ -21,148 +19,86 @@ pub(crate) const MAPPED_CURVATURE_TOWARD: Wgsl = wgsl!("mapped_curvature_toward.
 uniforms! {
     /// Uniforms of `hessian.wgsl`.
     HessianParams {
-        width: u32,
-        height: u32,
         /// Pixels per pixel of the reference.
         resolution_factor: f32,
     }
 
     /// For kernels that map curvature.
     GainParams {
-        width: u32,
-        height: u32,
         gain: f32,
     }
 }
 
-bindings! {
-    HessianBuffers {
-        covered: &[u32], conductance: &[f32], gradient: &[vec2<f32>], trace: &mut [f32], hessian_xx: &mut [f32],
-        hessian_xy: &mut [f32], hessian_yy: &mut [f32],
-    }
-    CurvaturesBuffers {
-        covered: &[u32], hessian_xx: &[f32], hessian_xy: &[f32], hessian_yy: &[f32],
-        /// View-centred curvature: u, v, mean and kappa.
-        curvature: &mut [vec4<f32>], direction: &mut [vec2<f32>],
-    }
-}
+/// The planes of the Hessian's entries.
+pub(crate) const HESSIAN_PLANES: [&str; 3] = ["hessian_xx", "hessian_xy", "hessian_yy"];
 
 /// The Hessian of a gradient, or only its trace.
-pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams, HessianBuffers>(
+pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams>(
     "Hessian",
+    "covered: u32; conductance: f32; gradient: vec2<f32>; trace: mut f32; \
+     hessian_xx?, hessian_xy?, hessian_yy?: mut f32",
     &[wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))])],
 );
 
 /// Planes that the layers of the descriptor derive from the Hessian.
-pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams, CurvaturesBuffers>(
+pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams>(
     "Curvatures",
+    // View-centred curvature: u, v, mean and kappa.
+    "covered: u32; hessian_xx, hessian_xy, hessian_yy: f32; curvature: mut vec4<f32>; \
+     direction: mut vec2<f32>",
     &[
         MAPPED_CURVATURE,
         wgsl!("curvatures.wgsl", [("UMBILIC", F32(UMBILIC))]),
     ],
 );
 
-/// Computes the Hessian, or only its trace.
+/// Computes the Hessian, or only its trace, if curvature is wanted.
 pub(crate) fn find_hessian(run: &mut Recording) {
-    run.change_shape(Recording::with_hessian);
+    let plan = run.plan;
+    if !plan.wants_curvature() {
+        return;
+    }
+    let entries_wanted = plan.wants(Product::Hessian);
+    if entries_wanted {
+        for name in HESSIAN_PLANES {
+            run.put(name, run.take_plane(1));
+        }
+    }
+    let stage = if entries_wanted { "hessian" } else { "trace" };
+    let switches = [("ENTRIES_WANTED", entries_wanted)];
+    run.over_rows(stage, (&HESSIAN, &switches), &hessian_params(plan), &[]);
 }
 
 /// Computes the planes derived from the Hessian for layers, at every scale, with the chosen gain.
 pub(crate) fn describe(run: &mut Recording) {
-    let shape = run.made.shape.take().expect(FROM_HESSIAN);
-    let hessian = shape.hessian.as_ref().expect(FROM_HESSIAN);
-    let mut curvatures = vec![run.curvatures(hessian)];
-    for gradient in &shape.more_gradients {
-        let hessian = run.hessian(run.plan, gradient, &shape.conductance, true);
-        curvatures.push(run.curvatures(&hessian));
+    let params = GainParams { gain: run.gain() };
+    run.over_pixels("curvatures", (&CURVATURES, &[]), &params, &[]);
+    if run.more_gradients.is_empty() {
+        return;
     }
-    run.made.curvatures = curvatures;
-    run.made.shape = Some(shape);
+    // Results at further scales leave those at the first as they are.
+    let names = ["trace", "hessian_xx", "hessian_xy", "hessian_yy"];
+    let hessian = names.map(|_| run.take_plane(1));
+    let direction = run.take_plane(2);
+    for gradient in run.more_gradients.clone() {
+        let curvature = run.take_plane(4);
+        let mut named: Vec<_> = names.into_iter().zip(&hessian).collect();
+        named.extend([
+            ("gradient", &gradient),
+            ("curvature", &curvature),
+            ("direction", &direction),
+        ]);
+        let entries_wanted = [("ENTRIES_WANTED", true)];
+        let of_plan = hessian_params(run.plan);
+        run.over_rows("hessian", (&HESSIAN, &entries_wanted), &of_plan, &named);
+        run.over_pixels("curvatures", (&CURVATURES, &[]), &params, &named);
+        run.more_curvatures.push(curvature);
+    }
+    run.buffers.recycle(hessian.into_iter().chain([direction]));
 }
 
-const FROM_HESSIAN: &str = "curvatures are planned with their Hessian";
-
-impl Recording<'_> {
-    /// Adds the Hessian to a shape, if curvature is wanted.
-    pub(crate) fn with_hessian(&mut self, shape: Shape) -> Shape {
-        let plan = self.plan;
-        let hessian = plan.wants_curvature().then(|| {
-            let entries = plan.wants(Product::Hessian);
-            self.hessian(plan, &shape.gradient, &shape.conductance, entries)
-        });
-        Shape { hessian, ..shape }
-    }
-
-    /// The Hessian of a gradient, or only its trace.
-    pub(crate) fn hessian(
-        &mut self,
-        plan: &Plan,
-        gradient: &wgpu::Buffer,
-        conductance: &wgpu::Buffer,
-        entries_wanted: bool,
-    ) -> Hessian {
-        let [width, height] = self.surface.size;
-        let plane = self.surface.plane_bytes();
-        let params = HessianParams {
-            width,
-            height,
-            resolution_factor: plan.resolution_factor as f32,
-        };
-        let trace = self.take(plane);
-        let entries = [(); 3].map(|()| self.take(if entries_wanted { plane } else { NOWHERE }));
-        let [xx, xy, yy] = &entries;
-        self.recorder.over_rows(
-            if entries_wanted { "hessian" } else { "trace" },
-            (&HESSIAN, &[("ENTRIES_WANTED", entries_wanted)]),
-            &params,
-            &HessianBuffers {
-                covered: &self.surface.covered,
-                conductance,
-                gradient,
-                trace: &trace,
-                hessian_xx: xx,
-                hessian_xy: xy,
-                hessian_yy: yy,
-            },
-            [width, height],
-        );
-        let entries = match entries_wanted {
-            true => Some(entries),
-            false => {
-                self.buffers.recycle(entries);
-                None
-            }
-        };
-        Hessian { trace, entries }
-    }
-
-    /// Curvatures, directions and mapped curvature from a Hessian with entries.
-    pub(crate) fn curvatures(&mut self, hessian: &Hessian) -> Curvatures {
-        let [width, height] = self.surface.size;
-        let plane = self.surface.plane_bytes();
-        let (curvature, direction) = (self.take(4 * plane), self.take(2 * plane));
-        let [xx, xy, yy] = hessian.entries.as_ref().expect("the entries are wanted");
-        self.recorder.over_pixels(
-            "curvatures",
-            (&CURVATURES, &[]),
-            &GainParams {
-                width,
-                height,
-                gain: self.gain(),
-            },
-            &CurvaturesBuffers {
-                covered: &self.surface.covered,
-                hessian_xx: xx,
-                hessian_xy: xy,
-                hessian_yy: yy,
-                curvature: &curvature,
-                direction: &direction,
-            },
-            [width, height],
-        );
-        Curvatures {
-            curvature,
-            direction,
-        }
+fn hessian_params(plan: &Plan) -> HessianParams {
+    HessianParams {
+        resolution_factor: plan.resolution_factor as f32,
     }
 }

@@ -1,6 +1,5 @@
 //! The curvature display on the device.
 
-use crate::engine::gpu::bindings::bindings;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::recording::Recording;
 use crate::engine::gpu::wgsl::Number::Color;
@@ -8,15 +7,10 @@ use crate::engine::gpu::wgsl::wgsl;
 use crate::shape::curvature::gpu::{GainParams, MAPPED_CURVATURE};
 use crate::shape::curvature_display::palette;
 
-bindings! {
-    CurvatureDisplayBuffers {
-        covered: &[u32], conductance: &[f32], trace: &[f32], red: &mut [f32], green: &mut [f32], blue: &mut [f32],
-    }
-}
-
 /// The curvature display.
-pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams, CurvatureDisplayBuffers>(
+pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams>(
     "CurvatureDisplay",
+    "covered: u32; conductance, trace: f32; red, green, blue: mut f32",
     &[
         MAPPED_CURVATURE,
         wgsl!(
@@ -33,29 +27,6 @@ pub(crate) static CURVATURE_DISPLAY: Kernel = Kernel::new::<GainParams, Curvatur
 
 /// Makes the curvature display.
 pub(crate) fn display(run: &mut Recording) {
-    let shape = run.made.shape.as_ref();
-    let shape = shape.expect("the display takes curvature");
-    let [width, height] = run.surface.size;
-    let gain = run.gain();
-    let picture = [(); 3].map(|()| run.take(run.surface.plane_bytes()));
-    let [red, green, blue] = &picture;
-    run.recorder.over_pixels(
-        "display",
-        (&CURVATURE_DISPLAY, &[]),
-        &GainParams {
-            width,
-            height,
-            gain,
-        },
-        &CurvatureDisplayBuffers {
-            covered: &run.surface.covered,
-            conductance: &shape.conductance,
-            trace: shape.trace(),
-            red,
-            green,
-            blue,
-        },
-        [width, height],
-    );
-    run.made.picture = Some(picture);
+    let params = GainParams { gain: run.gain() };
+    run.over_pixels("display", (&CURVATURE_DISPLAY, &[]), &params, &[]);
 }

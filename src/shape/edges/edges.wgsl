@@ -113,7 +113,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let columns = columns_around(id.x);
-    let to_eye_x = params.to_eye_x + params.to_eye_x_step * f32(id.x);
+    let to_eye_x = params.to_eye.x + params.to_eye.z * f32(id.x);
     let first = id.y * STRIP_ROWS;
     let end = min(first + STRIP_ROWS, height());
     if !is_any_covered(id.x, first, end) {
@@ -158,7 +158,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             length = normal_length[i];
         }
         let crease = crease_detector_weight(around, length, there);
-        let to_eye = vec2<f32>(to_eye_x, params.to_eye_y + params.to_eye_y_step * f32(y));
+        let to_eye = vec2<f32>(to_eye_x, params.to_eye.y + params.to_eye.w * f32(y));
         let g = depth_gradient(normal, to_eye);
 
         if covered_here.y {

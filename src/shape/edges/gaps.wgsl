@@ -42,7 +42,7 @@ fn gap_weight(a: Side, b: Side, pitch: f32, noise: f32, is_perspective: bool) ->
     let steep = min(abs(jump), STEEPEST);
     let turns = soft_threshold_weight(px / sqrt(1.0 + steep * steep), TURNS_LO, TURNS_HI);
     let size = max(abs(a.depth), abs(b.depth));
-    let more = per_unit * (params.rounding_share * size + params.rounding_unit) + NOISES * noise;
+    let more = per_unit * (params.rounding.x * size + params.rounding.y) + NOISES * noise;
     let size_weight = soft_threshold_weight(px, params.silhouette_lo + more, params.silhouette_hi + more);
     let weight = max(departs, turns) * size_weight;
     return select(weight, 1.0, weight > CLOSED);
@@ -56,8 +56,7 @@ fn is_there(at: vec2<i32>) -> bool {
 
 // The direction to the eye, and the depth along the view axis, of a pixel.
 fn eye_and_depth(at: vec2<i32>) -> vec3<f32> {
-    let first = vec2<f32>(params.to_eye_x, params.to_eye_y);
-    let eye = first + vec2<f32>(params.to_eye_x_step, params.to_eye_y_step) * vec2<f32>(at);
+    let eye = params.to_eye.xy + params.to_eye.zw * vec2<f32>(at);
     var planar = depth[index_of(u32(at.x), u32(at.y))];
     if DEPTH_ALONG_RAY {
         planar /= sqrt(1.0 + (eye.x * eye.x + eye.y * eye.y));
@@ -117,7 +116,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = vec2<i32>(id.xy);
-    let across = weight_after(at, vec2<i32>(1, 0), params.pitch_x, vec2<f32>(params.step_x, 0.0));
-    let down = weight_after(at, vec2<i32>(0, 1), params.pitch_y, vec2<f32>(0.0, params.step_y));
+    let across = weight_after(at, vec2<i32>(1, 0), params.pitch.x, vec2<f32>(params.step.x, 0.0));
+    let down = weight_after(at, vec2<i32>(0, 1), params.pitch.y, vec2<f32>(0.0, params.step.y));
     gaps[index_of(id.x, id.y)] = vec2<f32>(across, down);
 }

@@ -8,9 +8,9 @@ mod shader;
 mod table;
 mod words;
 
-use super::all_kernels;
 use super::device::{Choice, Device, to_test_on};
 use super::kernels::Kernel;
+use crate::stages::kernels::kernel_sources;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 use shader::{Shader, formulas};
@@ -198,7 +198,7 @@ impl Random {
 #[test]
 fn every_formula_has_a_row() {
     let rows: BTreeSet<&str> = table::twins().iter().map(|twin| twin.name).collect();
-    let sources = all_kernels::kernel_sources();
+    let sources = kernel_sources();
     let all: BTreeSet<String> = sources.flat_map(|(_, source)| formulas(&source)).collect();
     let lacking: Vec<_> = all
         .iter()

@@ -54,7 +54,7 @@ fn scaling_of_light() -> Vec<Twin> {
         .within(&[(1, 0.0, 1e30), (1, 0.0, 1.0), (1, f32::MIN_POSITIVE, 1e30)]),
         twin("scaling", &RELIGHT, scaling).ulps(3),
         twin("scaled", &RELIGHT, scaled),
-        twin("luminance", &RELIGHT, luminance).with(&["weight_r", "weight_g", "weight_b"]),
+        twin("luminance", &RELIGHT, luminance).with(&["weights"]),
         twin("premultiplied", &RELIGHT, premultiplied),
         twin(
             "tone_factor",

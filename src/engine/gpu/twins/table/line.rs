@@ -54,7 +54,7 @@ fn sight_lines() -> Vec<Twin> {
             },
         )
         .absolute(3.9e-6)
-        .with(&["line_x", "line_y", "line_x_step", "line_y_step"])
+        .with(&["line"])
         .within(&[(2, 0.0, 4000.0), (2, -2.0, 2.0), (2, 1e-4, 1e-2)]),
         twin(
             "picture_direction",

@@ -79,12 +79,7 @@ fn edges() -> Vec<Twin> {
         // Differences of depths, magnified to pixels; a threshold turns what they round to into up to all of a weight.
         twin("gap_weight", &GAPS, gap)
             .absolute(1e-3)
-            .with(&[
-                "rounding_share",
-                "rounding_unit",
-                "silhouette_lo",
-                "silhouette_hi",
-            ])
+            .with(&["rounding", "silhouette_lo", "silhouette_hi"])
             .within(&[
                 (1, 1.0, 2.0),
                 (2, 0.5, 1.0),

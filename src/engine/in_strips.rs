@@ -1,0 +1,181 @@
+//! A frame in strips of rows, where a run may take less memory than the whole frame does.
+
+use crate::engine::backends::Engine;
+use crate::engine::cpu::strips::StripSearch;
+use crate::engine::inputs::Inputs;
+use crate::engine::outcome::{Outcome, add_timings};
+use crate::engine::part::Part;
+use crate::engine::run::Run;
+use crate::engine::tiles::{Strips, rows_of};
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use crate::plan::Plan;
+use crate::product::Product;
+use std::ops::Range;
+
+/// Planes that stages take at most beside their results, three gradients of the diffusion above all, and planes of a frame
+/// with several layers of light.
+const BESIDE: usize = 8;
+const OF_FRAME: usize = 24;
+
+/// Planes of curvature at a further scale, with its gradient and its Hessian.
+const OF_SCALE: usize = 9;
+
+/// Bytes that a pixel of a strip takes at most, beside the frame and the result.
+fn bytes_a_pixel(plan: &Plan) -> u64 {
+    let made = plan.stages.iter().flat_map(|stage| stage.gives());
+    let made: usize = made.map(|product| product.row().components.len()).sum();
+    let planes = made + BESIDE + OF_FRAME + OF_SCALE * plan.more_px.len();
+    (size_of::<f32>() * planes) as u64
+}
+
+impl Engine {
+    /// As the frame whole, bit for bit, in strips that take as much memory as the run allows.
+    ///
+    /// # Errors
+    /// [`Error::Unfit`] where so much memory holds no strip, and for what takes a frame whole.
+    pub(super) fn execute_in_strips(
+        &self,
+        plan: &Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+        most_bytes: u64,
+    ) -> Result<Outcome> {
+        let whole = frame.data_window;
+        let of_row = (bytes_a_pixel(plan) * whole.width() as u64).max(1);
+        let most_rows = usize::try_from(most_bytes / of_row).unwrap_or(usize::MAX);
+        if most_rows >= whole.height() {
+            return self.execute_here(plan, frame, inputs, run);
+        }
+        let is_whole = |product: &Product| product.row().on_request;
+        if plan.drawing.is_some() || plan.wanted.iter().any(is_whole) {
+            return Err(Error::Unfit {
+                found: "a drawing, heights and skies take the frame whole".into(),
+                remedy: "allow more memory",
+            });
+        }
+        let strips = Strips::new(plan.reach(), whole.height(), most_rows);
+        let strips = strips.ok_or_else(|| {
+            let least = of_row * (2 * plan.reach() as u64 + 1);
+            let found = format!("a strip takes {} MiB at least", least.div_ceil(1 << 20));
+            Error::Unfit {
+                found,
+                remedy: "allow more memory",
+            }
+        })?;
+        let mut plan = plan.clone();
+        self.choose_in_strips(&mut plan, frame, inputs, run, &strips)?;
+        let mut all: Option<Outcome> = None;
+        for (takes, gives) in strips.each() {
+            let part = part_of(&plan, frame, inputs, &takes, &gives)?;
+            let rows = takes.start + gives.start..takes.start + gives.end;
+            let mut made = self.execute_here(&part.plan, &part.frame, part.inputs(inputs), run)?;
+            let (from, to) = (part.frame.data_window, rows_of(whole, &rows));
+            made.crop(from, to);
+            let all = all.get_or_insert_with(|| made.blank(whole));
+            all.paste(&made, whole, to);
+            add_timings(&mut all.timings, &made.timings);
+            self.recycle(made);
+        }
+        Ok(all.unwrap_or_default())
+    }
+
+    /// Fixes what the plan leaves to be chosen from the whole frame.
+    fn choose_in_strips(
+        &self,
+        plan: &mut Plan,
+        frame: &Frame,
+        inputs: Inputs,
+        run: &Run,
+        strips: &Strips,
+    ) -> Result<()> {
+        let Some(mut search) = StripSearch::new(plan, frame.data_window) else {
+            return Ok(());
+        };
+        loop {
+            for (takes, gives) in strips.each() {
+                run.watch().check()?;
+                let part = part_of(plan, frame, inputs, &takes, &gives)?;
+                search.look(self.cpu_runner(), plan, &part.frame, gives)?;
+            }
+            if !search.next_look() {
+                break;
+            }
+        }
+        let found = search.found();
+        plan.scaling = found.given(plan.scaling);
+        if let Some(relighting) = &mut plan.relighting {
+            relighting.estimate = found.albedo;
+        }
+        Ok(())
+    }
+}
+
+/// The rows that a strip takes, made for those that it gives.
+fn part_of(
+    plan: &Plan,
+    frame: &Frame,
+    inputs: Inputs,
+    takes: &Range<usize>,
+    gives: &Range<usize>,
+) -> Result<Part> {
+    let rows = takes.start + gives.start..takes.start + gives.end;
+    Part::around(rows_of(frame.data_window, &rows), plan, frame, inputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Request;
+    use crate::frame::{ColorPlanes, Plane};
+    use crate::light::lights::{DirectionalLight, Illumination};
+    use crate::params::{AlbedoSource, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::scenes::Scene;
+
+    /// A row of 100 pixels of 40 to 80 planes takes 16,000 to 32,000 bytes: of 8 MB a strip has less than 500 of 900 rows.
+    #[test]
+    fn strips_are_the_whole_bit_for_bit() {
+        let mut frame = Scene::waves(100, 900).frame;
+        let tone = |hue: f32| {
+            Plane::from_fn(100, 900, |x, y| {
+                hue * (0.5 + 0.4 * ((x + 2 * y) as f32 / 9.0).sin())
+            })
+        };
+        frame.color = Some(ColorPlanes {
+            r: tone(0.9),
+            g: tone(0.7),
+            b: tone(0.5),
+        });
+        let light = Illumination {
+            directional: vec![DirectionalLight::white([135.0, 40.0])],
+            ..Illumination::default()
+        };
+        let relight = RelightParams {
+            albedo: AlbedoSource::Estimate,
+            method: Method::Both,
+            ..RelightParams::default()
+        };
+        let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+        let engine = Engine::cpu();
+        for request in [
+            Request::enhance(shape, scaling),
+            Request::layers(shape, scaling).scales(&[3.0]),
+            Request::relight(shape, scaling, relight, &light),
+        ] {
+            let whole = engine.run(&request, &frame, &Run::new()).unwrap();
+            let limited = Run::new().max_memory(8_000_000);
+            let strips = engine.run(&request, &frame, &limited).unwrap();
+            assert_eq!(
+                (strips.gain, strips.white_level),
+                (whole.gain, whole.white_level)
+            );
+            let (a, b): (Vec<_>, Vec<_>) =
+                (strips.products().collect(), whole.products().collect());
+            assert!(a == b && !a.is_empty());
+            let few = Run::new().max_memory(100_000);
+            let refused = engine.run(&request, &frame, &few).unwrap_err().to_string();
+            assert!(refused.contains("a strip takes"), "{refused}");
+        }
+    }
+}
