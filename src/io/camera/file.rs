@@ -352,10 +352,8 @@ pub(super) fn dmat3(m: &Matrix3<f64>) -> DMat3 {
 
 /// Pixels of the display window, origin at its top-left corner.
 struct Lens {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
+    focal: DVec2,
+    axis: DVec2,
 }
 
 impl Lens {
@@ -383,11 +381,11 @@ impl Lens {
                 )),
             }
         };
+        let fx = positive(entry("fx")?, "intrinsics_px.fx")?;
+        let fy = positive(entry("fy")?, "intrinsics_px.fy")?;
         Ok(Self {
-            fx: positive(entry("fx")?, "intrinsics_px.fx")?,
-            fy: positive(entry("fy")?, "intrinsics_px.fy")?,
-            cx: entry("cx")?,
-            cy: entry("cy")?,
+            focal: DVec2::new(fx, fy),
+            axis: DVec2::new(entry("cx")?, entry("cy")?),
         })
     }
 
@@ -404,17 +402,20 @@ impl Lens {
             (None, Kind::Perspective) => focal_of_view(json, made_for, aspect)?,
             (None, Kind::Orthographic) => None,
         };
-        let Some([fx, fy]) = focal else {
+        let Some(focal) = focal else {
             return Err(Rejected::new(
                 format!("has neither intrinsics_px nor {key}"),
                 "add focal_px or fov_x (perspective) or pixels_per_unit (orthographic)",
             ));
         };
-        let [cx, cy] = match present(json, "principal_point_px") {
+        let axis = match present(json, "principal_point_px") {
             Some(point) => numbers(point, "principal_point_px")?,
             None => made_for.map(|side| 0.5 * side),
         };
-        Ok(Self { fx, fy, cx, cy })
+        Ok(Self {
+            focal: focal.into(),
+            axis: axis.into(),
+        })
     }
 
     /// The lens of a picture made in size `from`, for the same picture in size `to`.
@@ -431,9 +432,10 @@ impl Lens {
                 "give 1 to 2^30 pixels",
             ));
         }
-        let (x, y) = (to[0] / from[0], to[1] / from[1]);
+        let times = DVec2::from(to) / DVec2::from(from);
         // Sides are whole pixels: either may be one pixel off the exact proportion.
-        let same_shape = (from[1] * x - to[1]).abs() <= 1.0 || (from[0] * y - to[0]).abs() <= 1.0;
+        let same_shape =
+            (from[1] * times.x - to[1]).abs() <= 1.0 || (from[0] * times.y - to[0]).abs() <= 1.0;
         if !same_shape {
             return Err(Rejected::new(
                 format!(
@@ -444,10 +446,8 @@ impl Lens {
             ));
         }
         Ok(Self {
-            fx: self.fx * x,
-            fy: self.fy * y,
-            cx: self.cx * x,
-            cy: self.cy * y,
+            focal: self.focal * times,
+            axis: self.axis * times,
         })
     }
 
@@ -456,12 +456,8 @@ impl Lens {
         let are_parallel = kind == Kind::Orthographic;
         // Lengths in view space shrank with the scale, so a unit now spans more pixels.
         let times = if are_parallel { scale } else { 1.0 };
-        let per_unit = [self.fx * times, self.fy * times];
-        Projection::new(
-            are_parallel,
-            per_unit,
-            DVec2::new(self.cx, self.cy) + corner,
-        )
+        let per_unit = (self.focal * times).to_array();
+        Projection::new(are_parallel, per_unit, self.axis + corner)
     }
 }
 
