@@ -1,6 +1,6 @@
 //! Pictures in strips, where memory limits the number of rows at a time.
 
-use crate::frame::{Frame, Window};
+use crate::frame::Window;
 use std::ops::Range;
 
 /// Division of a picture into strips.
@@ -47,12 +47,6 @@ impl Strips {
             (takes, gives)
         })
     }
-}
-
-/// The given rows of a frame, as a frame.
-#[cfg(feature = "cli")]
-pub(crate) fn strip_of(frame: &Frame, rows: &Range<usize>) -> Frame {
-    frame.crop(rows_of(frame.data_window, rows))
 }
 
 /// The given rows of a window.

@@ -35,6 +35,7 @@ pub(crate) use load::footprint::{
 };
 #[cfg(feature = "cli")]
 pub(crate) use load::frame_sources::motion_layer_names;
+#[cfg(feature = "host")]
 pub(crate) use load::from_depth;
 #[cfg(feature = "cli")]
 pub(crate) use load::in_strips::InputFiles;

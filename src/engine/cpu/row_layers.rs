@@ -4,7 +4,7 @@ use crate::engine::cpu::execution::{Execution, Runner};
 use crate::engine::cpu::runner::lengths_for;
 use crate::engine::inputs::Inputs;
 use crate::engine::outcome::Outcome;
-use crate::engine::tiles::strip_of;
+use crate::engine::tiles::rows_of;
 use crate::engine::watch::Watch;
 use crate::error::Result;
 use crate::frame::{Frame, Plane, Vector2Planes};
@@ -97,7 +97,7 @@ impl<'a> RowLayers<'a> {
         let reaches = self.rest.iter().map(|stage| (stage.reach_px)(plan));
         let reach: usize = reaches.sum();
         let takes = rows.start.saturating_sub(reach)..(rows.end + reach).min(whole.height());
-        let strip = strip_of(frame, &takes);
+        let strip = frame.crop(rows_of(whole, &takes));
         let samples = takes.start * whole.width()..takes.end * whole.width();
         let cut = |plane: &Plane| {
             let mut rows = self.memory.unwritten(&strip.mask);
