@@ -8,7 +8,7 @@ use crate::frame::{Mask, Plane, Vector3Planes};
 use crate::kernel::quantile::quantile;
 
 /// Blocks looked at, about, and their side in pixels.
-const BLOCKS: usize = 100;
+const BLOCKS: usize = 50;
 const SIDE: usize = 32;
 
 /// Pixels of a surface that are enough to tell.
@@ -50,8 +50,8 @@ pub(crate) fn noise_left(normal: &Vector3Planes, mask: &Mask) -> Option<f32> {
     quantile(&mut noisy, 0.5, f32::total_cmp).filter(|_| is_noise)
 }
 
-/// Deviations of slopes that would have the curl, and the divergence, of the finest detail of a block; by the way of
-/// reading y that has less curl.
+/// Deviations of slopes that would have the curl, and the divergence, of the finest detail of a block, by the way of
+/// reading y that has less curl; the divergence of little curl is not looked at.
 fn curl_and_divergence(
     normal: &Vector3Planes,
     mask: &Mask,
@@ -79,8 +79,7 @@ fn curl_and_divergence(
     };
     let [p, q] = [&normal.x, &normal.y].map(slope);
     let [along_x, along_y] = [[1, 0], [0, 1]];
-    let [px, py, qx, qy] = [(&p, along_x), (&p, along_y), (&q, along_x), (&q, along_y)]
-        .map(|(slope, along)| finest(&change(slope, along)));
+    let detail = |slope: &Plane, along| finest(&change(slope, along));
     let deviation = |of_p: &Plane, of_q: &Plane, sign: f32| {
         let both = of_p.samples().iter().zip(of_q.samples());
         let sizes = both
@@ -93,9 +92,16 @@ fn curl_and_divergence(
         let deviation = |median: f32| median / (0.6745 * 5_f32.sqrt());
         median.filter(|_| sizes.len() >= LEAST_SEEN).map(deviation)
     };
-    let read = |sign: f32| Some([deviation(&py, &qx, -sign)?, deviation(&px, &qy, sign)?]);
-    let (up, down) = (read(1.0)?, read(-1.0)?);
-    Some(if up[0] <= down[0] { up } else { down })
+    let [py, qx] = [detail(&p, along_y), detail(&q, along_x)];
+    let [up, down] = [-1.0, 1.0].map(|sign| deviation(&py, &qx, sign));
+    let (up, down) = (up?, down?);
+    let curl = up.min(down);
+    if curl < LEAST_NOISE {
+        return Some([curl, f32::INFINITY]);
+    }
+    let sign = if up <= down { 1.0 } else { -1.0 };
+    let divergence = deviation(&detail(&p, along_x), &detail(&q, along_y), sign);
+    Some([curl, divergence?])
 }
 
 /// The change of a plane across two pixels; no number at its border.
