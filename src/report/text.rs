@@ -113,7 +113,7 @@ fn is_command(report: &Report, part: &LeftOut) -> bool {
 }
 
 /// Heads of the table of what can be left out.
-pub(super) const LEFT_OUT: [&str; 5] = ["can be left out", "pixels > 2", "max", "saves ms", "by"];
+pub(super) const LEFT_OUT: [&str; 5] = ["can be left out", "pixels > 2", "max", "saves ms", FLAGS];
 
 /// A row of that table.
 pub(super) fn cells_of_part(part: &LeftOut) -> [String; 5] {
@@ -170,7 +170,10 @@ pub(super) fn cells_of_file(file: &Stored) -> [String; 5] {
     [file.flags.clone(), size, ms(file.used.cpu_ms), p99, max]
 }
 
-/// A table: its heads, and rows with their mark; all but the first column end alike.
+/// The head of a column of flags.
+const FLAGS: &str = "by";
+
+/// A table: its heads, and rows with their mark. Numbers end alike; the first column and flags begin alike.
 fn table<const N: usize>(heads: [&str; N], rows: Vec<(&str, [String; N])>) -> Vec<String> {
     let rows = std::iter::once((" ", heads.map(String::from))).chain(rows);
     let rows: Vec<_> = rows.collect();
@@ -179,12 +182,14 @@ fn table<const N: usize>(heads: [&str; N], rows: Vec<(&str, [String; N])>) -> Ve
         cells.max().unwrap_or(0)
     });
     let line = |(mark, cells): &(&str, [String; N])| {
-        let first = format!("{mark} {:<1$}", cells[0], widths[0]);
-        let rest = cells.iter().zip(widths).skip(1);
-        first
-            + &rest.fold(String::new(), |row, (cell, width)| {
-                row + &format!("  {cell:>width$}")
-            })
+        let cells = cells.iter().zip(widths).enumerate();
+        let cells = cells.map(|(i, (cell, width))| match i == 0 || heads[i] == FLAGS {
+            true => format!("{cell:<width$}"),
+            false => format!("{cell:>width$}"),
+        });
+        format!("{mark} {}", cells.collect::<Vec<_>>().join("  "))
+            .trim_end()
+            .to_string()
     };
     rows.iter().map(line).collect()
 }
