@@ -8,29 +8,46 @@ use crate::engine::part::Part;
 use crate::engine::run::Run;
 use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
-use crate::frame::Frame;
+use crate::frame::{Frame, LightLayers};
 use crate::plan::Plan;
 use crate::product::Product;
 use std::ops::Range;
 
-/// Planes that stages take at most beside their results, three gradients of the diffusion above all, and planes of a frame
-/// with several layers of light.
+/// Planes that stages take at most beside their results, three gradients of the diffusion above all.
 const BESIDE: usize = 8;
-const OF_FRAME: usize = 24;
+
+/// Planes of layers of light, beside those of groups.
+const OF_LIGHT: usize = 18;
 
 /// Planes of curvature at a further scale, with its gradient and its Hessian.
 const OF_SCALE: usize = 9;
 
 /// Bytes that a pixel of a strip takes at most, beside the frame and the result.
-fn bytes_a_pixel(plan: &Plan) -> u64 {
+fn bytes_a_pixel(plan: &Plan, frame: &Frame) -> u64 {
     let made = plan.stages.iter().flat_map(|stage| stage.gives());
     let made: usize = made.map(|product| product.row().components.len()).sum();
-    let planes = made + BESIDE + OF_FRAME + OF_SCALE * plan.more_px.len();
+    let single = [
+        &frame.depth,
+        &frame.normal_length,
+        &frame.occlusion,
+        &frame.importance,
+        &frame.strength,
+        &frame.confidence,
+        &frame.alpha,
+    ];
+    let colors = [&frame.color, &frame.albedo].into_iter().flatten().count();
+    let light = match frame.light == LightLayers::default() {
+        true => 0,
+        false => OF_LIGHT + 3 * frame.light.groups.len(),
+    };
+    let of_frame = 3 + single.into_iter().flatten().count() + 3 * colors + light;
+    let planes = made + of_frame + BESIDE + OF_SCALE * plan.more_px.len();
     (size_of::<f32>() * planes) as u64
 }
 
 impl Engine {
-    /// As the frame whole, bit for bit, in strips that take as much memory as the run allows.
+    /// As the frame whole, bit for bit, in strips that take as much memory as the run allows. The outcome of a picture lacks
+    /// the shape.
     ///
     /// # Errors
     /// [`Error::Unfit`] where so much memory holds no strip, and for what takes a frame whole.
@@ -43,7 +60,7 @@ impl Engine {
         most_bytes: u64,
     ) -> Result<Outcome> {
         let whole = frame.data_window;
-        let of_row = (bytes_a_pixel(plan) * whole.width() as u64).max(1);
+        let of_row = (bytes_a_pixel(plan, frame) * whole.width() as u64).max(1);
         let most_rows = usize::try_from(most_bytes / of_row).unwrap_or(usize::MAX);
         if most_rows >= whole.height() {
             return self.execute_here(plan, frame, inputs, run);
@@ -72,6 +89,13 @@ impl Engine {
             let rows = takes.start + gives.start..takes.start + gives.end;
             let mut made = self.execute_here(&part.plan, &part.frame, part.inputs(inputs), run)?;
             let (from, to) = (part.frame.data_window, rows_of(whole, &rows));
+            if !plan.makes_shape_alone() {
+                let shape = std::mem::take(&mut made.shape);
+                self.recycle(Outcome {
+                    shape,
+                    ..Outcome::default()
+                });
+            }
             made.crop(from, to);
             let all = all.get_or_insert_with(|| made.blank(whole));
             all.paste(&made, whole, to);
@@ -170,7 +194,7 @@ mod tests {
                 (strips.gain, strips.white_level),
                 (whole.gain, whole.white_level)
             );
-            // Where the gain is known already, new light needs no trace of its own.
+            // Pictures alone, without their shape.
             let is_made = |(product, _): &(Product, _)| !strips.planes(*product).is_empty();
             let both = strips.products().zip(whole.products().filter(is_made));
             assert!(strips.products().count() > 0);

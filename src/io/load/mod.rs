@@ -217,7 +217,8 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     };
 
     let is_whole = inputs.rows.is_none();
-    if is_whole && made.is_none() && !sources.roles[0].is_in_cells() {
+    // Codes were mended where they are noisy, and their texture is not judged again.
+    if is_whole && made.is_none() && !sources.roles[0].holds_codes() {
         notes.on_noise(&normal, &mask);
     }
     let objects = source.numbered(&mask, needs, &mut notes);

@@ -182,12 +182,6 @@ impl RoleSource {
         }
     }
 
-    /// Whether it is a sheet, whose cells join nowhere.
-    pub(super) fn is_in_cells(&self) -> bool {
-        let photo = self.file.photo();
-        photo.is_some_and(|photo| photo.cell != [photo.header.width, photo.header.height])
-    }
-
     /// The encoding of its normals as far as it is known without their numbers, and why.
     pub(crate) fn encoding(&self) -> Option<(NormalEncoding, &'static str)> {
         let given = self.encoding.map(|encoding| (encoding, "as given"));
