@@ -198,7 +198,7 @@ impl Engine {
         inputs: Inputs,
         run: &Run,
     ) -> Result<Outcome> {
-        if run.region.is_some() || frame.is_tile() {
+        if run.region.is_some() || run.max_memory.is_some() || frame.is_tile() {
             return self.execute(plan, frame, inputs, run);
         }
         run.begin([frame.mask.height(), frame.mask.width()])?;

@@ -70,8 +70,9 @@ impl<'a> Run<'a> {
     }
 
     /// Lets the run take about so many bytes beside the frame and the result: a picture or layers that would take more are
-    /// made in strips, with the samples of the whole; the outcome of a picture then lacks the shape. It takes several times as
-    /// long where gain, white or albedo are chosen. Drawings, heights and skies take a frame whole.
+    /// made in strips, with the samples of the whole; the outcome of a picture then lacks the shape. It takes several times
+    /// as long where gain, white or albedo are chosen. Drawings, heights and skies that would take more are refused; regions
+    /// and tiles are made whole.
     #[must_use]
     pub fn max_memory(mut self, bytes: u64) -> Self {
         self.max_memory = Some(bytes);

@@ -74,11 +74,11 @@ impl<F: AsRef<Frame>> Session<F> {
     /// # Errors
     /// As [`Engine::execute`].
     pub fn execute(&mut self, plan: &Plan, inputs: Inputs, run: &Run) -> Result<&Outcome> {
-        if run.region.is_some() {
+        if run.region.is_some() || run.max_memory.is_some() {
             return Err(Error::Unfit {
-                found: "a session keeps what it makes of whole frames, and a region is given"
+                found: "a session keeps what it makes of whole frames, and a region or strips are asked for"
                     .into(),
-                remedy: "run the engine on the region",
+                remedy: "run the engine itself",
             });
         }
         let mask = &self.held.as_ref().mask;

@@ -1,6 +1,6 @@
 //! Kernels: WGSL composed of shared parts.
 
-use crate::engine::gpu::constants::constants;
+use crate::engine::gpu::constants::{STRIP_ROWS, constants};
 use crate::engine::gpu::uniforms::Uniforms;
 use crate::engine::gpu::wgsl::Wgsl;
 
@@ -16,6 +16,8 @@ pub(crate) struct Kernel {
     buffers: &'static str,
     /// Its WGSL, after the part common to all kernels.
     parts: &'static [Wgsl],
+    /// Rows of pixels per invocation.
+    pub(crate) rows: u32,
 }
 
 /// A buffer of a kernel.
@@ -51,6 +53,15 @@ impl Kernel {
             uniforms: U::WGSL,
             buffers,
             parts,
+            rows: 1,
+        }
+    }
+
+    /// With several rows of pixels per invocation.
+    pub(crate) const fn by_strips(self) -> Self {
+        Self {
+            rows: STRIP_ROWS,
+            ..self
         }
     }
 

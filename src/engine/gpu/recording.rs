@@ -2,7 +2,7 @@
 
 use crate::engine::cpu::execution::Execution;
 use crate::engine::gpu::buffers::{Buffers, Purpose};
-use crate::engine::gpu::constants::{GROUP, STRIP_ROWS};
+use crate::engine::gpu::constants::GROUP;
 use crate::engine::gpu::device::Device;
 use crate::engine::gpu::kernels::Kernel;
 use crate::engine::gpu::last::Last;
@@ -165,8 +165,8 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Runs a kernel with one invocation per pixel. Its buffers are those named, or else planes of their names; planes that
-    /// it writes are made if they are not there.
+    /// Runs a kernel over all pixels. Its buffers are those named, or else planes of their names; planes that it writes are
+    /// made if they are not there.
     pub(crate) fn over_pixels(
         &mut self,
         stage: &'static str,
@@ -175,21 +175,8 @@ impl<'a> Recording<'a> {
         named: &[(&str, &wgpu::Buffer)],
     ) {
         let [width, height] = self.size;
-        let groups = [width.div_ceil(GROUP[0]), height.div_ceil(GROUP[1])];
-        self.dispatch(stage, kernel, params, named, groups);
-    }
-
-    /// [`Recording::over_pixels`] with one invocation per group of rows.
-    pub(crate) fn over_rows(
-        &mut self,
-        stage: &'static str,
-        kernel: (&Kernel, &[(&'static str, bool)]),
-        params: &impl Uniforms,
-        named: &[(&str, &wgpu::Buffer)],
-    ) {
-        let [width, height] = self.size;
-        let strips = height.div_ceil(STRIP_ROWS);
-        let groups = [width.div_ceil(GROUP[0]), strips.div_ceil(GROUP[1])];
+        let rows = height.div_ceil(kernel.0.rows);
+        let groups = [width.div_ceil(GROUP[0]), rows.div_ceil(GROUP[1])];
         self.dispatch(stage, kernel, params, named, groups);
     }
 

@@ -86,11 +86,12 @@ fn curl_and_divergence(
             .zip(run.samples())
             .map(|((p, q), z)| ((p + sign * q) * z).abs());
         let mut sizes: Vec<f32> = sizes.filter(|size| size.is_finite()).collect();
+        let seen = sizes.len();
         let median = quantile(&mut sizes, 0.5, f32::total_cmp);
         // Differences across two pixels of p and of q, less the mean of four such: 4 (1 + 1/4) times the variance of a
         // slope, and half of a normal distribution is within .6745 of its deviation.
-        let deviation = |median: f32| median / (0.6745 * 5_f32.sqrt());
-        median.filter(|_| sizes.len() >= LEAST_SEEN).map(deviation)
+        let median = median.filter(|_| seen >= LEAST_SEEN)?;
+        Some(median / (0.6745 * 5_f32.sqrt()))
     };
     let [py, qx] = [detail(&p, along_y), detail(&q, along_x)];
     let [up, down] = [-1.0, 1.0].map(|sign| deviation(&py, &qx, sign));
@@ -132,23 +133,19 @@ fn inside(like: &Plane, value: impl Fn(usize, usize) -> f32) -> Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::frames::noise as random;
     use glam::DVec3;
 
     /// Waves on a ball of radius 150, with noise added to its normals, evenly within `noise`.
     fn ball(noise: f64, sign: f64) -> (Vector3Planes, Mask) {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
-        };
         let normal = Vector3Planes::from_fn(256, 240, |x, y| {
+            let off = [0, 1, 2].map(|i| 2.0 * f64::from(random(x, y, i)) - 1.0);
+            let off = DVec3::from_array(off);
             let [x, y] = [(x as f64 - 128.0) / 150.0, (y as f64 - 120.0) / 150.0];
             let z = (1.0 - x * x - y * y).max(0.0).sqrt();
             let waves = 0.2 * (40.0 * (x + 0.5 * y)).cos();
             let n = DVec3::new(x + waves, y + 0.5 * waves, z).normalize_or_zero();
-            let n = n + 2.0 * noise * DVec3::new(random(), random(), random());
+            let n = n + noise * off;
             DVec3::new(n.x, sign * n.y, n.z).normalize_or_zero()
         });
         let seen = Plane::from_fn(256, 240, |x, y| {

@@ -38,7 +38,8 @@ pub(crate) static HESSIAN: Kernel = Kernel::new::<HessianParams>(
     "covered: u32; conductance: f32; gradient: vec2<f32>; trace: mut f32; \
      hessian_xx?, hessian_xy?, hessian_yy?: mut f32",
     &[wgsl!("../hessian.wgsl", [("RIDGE", F32(RIDGE))])],
-);
+)
+.by_strips();
 
 /// Planes that the layers of the descriptor derive from the Hessian.
 pub(crate) static CURVATURES: Kernel = Kernel::new::<GainParams>(
@@ -66,7 +67,7 @@ pub(crate) fn find_hessian(run: &mut Recording) {
     }
     let stage = if entries_wanted { "hessian" } else { "trace" };
     let switches = [("ENTRIES_WANTED", entries_wanted)];
-    run.over_rows(stage, (&HESSIAN, &switches), &hessian_params(plan), &[]);
+    run.over_pixels(stage, (&HESSIAN, &switches), &hessian_params(plan), &[]);
 }
 
 /// Computes the planes derived from the Hessian for layers, at every scale, with the chosen gain.
@@ -90,7 +91,7 @@ pub(crate) fn describe(run: &mut Recording) {
         ]);
         let entries_wanted = [("ENTRIES_WANTED", true)];
         let of_plan = hessian_params(run.plan);
-        run.over_rows("hessian", (&HESSIAN, &entries_wanted), &of_plan, &named);
+        run.over_pixels("hessian", (&HESSIAN, &entries_wanted), &of_plan, &named);
         run.over_pixels("curvatures", (&CURVATURES, &[]), &params, &named);
         run.more_curvatures.push(curvature);
     }

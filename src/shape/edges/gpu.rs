@@ -87,7 +87,8 @@ pub(crate) static EDGES: Kernel = Kernel::new::<EdgeParams>(
     "covered: u32; normal_x, normal_y, normal_z, silhouette_map?: f32; gaps?: vec2<f32>; \
      normal_length?: f32; conductance: mut f32; gradient: mut vec2<f32>; weights?: mut vec2<f32>",
     &[wgsl!("soft_threshold.wgsl"), FACING, wgsl!("edges.wgsl")],
-);
+)
+.by_strips();
 
 /// Finds edges, and the gradient before diffusion.
 pub(crate) fn find_edges(run: &mut Recording) {
@@ -115,7 +116,7 @@ pub(crate) fn find_edges(run: &mut Recording) {
         run.put("weights", weights);
     }
     let kernel: (&Kernel, &[_]) = (&EDGES, &switches);
-    run.over_rows("edges-and-gradient", kernel, &edge_params(plan, frame), &[]);
+    run.over_pixels("edges-and-gradient", kernel, &edge_params(plan, frame), &[]);
     run.drop_plane("gaps");
 }
 
