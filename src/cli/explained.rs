@@ -7,13 +7,13 @@ use crate::plan::Decision;
 use crate::stages::stages;
 use std::time::Duration;
 
-/// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so; diffusion left some of all its blocks
-/// out.
+/// The lines of --explain, of a frame whose passes are `ran` and whose plans decided so; those of `idle` had nothing to do,
+/// by these counts.
 pub(super) fn lines(
     ran: &[(&'static str, Duration)],
     decisions: &[Decision],
     chosen: &Chosen,
-    [left_out, blocks]: [usize; 2],
+    idle: &[(&'static str, String)],
     is_verbose: bool,
 ) -> Vec<String> {
     let mut lines: Vec<String> = ran
@@ -23,10 +23,8 @@ pub(super) fn lines(
             line("ran", pass, &ms, &reasons(pass, ran, decisions))
         })
         .collect();
-    if left_out > 0 {
-        let count = format!("nothing flows in {left_out} of {blocks} blocks");
-        lines.push(line("idle", "diffusion", "", &count));
-    }
+    let counts = idle.iter();
+    lines.extend(counts.map(|(pass, count)| line("idle", pass, "", count)));
     let choices = chosen.in_words();
     if !choices.is_empty() {
         lines.push(line("chose", "", "", &choices));

@@ -263,7 +263,7 @@ impl<'a> Job<'a> {
     }
 
     /// Explains what ran, once for each frame that is explained.
-    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen) -> Result<()> {
+    pub(super) fn explain(&self, timings: &Timings, chosen: &Chosen, whites: Whites) -> Result<()> {
         let mut decisions = self
             .decisions
             .lock()
@@ -272,11 +272,9 @@ impl<'a> Job<'a> {
         if decisions.is_empty() {
             return Ok(());
         }
-        let Timings {
-            stages, left_out, ..
-        } = timings;
+        let (ran, idle) = (&timings.stages, timings.idle(whites));
         let is_verbose = self.args().run.verbose;
-        let lines = explained::lines(stages, &decisions, chosen, *left_out, is_verbose);
+        let lines = explained::lines(ran, &decisions, chosen, &idle, is_verbose);
         message::result(lines)
     }
 
@@ -420,7 +418,7 @@ impl<'a> Job<'a> {
             self.write_timings(&timings)?;
             Ok(Whites::default())
         })?;
-        self.explain(&timings, &chosen)?;
+        self.explain(&timings, &chosen, Whites::default())?;
         Ok(chosen)
     }
 
@@ -466,14 +464,14 @@ impl<'a> Job<'a> {
     ) -> Result<Chosen> {
         let mut timings = Timings::of(&done.loaded, done.read);
         timings.add_all(&done.outcome);
-        self.write_output(&chosen, |output| {
+        let whites = self.write_output(&chosen, |output| {
             let start = Instant::now();
             let whites = write(output)?;
             timings.add("write", start.elapsed());
             self.write_timings(&timings)?;
             Ok(whites)
         })?;
-        self.explain(&timings, &chosen)?;
+        self.explain(&timings, &chosen, whites)?;
         Ok(chosen)
     }
 
@@ -483,19 +481,23 @@ impl<'a> Job<'a> {
         let is_linear = matches!(kind, Ok(Kind::Picture(PictureFormat::Hdr)));
         let picture = shown.picture();
         match shown.is_light() && !is_linear && picture.transform == ViewTransform::Srgb {
-            true => Whites::of(&picture, shown.before(), mask, rows),
+            true => Whites {
+                compressed: (self.args().run.explain)
+                    .then(|| picture.compressed(mask, rows.clone())),
+                ..Whites::of(&picture, shown.before(), mask, rows)
+            },
             false => Whites::default(),
         }
     }
 
-    /// Writes through `write` where there is anything to be written, and says what was done.
+    /// Writes through `write` where there is anything to be written, and says what was done; returns what is white.
     pub(super) fn write_output(
         &self,
         chosen: &Chosen,
         write: impl FnOnce(ReadyOutput) -> Result<Whites>,
-    ) -> Result<()> {
+    ) -> Result<Whites> {
         let Some(path) = self.args().output.output.as_deref().filter(|_| self.writes) else {
-            return Ok(());
+            return Ok(Whites::default());
         };
         let replace = self.args().output.replace();
         let whites = write(ReadyOutput { path, replace })?;
@@ -511,7 +513,7 @@ impl<'a> Job<'a> {
             let path = shown(path);
             self.log.say(&format!("{path}: {words}{seconds:.2} s"));
         }
-        Ok(())
+        Ok(whites)
     }
 
     /// Writes the timings, where they are asked for.

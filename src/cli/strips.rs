@@ -129,7 +129,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
         None => None,
     };
     let chosen = chosen.exposed(exposure);
-    job.write_output(&chosen, |output| {
+    let whites = job.write_output(&chosen, |output| {
         let whites = match gathered {
             Some(gathered) => {
                 let settings = job.recipe(&chosen);
@@ -157,7 +157,7 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
         job.write_timings(&source.timings.borrow())?;
         Ok(whites)
     })?;
-    job.explain(&source.timings.borrow(), &chosen)?;
+    job.explain(&source.timings.borrow(), &chosen, whites)?;
     Ok(chosen)
 }
 

@@ -3,6 +3,7 @@
 use crate::engine::outcome::Outcome;
 use crate::frame::Window;
 use crate::io::Loaded;
+use crate::io::picture::Whites;
 use std::time::Duration;
 
 /// The making of normals where files hold none.
@@ -16,7 +17,9 @@ pub(super) struct Timings {
     pub(super) covered: usize,
     pub(super) stages: Vec<(&'static str, Duration)>,
     /// The number of blocks that diffusion left out, and of all.
-    pub(super) left_out: [usize; 2],
+    left_out: [usize; 2],
+    /// Whether pixels that show several surfaces were looked for, and there are none.
+    is_sharp: bool,
 }
 
 impl Timings {
@@ -25,6 +28,7 @@ impl Timings {
         let frame = &loaded.frame;
         let mut timings = Self {
             covered: frame.mask.count(),
+            is_sharp: loaded.is_sharp,
             ..Self::of_window(frame.data_window)
         };
         let made = loaded.normals_made;
@@ -42,6 +46,7 @@ impl Timings {
             covered: 0,
             stages: Vec::new(),
             left_out: [0; 2],
+            is_sharp: false,
         }
     }
 
@@ -60,6 +65,33 @@ impl Timings {
         for (sum, count) in self.left_out.iter_mut().zip(outcome.left_out) {
             *sum += count;
         }
+    }
+
+    /// What had nothing to do, each with the count that proves it, in a picture with these whites.
+    pub(super) fn idle(&self, whites: Whites) -> Vec<(&'static str, String)> {
+        let ([still, blocks], pixels) = (self.left_out, self.covered);
+        let rows = [
+            (
+                still > 0,
+                "diffusion",
+                format!("nothing flows in {still} of {blocks} blocks"),
+            ),
+            (
+                self.is_sharp,
+                "fade",
+                format!("0 of {pixels} pixels show several surfaces"),
+            ),
+            (
+                whites.compressed == Some(0),
+                "highlights",
+                format!(
+                    "0 of {} pixels are bright enough to be compressed",
+                    whites.of
+                ),
+            ),
+        ];
+        let rows = rows.into_iter().filter(|(is_idle, ..)| *is_idle);
+        rows.map(|(_, pass, count)| (pass, count)).collect()
     }
 
     pub(super) fn json(&self, total: Duration) -> String {

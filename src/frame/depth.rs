@@ -11,6 +11,7 @@ const BACKGROUND_DEPTH: f32 = 1e9;
 
 /// Whether a depth sample is a distance rather than a background value: 0, negative, not finite, 65504 (infinity
 /// clamped to half float) or 1e9 and above.
+#[inline(always)]
 pub(crate) fn is_distance(depth: f32) -> bool {
     depth > 0.0 && depth < BACKGROUND_DEPTH && depth != HALF_INFINITY
 }

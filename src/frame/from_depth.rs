@@ -5,8 +5,9 @@
 
 use super::depth::is_distance;
 use super::plane::each_row_of;
-use super::slopes::{Rounding, Slopes, slopes};
+use super::slopes::{Rounding, Slopes, TOO_LARGE, slopes};
 use super::{Plane, Projection, StoredDepth, Vector3Planes, Window};
+use crate::kernel::simd::wide;
 use half::f16;
 
 /// How many times farther than its nearest point depth without a scale is taken to reach.
@@ -56,11 +57,9 @@ pub(crate) fn normals_of_depth(
     let mut values = Plane::filled(depth.width(), depth.height(), 0.0);
     values.each_row(|y, row| {
         for (x, (to, &d)) in row.iter_mut().zip(depth.row(y)).enumerate() {
-            *to = if shown(x, y) {
-                value(x, y, d)
-            } else {
-                f32::NAN
-            };
+            let value = value(x, y, d);
+            let is_value = shown(x, y) && value.abs() < TOO_LARGE;
+            *to = if is_value { value } else { f32::NAN };
         }
     });
     // Rounding of distances, as it is in their inverses: the derivative of 1/z is -1/z^2.
@@ -92,7 +91,7 @@ pub(crate) fn normals_of_depth(
         _ => Rounding::Of(&plain),
     };
     let found = slopes(&mut values, &rounding);
-    normals(&values, found, projection, window)
+    normals(values, found, projection, window)
 }
 
 /// How finely depth was stored.
@@ -161,25 +160,20 @@ fn sky_of(depth: &Plane, stored: StoredDepth) -> Option<f32> {
     (share >= SKY).then_some(0.0)
 }
 
-/// The normals of affine values by their slopes.
+/// The normals of affine values by their slopes, in the memory of both.
 ///
 /// A plane n P = -1 is seen at P = z (X / fx, -Y / fy, -1), X and Y pixels from the principal point, where 1/z =
 /// -nx X / fx + ny Y / fy + nz: its slopes are -nx / fx and ny / fy, and nz is what is left at X = Y = 0.
-fn normals(
-    values: &Plane,
-    slopes: Slopes,
-    projection: Projection,
-    window: Window,
-) -> Vector3Planes {
+fn normals(values: Plane, slopes: Slopes, projection: Projection, window: Window) -> Vector3Planes {
     let Slopes {
         across: mut x,
         down: mut y,
         found,
     } = slopes;
-    let mut z = Plane::filled(values.width(), values.height(), 0.0);
+    let mut z = values;
     let from_axis: Vec<f32> = match projection {
         Projection::Perspective { cx, .. } => {
-            let columns = 0..values.width();
+            let columns = 0..z.width();
             columns
                 .map(|column| (window.middle(column, 0).x - cx) as f32)
                 .collect()
@@ -193,18 +187,19 @@ fn normals(
             Projection::Perspective { fx, fy, cy, .. } => {
                 let (fx, fy) = (fx as f32, fy as f32);
                 let down = (window.middle(0, row).y - cy) as f32;
-                let seen = values.row(row).iter().zip(&from_axis);
-                for ((((x, y), z), found), (value, right)) in slopes.zip(found).zip(seen) {
-                    let (p, q) = (*x, *y);
-                    let at_axis = value - right * p - down * q;
-                    [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
-                }
+                wide!(
+                    for ((((x, y), z), found), right) in slopes.zip(found).zip(&from_axis) {
+                        let (p, q) = (*x, *y);
+                        let at_axis = *z - right * p - down * q;
+                        [*x, *y, *z] = unit([-fx * p, fy * q, at_axis], *found);
+                    }
+                );
             }
             Projection::Orthographic { sx, sy, .. } => {
                 let (sx, sy) = (sx as f32, sy as f32);
-                for (((x, y), z), found) in slopes.zip(found) {
+                wide!(for (((x, y), z), found) in slopes.zip(found) {
                     [*x, *y, *z] = unit([-sx * *x, sy * *y, 1.0], *found);
-                }
+                });
             }
         }
     });

@@ -654,6 +654,24 @@ fn explain_tells_why_each_stage_runs_or_not() {
     let ran = idle.lines().filter_map(|line| line.strip_prefix("ran   "));
     let ran: Vec<_> = ran.filter_map(|line| line.split(' ').next()).collect();
     assert_eq!(ran, ["read", "write"], "{idle}");
+    // Two stops darker nothing is near white, two stops brighter some is. Pixels in focus show one surface each.
+    let has_nothing = |input: &str, flags: &[&str], stage: &str| {
+        let said = explained("enhance", &fixture(input), "g.png", flags);
+        said.lines()
+            .any(|line| line.starts_with("idle") && line.contains(stage))
+    };
+    assert!(has_nothing(
+        "gears.exr",
+        &["--exposure", "-2"],
+        "highlights"
+    ));
+    assert!(!has_nothing(
+        "gears.exr",
+        &["--exposure", "2"],
+        "highlights"
+    ));
+    assert!(has_nothing("gears.exr", &[], "fade"));
+    assert!(!has_nothing("blur.exr", &[], "fade"));
     let normal = fixture("tablet.normal.png");
     let flags = ["--normal", normal.to_str().unwrap(), "-v"];
     let photo = explained("enhance", &fixture("tablet.color.jpg"), "e.png", &flags);

@@ -5,6 +5,7 @@ use super::noise::Noise;
 use super::smoothing::smoothed;
 use crate::frame::{MOST_ROWS_PER_TASK, Plane, parallel_rows};
 use crate::kernel::fast_math::exp_to_normal;
+use crate::kernel::simd::wide;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
@@ -20,50 +21,39 @@ const CONFIDENCES: [f32; 6] = [2.6, 2.3, 2.0, 2.0, 2.0, 2.0];
 
 /// The slopes at the largest width whose confidence interval intersects those of all smaller ones.
 pub(super) fn choose(slopes: [Plane; 2], links: &Links, noise: &Noise) -> [Plane; 2] {
-    let (width, height) = (links.across.width(), links.across.height());
-    let whole = [f32::NEG_INFINITY, f32::INFINITY].repeat(2);
-    let mut intervals = [0, 1, 2, 3].map(|i| Plane::filled(width, height, whole[i]));
-    // The last level that agrees with all before it.
-    let mut reached = Plane::filled(width, height, -1.0);
     let mut levels = vec![slopes];
-    for level in 0..WIDTHS.len() {
-        if level + 1 < WIDTHS.len() {
-            let variance = WIDTHS[level + 1].powi(2) - WIDTHS[level].powi(2);
-            levels.push(smoothed(&levels[level], links, variance));
-        }
-        let (here, wider) = (&levels[level], levels.last().expect("at least one"));
-        let [low_p, high_p, low_q, high_q] = intervals.each_mut();
-        let rows = parallel_rows([&mut reached, low_p, high_p, low_q, high_q])
-            .with_max_len(MOST_ROWS_PER_TASK);
-        let scratch = || [(); 2].map(|()| vec![0.0; width]);
-        let go_on = rows.map_init(
-            scratch,
-            |[half, agrees], (y, [reached, low_p, high_p, low_q, high_q])| {
-                half_widths(
-                    half,
-                    level,
-                    wider.each_ref().map(|plane| plane.row(y)),
-                    noise,
-                    y,
-                );
-                agrees.fill(1.0);
-                intersect(low_p, high_p, here[0].row(y), half, agrees);
-                intersect(low_q, high_q, here[1].row(y), half, agrees);
-                let before = level as f32 - 1.0;
-                for (reached, agrees) in reached.iter_mut().zip(agrees) {
-                    *reached += if *reached == before { *agrees } else { 0.0 };
-                }
-                reached.contains(&(level as f32))
-            },
-        );
-        if !go_on.reduce(|| false, |a, b| a | b) {
-            break;
-        }
+    for widths in WIDTHS.windows(2) {
+        let variance = widths[1].powi(2) - widths[0].powi(2);
+        let narrower = levels.last().expect("at least one");
+        levels.push(smoothed(narrower, links, variance));
     }
+    let mut reached = Plane::filled(links.across.width(), links.across.height(), 0_u8);
+    reached.each_row(|y, reached| wide!(reach(reached, &levels, noise, y)));
     between(levels, &reached)
 }
 
+/// The last level that agrees with all before it, in row `y`.
+#[inline(always)]
+fn reach(reached: &mut [u8], levels: &[[Plane; 2]], noise: &Noise, y: usize) {
+    let [mut half, mut agrees] = [0.0, 1.0].map(|v: f32| vec![v; reached.len()]);
+    let mut intervals = [(); 2]
+        .map(|()| [f32::NEG_INFINITY, f32::INFINITY].map(|bound| vec![bound; reached.len()]));
+    for (level, here) in levels.iter().enumerate() {
+        let wider = &levels[(level + 1).min(levels.len() - 1)];
+        let wider = wider.each_ref().map(|plane| plane.row(y));
+        half_widths(&mut half, level, wider, noise, y);
+        for ([low, high], slopes) in intervals.iter_mut().zip(here) {
+            intersect(low, high, slopes.row(y), &half, &mut agrees);
+        }
+        if level > 0 {
+            let rows = reached.iter_mut().zip(&agrees);
+            rows.for_each(|(reached, &agrees)| *reached += agrees as u8);
+        }
+    }
+}
+
 /// Half the widths of confidence intervals of slopes in row `y`, given those at the next width.
+#[inline(always)]
 fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise, y: usize) {
     let scale = CONFIDENCES[level] * GAINS[level];
     let slopes = wider[0].iter().zip(wider[1]).zip(noise.steps(y));
@@ -76,6 +66,7 @@ fn half_widths(half: &mut [f32], level: usize, wider: [&[f32]; 2], noise: &Noise
 }
 
 /// Intersects intervals with those around `slopes`; a pixel where nothing is left agrees no more.
+#[inline(always)]
 fn intersect(low: &mut [f32], high: &mut [f32], slopes: &[f32], half: &[f32], agrees: &mut [f32]) {
     let intervals = low.iter_mut().zip(high).zip(agrees);
     for (((low, high), agrees), (slope, half)) in intervals.zip(slopes.iter().zip(half)) {
@@ -112,38 +103,52 @@ fn ripple(square: f32, step: f32, width: f32) -> f32 {
 }
 
 /// The slopes between the levels that are reached, which are smoothed so that they do not flicker, but never raised.
-fn between(mut levels: Vec<[Plane; 2]>, reached: &Plane) -> [Plane; 2] {
+fn between(mut levels: Vec<[Plane; 2]>, reached: &Plane<u8>) -> [Plane; 2] {
     let (width, height) = (reached.width(), reached.height());
-    let mut chosen = levels[0].clone();
     let wider = levels.split_off(1);
+    let mut chosen = levels.remove(0);
     let rows = parallel_rows(chosen.each_mut()).with_max_len(MOST_ROWS_PER_TASK);
     let scratch = || (vec![0.0; width + 4], vec![0.0; width]);
     rows.for_each_init(scratch, |(column, smooth), (y, chosen)| {
-        let near: [&[f32]; 5] = std::array::from_fn(|i| {
+        let near: [&[u8]; 5] = std::array::from_fn(|i| {
             &reached.row((y + i).saturating_sub(2).min(height - 1))[..width]
         });
-        for (x, mean_of) in column[2..][..width].iter_mut().enumerate() {
-            *mean_of = binomial(near.map(|row| row[x]));
-        }
-        let [first, last] = [column[2], column[width + 1]];
-        column[..2].fill(first);
-        column[width + 2..].fill(last);
-        for ((smooth, five), own) in smooth.iter_mut().zip(column.windows(5)).zip(near[2]) {
-            *smooth = smaller(binomial(five.try_into().expect("five")), *own);
-        }
+        wide!(smooth_levels(smooth, column, near));
         for (axis, chosen) in chosen.into_iter().enumerate() {
-            let mut from = &levels[0];
+            let mut from = chosen.to_vec();
             for (level, to) in wider.iter().enumerate() {
-                let slopes = from[axis].row(y).iter().zip(to[axis].row(y)).zip(&*smooth);
-                for (chosen, ((from, to), smooth)) in chosen.iter_mut().zip(slopes) {
-                    let share = smaller(larger(smooth - level as f32, 0.0), 1.0);
-                    *chosen += share * (to - from);
-                }
-                from = to;
+                let to = to[axis].row(y);
+                wide!(go_on(chosen, &from, to, smooth, level as f32));
+                from.copy_from_slice(to);
             }
         }
     });
     chosen
+}
+
+/// The levels that a row reaches, from those of five rows; `column` has room for two pixels more on either side.
+#[inline(always)]
+fn smooth_levels(smooth: &mut [f32], column: &mut [f32], near: [&[u8]; 5]) {
+    let width = smooth.len();
+    for (x, mean_of) in column[2..][..width].iter_mut().enumerate() {
+        *mean_of = binomial(near.map(|row| f32::from(row[x])));
+    }
+    let [first, last] = [column[2], column[width + 1]];
+    column[..2].fill(first);
+    column[width + 2..].fill(last);
+    for ((smooth, five), &own) in smooth.iter_mut().zip(column.windows(5)).zip(near[2]) {
+        let mean = binomial(five.try_into().expect("five"));
+        *smooth = smaller(mean, f32::from(own));
+    }
+}
+
+/// Goes on from one level to the next, as far as a row reaches.
+#[inline(always)]
+fn go_on(chosen: &mut [f32], from: &[f32], to: &[f32], reached: &[f32], level: f32) {
+    let slopes = from.iter().zip(to).zip(reached);
+    for (chosen, ((from, to), reached)) in chosen.iter_mut().zip(slopes) {
+        *chosen += smaller(larger(reached - level, 0.0), 1.0) * (to - from);
+    }
 }
 
 /// The binomial mean of five values, whose standard deviation is 1.

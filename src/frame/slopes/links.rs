@@ -3,6 +3,7 @@
 use super::noise::{Noise, STEP_DEVIATION};
 use crate::frame::Plane;
 use crate::frame::plane::each_row_beside;
+use crate::kernel::simd::wide;
 use rayon::prelude::*;
 use std::f32::consts::SQRT_2;
 
@@ -36,7 +37,7 @@ impl Links {
         rows.for_each_init(padded, |padded, (y, links)| {
             padded[3..][..width].copy_from_slice(values.row(y));
             let around = std::array::from_fn(|i| &padded[i + 1..]);
-            find(links, around, noise.steps(y), noise);
+            wide!(find(links, around, noise.steps(y), noise.white));
         });
         let none = vec![f32::NAN; width];
         down.each_row(|y, links| {
@@ -44,18 +45,19 @@ impl Links {
                 Some(y) if y < height => values.row(y),
                 _ => &none,
             });
-            find(links, around, noise.steps(y), noise);
+            wide!(find(links, around, noise.steps(y), noise.white));
         });
         Self { across, down }
     }
 }
 
 /// Finds a row of links, from the samples before, here and ahead: each is between the third and the fourth of them.
-fn find(links: &mut [bool], around: [&[f32]; 6], steps: &[f32], noise: &Noise) {
+#[inline(always)]
+fn find(links: &mut [bool], around: [&[f32]; 6], steps: &[f32], white: f32) {
     let length = links.len();
     // Slices of one length, each in a variable of its own: a loop over an array of slices is not vectorised.
     let [a, b, c, d, e, f] = around.map(|samples| &samples[..length]);
-    let (steps, white) = (&steps[..length], noise.white);
+    let steps = &steps[..length];
     for x in 0..length {
         let deviation = white.max(steps[x] * STEP_DEVIATION);
         let tolerance = DEVIATIONS * SQRT_2 * deviation + SPACINGS * f32::EPSILON * c[x].abs();
@@ -101,18 +103,21 @@ fn median([l2, l1, here, r1, r2]: [f32; 5]) -> f32 {
 /// an axis has the slope of those that it is linked with along the other one.
 pub(super) fn differences(values: &Plane, links: &Links) -> ([Plane; 2], Plane<bool>) {
     let (width, height) = (values.width(), values.height());
-    let mut found = Plane::filled(width, height, true);
+    let mut found = Plane::filled(width, height, false);
     let [mut across, mut down] = [(); 2].map(|()| Plane::filled(width, height, 0.0));
     let unlinked = vec![false; width];
     each_row_beside(
         &mut found,
         [&mut across, &mut down],
         |y, found, [across, down]| {
+            found.fill(true);
             let row = values.row(y);
             let right = links.across.row(y);
-            let (inner, pairs) = (row.windows(3), right.windows(2));
-            for (slope, (values, links)) in across[1..].iter_mut().zip(inner.zip(pairs)) {
-                *slope = mean([links[0], links[1]], [values[0], values[1], values[2]]);
+            if width > 2 {
+                let [before, here, after] = [0, 1, 2].map(|i| &row[i..][..width - 2]);
+                let links = [&right[..width - 2], &right[1..width - 1]];
+                let inner = &mut across[1..width - 1];
+                wide!(mean_row(inner, links, [before, here, after]));
             }
             for x in [0, width - 1] {
                 across[x] = slope(values, &links.across, 1, y * width + x);
@@ -122,13 +127,11 @@ pub(super) fn differences(values: &Plane, links: &Links) -> ([Plane; 2], Plane<b
                 None => (row, &unlinked[..]),
             };
             let below = values.row((y + 1).min(height - 1));
-            let beside = upward
-                .iter()
-                .zip(links.down.row(y))
-                .zip(above.iter().zip(row).zip(below));
-            for (slope, ((&up, &down), ((&above, &here), &below))) in down.iter_mut().zip(beside) {
-                *slope = mean([up, down], [above, here, below]);
-            }
+            wide!(mean_row(
+                down,
+                [upward, links.down.row(y)],
+                [above, row, below]
+            ));
             for (x, found) in found.iter_mut().enumerate() {
                 if across[x].is_nan() | down[x].is_nan() {
                     let i = y * width + x;
@@ -150,6 +153,17 @@ pub(super) fn differences(values: &Plane, links: &Links) -> ([Plane; 2], Plane<b
         },
     );
     ([across, down], found)
+}
+
+/// [`mean`] of a row.
+#[inline(always)]
+fn mean_row(slopes: &mut [f32], links: [&[bool]; 2], values: [&[f32]; 3]) {
+    let length = slopes.len();
+    let [before, here, after] = values.map(|values| &values[..length]);
+    let [first, second] = links.map(|links| &links[..length]);
+    for x in 0..length {
+        slopes[x] = mean([first[x], second[x]], [before[x], here[x], after[x]]);
+    }
 }
 
 /// The mean difference along links between the second of three values and its neighbours; NaN without links.

@@ -35,7 +35,7 @@ pub(crate) struct Slopes {
 }
 
 /// Values from here on are no samples: their squares have to be finite.
-const TOO_LARGE: f32 = 1e15;
+pub(crate) const TOO_LARGE: f32 = 1e15;
 
 /// Noise and rounding up to this share of the values' median size need no smoothing: they turn normals by 0.1 degrees at
 /// most, seen by a focal length of 1,000 pixels.
@@ -45,8 +45,8 @@ const FINE: f32 = 1e-6;
 /// slopes can be smoothed.
 const FEW_CODES: f32 = 300.0;
 
-/// The slopes of `values`, affine in x and y on planes; NaN is no value, and neither is what is too large. Values in few
-/// codes are moved to the smoothest ones.
+/// The slopes of `values`, affine in x and y on planes, none as large as [`TOO_LARGE`]; NaN is no value, and breaks all links.
+/// Values in few codes are moved to the smoothest ones.
 pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
     let [width, height] = [values.width(), values.height()];
     if values.samples().is_empty() {
@@ -58,16 +58,6 @@ pub(crate) fn slopes(values: &mut Plane, rounding: &Rounding) -> Slopes {
             found,
         };
     }
-    // NaN breaks all links.
-    values.each_row(|_, row| {
-        for value in row {
-            *value = if value.abs() < TOO_LARGE {
-                *value
-            } else {
-                f32::NAN
-            };
-        }
-    });
     let noise = Noise::of(values, rounding);
     let links = Links::of(values, &noise);
     if let Rounding::Step(step) = *rounding
@@ -120,11 +110,8 @@ mod tests {
     /// The slopes of the values within a mask.
     fn slopes_within(values: &Plane, valid: &Mask, rounding: &Rounding) -> Slopes {
         let within = |x, y| {
-            if valid.at(x, y) {
-                values.at(x, y)
-            } else {
-                f32::NAN
-            }
+            let is_value = valid.at(x, y) && values.at(x, y).abs() < TOO_LARGE;
+            if is_value { values.at(x, y) } else { f32::NAN }
         };
         slopes(
             &mut Plane::from_fn(values.width(), values.height(), within),

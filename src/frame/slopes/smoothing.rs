@@ -2,6 +2,7 @@
 
 use super::links::Links;
 use crate::frame::Plane;
+use crate::kernel::simd::wide;
 use rayon::prelude::*;
 
 /// Rows, or columns, that are smoothed together, one to a lane.
@@ -11,11 +12,10 @@ type Lanes = [f32; LANES];
 
 /// Two planes smoothed along links by this variance.
 pub(super) fn smoothed(planes: &[Plane; 2], links: &Links, variance: f32) -> [Plane; 2] {
-    let mut planes = planes.clone();
     let decay = decay(variance);
-    across(&mut planes, &links.across, decay);
-    down(&mut planes, &links.down, decay);
-    planes
+    let mut smooth = across(planes, &links.across, decay);
+    down(&mut smooth, &links.down, decay);
+    smooth
 }
 
 /// The factor by which weights a^|i| fall from one pixel to the next, if their variance 2 a / (1 - a)^2 is this.
@@ -24,29 +24,33 @@ fn decay(variance: f32) -> f32 {
     b - (b * b - 1.0).sqrt()
 }
 
-/// Smooths two planes along their rows, a few of which are turned at a time so that lanes are next to each other.
-fn across(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
-    let width = links.width();
-    let [p, q] = planes
+/// Two planes smoothed along their rows, a few of which are turned at a time so that lanes are next to each other.
+fn across(planes: &[Plane; 2], links: &Plane<bool>, decay: f32) -> [Plane; 2] {
+    let (width, rows) = (links.width(), LANES * links.width());
+    let mut smooth = [(); 2].map(|()| Plane::filled(width, links.height(), 0.0));
+    let [to_p, to_q] = smooth
         .each_mut()
-        .map(|plane| plane.samples_mut().par_chunks_mut(LANES * width));
-    let links = links.samples().par_chunks(LANES * width);
-    p.zip(q).zip(links).for_each_init(
+        .map(|plane| plane.samples_mut().par_chunks_mut(rows));
+    let [p, q] = planes
+        .each_ref()
+        .map(|plane| plane.samples().par_chunks(rows));
+    let blocks = p.zip(q).zip(links.samples().par_chunks(rows));
+    blocks.zip(to_p.zip(to_q)).for_each_init(
         || Block::new(width),
-        |block, ((p, q), links)| {
-            let fields = [p, q];
-            for (field, block) in fields.iter().zip(&mut block.fields) {
+        |block, (((p, q), links), (to_p, to_q))| {
+            for (field, block) in [p, q].iter().zip(&mut block.fields) {
                 turn(field, width, |x, lane, &v| block[x][lane] = v);
             }
             turn(links, width, |x, lane, &link| {
                 block.weights[x][lane] = if link { decay } else { 0.0 }
             });
-            block.smooth();
-            for (field, block) in fields.into_iter().zip(&block.fields) {
+            wide!(block.smooth());
+            for (field, block) in [to_p, to_q].into_iter().zip(&block.fields) {
                 turn_back(block, field, width);
             }
         },
     );
+    smooth
 }
 
 /// Calls `put(x, row, value)` for all values of a few rows, in tiles that stay in the fastest cache.
@@ -91,7 +95,7 @@ fn down(planes: &mut [Plane; 2], links: &Plane<bool>, decay: f32) {
                     *lane = if link { decay } else { 0.0 };
                 }
             }
-            block.smooth();
+            wide!(block.smooth());
             for (field, block) in [&mut p, &mut q].into_iter().zip(&block.fields) {
                 for (lanes, piece) in block.iter().zip(field) {
                     copy(lanes, piece);
@@ -143,6 +147,7 @@ impl Block {
 
     /// Weighted means along the lines, with weights that fall by a factor for each pixel, and to 0 at a broken link. The
     /// last weight has to be 0.
+    #[inline(always)]
     fn smooth(&mut self) {
         let [p, q] = &mut self.fields;
         let mut sums = [[0.0; LANES]; 3];

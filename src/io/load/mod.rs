@@ -82,6 +82,8 @@ pub struct Loaded {
     pub camera_is_recovered: bool,
     /// Median distance of the surface, where its depth has been looked at.
     pub distance: Option<f32>,
+    /// Whether pixels that show several surfaces were looked for, and there are none.
+    pub(crate) is_sharp: bool,
     /// How long it took to make normals, where the files hold none.
     pub normals_made: Option<Duration>,
     /// Conventions by which the layers were read.
@@ -262,6 +264,7 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
     frame.confidence = needs.confidence(&frame);
+    let looks_for_blends = needs.confidence || needs.confidence_if_any;
     if let Some(lengths) = &mut frame.normal_length {
         lift_out_of_fog(lengths, &frame.mask);
     }
@@ -276,6 +279,7 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         camera_is_placed: view.is_placed,
         camera_is_recovered: view.is_recovered,
         distance: None,
+        is_sharp: looks_for_blends && frame.confidence.is_none(),
         normals_made: made,
         conventions: Conventions {
             normal_space: view.normals.space,

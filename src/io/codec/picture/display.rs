@@ -96,6 +96,27 @@ impl Shown<'_> {
     }
 }
 
+impl Shown<'_> {
+    /// Whether a colour is too bright to stay as it is, unless by clipping; `of` is the colour there of the picture that it was changed
+    /// from.
+    pub(super) fn compresses(
+        &self,
+        color: [f64; 3],
+        of: impl Fn(&ColorPlanes) -> [f64; 3],
+    ) -> bool {
+        let color = color.map(|v| self.gain * v);
+        match self.bright {
+            Bright::Clipped | Bright::Agx => false,
+            Bright::Compressed => largest(color) > KNEE,
+            Bright::ChangedFrom(before) => {
+                let before = of(before).map(|v| self.gain * v);
+                let before_is = largest(before);
+                before_is > 1.0 || largest(changed(color, before)) > KNEE.max(before_is)
+            }
+        }
+    }
+}
+
 /// The change from `before`, applied to it clipped at white.
 #[inline(always)]
 fn changed(color: [f64; 3], before: [f64; 3]) -> [f64; 3] {

@@ -20,6 +20,26 @@ pub(crate) struct Whites {
     pub(crate) before: usize,
     /// All surface pixels.
     pub(crate) of: usize,
+    /// Compressed, so that they stay below white, where these are counted.
+    pub(crate) compressed: Option<usize>,
+}
+
+impl Picture<'_> {
+    /// The number of pixels in these rows that are compressed, so that they stay below white, where `mask` has a surface.
+    pub(crate) fn compressed(&self, mask: &Mask, rows: Range<usize>) -> usize {
+        let Some(shown) = self.display.shown() else {
+            return 0;
+        };
+        let count = |y: usize| {
+            let is_compressed = |&x: &usize| {
+                let alpha = self.alpha.map_or(1.0, |alpha| f64::from(alpha.at(x, y)));
+                let of = |color: &ColorPlanes| color.at(x, y).map(|v| f64::from(v) / alpha);
+                shown.compresses(of(self.color), of)
+            };
+            mask.runs(y).flatten().filter(is_compressed).count()
+        };
+        rows.into_par_iter().map(count).sum()
+    }
 }
 
 impl Whites {
@@ -52,7 +72,7 @@ impl Whites {
             Self {
                 count: white_in(&after),
                 before: before.map_or(0, |before| white_in(&of(before))),
-                of: 0,
+                ..Self::default()
             }
         };
         // A colour whose largest channel is no brighter than white is not made white.
@@ -97,6 +117,12 @@ impl Whites {
             count: self.count + other.count,
             before: self.before + other.before,
             of: self.of + other.of,
+            compressed: self.compressed.or(other.compressed).map(|_| {
+                [self, other]
+                    .iter()
+                    .filter_map(|whites| whites.compressed)
+                    .sum()
+            }),
         }
     }
 }
