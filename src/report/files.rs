@@ -62,7 +62,8 @@ pub(super) fn files(subject: &Subject, given: &Shot, counts: &[bool]) -> Result<
         let Ok([b, g, r]) = <[Plane; 3]>::try_from(stored.read_channels(&channels)?) else {
             unreachable!("three channels were written, and files hold them by name")
         };
-        let shown = subject.displayed(ColorPlanes { r, g, b });
+        let takes_picture = given.made.outcome.takes_picture;
+        let shown = subject.displayed(ColorPlanes { r, g, b }, takes_picture);
         files.push(Stored {
             flags: format!("-o .exr {flags}"),
             bytes: file.as_file().metadata().map_or(0, |data| data.len()),

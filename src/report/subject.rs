@@ -234,14 +234,16 @@ impl Subject {
     pub(super) fn before(&self) -> Option<Codes> {
         let is_light = matches!(self.command, Command::Enhance(_) | Command::Relight(_));
         let color = self.frame.color.as_ref().filter(|_| is_light)?;
-        self.displayed(color.clone())
+        self.displayed(color.clone(), false)
     }
 
-    /// A picture in place of the one that the command makes, as a display has it.
-    pub(super) fn displayed(&self, color: ColorPlanes) -> Option<Codes> {
+    /// A picture in place of the one that the command makes, as a display has it: where it takes the frame's picture for its
+    /// albedo, as bright as that.
+    pub(super) fn displayed(&self, color: ColorPlanes, takes_picture: bool) -> Option<Codes> {
         let made = Made {
             outcome: Outcome {
                 color: Some(color),
+                takes_picture,
                 ..Outcome::default()
             },
             ..Made::default()

@@ -125,6 +125,14 @@ fn commands_of_all_kinds_and_recipes_are_reported_on() {
         );
         row(&json["parts"], "name", part);
         assert!(number(&json["trust"]["rounds"]) >= 3.0, "{flags:?}");
+        // What floats hold is shown as the picture was, exposure and all: only a PNG is rounded.
+        for file in json["files"].as_array().unwrap() {
+            let is_float = file["flags"].as_str().unwrap().ends_with("float");
+            assert!(
+                !is_float || number(&file["error"]["largest"]) < 0.01,
+                "{file}"
+            );
+        }
     }
 }
 

@@ -44,6 +44,26 @@ fn a_recipe_makes_the_same_picture_from_the_command_line_bit_for_bit() {
     }
 }
 
+/// A folder as estimators write one is a picture, in the window too.
+#[test]
+fn a_folder_of_image_and_normals_is_a_picture() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("estimated");
+    std::fs::create_dir(&folder).unwrap();
+    for (name, to) in [
+        ("tablet.color.jpg", "image.jpg"),
+        ("tablet.normal.png", "normal.png"),
+    ] {
+        std::fs::copy(fixture(name), folder.join(to)).unwrap();
+    }
+    let mut window = Window::on(Some(&folder));
+    window.click("Enhance");
+    let picture = place.path().join("enhanced.png");
+    let arguments = ["enhance".as_ref(), &*folder, "-o".as_ref(), &*picture];
+    run(place.path(), arguments).done();
+    assert!(pixels_of(&picture) == window.pixels());
+}
+
 #[test]
 fn the_frames_of_a_sequence_are_gone_through() {
     use eframe::egui::{Key, Modifiers};
