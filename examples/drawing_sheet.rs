@@ -5,13 +5,14 @@
 mod common;
 
 use common::{light_from, load};
-use relievo::engine::{Engine, Request, Run, Tone};
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{Frame, Plane};
 use relievo::light::lights::Illumination;
 use relievo::line::paper::on_paper;
 use relievo::params::{
     AlbedoSource, LineParams, Method, RelightParams, ScalingParams, ShapeParams, Style,
 };
+use relievo::plan::Tone;
 use std::error::Error;
 use std::process::ExitCode;
 
@@ -61,9 +62,10 @@ fn drawn(
         albedo: AlbedoSource::White,
         ..RelightParams::default()
     };
-    let tone = Tone::Shape(light.map(|light| (relight, light)));
+    let tone = Tone::Shape(light.map(|_| relight));
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let request = Request::hatch(shape, scaling, tone, line);
+    let mut request = Request::hatch(shape, scaling, tone, line);
+    request.inputs.illumination = light;
     let drawing = Engine::cpu().run(&request, frame, &Run::new())?.drawing;
     let drawing = drawing.ok_or("no drawing was made")?;
     let white = on_paper(&[

@@ -16,7 +16,7 @@ use relievo::params::{
     Adaptive, AlbedoSource, LineParams, Material, Method, RelightParams, Samples, Scale,
     ScalingParams, ShapeParams, Solver, StrokeDirections, StrokeScale, Style,
 };
-use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::product::Product;
 use std::time::{Duration, Instant};
 
@@ -111,7 +111,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         line.strokes.style = style;
         line.strokes.scale = StrokeScale::Factor(1.0);
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line)?;
+        let plan = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling)?;
         let name = format!("hatching with contours, {name}");
         measure(&name, &engine, &plan, &frame, None)?;
     }
@@ -131,12 +131,11 @@ fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Res
         ..RelightParams::default()
     };
     relight.material.material = Material::BlinnPhong;
-    Plan::relight(
-        Available::in_frame(frame),
+    Plan::new(
+        Goal::Relight(relight),
+        Available::in_frame(frame).lit_by(&light),
         shape,
         ScalingParams::default(),
-        relight,
-        LightKinds::in_light(light),
     )
 }
 

@@ -23,7 +23,7 @@ use relievo::params::{
     Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
     ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
 };
-use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::light_reference::{
     Pixel, Settings, hessian, irradiance as exact_irradiance, lit, sigma, white,
 };
@@ -275,26 +275,26 @@ fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
         let (name, frame) = (scene.name, Rc::new(half_bright(scene.frame)));
         for (drawing, line) in plain {
             let name = format!("{name}, {drawing}");
-            cases.push(drawing_case(name, &frame, ToneFrom::Picture, line)?);
+            cases.push(drawing_case(name, &frame, Tone::Picture, line)?);
         }
     }
     for (width, height) in [(width, height), (3840, 2160), (2480, 3508)] {
         let frame = Rc::new(half_bright(waves(width, height)));
         let name = format!("waves, default, {width}x{height}");
-        let (tone, line) = (ToneFrom::Shape(None), LineParams::default());
+        let (tone, line) = (Tone::Shape(None), LineParams::default());
         cases.push(drawing_case(name, &frame, tone, line)?);
     }
     Ok(cases)
 }
 
-fn drawing_case(
-    name: String,
-    frame: &Rc<Frame>,
-    tone: ToneFrom,
-    line: LineParams,
-) -> Outcomes<Case> {
+fn drawing_case(name: String, frame: &Rc<Frame>, tone: Tone, line: LineParams) -> Outcomes<Case> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let plan = Plan::hatch(Available::in_frame(frame), shape, scaling, tone, line)?;
+    let plan = Plan::new(
+        Goal::Hatch(tone, line),
+        Available::in_frame(frame),
+        shape,
+        scaling,
+    )?;
     let mask = frame.mask.clone();
     let judge = move |outcome: &Outcome| {
         let drawing = outcome.drawing.as_ref().ok_or("a drawing was planned")?;
@@ -374,8 +374,16 @@ fn light_case(
 ) -> Outcomes<Case> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
-    let kinds = LightKinds::in_light(light);
-    let plan = Plan::relight(available, shape, scaling, params, kinds)?;
+    let kinds = light.kinds();
+    let plan = Plan::new(
+        Goal::Relight(params),
+        Available {
+            new_light: kinds,
+            ..available
+        },
+        shape,
+        scaling,
+    )?;
     let has_environment = light.environment.is_some();
     let lit = frame.clone();
     let judge = move |outcome: &Outcome| {

@@ -4,7 +4,7 @@
 
 mod common;
 
-use relievo::engine::{Engine, Request, Run, Tone};
+use relievo::engine::{Engine, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, SpecularScene};
 use relievo::io::inputs::Inputs;
 use relievo::io::{self, Needs, SpecularInputs, load_specular};
@@ -14,6 +14,7 @@ use relievo::params::{
     Bend, LineParams, Material, RelightParams, ScalingParams, SearchParams, ShapeParams,
     SpecularParams, StrokeDirections, StrokeScale,
 };
+use relievo::plan::Tone;
 use std::error::Error;
 use std::process::ExitCode;
 

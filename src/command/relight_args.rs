@@ -4,8 +4,8 @@ use super::args::WorkArgs;
 use super::flags::Section;
 use super::specular_args::SpecularFlags;
 use crate::light::lights::Illumination;
+use crate::light::lights::LightKinds;
 use crate::params::{AlbedoSource, Group, MaterialParams, RelightParams};
-use crate::plan::LightKinds;
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -126,7 +126,7 @@ impl RelightArgs {
             material, ambient, ..
         } = self.params().material;
         let shows_around = material.shows_surroundings();
-        let is_lit = LightKinds::in_light(light) != LightKinds::default();
+        let is_lit = light.kinds() != LightKinds::NONE;
         !is_lit && !shows_around && ambient == MaterialParams::default().ambient
     }
 

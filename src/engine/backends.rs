@@ -133,7 +133,7 @@ impl Engine {
     /// those of [`Engine::execute`].
     pub fn run(&self, request: &Request, frame: &Frame, run: &Run) -> Result<Outcome> {
         let plan = request.plan(Available::in_frame(frame))?;
-        self.execute(&plan, frame, request.inputs(), run)
+        self.execute(&plan, frame, request.inputs, run)
     }
 
     /// Runs `plan` on `frame`.
@@ -388,7 +388,7 @@ mod tests {
     use crate::frame::{ColorPlanes, LightGroup, Plane};
     use crate::kernel::cancel::CancelToken;
     use crate::params::{LineParams, ScalingParams, ShapeParams};
-    use crate::plan::{Available, Goal, ToneFrom};
+    use crate::plan::{Available, Goal, Tone};
     use crate::scenes::Scene;
     use glam::Vec3;
     use std::sync::Mutex;
@@ -462,7 +462,7 @@ mod tests {
         let plan = |goal, frame| Plan::new(goal, Available::in_frame(frame), shape, scaling);
         let line = LineParams::default();
         let available = Available::in_frame(&frame);
-        let drawing = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line);
+        let drawing = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling);
         let whole = Engine::on(whole);
         // Vectors of two take 24,000 bytes.
         let small = Engine::on(small.limited_to(23_999));

@@ -155,6 +155,7 @@ mod tests {
     use crate::frame::{ColorPlanes, Plane};
     use crate::light::lights::{DirectionalLight, Illumination};
     use crate::params::{AlbedoSource, Method, RelightParams, ScalingParams, ShapeParams};
+    use crate::plan::Goal;
     use crate::scenes::Scene;
 
     /// A row of 100 pixels of 40 to 80 planes takes 16,000 to 32,000 bytes: of 8 MB a strip has less than 500 of 900 rows.
@@ -184,7 +185,14 @@ mod tests {
         let engine = Engine::cpu();
         for request in [
             Request::enhance(shape, scaling),
-            Request::layers(shape, scaling).scales(&[3.0]),
+            Request::new(
+                Goal::Layers {
+                    and: &[],
+                    more_px: &[3.0],
+                },
+                shape,
+                scaling,
+            ),
             Request::relight(shape, scaling, relight, &light),
         ] {
             let whole = engine.run(&request, &frame, &Run::new()).unwrap();

@@ -6,7 +6,7 @@ use crate::light::lights::Illumination;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Style;
-use crate::plan::{Available, EnvironmentUse, LightKinds, Plan, Relighting};
+use crate::plan::{Available, EnvironmentUse, Plan, Relighting};
 
 /// Inputs of a plan beside the frame.
 #[derive(Debug, Clone, Copy, Default)]
@@ -56,7 +56,7 @@ impl<'a> Inputs<'a> {
         let Some(light) = self.illumination else {
             return Err(missing("light", "none is given"));
         };
-        let kinds = LightKinds::in_light(light);
+        let kinds = light.kinds();
         if relighting.environment != EnvironmentUse::None && !kinds.environment {
             return Err(missing("an environment", "the light has none"));
         }

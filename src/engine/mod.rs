@@ -19,7 +19,7 @@ pub(crate) mod watch;
 pub use crate::engine::backends::Engine;
 pub use crate::engine::inputs::Inputs;
 pub use crate::engine::outcome::{Drawing, Outcome, ScaleShape, Shape};
-pub use crate::engine::request::{Request, Tone};
+pub use crate::engine::request::Request;
 pub use crate::engine::run::Run;
 pub use crate::engine::session::Session;
 pub use crate::engine::target::Target;

@@ -1,57 +1,36 @@
 //! Requests: the result wanted, its parameters, and the inputs beside the frame.
 
 use crate::engine::inputs::Inputs;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::SpecularScene;
 use crate::light::lights::Illumination;
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{LineParams, RelightParams, ScalingParams, ShapeParams, SpecularParams};
-use crate::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
-use crate::product::Product;
+use crate::plan::{Available, Goal, Plan, Tone};
 
 /// The result wanted, its parameters, and the inputs beside the frame: see [`Engine::run`](crate::engine::Engine::run).
 #[derive(Debug, Clone)]
 pub struct Request<'a> {
-    kind: Kind,
-    shape: ShapeParams,
-    scaling: ScalingParams,
-    more_px: Vec<f32>,
-    named: Vec<Product>,
-    specular: Option<SpecularParams>,
-    inputs: Inputs<'a>,
-}
-
-/// The kind of plan that the request becomes.
-#[derive(Debug, Clone)]
-enum Kind {
-    OfFrame(Goal),
-    Relight(RelightParams, LightKinds),
-    Hatch(ToneFrom, Box<LineParams>),
-}
-
-/// Source of a drawing's tone.
-#[derive(Debug, Clone, Copy)]
-pub enum Tone<'a> {
-    /// The picture unchanged.
-    Picture,
-    /// The picture after radiance scaling.
-    Enhanced,
-    /// New light.
-    Relit(RelightParams, &'a Illumination),
-    /// Shape-showing tone: a key light, combined with the picture after radiance scaling, or with this new light if
-    /// given; stretched over all tones from ink to paper.
-    Shape(Option<(RelightParams, &'a Illumination)>),
+    /// The result wanted.
+    pub goal: Goal<'a>,
+    /// Shape analysis.
+    pub shape: ShapeParams,
+    /// Radiance scaling.
+    pub scaling: ScalingParams,
+    /// How specular pixels are traced, where the inputs have the scene that they show.
+    pub specular: Option<SpecularParams>,
+    /// The inputs beside the frame.
+    pub inputs: Inputs<'a>,
 }
 
 impl<'a> Request<'a> {
-    fn new(kind: Kind, shape: ShapeParams, scaling: ScalingParams) -> Self {
+    /// A result, without inputs beside the frame.
+    pub fn new(goal: Goal<'a>, shape: ShapeParams, scaling: ScalingParams) -> Self {
         Self {
-            kind,
+            goal,
             shape,
             scaling,
-            more_px: Vec::new(),
-            named: Vec::new(),
             specular: None,
             inputs: Inputs::default(),
         }
@@ -59,17 +38,17 @@ impl<'a> Request<'a> {
 
     /// Every layer of the descriptor.
     pub fn layers(shape: ShapeParams, scaling: ScalingParams) -> Self {
-        Self::new(Kind::OfFrame(Goal::Layers), shape, scaling)
+        Self::new(Goal::LAYERS, shape, scaling)
     }
 
     /// The coloured curvature display of [LW] figure 6.
     pub fn display(shape: ShapeParams, scaling: ScalingParams) -> Self {
-        Self::new(Kind::OfFrame(Goal::Display), shape, scaling)
+        Self::new(Goal::Display, shape, scaling)
     }
 
     /// Radiance scaling of the frame's picture. If it changes nothing, the outcome has no picture.
     pub fn enhance(shape: ShapeParams, scaling: ScalingParams) -> Self {
-        Self::new(Kind::OfFrame(Goal::Enhance), shape, scaling)
+        Self::new(Goal::Enhance, shape, scaling)
     }
 
     /// New light.
@@ -79,49 +58,23 @@ impl<'a> Request<'a> {
         params: RelightParams,
         light: &'a Illumination,
     ) -> Self {
-        let kind = Kind::Relight(params, LightKinds::in_light(light));
-        Self {
-            inputs: Inputs::lit_by(light),
-            ..Self::new(kind, shape, scaling)
-        }
+        Self::new(Goal::Relight(params), shape, scaling).lit_by(light)
     }
 
-    /// A drawing.
+    /// A drawing. Tone from new light takes that of [`Request::lit_by`].
     pub fn hatch(
         shape: ShapeParams,
         scaling: ScalingParams,
-        tone: Tone<'a>,
+        tone: Tone,
         params: LineParams,
     ) -> Self {
-        let kinds = LightKinds::in_light;
-        let (tone, light) = match tone {
-            Tone::Picture => (ToneFrom::Picture, None),
-            Tone::Enhanced => (ToneFrom::Enhanced, None),
-            Tone::Relit(relight, light) => (ToneFrom::Relit(relight, kinds(light)), Some(light)),
-            Tone::Shape(None) => (ToneFrom::Shape(None), None),
-            Tone::Shape(Some((relight, light))) => {
-                (ToneFrom::Shape(Some((relight, kinds(light)))), Some(light))
-            }
-        };
-        let inputs = light.map_or_else(Inputs::default, Inputs::lit_by);
-        Self {
-            inputs,
-            ..Self::new(Kind::Hatch(tone, Box::new(params)), shape, scaling)
-        }
+        Self::new(Goal::Hatch(tone, params), shape, scaling)
     }
 
-    /// Adds curvature at further scales, sigmas in pixels, to [layers](Request::layers).
+    /// Sets the new light.
     #[must_use]
-    pub fn scales(mut self, sigmas_px: &[f32]) -> Self {
-        self.more_px = sigmas_px.to_vec();
-        self
-    }
-
-    /// Adds products to [layers](Request::layers) that are made only when they are named: the height and what it misses
-    /// of the normals, the sky seen over it, and bent normals.
-    #[must_use]
-    pub fn named(mut self, products: &[Product]) -> Self {
-        self.named = products.to_vec();
+    pub fn lit_by(mut self, light: &'a Illumination) -> Self {
+        self.inputs.illumination = Some(light);
         self
     }
 
@@ -147,40 +100,19 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// Its inputs beside the frame.
-    pub fn inputs(&self) -> Inputs<'a> {
-        self.inputs
-    }
-
     /// The plan for a frame with these inputs.
     ///
     /// # Errors
-    /// Those of [`Plan::at_scales`], [`Plan::relight`] and [`Plan::hatch`]; also for further scales of anything but layers.
+    /// Those of [`Plan::new`].
     pub fn plan(&self, available: Available) -> Result<Plan> {
-        let (shape, scaling) = (self.shape, self.scaling);
+        let light = self.inputs.illumination.map(Illumination::kinds);
         let available = Available {
             specular: self.specular.or(available.specular),
             moving: available.moving || self.inputs.sequence.is_some(),
             in_sequence: available.in_sequence || self.inputs.sequence.is_some(),
+            new_light: light.unwrap_or(available.new_light),
             ..available
         };
-        if !matches!(self.kind, Kind::OfFrame(Goal::Layers)) && !self.more_px.is_empty() {
-            return Err(Error::BadParameter {
-                name: "--scale",
-                found: "names several scales, which only layers have".into(),
-                remedy: "give one, or ask for layers".into(),
-            });
-        }
-        match &self.kind {
-            Kind::OfFrame(Goal::Layers) if !self.named.is_empty() => {
-                let products: Vec<_> = Goal::Layers.products().chain(self.named.clone()).collect();
-                Plan::of_products(&products, available, shape, scaling, &self.more_px)
-            }
-            Kind::OfFrame(goal) => Plan::at_scales(*goal, available, shape, scaling, &self.more_px),
-            Kind::Relight(params, kinds) => {
-                Plan::relight(available, shape, scaling, *params, *kinds)
-            }
-            Kind::Hatch(tone, params) => Plan::hatch(available, shape, scaling, *tone, **params),
-        }
+        Plan::new(self.goal, available, self.shape, self.scaling)
     }
 }

@@ -187,7 +187,7 @@ mod tests {
         let large = run.enlarged(&frame, 2.0).unwrap();
         assert_eq!(large.normal, frame.enlarged(2.0).normal);
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::Layers, Available::in_frame(&large), shape, scaling).unwrap();
+        let plan = Plan::new(Goal::LAYERS, Available::in_frame(&large), shape, scaling).unwrap();
         let engine = Engine::cpu();
         engine
             .execute(&plan, &large, Inputs::default(), &run)

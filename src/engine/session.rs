@@ -66,7 +66,7 @@ impl<F: AsRef<Frame>> Session<F> {
     /// As [`Engine::run`].
     pub fn run(&mut self, request: &Request, run: &Run) -> Result<&Outcome> {
         let plan = request.plan(Available::in_frame(self.held.as_ref()))?;
-        self.execute(&plan, request.inputs(), run)
+        self.execute(&plan, request.inputs, run)
     }
 
     /// As [`Engine::execute`].

@@ -100,6 +100,41 @@ pub struct Illumination {
     pub lit_spheres: Vec<LitSphere>,
 }
 
+/// The kinds of light present.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LightKinds {
+    /// Directional lights, area lights included.
+    pub directional: bool,
+    /// Point lights.
+    pub points: bool,
+    /// An environment.
+    pub environment: bool,
+    /// Lit spheres: one, or two for convexities and concavities.
+    pub lit_spheres: u8,
+}
+
+impl LightKinds {
+    /// No light.
+    pub const NONE: Self = Self {
+        directional: false,
+        points: false,
+        environment: false,
+        lit_spheres: 0,
+    };
+}
+
+impl Illumination {
+    /// The kinds of light present.
+    pub fn kinds(&self) -> LightKinds {
+        LightKinds {
+            directional: !self.directional.is_empty(),
+            points: !self.points.is_empty(),
+            environment: self.environment.is_some(),
+            lit_spheres: self.lit_spheres.len().min(2) as u8,
+        }
+    }
+}
+
 /// The lights, `gain` times as bright.
 pub(crate) fn brightened(mut lights: Vec<DirectionalLight>, gain: f32) -> Vec<DirectionalLight> {
     for light in &mut lights {

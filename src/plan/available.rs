@@ -2,6 +2,7 @@
 
 use crate::frame::{DepthKind, Frame};
 use crate::light::enhancement::LightAvailable;
+use crate::light::lights::{Illumination, LightKinds};
 use crate::params::SpecularParams;
 
 /// The inputs that a plan is made for.
@@ -31,6 +32,8 @@ pub struct Available {
     pub normal_rounding: f32,
     /// How specular pixels are traced, if the scene they show is known; not set by [`in_frame`](Available::in_frame).
     pub specular: Option<SpecularParams>,
+    /// The kinds of new light that are given; none in [`in_frame`](Available::in_frame).
+    pub new_light: LightKinds,
     /// Light layers to scale.
     pub light: LightAvailable,
     /// Whether this is a frame of a sequence whose strokes move with the surface; false in [`in_frame`](Available::in_frame).
@@ -57,9 +60,16 @@ impl Available {
                 && frame.source.depth_kind != DepthKind::Relative,
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),
-            moving: false,
-            in_sequence: false,
-            specular: None,
+            ..Self::default()
+        }
+    }
+
+    /// The same inputs, and new light.
+    #[must_use]
+    pub fn lit_by(self, light: &Illumination) -> Self {
+        Self {
+            new_light: light.kinds(),
+            ..self
         }
     }
 

@@ -1,47 +1,64 @@
 //! What a run is to make.
 
-use crate::light::relight::setting::LightKinds;
-use crate::params::RelightParams;
+use crate::params::{LineParams, RelightParams};
 use crate::product::Product;
-use serde::Serialize;
 
-/// The result requested from a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Goal {
+/// The result wanted from a run, and its own parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal<'a> {
     /// Every layer of the descriptor.
-    Layers,
+    Layers {
+        /// Products beside them that are made on request alone: the height and what it misses of the normals, the sky seen
+        /// over it, and bent normals.
+        and: &'a [Product],
+        /// Further scales that curvature is made at: sigmas in pixels.
+        more_px: &'a [f32],
+    },
+    /// These products of the shape alone.
+    Products(&'a [Product]),
     /// The coloured curvature display of [LW] figure 6.
     Display,
     /// Radiance scaling of the picture.
     Enhance,
     /// New light.
-    Relight,
-    /// The picture unchanged, for a drawing.
-    Picture,
+    Relight(RelightParams),
+    /// A drawing.
+    Hatch(Tone, LineParams),
 }
 
 /// Source of a drawing's tone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ToneFrom {
+pub enum Tone {
     /// The picture unchanged.
     Picture,
     /// The picture after radiance scaling.
     Enhanced,
     /// New light.
-    Relit(RelightParams, LightKinds),
+    Relit(RelightParams),
     /// Shape-showing tone: a key light combined with new light, or else with the picture after radiance scaling, if
     /// there is a picture; stretched over all tones from ink to paper.
-    Shape(Option<(RelightParams, LightKinds)>),
+    Shape(Option<RelightParams>),
 }
 
-impl Goal {
-    /// Products the goal consists of; pictures are handled separately.
-    pub(crate) fn products(self) -> impl Iterator<Item = Product> {
-        let is_layer = |product: &Product| {
-            let row = product.row();
-            row.layer.is_some() && !row.on_request
-        };
-        Product::all().filter(move |product| self == Self::Layers && is_layer(product))
+impl Goal<'_> {
+    /// Every layer of the descriptor, at one scale.
+    pub const LAYERS: Goal<'static> = Goal::Layers {
+        and: &[],
+        more_px: &[],
+    };
+
+    /// Products that it consists of; pictures are made beside them.
+    pub(crate) fn products(&self) -> Vec<Product> {
+        match self {
+            Self::Layers { and, .. } => {
+                let layers = Product::all().filter(|product| {
+                    let row = product.row();
+                    row.layer.is_some() && !row.on_request
+                });
+                layers.chain(and.iter().copied()).collect()
+            }
+            Self::Products(products) => products.to_vec(),
+            _ => Vec::new(),
+        }
     }
 }

@@ -7,8 +7,7 @@ pub(crate) mod planned;
 pub(crate) mod stage;
 
 pub use crate::light::enhancement::LightAvailable;
-pub use crate::light::relight::setting::LightKinds;
 pub(crate) use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
 pub use crate::plan::available::Available;
-pub use crate::plan::goal::{Goal, ToneFrom};
+pub use crate::plan::goal::{Goal, Tone};
 pub use crate::plan::planned::{Decision, Plan, Points};

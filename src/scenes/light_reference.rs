@@ -101,7 +101,7 @@ impl Pixel {
 /// [`crate::Error::BadParameter`] for a parameter outside its range.
 pub fn hessian(frame: &Frame, shape: ShapeParams) -> Result<SymmetricPlanes> {
     let scaling = ScalingParams::default();
-    let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling)?;
+    let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling)?;
     let outcome = Engine::cpu().execute(&plan, frame, Inputs::default(), &Run::new())?;
     Ok(outcome.shape.hessian.expect("layers hold it"))
 }

@@ -3,15 +3,12 @@
 
 use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
-use crate::light::relight::setting::{LightKinds, Relighting};
-use crate::params::{
-    LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales,
-};
+use crate::light::relight::setting::Relighting;
+use crate::params::{RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales};
 use crate::plan::available::Available;
-use crate::plan::goal::{Goal, ToneFrom};
+use crate::plan::goal::{Goal, Tone};
 use crate::plan::planned::{Decision, Plan, Points};
 use crate::plan::stage::{Step, Verdict};
-use crate::product::Product;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use crate::stages::stages;
 use std::collections::BTreeMap;
@@ -20,136 +17,20 @@ impl Plan {
     /// The plan for `goal` over a frame with the given inputs.
     ///
     /// # Errors
-    /// [`crate::Error::BadParameter`] for a parameter outside its range; [`crate::Error::Unfit`] for enhancing without a
-    /// picture.
+    /// [`crate::Error::BadParameter`] for a parameter outside its range, for lights and materials that lack required inputs, for
+    /// tone from a picture if there is none, and for further scales with explicit steps, which share no sweeps, or with an
+    /// importance map, which varies the scale per pixel; [`crate::Error::Unfit`] for enhancing without a picture.
     pub fn new(
         goal: Goal,
         available: Available,
         shape: ShapeParams,
         scaling: ScalingParams,
     ) -> Result<Self> {
-        Self::at_scales(goal, available, shape, scaling, &[])
-    }
-
-    /// The plan for relighting a frame with the given inputs, by lights of these `kinds`.
-    ///
-    /// # Errors
-    /// [`crate::Error::BadParameter`] for a parameter outside its range, and for lights and materials that lack
-    /// required inputs.
-    pub fn relight(
-        available: Available,
-        shape: ShapeParams,
-        scaling: ScalingParams,
-        relight: RelightParams,
-        kinds: LightKinds,
-    ) -> Result<Self> {
-        scaling.validate()?;
-        let relighting = Relighting::new(relight, &scaling, kinds, available)?;
-        Self::made(Asked {
-            relighting: Some(relighting),
-            ..Asked::of(Goal::Relight, available, shape, scaling)
-        })
-    }
-
-    /// The plan for drawing a frame with the given inputs, in the given tone.
-    ///
-    /// # Errors
-    /// Those of [`Plan::new`] and [`Plan::relight`]; also for tone from a picture if there is none.
-    pub fn hatch(
-        available: Available,
-        shape: ShapeParams,
-        scaling: ScalingParams,
-        tone: ToneFrom,
-        mut drawing: LineParams,
-    ) -> Result<Self> {
-        scaling.validate()?;
-        drawing.validate()?;
-        let factor = shape.resolution_factor(available.image_height) as f32;
-        let line_scale = drawing.strokes.fit(available.image_size_px(), factor);
-        let (goal, relighting) = match tone {
-            _ if drawing.lines_only => (Goal::Picture, None),
-            ToneFrom::Picture => (Goal::Picture, None),
-            ToneFrom::Enhanced => (Goal::Enhance, None),
-            ToneFrom::Shape(None) if available.color => (Goal::Enhance, None),
-            ToneFrom::Shape(None) => (Goal::Picture, None),
-            ToneFrom::Relit(relight, kinds) | ToneFrom::Shape(Some((relight, kinds))) => {
-                let relighting = Relighting::new(relight, &scaling, kinds, available)?;
-                (Goal::Relight, Some(relighting))
-            }
+        let more_px = match goal {
+            Goal::Layers { more_px, .. } => more_px,
+            _ => &[],
         };
-        let shows_shape = matches!(tone, ToneFrom::Shape(_)) && !drawing.lines_only;
-        let needs_picture = !shows_shape && !drawing.lines_only;
-        if goal != Goal::Relight && !available.color && needs_picture {
-            return Err(Error::BadParameter {
-                name: "--tone",
-                found: "comes from the picture, and there is none".into(),
-                remedy: "name one with --color, or give a --light".into(),
-            });
-        }
-        Self::made(Asked {
-            relighting,
-            drawing: Some(drawing),
-            shows_shape,
-            line_scale,
-            ..Asked::of(goal, available, shape, scaling)
-        })
-    }
-
-    /// As [`Plan::new`], with the gradient also diffused to further scales, sigmas in pixels, sharing the sweeps.
-    ///
-    /// # Errors
-    /// Those of [`Plan::new`]; also for further scales with explicit steps, which share no sweeps, or with an
-    /// importance map, which varies the scale per pixel.
-    pub fn at_scales(
-        goal: Goal,
-        available: Available,
-        shape: ShapeParams,
-        scaling: ScalingParams,
-        more_px: &[f32],
-    ) -> Result<Self> {
-        Self::made(Asked {
-            more_px,
-            ..Asked::of(goal, available, shape, scaling)
-        })
-    }
-
-    /// As [`Plan::at_scales`] for [`Goal::Layers`], with these products alone.
-    ///
-    /// # Errors
-    /// Those of [`Plan::at_scales`].
-    pub(crate) fn of_products(
-        products: &[Product],
-        available: Available,
-        shape: ShapeParams,
-        scaling: ScalingParams,
-        more_px: &[f32],
-    ) -> Result<Self> {
-        Self::made(Asked {
-            products: Some(products),
-            more_px,
-            ..Asked::of(Goal::Layers, available, shape, scaling)
-        })
-    }
-
-    fn made(asked: Asked) -> Result<Self> {
-        let Asked {
-            goal,
-            products,
-            available,
-            shape,
-            scaling,
-            more_px,
-            relighting,
-            drawing,
-            shows_shape,
-            line_scale,
-        } = asked;
-        if goal == Goal::Enhance && !available.color {
-            return Err(Error::Unfit {
-                found: "enhancing takes a picture, and the frame has none".into(),
-                remedy: "give one",
-            });
-        }
+        let (is_enhanced, relit) = picture_of(&goal, available)?;
         shape.validate()?;
         check_scales(1 + more_px.len())?;
         refuse_several_scales(&shape, more_px, available)?;
@@ -162,21 +43,22 @@ impl Plan {
             at_scale.validate()?;
             at_scale.validate_for(available.image_height)?;
         }
-        let by_importance = available.importance;
-        let sweeps = DiffusionSchedule::new(&shape, resolution_factor, more_px, by_importance);
-        let points = match available.positions {
-            true => Points::Depth,
-            false => Points::Normals,
-        };
-        let direction_steps_px = shape.direction_steps_px(available.normal_rounding);
-        let enhancement =
-            (goal == Goal::Enhance).then(|| Enhancement::new(available.light, &scaling));
-        let no_shape = match (goal, enhancement, &relighting) {
-            (_, Some(enhancement), _) if enhancement.is_idle() => {
+        let (mut drawing, mut line_scale) = (None, 1.0);
+        if let Goal::Hatch(_, mut params) = goal {
+            params.validate()?;
+            let size = available.image_size_px();
+            line_scale = params.strokes.fit(size, resolution_factor as f32);
+            drawing = Some(params);
+        }
+        let relighting = relit.map(|params| Relighting::new(params, &scaling, available));
+        let relighting = relighting.transpose()?;
+        let enhancement = is_enhanced.then(|| Enhancement::new(available.light, &scaling));
+        let no_shape = match (enhancement, &relighting) {
+            (Some(enhancement), _) if enhancement.is_idle() => {
                 Some("a magnitude of 0 leaves the picture as it is")
             }
-            (Goal::Picture, ..) => Some("the picture is taken as it is"),
-            (_, _, Some(relighting)) if !relighting.needs_shape() => {
+            (None, None) if drawing.is_some() => Some("the picture is taken as it is"),
+            (_, Some(relighting)) if !relighting.needs_shape() => {
                 Some("light that is not altered asks nothing of shape")
             }
             _ => None,
@@ -191,20 +73,25 @@ impl Plan {
             inks_strokes: true,
             keeps_tone: true,
             line_scale,
-            shows_shape,
+            shows_shape: matches!(goal, Goal::Hatch(Tone::Shape(_), line) if !line.lines_only),
             specular: available.specular,
-            sweeps,
+            sweeps: DiffusionSchedule::new(
+                &shape,
+                resolution_factor,
+                more_px,
+                available.importance,
+            ),
             more_px: more_px.to_vec(),
             resolution_factor,
-            points,
-            direction_steps_px,
+            points: match available.positions {
+                true => Points::Depth,
+                false => Points::Normals,
+            },
+            direction_steps_px: shape.direction_steps_px(available.normal_rounding),
             available,
             tile: None,
             no_shape,
-            wanted: match products {
-                Some(products) => products.iter().copied().collect(),
-                None => goal.products().collect(),
-            },
+            wanted: goal.products().into_iter().collect(),
             decisions: Vec::new(),
             stages: Vec::new(),
             keys: BTreeMap::new(),
@@ -242,35 +129,30 @@ fn decision(step: &Step, plan: &Plan) -> Decision {
     }
 }
 
-/// The inputs of planning.
-struct Asked<'a> {
-    goal: Goal,
-    /// The products wanted, if not all of the goal's.
-    products: Option<&'a [Product]>,
-    available: Available,
-    shape: ShapeParams,
-    scaling: ScalingParams,
-    more_px: &'a [f32],
-    relighting: Option<Relighting>,
-    drawing: Option<LineParams>,
-    shows_shape: bool,
-    line_scale: f32,
-}
-
-impl Asked<'_> {
-    fn of(goal: Goal, available: Available, shape: ShapeParams, scaling: ScalingParams) -> Self {
-        Self {
-            goal,
-            products: None,
-            available,
-            shape,
-            scaling,
-            more_px: &[],
-            relighting: None,
-            drawing: None,
-            shows_shape: false,
-            line_scale: 1.0,
+/// Whether the picture is the enhanced one, and the new light in it.
+fn picture_of(goal: &Goal, available: Available) -> Result<(bool, Option<RelightParams>)> {
+    let tone = match goal {
+        Goal::Enhance if !available.color => {
+            return Err(Error::Unfit {
+                found: "enhancing takes a picture, and the frame has none".into(),
+                remedy: "give one",
+            });
         }
+        Goal::Enhance => return Ok((true, None)),
+        Goal::Relight(params) => return Ok((false, Some(*params))),
+        Goal::Hatch(tone, line) if !line.lines_only => *tone,
+        _ => return Ok((false, None)),
+    };
+    match tone {
+        Tone::Picture | Tone::Enhanced if !available.color => Err(Error::BadParameter {
+            name: "--tone",
+            found: "comes from the picture, and there is none".into(),
+            remedy: "name one with --color, or give a --light".into(),
+        }),
+        Tone::Picture => Ok((false, None)),
+        Tone::Enhanced => Ok((true, None)),
+        Tone::Shape(None) => Ok((available.color, None)),
+        Tone::Relit(relight) | Tone::Shape(Some(relight)) => Ok((false, Some(relight))),
     }
 }
 
@@ -302,7 +184,9 @@ fn refuse_several_scales(shape: &ShapeParams, more_px: &[f32], available: Availa
 mod tests {
     use super::*;
     use crate::light::enhancement::LightAvailable;
+    use crate::light::lights::LightKinds;
     use crate::line::direction::FILL_REACH_PX;
+    use crate::product::Product;
     use crate::shape::gap::GAP_REACH;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
@@ -328,6 +212,7 @@ mod tests {
         moving: false,
         in_sequence: false,
         specular: None,
+        new_light: LightKinds::NONE,
         light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
@@ -345,6 +230,7 @@ mod tests {
         moving: false,
         in_sequence: false,
         specular: None,
+        new_light: LightKinds::NONE,
         light: LightAvailable::NONE,
     };
 
@@ -356,7 +242,7 @@ mod tests {
         assert!(!plan(Goal::Enhance, DEPTH, 50).runs("occlusion-silhouettes"));
         for step in ["directions", "curvatures", "hessian"] {
             assert!(!plan(Goal::Enhance, DEPTH, 50).runs(step));
-            assert!(plan(Goal::Layers, DEPTH, 50).runs(step));
+            assert!(plan(Goal::LAYERS, DEPTH, 50).runs(step));
         }
     }
 
@@ -380,7 +266,7 @@ mod tests {
             names.dedup();
             assert_eq!(names.len(), count);
         }
-        for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
+        for goal in [Goal::LAYERS, Goal::Display, Goal::Enhance] {
             let plan = plan(goal, DEPTH, 50);
             let mut given = Vec::new();
             for stage in &plan.stages {
@@ -401,7 +287,7 @@ mod tests {
         let enhanced = plan(Goal::Enhance, DEPTH, 50);
         assert_eq!(enhanced.reach(), GAP_REACH + enhanced.sweeps.count() + 1);
         assert_eq!(plan(Goal::Enhance, DEPTH, 0).reach(), GAP_REACH + 1);
-        let layers = plan(Goal::Layers, DEPTH, 50);
+        let layers = plan(Goal::LAYERS, DEPTH, 50);
         let directions = GAP_REACH + layers.direction_steps_px[1] + FILL_REACH_PX;
         assert_eq!(layers.reach(), enhanced.reach().max(directions));
         assert_eq!(layers.without(Product::Direction).reach(), enhanced.reach());

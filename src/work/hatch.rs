@@ -17,7 +17,7 @@ use crate::io::inputs::Inputs;
 use crate::io::picture::PictureFormat;
 use crate::io::svg;
 use crate::io::{self, Loaded, Needs, picture_size};
-use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG};
+use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, LightKinds};
 use crate::line::contours::Contour;
 use crate::line::fading::{faded, largest_around};
 use crate::line::paper::on_paper;
@@ -28,7 +28,7 @@ use crate::params::{
     Ink, LineParams, ObjectLines, ShapeParams, SoftThreshold, StrokeParams, StrokeScale, Style,
     ToneSource,
 };
-use crate::plan::{Available, LightKinds, Plan, ToneFrom};
+use crate::plan::{Available, Goal, Plan, Tone};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -151,7 +151,7 @@ impl Work for HatchArgs {
                 .map(|contours| contours.enlarged(seen.times as f32)),
             ..line
         };
-        let mut plan = Plan::hatch(available, shape, params.scaling, tone, line)?;
+        let mut plan = Plan::new(Goal::Hatch(tone, line), available, shape, params.scaling)?;
         plan.inks_strokes = !is_svg(self.args());
         plan.keeps_tone = plan.inks_strokes && self.args().output.kind()? == Kind::Exr;
         Ok(vec![plan])
@@ -315,9 +315,9 @@ impl HatchArgs {
     }
 
     /// The source of tones for a frame. Those that need light get a lamp where none is given.
-    fn lit_tone(&self, seen: &mut Seen) -> ToneFrom {
+    fn lit_tone(&self, seen: &mut Seen) -> Tone {
         let relight = self.relight.params();
-        let is_lit = LightKinds::in_light(&seen.light) != LightKinds::default();
+        let is_lit = seen.light.kinds() != LightKinds::NONE;
         // A surface seen in mirrors has no tone but that of its light.
         let shows_shape = self.tone() == ToneSource::Auto && !seen.is_specular;
         let relit = match self.tone() {
@@ -331,12 +331,11 @@ impl HatchArgs {
             let lamp = DirectionalLight::white(LAMP_DEG);
             seen.light.to_mut().directional.push(lamp);
         }
-        let kinds = LightKinds::in_light(&seen.light);
         match self.tone() {
-            _ if shows_shape => ToneFrom::Shape(relit.then_some((relight, kinds))),
-            _ if relit => ToneFrom::Relit(relight, kinds),
-            ToneSource::Picture => ToneFrom::Picture,
-            _ => ToneFrom::Enhanced,
+            _ if shows_shape => Tone::Shape(relit.then_some(relight)),
+            _ if relit => Tone::Relit(relight),
+            ToneSource::Picture => Tone::Picture,
+            _ => Tone::Enhanced,
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::io::picture::ViewTransform;
 use crate::io::{self, Needs};
 use crate::light::lights::Illumination;
 use crate::params::{Adaptive, Params, Scale, ShapeParams, SoftThreshold};
-use crate::plan::{Available, Plan};
+use crate::plan::{Available, Goal, Plan};
 use crate::product::Product;
 use std::borrow::Cow;
 
@@ -284,7 +284,7 @@ impl Work for MapArgs {
         let Params { shape, scaling, .. } = self.work.flags.params;
         let available = Available::in_frame(seen.frame);
         let plan = |products: &[Product], shape| {
-            Plan::of_products(products, available, shape, scaling, &[])
+            Plan::new(Goal::Products(products), available, shape, scaling)
         };
         let mut plans = Vec::new();
         if self.maps.iter().any(|map| map.has_scales()) {

@@ -16,7 +16,7 @@ use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
 use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, RelightParams, Samples, in_range};
-use crate::plan::{Available, LightKinds, Plan};
+use crate::plan::{Available, Goal, Plan};
 use glam::Vec3;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -98,10 +98,10 @@ impl Work for RelightArgs {
         let scaling = seen.found.given(params.scaling);
         let available = Available {
             specular: seen.is_specular.then(|| self.specular.params(params)),
-            ..Available::in_frame(seen.frame)
+            ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
-        let kinds = LightKinds::in_light(&seen.light);
-        let mut plan = Plan::relight(available, params.shape, scaling, self.params(), kinds)?;
+        let goal = Goal::Relight(self.params());
+        let mut plan = Plan::new(goal, available, params.shape, scaling)?;
         if let Some(relighting) = &mut plan.relighting {
             relighting.estimate = seen.found.albedo;
         }

@@ -51,7 +51,7 @@ impl Work for ShapeArgs {
     }
 
     fn takes_whole(&self) -> bool {
-        asked(&self.work).next().is_some()
+        !on_request(&self.work).is_empty()
     }
 
     fn goes_by_rows(&self) -> bool {
@@ -59,11 +59,7 @@ impl Work for ShapeArgs {
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
-        let goal = match self.goes_by_rows() {
-            true => Goal::Layers,
-            false => Goal::Display,
-        };
-        Ok(vec![plan(&self.work, goal, seen)?])
+        Ok(vec![plan(&self.work, self.goes_by_rows(), seen)?])
     }
 
     fn picture<'a>(&self, frame: &'a Frame, outcome: &'a Outcome) -> Option<MadePicture<'a>> {
@@ -96,29 +92,31 @@ pub(crate) fn display<'a>(
     Some(MadePicture::shown(color, form))
 }
 
-/// The plan for the shape of a frame, by the settings of any command.
-pub(crate) fn plan(work: &WorkArgs, goal: Goal, seen: &Seen) -> Result<Plan> {
+/// The plan for the shape of a frame, in layers or as the curvature display, by the settings of any command.
+pub(crate) fn plan(work: &WorkArgs, in_layers: bool, seen: &Seen) -> Result<Plan> {
+    let and = on_request(work);
+    let layers = Goal::Layers {
+        and: &and,
+        more_px: work.flags.more_scales(),
+    };
+    let goal = if in_layers { layers } else { Goal::Display };
     let Params { shape, scaling, .. } = work.flags.params;
     let (available, scaling) = (Available::in_frame(seen.frame), seen.found.given(scaling));
-    let more = work.flags.more_scales();
-    if goal != Goal::Layers {
-        return Plan::at_scales(goal, available, shape, scaling, more);
-    }
-    let products: Vec<_> = goal.products().chain(asked(work)).collect();
-    Plan::of_products(&products, available, shape, scaling, more)
+    Plan::new(goal, available, shape, scaling)
 }
 
 /// Products that are made since they are named.
-fn asked(work: &WorkArgs) -> impl Iterator<Item = Product> {
+fn on_request(work: &WorkArgs) -> Vec<Product> {
     let on_request = Product::all().filter(|product| product.row().on_request);
-    on_request.filter(|product| {
+    let named = on_request.filter(|product| {
         let mut names = work.output.write.iter();
         let is_named = |name: &String| {
             let mut channels = product.channels();
             channels.any(|channel| names_of(&channel).any(|own| own == name))
         };
         names.any(is_named)
-    })
+    });
+    named.collect()
 }
 
 /// The layers of the contract, under its names.

@@ -6,7 +6,7 @@ use crate::common::poisoned;
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
 use relievo::params::{LineParams, StrokeScale};
-use relievo::plan::ToneFrom;
+use relievo::plan::Tone;
 use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 
 /// A wall, square to the view axis.
@@ -91,7 +91,7 @@ fn lines_along_edges_of_the_device() {
         for (name, frame) in edged() {
             let mut line = LineParams::default();
             line.strokes.scale = StrokeScale::Factor(1.0);
-            let [_, contours] = assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
+            let [_, contours] = assert_drawn(name, runner, &frame, line, Tone::Picture);
             assert!(contours > 100.0, "{name}: {contours}");
         }
     });

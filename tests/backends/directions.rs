@@ -21,7 +21,7 @@ fn assert_same_directions(name: &str, runner: &Runner, frame: &Frame) {
             direction_step: step,
             ..ShapeParams::default()
         };
-        let plan = plan(Goal::Layers, frame, shape, ScalingParams::default());
+        let plan = plan(Goal::LAYERS, frame, shape, ScalingParams::default());
         let (found, expected) = (
             runner.execute(&plan, frame, Inputs::default()).unwrap(),
             cpu::run(&plan, frame).unwrap(),

@@ -14,7 +14,7 @@ use relievo::params::{
     Adaptive, Bend, LineParams, Material, Method, RelightParams, ScalingParams, SearchParams,
     ShapeParams, SpecularParams, StrokeDirections, StrokeScale, Style, Tangent,
 };
-use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::product::Product;
 use relievo::scenes::{ExactScene, Surface};
 
@@ -25,13 +25,13 @@ pub(super) fn assert_drawn(
     runner: &Runner,
     frame: &Frame,
     line: LineParams,
-    tone: ToneFrom,
+    tone: Tone,
 ) -> [f32; 2] {
-    let available = Available::in_frame(frame);
-    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let plan = Plan::hatch(available, shape, scaling, tone, line).unwrap();
-    let map = (line.strokes.style == Style::Pictures).then(pictures);
     let lamp = lamp();
+    let available = Available::in_frame(frame).lit_by(&lamp);
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let plan = Plan::new(Goal::Hatch(tone, line), available, shape, scaling).unwrap();
+    let map = (line.strokes.style == Style::Pictures).then(pictures);
     let inputs = Inputs {
         art_map: map.as_ref(),
         illumination: Some(&lamp),
@@ -69,16 +69,15 @@ fn assert_is_drawing(name: &str, found: Outcome, expected: Outcome) -> [f32; 2] 
 }
 
 /// The picture as it is, with its shape brought out, and in new light.
-fn tones() -> [(&'static str, ToneFrom); 3] {
+fn tones() -> [(&'static str, Tone); 3] {
     let relight = RelightParams {
         method: Method::Both,
         ..RelightParams::default()
     };
-    let kinds = LightKinds::in_light(&lamp());
     [
-        ("as it is", ToneFrom::Picture),
-        ("enhanced", ToneFrom::Enhanced),
-        ("in new light", ToneFrom::Relit(relight, kinds)),
+        ("as it is", Tone::Picture),
+        ("enhanced", Tone::Enhanced),
+        ("in new light", Tone::Relit(relight)),
     ]
 }
 
@@ -232,7 +231,7 @@ fn sizes_and_masks() {
             frames.push((format!("at {origin}"), frame));
         }
         for (name, frame) in frames {
-            assert_drawn(&name, runner, &frame, line, ToneFrom::Enhanced);
+            assert_drawn(&name, runner, &frame, line, Tone::Enhanced);
         }
     });
 }
@@ -267,7 +266,7 @@ fn a_texture_that_was_copied_is_not_taken_for_another() {
     on_gpu(|runner| {
         let frame = waves(80, 60);
         for (name, line) in settings().into_iter().chain(settings()) {
-            assert_drawn(name, runner, &frame, line, ToneFrom::Picture);
+            assert_drawn(name, runner, &frame, line, Tone::Picture);
         }
     });
 }
@@ -353,7 +352,7 @@ fn moving_plan(frame: &Frame, line: LineParams) -> Plan {
         ..Available::in_frame(frame)
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
+    Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
 }
 
 #[test]
@@ -369,20 +368,29 @@ fn what_has_no_kernels_is_named() {
     };
     let drawn = |available| {
         let line = LineParams::default();
-        Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
+        Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
     };
     let lit = |material, available| {
         let mut relight = RelightParams::default();
         relight.material.material = material;
         relight.material.tangent = Tangent::Curvature;
         relight.material.coat = [10.0, 200.0];
-        let mut kinds = LightKinds::in_light(&lamp());
+        let mut kinds = lamp().kinds();
         // A mirror shows no light that is no larger than a point.
         (kinds.directional, kinds.environment) = match material {
             Material::Mirror => (false, true),
             _ => (true, false),
         };
-        Plan::relight(available, shape, scaling, relight, kinds).unwrap()
+        Plan::new(
+            Goal::Relight(relight),
+            Available {
+                new_light: kinds,
+                ..available
+            },
+            shape,
+            scaling,
+        )
+        .unwrap()
     };
     let known = Available::in_frame(&frame);
     for (plan, expected) in [

@@ -67,7 +67,7 @@ fn sizes() {
             (300, 3),
         ] {
             let frame = waves(width, height);
-            for goal in [Goal::Layers, Goal::Enhance] {
+            for goal in [Goal::LAYERS, Goal::Enhance] {
                 let plan = plan(
                     goal,
                     &frame,
@@ -90,7 +90,7 @@ fn masks() {
             ("speckled", masked(waves(80, 60), speckled)),
             ("half", masked(waves(80, 60), |x, _| x < 37)),
         ] {
-            for goal in [Goal::Layers, Goal::Display, Goal::Enhance] {
+            for goal in [Goal::LAYERS, Goal::Display, Goal::Enhance] {
                 let plan = plan(
                     goal,
                     &frame,
@@ -110,7 +110,7 @@ fn what_lies_outside_the_mask_changes_nothing() {
         for poison in [f32::NAN, f32::INFINITY, -1.0] {
             let frame = poisoned(&frame, poison);
             let plan = plan(
-                Goal::Layers,
+                Goal::LAYERS,
                 &frame,
                 ShapeParams::default(),
                 ScalingParams::default(),

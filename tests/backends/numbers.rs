@@ -8,7 +8,7 @@ use relievo::frame::{Frame, Plane, Vector3Planes};
 use relievo::params::{Scale, ScalingParams, ShapeParams};
 use relievo::plan::Goal;
 
-const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 
 /// Every so-manieth pixel of a plane in turn made one of `values`.
 fn scattered(plane: &Plane, every: usize, values: &[f32]) -> Plane {
@@ -118,7 +118,7 @@ fn zeros_of_both_signs_and_numbers_next_to_them() {
             frame.occlusion = Some(Plane::from_fn(80, 60, |x, y| {
                 [0.5, 0.0, -0.0, 1e-40, 1.0][usize::from(y % 17 == 0) * (1 + x % 4)]
             }));
-            let plan = plan(Goal::Layers, &frame, shape, ScalingParams::default());
+            let plan = plan(Goal::LAYERS, &frame, shape, ScalingParams::default());
             assert_same(&format!("{scale:?}, occlusion"), runner, &plan, &frame);
         }
     });

@@ -12,7 +12,7 @@ use relievo::product::Product;
 use relievo::scenes::{ExactScene, Surface};
 use std::f64::consts::TAU;
 
-const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 
 fn settings() -> Vec<(&'static str, ShapeParams)> {
     let with = |change: fn(&mut ShapeParams)| {
@@ -66,11 +66,20 @@ fn several_scales_at_once() {
         let frame = waves(120, 90);
         let available = Available::in_frame(&frame);
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::at_scales(Goal::Layers, available, shape, scaling, &[1.0, 5.0]).unwrap();
+        let plan = Plan::new(
+            Goal::Layers {
+                and: &[],
+                more_px: &[1.0, 5.0],
+            },
+            available,
+            shape,
+            scaling,
+        )
+        .unwrap();
         assert_same("scales", runner, &plan, &frame);
         let scale = Scale::Mixed([1.0, 5.0]);
         let plan = Plan::new(
-            Goal::Layers,
+            Goal::LAYERS,
             available,
             ShapeParams { scale, ..shape },
             scaling,
@@ -120,7 +129,7 @@ fn tiles() {
                 scale: Scale::Sigma(sigma),
                 ..ShapeParams::default()
             };
-            let plan = plan(Goal::Layers, &frame, shape, ScalingParams::default());
+            let plan = plan(Goal::LAYERS, &frame, shape, ScalingParams::default());
             let [found, expected] = engines.each_ref().map(|engine| {
                 let inputs = relievo::engine::Inputs::default();
                 engine.execute(&plan, &frame, inputs, &Run::new()).unwrap()
@@ -144,7 +153,7 @@ fn importance() {
                 scale: Scale::Iterations(21),
                 ..ShapeParams::default()
             };
-            let plan = plan(Goal::Layers, &frame, shape, ScalingParams::default());
+            let plan = plan(Goal::LAYERS, &frame, shape, ScalingParams::default());
             assert_same("importance", runner, &plan, &frame);
         }
     });
@@ -167,7 +176,7 @@ fn given_numbers_and_other_sources_of_silhouettes() {
             (0.5 + 0.5 * (0.2 * x as f32 + 0.3 * y as f32).sin()).clamp(0.0, 1.0)
         }));
         frame.normal_length = Some(Plane::from_fn(90, 70, |x, _| 1.0 - 0.005 * x as f32));
-        let occlusion = plan(Goal::Layers, &frame, shape, scaling);
+        let occlusion = plan(Goal::LAYERS, &frame, shape, scaling);
         assert_same("occlusion and filtered", runner, &occlusion, &frame);
     });
 }

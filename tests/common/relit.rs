@@ -5,7 +5,7 @@ use relievo::frame::Frame;
 use relievo::light::environment::Environment;
 use relievo::light::lights::Illumination;
 use relievo::params::{Material, Method, RelightParams, Samples, ScalingParams, ShapeParams};
-use relievo::plan::{Available, LightKinds, Plan};
+use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::{ExactScene, Surface};
 
 /// Settings of a test.
@@ -34,12 +34,11 @@ impl Asked {
     }
 
     pub fn plan(&self, frame: &Frame) -> relievo::Result<Plan> {
-        Plan::relight(
-            Available::in_frame(frame),
+        Plan::new(
+            Goal::Relight(self.relight),
+            Available::in_frame(frame).lit_by(&self.light),
             self.shape,
             self.scaling,
-            self.relight,
-            LightKinds::in_light(&self.light),
         )
     }
 }

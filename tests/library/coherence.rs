@@ -13,7 +13,7 @@ use relievo::params::{
     Adaptive, LineLevels, LineParams, RelightParams, ScalingParams, ShapeParams, StrokeParams,
     StrokeScale, ToneParams,
 };
-use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 
 /// A frame of a sequence.
 #[derive(Debug)]
@@ -139,11 +139,8 @@ impl SequenceDrawer {
     fn draw(&mut self, moving: &MovingFrame, before: Option<&Drawn>) -> Result<Drawn> {
         let frame = &moving.frame;
         let tone = match frame.color {
-            Some(_) => ToneFrom::Enhanced,
-            None => {
-                let kinds = LightKinds::in_light(&self.lamp);
-                ToneFrom::Relit(RelightParams::default(), kinds)
-            }
+            Some(_) => Tone::Enhanced,
+            None => Tone::Relit(RelightParams::default()),
         };
         let lines = self.draw_lines(frame)?;
         let plan = self.plan(frame, tone, self.line)?;
@@ -174,7 +171,7 @@ impl SequenceDrawer {
 
     /// The ink of lines only; levels for their widths come from the first frame.
     fn draw_lines(&mut self, frame: &Frame) -> Result<Plane> {
-        let plan = self.plan(frame, ToneFrom::Picture, self.lines_alone)?;
+        let plan = self.plan(frame, Tone::Picture, self.lines_alone)?;
         let outcome = self
             .engine
             .execute(&plan, frame, Inputs::default(), &Run::new())?;
@@ -192,13 +189,13 @@ impl SequenceDrawer {
         Ok(ink)
     }
 
-    fn plan(&self, frame: &Frame, tone: ToneFrom, line: LineParams) -> Result<Plan> {
+    fn plan(&self, frame: &Frame, tone: Tone, line: LineParams) -> Result<Plan> {
         let available = Available {
             moving: true,
             in_sequence: true,
-            ..Available::in_frame(frame)
+            ..Available::in_frame(frame).lit_by(&self.lamp)
         };
-        Plan::hatch(available, self.shape, self.scaling, tone, line)
+        Plan::new(Goal::Hatch(tone, line), available, self.shape, self.scaling)
     }
 
     /// Keeps the levels chosen from the first frame.
@@ -264,7 +261,12 @@ impl SequenceDrawer {
             ..ToneParams::default()
         };
         let available = Available::in_frame(card);
-        let plan = Plan::hatch(available, self.shape, self.scaling, ToneFrom::Picture, line)?;
+        let plan = Plan::new(
+            Goal::Hatch(Tone::Picture, line),
+            available,
+            self.shape,
+            self.scaling,
+        )?;
         let inputs = Inputs {
             sequence: Some(SequenceInputs {
                 before: before.map(|(coordinates, _)| coordinates),

@@ -9,7 +9,7 @@ use relievo::line::contours::{Contour, ContourKind};
 use relievo::params::{
     ContourParams, LineParams, ObjectLines, ScalingParams, ShapeParams, StrokeParams, StrokeScale,
 };
-use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::frames::masked;
 use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 use std::f32::consts::{PI, TAU};
@@ -25,7 +25,13 @@ fn drawn_with(frame: &Frame, contours: ContourParams) -> Drawing {
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, drawing).unwrap();
+    let plan = Plan::new(
+        Goal::Hatch(Tone::Picture, drawing),
+        available,
+        shape,
+        scaling,
+    )
+    .unwrap();
     let outcome = cpu::execute(&plan, frame, Inputs::default()).unwrap();
     outcome.drawing.expect("a drawing was asked for")
 }

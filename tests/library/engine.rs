@@ -4,17 +4,17 @@ use crate::common::bits;
 use glam::{DAffine3, DVec3, Vec3};
 use relievo::Error;
 use relievo::engine::{
-    CancelToken, Drawing, Engine, Inputs, Progress, Request, Run, SequenceInputs, Session, Tone,
+    CancelToken, Drawing, Engine, Inputs, Progress, Request, Run, SequenceInputs, Session,
 };
 use relievo::frame::{
     Camera, ColorPlanes, Frame, LightGroup, LightLayers, Lobe, LobeLayers, Plane, Projection,
     Vector2Planes, Vector3Planes, Window,
 };
-use relievo::light::lights::{DirectionalLight, Illumination};
+use relievo::light::lights::{DirectionalLight, Illumination, LightKinds};
 use relievo::params::{
     Adaptive, AlbedoSource, LineParams, RelightParams, Scale, ScalingParams, ShapeParams, Style,
 };
-use relievo::plan::{Available, LightKinds, Plan};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::product::Product;
 use relievo::scenes::Scene;
 use std::sync::Mutex;
@@ -80,7 +80,16 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
         ..LightKinds::default()
     };
     let sphere = RelightParams::default();
-    let sphere = Plan::relight(available, shape, scaling, sphere, spheres).unwrap();
+    let sphere = Plan::new(
+        Goal::Relight(sphere),
+        Available {
+            new_light: spheres,
+            ..available
+        },
+        shape,
+        scaling,
+    )
+    .unwrap();
     let engine = Engine::cpu();
     for (plan, frame, inputs, what) in [
         (&relit, &frame, Inputs::default(), "takes light"),
@@ -156,7 +165,7 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
     let point = |tone, change: fn(&mut LineParams)| {
         let mut line = LineParams::default();
         change(&mut line);
-        Request::hatch(shape, scaling, tone, line)
+        Request::hatch(shape, scaling, tone, line).lit_by(light)
     };
     let idle = ScalingParams {
         scaling: 0.0,
@@ -166,14 +175,21 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
         albedo: AlbedoSource::Estimate,
         ..relight
     };
-    let relief = [Product::Height, Product::Sky, Product::BentNormal];
-    let relit = Some((relight, light));
+    const RELIEF: &[Product] = &[Product::Height, Product::Sky, Product::BentNormal];
+    let relit = Some(relight);
     vec![
         ("layers", false, Request::layers(shape, scaling)),
         (
             "relief",
             false,
-            Request::layers(shape, scaling).named(&relief),
+            Request::new(
+                Goal::Layers {
+                    and: RELIEF,
+                    more_px: &[],
+                },
+                shape,
+                scaling,
+            ),
         ),
         ("display", false, Request::display(shape, scaling)),
         ("enhance", true, Request::enhance(shape, scaling)),
@@ -190,11 +206,7 @@ fn requests(light: &Illumination) -> Vec<(&'static str, bool, Request<'_>)> {
         ),
         ("tone of the picture", true, point(Tone::Picture, |_| ())),
         ("tone enhanced", true, point(Tone::Enhanced, |_| ())),
-        (
-            "tone relit",
-            false,
-            point(Tone::Relit(relight, light), |_| ()),
-        ),
+        ("tone relit", false, point(Tone::Relit(relight), |_| ())),
         ("tone of shape", false, point(Tone::Shape(None), |_| ())),
         (
             "tone of shape, lit",
@@ -263,7 +275,7 @@ fn a_request_without_its_layers_is_an_error_of_one_line() {
                 let line = error.to_string();
                 assert!(line.contains("picture") && !line.contains('\n'), "{line}");
             }
-            let done = engine.execute(&plan, frame, request.inputs(), &Run::new());
+            let done = engine.execute(&plan, frame, request.inputs, &Run::new());
             // Strokes do without the directions of objects.
             let object_angles = true;
             let needed = Available {

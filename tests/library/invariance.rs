@@ -13,8 +13,8 @@ use std::num::NonZeroUsize;
 
 /// Every goal, with diffusion by steps and by expansion.
 const CASES: [(Goal, Scale); 4] = [
-    (Goal::Layers, Scale::Iterations(8)),
-    (Goal::Layers, Scale::Sigma(2.0)),
+    (Goal::LAYERS, Scale::Iterations(8)),
+    (Goal::LAYERS, Scale::Sigma(2.0)),
     (Goal::Display, Scale::Sigma(1.5)),
     (Goal::Enhance, Scale::Iterations(12)),
 ];

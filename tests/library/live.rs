@@ -11,7 +11,7 @@ use relievo::params::{
     Adaptive, AlbedoSource, LineParams, Method, RelightParams, Scale, ScalingParams, ShapeParams,
     SoftThreshold, Solver, Style,
 };
-use relievo::plan::{Available, Goal, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use std::collections::BTreeMap;
 
 fn bust() -> Frame {
@@ -38,24 +38,30 @@ fn light(azimuth: f32) -> Illumination {
     }
 }
 
+/// The settings of new light.
+fn new_light(asked: &mut Asked) -> &mut RelightParams {
+    match &mut asked.goal {
+        Goal::Relight(params) => params,
+        goal => panic!("{goal:?} has no new light"),
+    }
+}
+
 /// A request.
 #[derive(Clone)]
 struct Asked {
-    goal: Goal,
+    goal: Goal<'static>,
     shape: ShapeParams,
     scaling: ScalingParams,
-    relight: RelightParams,
     azimuth: f32,
     line: Option<LineParams>,
 }
 
 impl Asked {
-    fn of(goal: Goal) -> Self {
+    fn of(goal: Goal<'static>) -> Self {
         Self {
             goal,
             shape: ShapeParams::default(),
             scaling: ScalingParams::default(),
-            relight: RelightParams::default(),
             azimuth: 120.0,
             line: None,
         }
@@ -68,26 +74,14 @@ impl Asked {
     }
 
     fn plan(&self, frame: &Frame) -> Plan {
-        let available = Available::in_frame(frame);
-        let kinds = LightKinds::in_light(&light(self.azimuth));
-        let Self {
-            goal,
-            shape,
-            scaling,
-            relight,
-            line,
-            ..
-        } = *self;
-        let tone = match goal {
-            Goal::Relight => ToneFrom::Relit(relight, kinds),
-            _ => ToneFrom::Enhanced,
+        let available = Available::in_frame(frame).lit_by(&light(self.azimuth));
+        let tone = match self.goal {
+            Goal::Relight(relight) => Tone::Relit(relight),
+            _ => Tone::Enhanced,
         };
-        match (goal, line) {
-            (_, Some(line)) => Plan::hatch(available, shape, scaling, tone, line),
-            (Goal::Relight, None) => Plan::relight(available, shape, scaling, relight, kinds),
-            (goal, None) => Plan::new(goal, available, shape, scaling),
-        }
-        .unwrap()
+        let drawn = self.line.map(|line| Goal::Hatch(tone, line));
+        let goal = drawn.unwrap_or(self.goal);
+        Plan::new(goal, available, self.shape, self.scaling).unwrap()
     }
 
     fn run_anew(&self, frame: &Frame) -> Outcome {
@@ -125,7 +119,7 @@ fn what_is_kept_changes_no_bit() {
     let frame = bust();
     let mut live = Session::new(Engine::cpu(), frame.clone());
     let enhance = Asked::of(Goal::Enhance);
-    let relight = Asked::of(Goal::Relight);
+    let relight = Asked::of(Goal::Relight(RelightParams::default()));
     let coarse = |a: &mut Asked| a.shape.scale = Scale::Sigma(6.0);
     let steps = [
         enhance.clone(),
@@ -138,11 +132,11 @@ fn what_is_kept_changes_no_bit() {
         enhance.with(|a| a.scaling.white_level = Adaptive::Fixed(0.5)),
         relight.clone(),
         relight.with(|a| a.azimuth = 10.0),
-        relight.with(|a| a.relight.method = Method::Plain),
-        relight.with(|a| a.relight.albedo = AlbedoSource::White),
+        relight.with(|a| new_light(a).method = Method::Plain),
+        relight.with(|a| new_light(a).albedo = AlbedoSource::White),
         relight.with(coarse),
-        Asked::of(Goal::Layers),
-        Asked::of(Goal::Layers).with(coarse),
+        Asked::of(Goal::LAYERS),
+        Asked::of(Goal::LAYERS).with(coarse),
         Asked::of(Goal::Display).with(coarse),
         enhance.with(coarse),
         Asked::of(Goal::Display),
@@ -193,7 +187,7 @@ fn passes_of(live: &mut Session<Frame>, before: &Asked, asked: &Asked) -> Vec<&'
 #[test]
 fn only_what_a_change_touches_is_made_anew() {
     let mut live = Session::new(Engine::cpu(), bust());
-    let relight = Asked::of(Goal::Relight);
+    let relight = Asked::of(Goal::Relight(RelightParams::default()));
     let enhance = Asked::of(Goal::Enhance);
     let hatch = relight.with(|a| a.line = Some(LineParams::default()));
     let mut passes = |before: &Asked, change: fn(&mut Asked)| {
@@ -204,7 +198,7 @@ fn only_what_a_change_touches_is_made_anew() {
     assert_eq!(passes(&relight, |a| a.azimuth = 30.0), ["relight"]);
     assert_eq!(passes(&relight, |a| a.scaling.scaling = 1.5), ["relight"]);
     assert_eq!(
-        passes(&relight, |a| a.relight.warping.warp = 2.0),
+        passes(&relight, |a| new_light(a).warping.warp = 2.0),
         ["relight"]
     );
     assert_eq!(

@@ -19,7 +19,7 @@ fn directions(frame: &Frame, step: Adaptive) -> (Vector2Planes, Plane) {
         ..ShapeParams::default()
     };
     let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
     let shape = cpu::run(&plan, frame).unwrap().shape;
     (shape.direction.unwrap(), shape.conductance.unwrap())
 }

@@ -61,7 +61,7 @@ fn loaded(path: &Path, camera: Option<&Path>) -> Loaded {
 fn compared(frame: &Frame, truth: &Frame) -> (f64, Points) {
     let run = |frame: &Frame| {
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).unwrap();
+        let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling).unwrap();
         (cpu::run(&plan, frame).unwrap().shape, plan.points)
     };
     let ((found, points), (exact, _)) = (run(frame), run(truth));

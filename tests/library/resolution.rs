@@ -38,7 +38,7 @@ fn described(frame: &Frame, shape: ShapeParams, gain: Adaptive) -> Outcome {
         curvature_gain: gain,
         ..ScalingParams::default()
     };
-    let plan = Plan::new(Goal::Layers, Available::in_frame(frame), shape, scaling).unwrap();
+    let plan = Plan::new(Goal::LAYERS, Available::in_frame(frame), shape, scaling).unwrap();
     cpu::run(&plan, frame).unwrap()
 }
 

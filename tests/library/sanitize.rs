@@ -12,7 +12,7 @@ use relievo::plan::{Available, Goal, Plan};
 use relievo::scenes::frames::{masked, noise, normals};
 use relievo::scenes::{ExactScene, Surface};
 
-const GOALS: [Goal; 3] = [Goal::Layers, Goal::Display, Goal::Enhance];
+const GOALS: [Goal; 3] = [Goal::LAYERS, Goal::Display, Goal::Enhance];
 
 /// Settings at the ends of their ranges, and usual ones.
 fn settings() -> Vec<(&'static str, ShapeParams, ScalingParams)> {
@@ -91,11 +91,10 @@ fn plan(goal: Goal, frame: &Frame, shape: ShapeParams, scaling: ScalingParams) -
 /// Least number of planes for a goal: an outcome without planes has no NaN either.
 fn least_planes(goal: Goal, scaling: &ScalingParams) -> usize {
     match goal {
-        Goal::Layers => 16,
+        Goal::LAYERS => 16,
         Goal::Display => 3,
         Goal::Enhance if scaling.scaling == 0.0 => 0,
-        Goal::Picture => 0,
-        Goal::Enhance | Goal::Relight => 3,
+        _ => 3,
     }
 }
 

@@ -22,7 +22,7 @@ fn with(solver: Solver, scale: Scale) -> ShapeParams {
 
 fn gradient(frame: &Frame, shape: ShapeParams) -> Vector2Planes {
     let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
     cpu::run(&plan, frame).unwrap().shape.gradient.unwrap()
 }
 
@@ -133,8 +133,17 @@ fn several_scales_are_what_each_is_alone() {
     let sigmas = [3.0_f32, 8.0, 0.0, 1.5];
     let at = |sigma| with(Solver::Chebyshev, Scale::Sigma(sigma));
     let scaling = ScalingParams::default();
-    let goal = Goal::Layers;
-    let plan = Plan::at_scales(goal, available, at(sigmas[0]), scaling, &sigmas[1..]).unwrap();
+    let goal = Goal::LAYERS;
+    let plan = Plan::new(
+        Goal::Layers {
+            and: &[],
+            more_px: &sigmas[1..],
+        },
+        available,
+        at(sigmas[0]),
+        scaling,
+    )
+    .unwrap();
     let all = cpu::run(&plan, &frame).unwrap().shape;
     assert_eq!(all.more_scales.len(), 3);
     for (scale, sigma) in all.more_scales.iter().zip(&sigmas[1..]) {
@@ -201,12 +210,14 @@ fn several_scales_are_refused_where_they_cannot_share() {
     let plan = |frame: &Frame, solver, more: &[f32]| {
         let available = Available::in_frame(frame);
         let shape = with(solver, Scale::Sigma(2.0));
-        Plan::at_scales(
-            Goal::Layers,
+        Plan::new(
+            Goal::Layers {
+                and: &[],
+                more_px: more,
+            },
             available,
             shape,
             ScalingParams::default(),
-            more,
         )
     };
     assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_ok());
@@ -214,7 +225,7 @@ fn several_scales_are_refused_where_they_cannot_share() {
     let mixed = |solver, sigma| {
         let shape = with(solver, Scale::Mixed([2.0, sigma]));
         let available = Available::in_frame(&frame);
-        Plan::new(Goal::Layers, available, shape, ScalingParams::default())
+        Plan::new(Goal::LAYERS, available, shape, ScalingParams::default())
     };
     assert!(mixed(Solver::Chebyshev, 4.0).is_ok());
     assert!(mixed(Solver::Explicit, 4.0).is_err());

@@ -11,7 +11,7 @@ use relievo::scenes::{ExactScene, Surface, ball_trace};
 /// The whole descriptor of `frame`.
 fn described(frame: &Frame, shape: ShapeParams) -> Outcome {
     let available = Available::in_frame(frame);
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
     cpu::run(&plan, frame).unwrap()
 }
 
@@ -489,7 +489,7 @@ fn unstable_steps_are_refused() {
             image_height: 1080,
             ..Available::default()
         };
-        assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
+        assert!(Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).is_err());
     }
     for scale in [-1.0, f32::NAN, f32::INFINITY, 1e6] {
         let shape = ShapeParams {
@@ -501,6 +501,6 @@ fn unstable_steps_are_refused() {
             image_height: 1080,
             ..Available::default()
         };
-        assert!(Plan::new(Goal::Layers, available, shape, ScalingParams::default()).is_err());
+        assert!(Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).is_err());
     }
 }

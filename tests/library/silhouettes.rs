@@ -11,7 +11,7 @@ const SIDE: usize = 200;
 /// The weights drawn in a frame, and its conductance.
 fn silhouettes(frame: &Frame) -> [Plane; 2] {
     let (available, shape) = (Available::in_frame(frame), ShapeParams::default());
-    let plan = Plan::new(Goal::Layers, available, shape, ScalingParams::default()).unwrap();
+    let plan = Plan::new(Goal::LAYERS, available, shape, ScalingParams::default()).unwrap();
     let shape = cpu::run(&plan, frame).unwrap().shape;
     [shape.silhouette.unwrap(), shape.conductance.unwrap()]
 }

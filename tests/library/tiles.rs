@@ -6,7 +6,7 @@ use relievo::io::inputs::{Inputs as Files, Wrap};
 use relievo::io::{self, Needs};
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::params::{Adaptive, AlbedoSource, RelightParams, Scale, ScalingParams, ShapeParams};
-use relievo::plan::Available;
+use relievo::plan::{Available, Goal};
 use relievo::product::Product;
 use std::f64::consts::TAU;
 
@@ -70,7 +70,14 @@ fn made(frame: &Frame, scaling: ScalingParams) -> [Outcome; 2] {
         ..ShapeParams::default()
     };
     let requests = [
-        Request::layers(shape, scaling).scales(&[9.0]),
+        Request::new(
+            Goal::Layers {
+                and: &[],
+                more_px: &[9.0],
+            },
+            shape,
+            scaling,
+        ),
         Request::enhance(shape, scaling),
     ];
     requests.map(|request| {
@@ -192,7 +199,14 @@ fn the_sky_is_that_over_an_endless_surface() {
             occlusion_radius: 100.0,
             ..ShapeParams::default()
         };
-        let request = Request::layers(shape, given()).named(&[Product::Sky]);
+        let request = Request::new(
+            Goal::Layers {
+                and: &[Product::Sky],
+                more_px: &[],
+            },
+            shape,
+            given(),
+        );
         let made = Engine::cpu().run(&request, frame, &Run::new());
         made.unwrap().shape.sky.unwrap()
     };
@@ -410,7 +424,13 @@ fn height_is_made_where_it_is_named() {
     };
     let outcome = engine.run(&layers(), &frame, &Run::new()).unwrap();
     assert!(outcome.shape.height.is_none() && outcome.shape.sky.is_none());
-    let request = layers().named(&[Product::Height, Product::Sky, Product::BentNormal]);
+    let request = Request {
+        goal: Goal::Layers {
+            and: &[Product::Height, Product::Sky, Product::BentNormal],
+            more_px: &[],
+        },
+        ..layers()
+    };
     let shape = engine.run(&request, &frame, &Run::new()).unwrap().shape;
     let (found, sky) = (shape.height.unwrap(), shape.sky.unwrap());
     // Across a face the height changes by the mean of the slopes beside it, which is of second order: a wave of angular

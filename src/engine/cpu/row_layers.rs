@@ -148,8 +148,16 @@ mod tests {
                 ..ShapeParams::default()
             };
             let available = Available::in_frame(&scene);
-            let (goal, scaling) = (Goal::Layers, ScalingParams::default());
-            let plan = Plan::at_scales(goal, available, shape, scaling, &[3.0]);
+            let scaling = ScalingParams::default();
+            let plan = Plan::new(
+                Goal::Layers {
+                    and: &[],
+                    more_px: &[3.0],
+                },
+                available,
+                shape,
+                scaling,
+            );
             let (plan, runner, mut frame) = (plan.unwrap(), Runner::default(), scene.clone());
             let (inputs, watch) = (Inputs::default(), Watch::default());
             let whole = runner.execute(&plan, &frame, inputs).unwrap();

@@ -301,7 +301,7 @@ mod tests {
     use crate::params::{
         Adaptive, AlbedoSource, Method, RelightParams, RunOptions, ScalingParams, ShapeParams,
     };
-    use crate::plan::{Available, Goal, LightKinds, ToneFrom};
+    use crate::plan::{Available, Goal, Tone};
     use crate::shape::diffusion::cpu::diffusion;
     use crate::shape::diffusion::medium::Medium;
     use crate::shape::diffusion::sweeps::DiffusionSchedule;
@@ -377,12 +377,11 @@ mod tests {
             method: Method::Both,
             ..RelightParams::default()
         };
-        let plan = Plan::relight(
-            Available::in_frame(&frame),
+        let plan = Plan::new(
+            Goal::Relight(params),
+            Available::in_frame(&frame).lit_by(&light),
             ShapeParams::default(),
             ScalingParams::default(),
-            params,
-            LightKinds::in_light(&light),
         );
         let (plan, runner) = (plan.unwrap(), Runner::default());
         let inputs = Inputs::lit_by(&light);
@@ -449,7 +448,7 @@ mod tests {
             directional: vec![DirectionalLight::white([135.0, 40.0])],
             ..Illumination::default()
         };
-        let (available, kinds) = (Available::in_frame(&bumps()), LightKinds::in_light(&light));
+        let (available, kinds) = (Available::in_frame(&bumps()), light.kinds());
         for method in [Method::Scale, Method::Warp, Method::Both] {
             for curvature_gain in [Adaptive::Auto, Adaptive::Fixed(2.0)] {
                 let scaling = ScalingParams {
@@ -461,7 +460,16 @@ mod tests {
                     ..RelightParams::default()
                 };
                 let shape = ShapeParams::default();
-                let plan = Plan::relight(available, shape, scaling, params, kinds).unwrap();
+                let plan = Plan::new(
+                    Goal::Relight(params),
+                    Available {
+                        new_light: kinds,
+                        ..available
+                    },
+                    shape,
+                    scaling,
+                )
+                .unwrap();
                 let (frame, _) = assert_sparing(&plan, Inputs::lit_by(&light));
                 assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
             }
@@ -471,9 +479,9 @@ mod tests {
     #[test]
     fn a_drawing_leaves_no_shape_behind() {
         let (available, shape) = (Available::in_frame(&bumps()), ShapeParams::default());
-        for tone in [ToneFrom::Enhanced, ToneFrom::Shape(None)] {
+        for tone in [Tone::Enhanced, Tone::Shape(None)] {
             let (scaling, params) = (ScalingParams::default(), LineParams::default());
-            let plan = Plan::hatch(available, shape, scaling, tone, params).unwrap();
+            let plan = Plan::new(Goal::Hatch(tone, params), available, shape, scaling).unwrap();
             let (_, made) = assert_sparing(&plan, Inputs::default());
             let hatching = made.drawing.unwrap().hatching;
             assert!(hatching.samples().iter().any(|&ink| ink > 0.5));

@@ -3,36 +3,11 @@
 use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::intensity::White;
-use crate::light::lights::Illumination;
+use crate::light::lights::LightKinds;
 use crate::params::{
     AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
 };
 use crate::plan::available::Available;
-
-/// The kinds of light present.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct LightKinds {
-    /// Directional lights, area lights included.
-    pub directional: bool,
-    /// Point lights.
-    pub points: bool,
-    /// An environment.
-    pub environment: bool,
-    /// Lit spheres: one, or two for convexities and concavities.
-    pub lit_spheres: u8,
-}
-
-impl LightKinds {
-    /// The kinds present in `light`.
-    pub fn in_light(light: &Illumination) -> Self {
-        Self {
-            directional: !light.directional.is_empty(),
-            points: !light.points.is_empty(),
-            environment: light.environment.is_some(),
-            lit_spheres: light.lit_spheres.len().min(2) as u8,
-        }
-    }
-}
 
 /// Use of an environment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,7 +93,7 @@ impl Relighting {
         matches!(self.albedo, Albedo::Estimate | Albedo::Picture)
     }
 
-    /// Resolves how to light a frame with `available` inputs by lights of these `kinds`.
+    /// Resolves how to light a frame with `available` inputs.
     ///
     /// # Errors
     /// [`Error::BadParameter`] for a number outside its range, no light at all, and lights or materials that lack
@@ -126,11 +101,11 @@ impl Relighting {
     pub(crate) fn new(
         mut params: RelightParams,
         scaling: &ScalingParams,
-        kinds: LightKinds,
         available: Available,
     ) -> Result<Self> {
         params.validate()?;
-        refuse_what_lacks(&params, kinds, available)?;
+        let kinds = available.new_light;
+        refuse_what_lacks(&params, available)?;
         if shows_all_light(params.material.material, kinds) {
             params.material.ambient = 0.0;
         }
@@ -153,7 +128,7 @@ impl Relighting {
         let reflects = !params.material.material.shows_surroundings();
         let sums = reflects && kinds.lit_spheres == 0 && (lights || sampled);
         let coat = params.material.coat;
-        let albedo = albedo(&params, kinds, available)?;
+        let albedo = albedo(&params, available)?;
         Ok(Self {
             params,
             warps,
@@ -216,11 +191,8 @@ fn shows_all_light(material: Material, kinds: LightKinds) -> bool {
     material.shows_surroundings() || kinds.lit_spheres > 0
 }
 
-fn refuse_what_lacks(
-    params: &RelightParams,
-    kinds: LightKinds,
-    available: Available,
-) -> Result<()> {
+fn refuse_what_lacks(params: &RelightParams, available: Available) -> Result<()> {
+    let kinds = available.new_light;
     let is_specular = params.material.material.shows_surroundings();
     let surrounded = kinds.environment || kinds.lit_spheres > 0 || available.specular.is_some();
     if is_specular && !surrounded {
@@ -306,9 +278,9 @@ fn environment_use(
     })
 }
 
-fn albedo(params: &RelightParams, kinds: LightKinds, available: Available) -> Result<Albedo> {
+fn albedo(params: &RelightParams, available: Available) -> Result<Albedo> {
     let missing = |found| bad("--albedo-from", found, "give one, or --albedo-from white");
-    let own_color = shows_all_light(params.material.material, kinds);
+    let own_color = shows_all_light(params.material.material, available.new_light);
     match params.albedo {
         AlbedoSource::White => Ok(Albedo::White),
         AlbedoSource::Auto if available.albedo && !own_color => Ok(Albedo::Layer),
@@ -331,7 +303,11 @@ mod tests {
         params.material.material = material;
         params.material.ambient = 0.1;
         let scaling = ScalingParams::default();
-        let made = Relighting::new(params, &scaling, kinds, Available::default()).unwrap();
+        let available = Available {
+            new_light: kinds,
+            ..Available::default()
+        };
+        let made = Relighting::new(params, &scaling, available).unwrap();
         made.params.material.ambient
     }
 

@@ -224,7 +224,7 @@ mod tests {
     fn all_lanes_at_once_are_those_one_by_one() {
         let frame = Scene::barriers(90, 40).frame;
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-        let plan = Plan::new(Goal::Layers, Available::in_frame(&frame), shape, scaling).unwrap();
+        let plan = Plan::new(Goal::LAYERS, Available::in_frame(&frame), shape, scaling).unwrap();
         let open = |x: usize, y: usize| f32::from(x > 2 && x.abs_diff(60) + y.abs_diff(30) > 4);
         let conductance = Plane::from_fn(90, 40, open);
         let surface = WalkedSurface::new(&plan, &frame, &conductance);

@@ -1,7 +1,7 @@
 //! Cases of light and lines: radiance scaling, warping, materials, environments, drawings.
 
 use super::{Case, apart, correlation, pixels, table, worst};
-use crate::engine::{Engine, Outcome, Request, Run, Tone};
+use crate::engine::{Engine, Outcome, Request, Run};
 use crate::error::Result;
 use crate::frame::{ColorPlanes, Frame, Plane};
 use crate::kernel::quantile::quantile;
@@ -12,6 +12,7 @@ use crate::params::{
     Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
     ShapeParams, Solver, StrokeDirections, ToneParams,
 };
+use crate::plan::Tone;
 use crate::scenes::frames::{grey, masked};
 use crate::scenes::light_reference::{Pixel, Settings, hessian, irradiance, lit, sigma, white};
 use crate::scenes::{Scene, environment};

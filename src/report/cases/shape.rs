@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::{Frame, Normals, Plane, StoredDepth, Vector3Planes};
 use crate::params::{Scale, ScalingParams, ShapeParams, Solver};
+use crate::plan::Goal;
 use crate::product::Product;
 use crate::scenes::frames::{masked, noise};
 use crate::scenes::{ExactScene, HEIGHT, Scene, Surface, WAVE, angle_deg, ball_trace};
@@ -315,7 +316,11 @@ fn height() -> Result<f64> {
         depth: None,
         ..scene.frame
     };
-    let request = Request::layers(itself(0.0), ScalingParams::default()).named(&[Product::Height]);
+    let goal = Goal::Layers {
+        and: &[Product::Height],
+        more_px: &[],
+    };
+    let request = Request::new(goal, itself(0.0), ScalingParams::default());
     let outcome = Engine::cpu().run(&request, &frame, &Run::new())?;
     let plane = outcome.planes(Product::Height)[0];
     let exact = |x: usize, y: usize| {

@@ -9,7 +9,7 @@ use relievo::frame::{Frame, Plane};
 use relievo::line::hatching::{BATCH, Hatching, Pixels};
 use relievo::line::tonal_art_map::TonalArtMap;
 use relievo::params::{LineParams, ScalingParams, ShapeParams, StrokeParams, StrokeScale, Style};
-use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::ExactScene;
 use relievo::scenes::frames::grey;
 
@@ -106,7 +106,7 @@ fn drawing(frame: &Frame, line: LineParams) -> Drawing {
 fn drawn_by(engine: &Engine, frame: &Frame, line: LineParams) -> Drawing {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
-    let plan = Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap();
+    let plan = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap();
     let drawn = engine.execute(&plan, frame, Inputs::default(), &Run::new());
     let drawing = drawn.unwrap().drawing;
     drawing.expect("a drawing was planned")

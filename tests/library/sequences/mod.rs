@@ -18,7 +18,7 @@ use relievo::params::{
     Adaptive, Fallback, FieldParams, LineParams, ScalingParams, ShapeParams, StrokeDirections,
     StrokeScale,
 };
-use relievo::plan::{Available, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 
 /// The needs of a frame whose strokes move with the surface.
 fn moving() -> Needs {
@@ -97,7 +97,7 @@ fn ruled(degrees: f32) -> LineParams {
 fn plan(frame: &Frame, line: LineParams) -> Plan {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
-    Plan::hatch(available, shape, scaling, ToneFrom::Picture, line).unwrap()
+    Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
 }
 
 fn draw(frame: &Frame, line: LineParams, sequence: Option<SequenceInputs>) -> Drawing {

@@ -7,11 +7,11 @@ use glam::{DVec2, DVec3};
 use relievo::engine::{Engine, Inputs, Request, Run};
 use relievo::frame::{ColorPlanes, Frame, Mask, Plane, SpecularScene, Window};
 use relievo::light::brdf::fresnel;
-use relievo::light::lights::Illumination;
+use relievo::light::lights::{Illumination, LightKinds};
 use relievo::params::{
     Bend, Material, Method, RelightParams, ScalingParams, ShapeParams, WarpingParams,
 };
-use relievo::plan::{Available, LightKinds, Plan};
+use relievo::plan::{Available, Goal, Plan};
 use std::sync::Arc;
 
 /// A smooth colour of the room, by the point from its middle.
@@ -87,7 +87,16 @@ fn relit(
         ..Available::in_frame(frame)
     };
     let kinds = LightKinds::default();
-    let plan = Plan::relight(available, ShapeParams::default(), scaling, params, kinds).unwrap();
+    let plan = Plan::new(
+        Goal::Relight(params),
+        Available {
+            new_light: kinds,
+            ..available
+        },
+        ShapeParams::default(),
+        scaling,
+    )
+    .unwrap();
     let light = Illumination::default();
     let inputs = Inputs {
         specular: Some(scene),

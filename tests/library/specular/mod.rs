@@ -9,10 +9,11 @@ mod stiff;
 
 use relievo::engine::{self, Engine};
 use relievo::frame::{Frame, SpecularScene, Vector2Planes};
+use relievo::light::lights::LightKinds;
 use relievo::params::{
     Bend, LineParams, RelightParams, ScalingParams, SearchParams, ShapeParams, SpecularParams,
 };
-use relievo::plan::{Available, LightKinds, Plan, ToneFrom};
+use relievo::plan::{Available, Goal, Plan, Tone};
 
 /// The default search.
 fn traced(bend: Bend) -> SpecularParams {
@@ -26,17 +27,15 @@ fn traced(bend: Bend) -> SpecularParams {
 fn drawing(frame: &Frame, params: LineParams, bend: Bend) -> Plan {
     let available = Available {
         specular: Some(traced(bend)),
+        new_light: LightKinds {
+            directional: true,
+            ..LightKinds::NONE
+        },
         ..Available::in_frame(frame)
     };
-    let tone = ToneFrom::Relit(
-        RelightParams::default(),
-        LightKinds {
-            directional: true,
-            ..LightKinds::default()
-        },
-    );
+    let tone = Tone::Relit(RelightParams::default());
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    Plan::hatch(available, shape, scaling, tone, params).unwrap()
+    Plan::new(Goal::Hatch(tone, params), available, shape, scaling).unwrap()
 }
 
 /// The stroke directions on the surfaces seen in a frame's specular pixels.

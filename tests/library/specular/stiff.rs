@@ -179,7 +179,7 @@ fn a_scene_that_shows_nothing_is_drawn_as_without_it() {
     };
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(&frame);
-    let plan = Plan::new(Goal::Layers, available, shape, scaling).unwrap();
+    let plan = Plan::new(Goal::LAYERS, available, shape, scaling).unwrap();
     let inputs = engine::Inputs::default();
     let alone = Engine::cpu().stroke_fields(&plan, &frame, inputs, &params);
     let alone = alone.unwrap();

@@ -14,7 +14,7 @@ use crate::frame::{ColorPlanes, Frame, SpecularScene};
 use crate::io::Loaded;
 use crate::io::picture::{Picture, ViewTransform, pixels};
 use crate::light::lights::Illumination;
-use crate::plan::{Goal, Plan};
+use crate::plan::Plan;
 use crate::work::picture::{Form, MadePicture};
 use crate::work::source::Source;
 use crate::work::{Seen, shape};
@@ -346,12 +346,12 @@ impl ViewSession {
     /// the result.
     fn run(&mut self, command: &Command, what: What, step: usize) -> Result<Vec<String>> {
         let work = command.work();
-        let goal = match what {
-            What::Layers => Some(Goal::Layers),
-            What::Curvature => Some(Goal::Display),
+        let in_layers = match what {
+            What::Layers => Some(true),
+            What::Curvature => Some(false),
             What::Picture => None,
         };
-        let (light, lamp) = match goal {
+        let (light, lamp) = match in_layers {
             None => self.illumination(work)?,
             Some(_) => (Illumination::default(), None),
         };
@@ -365,8 +365,8 @@ impl ViewSession {
             is_specular,
             ..Seen::new(frame, &light)
         };
-        let plans = match goal {
-            Some(goal) => vec![shape::plan(work.args(), goal, &seen)?],
+        let plans = match in_layers {
+            Some(in_layers) => vec![shape::plan(work.args(), in_layers, &seen)?],
             None => work.plans(&mut seen)?,
         };
         let light = seen.light;
