@@ -1,6 +1,6 @@
 //! Error and run time of shape, light and drawings, on known surfaces: one table.
 //!
-//! `cargo run --release -p examples --example measure -- [WIDTH HEIGHT [ROUNDS]]`
+//! `cargo run --release -p examples --example measure -- [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]`
 //!
 //! The surface is `h = a cos(kx) cos(ky)`, seen orthographically: its gradient's divergence after N diffusion steps is
 //! `-2 a k^2 cos(kx) cos(ky)` times the decay of that wave, which is also known. Light is compared with double
@@ -9,19 +9,27 @@
 //! All cases run in turn, round after round, so that load on the machine slows all of them alike. Times are those of
 //! later frames of a sequence, whose memory is there.
 //!
+//! `mirrors`, `strokes` and `warping` in place of numbers give other tables of the guide: of mirrors in a known room, of
+//! how strokes follow their field, and of both equations of light warping.
+//!
 //! `RELIEVO_PEER` may hold a command that times another program on the same waves, run once in every round. In it
 //! `{dir}` stands for a folder with `normal.npy` and `depth.npy`. It prints a line of JSON for each stage, with `stage`
 //! and `median_s`. What it leaves in `{dir}/out_gs.npy`, the gradient after 50 explicit steps of 1/4 with a margin all
 //! around, is compared too.
 
+use glam::DVec2;
 use relievo::engine::{Engine, Inputs, Outcome, Run};
-use relievo::frame::{ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SymmetricPlanes};
+use relievo::frame::{
+    ColorPlanes, Frame, Mask, Plane, REC709_LUMINANCE, SpecularScene, SymmetricPlanes,
+    Vector2Planes,
+};
 use relievo::light::irradiance::irradiance;
 use relievo::light::lights::{DirectionalLight, Illumination};
 use relievo::light::median_cut::median_cut;
 use relievo::params::{
     Adaptive, LineParams, Material, Method, RelightParams, Samples, Scale, ScalingParams,
-    ShapeParams, Solver, StrokeDirections, StrokeParams, StrokeScale, Style, ToneParams,
+    ShapeParams, Solver, SpecularParams, StrokeDirections, StrokeParams, StrokeScale, Style,
+    ToneParams,
 };
 use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::scenes::light_reference::{
@@ -31,6 +39,15 @@ use relievo::scenes::{HEIGHT, Scene, WAVE, environment};
 use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
+
+#[path = "measure/mirrors.rs"]
+mod mirrors;
+#[path = "measure/room.rs"]
+mod room;
+#[path = "measure/strokes.rs"]
+mod strokes;
+#[path = "measure/warping.rs"]
+mod warping;
 
 type Outcomes<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -60,15 +77,25 @@ const DRAWING_PARTS: Parts = &[
 ];
 
 fn main() -> Outcomes<()> {
-    let numbers: Vec<usize> = std::env::args()
-        .skip(1)
-        .map(|a| a.parse())
-        .collect::<Result<_, _>>()?;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.first().map(String::as_str) {
+        Some("mirrors") => mirrors::print(),
+        Some("strokes") => strokes::print(),
+        Some("warping") => warping::print(),
+        _ => print_cases(&arguments),
+    }
+}
+
+/// The table of all cases.
+fn print_cases(arguments: &[String]) -> Outcomes<()> {
+    let usage = "usage: measure [mirrors|strokes|warping|WIDTH HEIGHT [ROUNDS]]";
+    let numbers = arguments.iter().map(|a| a.parse().map_err(|_| usage));
+    let numbers: Vec<usize> = numbers.collect::<Result<_, _>>()?;
     let (width, height, rounds) = match numbers[..] {
         [] => (1920, 1080, 7),
         [width, height] => (width, height, 7),
         [width, height, rounds] if rounds > 0 => (width, height, rounds),
-        _ => return Err("usage: measure [WIDTH HEIGHT [ROUNDS]]".into()),
+        _ => return Err(usage.into()),
     };
     let mut cases = shape_cases(width, height)?;
     cases.extend(light_cases(width, height)?);
@@ -181,6 +208,12 @@ fn print_row(name: &str, error: &str, seconds: &[f64], parts: &str) {
     println!("| {name} | {error} | {median} | {lower} to {upper} | {parts} |");
 }
 
+/// A row of a table that runs across.
+fn print_cells(name: &str, cells: impl IntoIterator<Item = impl ToString>) {
+    let cells: Vec<String> = cells.into_iter().map(|cell| cell.to_string()).collect();
+    println!("| {name} | {} |", cells.join(" | "));
+}
+
 /// The quartiles of some values.
 fn quartiles(values: &[f64]) -> [f64; 3] {
     let mut values = values.to_vec();
@@ -238,22 +271,8 @@ fn shape_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
 /// Drawings of a tone that is a half: of waves without an edge, and of a scene that is full of them; and drawings as
 /// they are by default, at sizes for print too. Errors are those of the mean tone.
 fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
-    let strokes = StrokeParams {
-        scale: StrokeScale::Factor(1.0),
-        ..StrokeParams::default()
-    };
-    let pen = LineParams {
-        tone: ToneParams {
-            white_point: Adaptive::Fixed(1.0),
-            black_point: 0.0,
-            gamma: 1.0,
-            ..ToneParams::default()
-        },
-        directions: StrokeDirections::Max,
-        interior: None,
-        strokes,
-        ..LineParams::default()
-    };
+    let pen = pen();
+    let strokes = pen.strokes;
     let of_strokes = |strokes| LineParams { strokes, ..pen };
     let two_sets = of_strokes(StrokeParams { sets: 2, ..strokes });
     let crossed = LineParams {
@@ -285,6 +304,49 @@ fn drawing_cases(width: usize, height: usize) -> Outcomes<Vec<Case>> {
         cases.push(drawing_case(name, &frame, tone, line)?);
     }
     Ok(cases)
+}
+
+/// Strokes of one direction at scale 1, as dark as the picture.
+fn pen() -> LineParams {
+    LineParams {
+        tone: ToneParams {
+            white_point: Adaptive::Fixed(1.0),
+            black_point: 0.0,
+            gamma: 1.0,
+            ..ToneParams::default()
+        },
+        directions: StrokeDirections::Max,
+        interior: None,
+        strokes: StrokeParams {
+            scale: StrokeScale::Factor(1.0),
+            ..StrokeParams::default()
+        },
+        ..LineParams::default()
+    }
+}
+
+/// The directions that strokes with `line` follow in a picture, by a mirror if there is one.
+fn stroke_field(
+    frame: &Frame,
+    line: &LineParams,
+    mirror: Option<(&SpecularScene, SpecularParams)>,
+) -> Outcomes<Vector2Planes> {
+    let available = Available {
+        specular: mirror.map(|(_, params)| params),
+        ..Available::in_frame(frame)
+    };
+    let inputs = Inputs {
+        specular: mirror.map(|(scene, _)| scene),
+        ..Inputs::default()
+    };
+    let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
+    let plan = Plan::new(Goal::Hatch(Tone::Picture, *line), available, shape, scaling)?;
+    let fields = Engine::cpu().stroke_fields(&plan, frame, inputs, line)?;
+    Ok(fields.into_iter().next().ok_or("strokes follow a field")?)
+}
+
+fn direction_at(field: &Vector2Planes, [x, y]: [usize; 2]) -> DVec2 {
+    DVec2::new(field.x.at(x, y).into(), field.y.at(x, y).into())
 }
 
 fn drawing_case(name: String, frame: &Rc<Frame>, tone: Tone, line: LineParams) -> Outcomes<Case> {
@@ -445,7 +507,7 @@ fn light_error(
         false => 1.0,
     };
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
-    for at in some_covered(&frame.mask) {
+    for at in some_covered(&frame.mask, CHECKED) {
         let pixel = Pixel::of(frame, hessian, at, 0.0);
         let Some(exact) = exact(&pixel, &settings) else {
             continue;
@@ -459,9 +521,9 @@ fn light_error(
     worst / largest
 }
 
-/// Up to [`CHECKED`] covered pixels, spread evenly in the order of rows.
-fn some_covered(mask: &Mask) -> impl Iterator<Item = [usize; 2]> {
-    let step = mask.count().div_ceil(CHECKED).max(1);
+/// Up to `count` covered pixels, spread evenly in the order of rows.
+fn some_covered(mask: &Mask, count: usize) -> impl Iterator<Item = [usize; 2]> {
+    let step = mask.count().div_ceil(count).max(1);
     let pixels = (0..mask.height()).flat_map(|y| (0..mask.width()).map(move |x| [x, y]));
     let covered = pixels.filter(|&[x, y]| mask.at(x, y));
     covered.skip(step / 2).step_by(step)
