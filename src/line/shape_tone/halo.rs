@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// The width of a halo of factor 1, as a share of the picture's size, the root of its area.
 const WIDTH: f32 = 1.0 / 350.0;
 
+/// How many times steeper than at a pixel its own surface may get within the reach of a halo.
+const STEEPER: f32 = 1.5;
+
 /// The weight from which a pixel is the rim of an object.
 const RIM: f32 = 0.5;
 
@@ -40,15 +43,67 @@ pub(super) fn leave_bare(
             for other in y.saturating_sub(reach)..(y + reach + 1).min(depth.height()) {
                 keep_least(column, &nearest.row(other)[span.clone()]);
             }
-            let depths = &depth.row(y)[span.clone()];
-            for ((density, least), depth) in row[span].iter_mut().zip(&*column).zip(depths) {
+            for (x, least) in span.zip(&*column) {
                 // NaN depth is behind nothing.
-                if *least < share * depth - less {
-                    *density = 0.0;
+                let behind = share * depth.at(x, y) - less;
+                if *least < behind
+                    && is_behind_rim(frame, depth, silhouette, [x, y], (reach, behind))
+                {
+                    row[x] = 0.0;
                 }
             }
         },
     );
+}
+
+/// Whether a rim within `reach` of a pixel is nearer than `behind`, and than the pixel's own surface goes on to be: where that
+/// is steep, as on the rim of a ball, parts of it in front are no other surface.
+fn is_behind_rim(
+    frame: &Frame,
+    depth: &Plane,
+    silhouette: &Plane,
+    [x, y]: [usize; 2],
+    (reach, behind): (usize, f32),
+) -> bool {
+    let slope = own_slope(frame, depth, [x, y]).map(|slope| STEEPER * slope);
+    let rows = y.saturating_sub(reach)..(y + reach + 1).min(depth.height());
+    let columns = x.saturating_sub(reach)..(x + reach + 1).min(depth.width());
+    rows.flat_map(|v| columns.clone().map(move |u| [u, v]))
+        .any(|[u, v]| {
+            let goes_on = slope[0] * u.abs_diff(x) as f32 + slope[1] * v.abs_diff(y) as f32;
+            silhouette.at(u, v) >= RIM && depth.at(u, v) < behind - goes_on
+        })
+}
+
+/// How steeply the depth of a pixel's own surface changes per column and per row: the lesser of the differences on both
+/// sides, of which that across a gap is the greater one; 0 at a crest, and where there are none.
+fn own_slope(frame: &Frame, depth: &Plane, [x, y]: [usize; 2]) -> [f32; 2] {
+    let here = depth.at(x, y);
+    let beside = |u: Option<usize>, v: Option<usize>| {
+        let (u, v) = (
+            u.filter(|&u| u < depth.width())?,
+            v.filter(|&v| v < depth.height())?,
+        );
+        let there = depth.at(u, v);
+        (frame.mask.at(u, v) && there.is_finite()).then_some(there)
+    };
+    let lesser = |before: Option<f32>, after: Option<f32>| {
+        let [before, after] = [before.map(|d| here - d), after.map(|d| d - here)];
+        let (a, b) = (
+            before.or(after).unwrap_or(0.0),
+            after.or(before).unwrap_or(0.0),
+        );
+        if a * b > 0.0 {
+            a.abs().min(b.abs())
+        } else {
+            0.0
+        }
+    };
+    let (left, above) = (x.checked_sub(1), y.checked_sub(1));
+    [
+        lesser(beside(left, Some(y)), beside(Some(x + 1), Some(y))),
+        lesser(beside(Some(x), above), beside(Some(x), Some(y + 1))),
+    ]
 }
 
 /// Replaces samples by others that are less; NaN is not.

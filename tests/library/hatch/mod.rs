@@ -1,6 +1,7 @@
 //! Drawings: strokes in the directions and the tone requested, independent of the machine.
 
 mod drawings;
+mod halo;
 mod stiff;
 mod strokes;
 
