@@ -5,7 +5,6 @@ use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{WIDTH, assert_same_bits, at, row, rows};
 use crate::line::direction_field::{self, Weighted};
 use crate::line::normal_rays::bundle::{self, Bundle, Directions, Pixels, PointSource};
-use crate::line::placed::{self, Beside};
 use crate::line::specular::map_directions::{self, LargerTangents};
 
 /// Results of the kernels on sample rows.
@@ -24,7 +23,6 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
     );
     results.push(sums.concat().concat());
     results.extend(made_of_rays(simd));
-    results.extend(made_of_points(simd));
     results.extend(made_of_texels(simd));
     results
 }
@@ -71,31 +69,6 @@ fn made_of_rays(simd: Simd) -> Vec<Vec<f32>> {
             [found.x, found.y, forms].concat()
         });
     made.collect()
-}
-
-/// Distances to points of other lines on both sides.
-fn made_of_points(simd: Simd) -> Vec<Vec<f32>> {
-    let [x, y] = [170, 171].map(row);
-    let lines: Vec<u32> = row(172).iter().map(|v| (4.0 * v) as u32).collect();
-    let points = || [&x, &y].map(|axis| axis.as_chunks().0);
-    let room = |i: usize, limit: f32| {
-        let mut squares = [f32::INFINITY; 2];
-        let beside = Beside {
-            at: [x[i], y[i]],
-            along: [y[i + 1], x[i + 1] - 0.5],
-            line: lines[i],
-            least_across: 0.5,
-            limit,
-        };
-        at!(
-            simd,
-            placed::nearest_beside(&mut squares, points(), lines.as_chunks().0, &beside)
-        );
-        squares.to_vec()
-    };
-    let numbers = 0..WIDTH - 1;
-    let near = numbers.clone().map(|i| room(i, 0.01));
-    near.chain(numbers.map(|i| room(i, f32::NAN))).collect()
 }
 
 /// Tangents on a wall with small bumps, one unit from texel to texel.

@@ -1,17 +1,12 @@
 //! Chains: lines through crests that hang together and are plain somewhere.
 
-use crate::line::contours::lattice::{Path, STEPS};
-use crate::line::contours::network::{self, Line, Spot};
+use crate::line::contours::lattice::STEPS;
+use crate::line::contours::network::{Line, Spot};
 use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::ridge::Bands;
 use crate::line::interior::crests::Crest;
 use crate::line::interior::fade::supports;
 use crate::line::interior::sizes::Sizes;
-use glam::Vec2;
-use rayon::prelude::*;
-
-/// A line that ends within this many pixels of the border of the picture continues beyond it.
-const RIM: usize = 2;
 
 /// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
 const SMOOTHING: Smoothing = Smoothing {
@@ -46,30 +41,16 @@ pub(super) fn chains(
         pixels: &pixels,
         weight: &weight,
     };
-    let lattice = bands.ridges();
-    let place = |pixel: u32| {
-        let [x, y] = lattice.place(pixel);
-        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
-    };
-    let spot = |&pixel: &u32| {
+    let spot = |pixel: u32| {
         let found = pixels.binary_search(&pixel).ok().map(|i| crests[i]);
         Spot {
-            at: found.map_or(place(pixel), |crest| crest.at),
+            at: found.map_or(bands.centre(pixel), |crest| crest.at),
             strength: found.map_or(0.0, |crest| crest.strength),
             log_depth: 0.0,
             is_beside: false,
         }
     };
-    let spots = |path: &Path| {
-        let last = path.nodes.len() - 1;
-        let is_junction = |i: usize| (i == 0 || i == last) && lattice.degree(path.nodes[i]) > 2;
-        let inner = path.nodes.iter().enumerate();
-        let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
-        inner.map(|(_, pixel)| spot(pixel)).collect()
-    };
-    let lines = network::lines(&lattice, place, spots, RIM, |lines: &mut [Line]| {
-        lines.par_iter_mut().for_each(|line| line.smooth(SMOOTHING));
-    });
+    let lines = bands.lines(spot, SMOOTHING);
     let fades = match sizes.fades {
         true => fades(&lines, &crests, [width, height], thresholds),
         false => vec![1.0; lines.len()],

@@ -153,9 +153,9 @@ fn count_beyond(
         return;
     }
     let factor = sizes.factor as f32;
-    let points = |contour: &Contour| contour.points.iter().map(|&at| at / factor).collect();
-    let outlines: Vec<Vec<Vec2>> = contours.iter().map(points).collect();
-    let outlines = outlines.iter().map(Vec::as_slice);
+    let points =
+        |contour: &Contour| -> Vec<Vec2> { contour.points.iter().map(|&at| at / factor).collect() };
+    let outlines = contours.iter().map(points);
     let occluders = Occluders {
         outlines: &Ground::of_points(outlines, [mask.width(), mask.height()], 1),
         frame,
@@ -202,7 +202,7 @@ fn joined_and_drawn(
         }
     }
     let size = [frame.mask.width(), frame.mask.height()];
-    let contours = contours.iter().map(|contour| contour.points.as_slice());
+    let contours = contours.iter().map(|contour| &contour.points);
     let ground = Ground::of_points(contours, size, 1);
     close_gaps(&mut lines, factor * sizes.gap, Some(&ground));
     let occluders = Occluders {
@@ -220,9 +220,7 @@ fn joined_and_drawn(
         are_own: false,
     };
     ground.join_ends(&mut lines, onward);
-    let points = |line: &Line| line.spots.iter().map(|spot| spot.at).collect();
-    let own: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
-    let own = Ground::of_points(own.iter().map(Vec::as_slice), size, 1);
+    let own = Ground::of_points(lines.iter().map(Line::points), size, 1);
     let onto_own = Onward {
         aside: 0.0,
         are_own: true,

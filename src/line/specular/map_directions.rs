@@ -143,18 +143,10 @@ pub(crate) struct Bundle {
 }
 
 /// A tangent in each lane, or 0.
+#[derive(Default)]
 pub(crate) struct LargerTangents {
     pub(crate) components: [[f32; LANES]; 3],
     pub(crate) forms: [LocalShape; LANES],
-}
-
-impl Default for LargerTangents {
-    fn default() -> Self {
-        Self {
-            components: [[0.0; LANES]; 3],
-            forms: [LocalShape::Unknown; LANES],
-        }
-    }
 }
 
 impl Lanes {

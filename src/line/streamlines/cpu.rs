@@ -112,7 +112,9 @@ fn inks(
 pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
     let of = |crosses: bool| {
         let drawn = lines.iter().filter(|line| line.crosses == crosses);
-        let drawn: Vec<DrawnLine> = drawn.map(DrawnLine::from).collect();
+        let drawn: Vec<DrawnLine> = drawn
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect();
         coverage(&drawn, Overlap::Beside, &frame.mask, memory)
     };
     let mut covered = of(false);
