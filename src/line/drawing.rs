@@ -37,6 +37,35 @@ pub(crate) fn has_strokes(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdi
     })
 }
 
+/// The surface that is drawn, and its edges.
+pub(crate) struct Drawn<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) silhouette: Option<&'a Plane>,
+    pub(crate) crease: Option<&'a Plane>,
+    pub(crate) conductance: Option<&'a Plane>,
+}
+
+impl<'a> Drawn<'a> {
+    /// The surface of a run as it is seen, also in mirrors and lenses.
+    pub(crate) fn of(run: &'a Execution) -> Self {
+        let shape = &run.outcome.shape;
+        match &run.canvas.seen {
+            Some((seen, edges)) => Self {
+                frame: &seen.frame,
+                silhouette: edges.silhouette.as_ref(),
+                crease: edges.crease.as_ref(),
+                conductance: Some(&edges.conductance),
+            },
+            None => Self {
+                frame: run.frame,
+                silhouette: shape.silhouette.as_ref(),
+                crease: shape.crease.as_ref(),
+                conductance: shape.conductance.as_ref(),
+            },
+        }
+    }
+}
+
 /// A drawing of contours and interior lines alone: strokes that cover nothing.
 pub(crate) static LINES_ONLY: Stage = Stage {
     makes: Makes::Drawing,

@@ -1,21 +1,16 @@
 //! Lines along silhouettes and creases and between objects: found, joined, and drawn.
 
-use crate::frame::{Frame, Plane};
+use crate::frame::Frame;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_gap};
 use crate::line::contours::{creases, objects, silhouettes};
+use crate::line::drawing::Drawn;
 use crate::params::{ContourParams, ObjectLines, ShapeParams};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Weights of edges.
-pub(crate) struct Weights<'a> {
-    pub(crate) silhouette: &'a Plane,
-    pub(crate) crease: &'a Plane,
-}
 
 /// Widest gap in a line that is closed, in pixels.
 const GAP_PX: f32 = 8.0;
@@ -34,13 +29,11 @@ const CREASE_LENGTHS: f32 = 2.0;
 const PLAIN_CREASE: f32 = 0.5;
 
 /// The contours of a frame with these edges: silhouettes, then creases, then borders between objects. Independent of the number of threads.
-pub(crate) fn contours(
-    weights: &Weights,
-    frame: &Frame,
-    shape: &ShapeParams,
-    params: &ContourParams,
-) -> Vec<Contour> {
-    let mut silhouettes = silhouettes::lines(weights.silhouette, frame, shape, params);
+pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParams) -> Vec<Contour> {
+    let frame = drawn.frame;
+    let there = "contours are planned with their weights";
+    let [silhouette, crease] = [drawn.silhouette, drawn.crease].map(|w| w.expect(there));
+    let mut silhouettes = silhouettes::lines(silhouette, frame, shape, params);
     close_gaps(&mut silhouettes, GAP_PX, None);
     let least = Least {
         length_px: params.shortest_px,
@@ -59,7 +52,7 @@ pub(crate) fn contours(
     ground.join_ends(&mut silhouettes, onward);
     let mut creases = Vec::new();
     if params.has_creases() {
-        creases = creases::lines(weights.crease, &ground, frame, params);
+        creases = creases::lines(crease, &ground, frame, params);
         close_gaps(&mut creases, GAP_PX, Some(&ground));
         let occluders = Occluders {
             outlines: &ground,

@@ -146,16 +146,16 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
 }
 
 /// Disjoint sets of nodes or lines, with a number for each set.
-pub(super) struct Sets(Vec<usize>);
+pub(crate) struct Sets(Vec<usize>);
 
 impl Sets {
     /// `count` sets of one element each.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
 
     /// The number of the set that `i` is in: its lowest member.
-    pub(super) fn of(&mut self, i: usize) -> usize {
+    pub(crate) fn of(&mut self, i: usize) -> usize {
         let mut root = i;
         while self.0[root] != root {
             root = self.0[root];
@@ -168,7 +168,7 @@ impl Sets {
     }
 
     /// Makes one set of two.
-    pub(super) fn unite(&mut self, a: usize, b: usize) {
+    pub(crate) fn unite(&mut self, a: usize, b: usize) {
         let (a, b) = (self.of(a), self.of(b));
         // The lower number becomes the root, in either order.
         self.0[a.max(b)] = a.min(b);

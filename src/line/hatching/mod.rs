@@ -19,6 +19,7 @@ pub(crate) mod gpu_texture;
 pub(crate) mod stage;
 
 use super::random::Random;
+use super::response::Response;
 pub use super::stroke_texture::BATCH;
 use super::stroke_texture::Places;
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
@@ -202,11 +203,11 @@ impl<'a> Hatching<'a> {
         let share = 1.0 / self.sets as f32;
         let count = density.len().min(BATCH);
         for i in 0..count {
-            entry[i] = self.map.entry(weight[i] * share * density[i]);
+            entry[i] = Response::entry(weight[i] * share * density[i]);
         }
         let mut most = 0.0_f32;
         for i in 0..count {
-            reached[i] = self.map.threshold(entry[i]);
+            reached[i] = self.map.response.threshold(entry[i]);
             most = most.max(reached[i]);
         }
         most > 0.0

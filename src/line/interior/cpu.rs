@@ -8,6 +8,7 @@ use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::log_depth;
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
+use crate::line::drawing::Drawn;
 use crate::line::interior::chains::chains;
 use crate::line::interior::choice::{Interior, Roughness, chosen, shortest};
 use crate::line::interior::crests::{Crest, Rims, suggestive, valleys_and_ridges};
@@ -39,17 +40,18 @@ const JOIN_AHEAD: f32 = 0.7;
 /// Lines, and the levels their widths were fitted to.
 pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 
-/// The lines inside the surfaces of a frame with this silhouette weight, in addition to its contours. In a sequence,
+/// The lines inside the surfaces that are drawn, in addition to their contours. In a sequence,
 /// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
-    frame: &Frame,
-    silhouette: &Plane,
+    drawn: &Drawn,
     contours: &[Contour],
     params: &InteriorParams,
     fades: bool,
     options: &RunOptions,
     memory: &Memory,
 ) -> Found {
+    let frame = drawn.frame;
+    let silhouette = drawn.silhouette.expect("lines keep away from silhouettes");
     let sizes = Sizes::of(frame, params, fades);
     let level = Level::of(frame, silhouette, sizes.factor);
     if level.frame.mask.count() == 0 {

@@ -4,17 +4,9 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Stroke, StrokeParams, Style};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The texture of the last drawing.
+/// The texture of the last drawing, with the stroke, style and seed that it was made with.
 #[derive(Debug, Default)]
-pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
-
-/// The parameters that a texture was made with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Made {
-    stroke: Stroke,
-    style: Style,
-    seed: u64,
-}
+pub(crate) struct ArtMapCache(Mutex<Option<((Stroke, Style, u64), Arc<TonalArtMap>)>>);
 
 impl ArtMapCache {
     /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds
@@ -25,16 +17,13 @@ impl ArtMapCache {
         resolution_factor: f32,
         timed: impl FnOnce(&dyn Fn() -> TonalArtMap) -> TonalArtMap,
     ) -> Arc<TonalArtMap> {
-        let asked = Made {
-            stroke: params.stroke(resolution_factor),
-            style: params.style,
-            seed: params.seed,
-        };
+        let (stroke, style, seed) = (params.stroke(resolution_factor), params.style, params.seed);
+        let asked = (stroke, style, seed);
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*kept {
             Some((made, map)) if *made == asked => map.clone(),
             _ => {
-                let make = || TonalArtMap::of_strokes(&asked.stroke, asked.style, asked.seed);
+                let make = || TonalArtMap::of_strokes(&stroke, style, seed);
                 let map = Arc::new(timed(&make));
                 *kept = Some((asked, map.clone()));
                 map
