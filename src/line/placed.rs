@@ -121,17 +121,17 @@ impl Placed {
         // One ahead is not a neighbour.
         let least_across = 0.7 * along.length();
         let mut squares = [f32::INFINITY; 2];
-        for point in self
+        let others = self
             .near(at, 1.5 * spacing)
-            .filter(|point| point.line != line)
-        {
+            .filter(|point| point.line != line);
+        others.for_each(|point| {
             let way = point.at - at;
             let (across, square) = (along.perp_dot(way), way.length_squared());
             if across.abs() > least_across * square.sqrt() {
                 let least = &mut squares[usize::from(across > 0.0)];
                 *least = least.min(square);
             }
-        }
+        });
         squares.map(|square| {
             if square.is_finite() {
                 square.sqrt()

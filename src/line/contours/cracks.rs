@@ -75,18 +75,18 @@ impl<'a> Finder<'a> {
     /// Cracks to the right of and below the corners of a row. Only pixels beside a silhouette have a weight.
     fn cracks_of_row(&self, weight: &Plane, y: usize) -> Vec<Crack> {
         let (width, height) = (weight.width(), weight.height());
-        let rows = [y.checked_sub(1), Some(y).filter(|&y| y < height)];
-        let [above, here] = rows.map(|y| y.map_or(&[][..], |y| weight.row(y)));
-        let is_marked = |row: &[f32], x: usize| row.get(x).is_some_and(|&weight| weight > 0.0);
+        let none = vec![0.0; width];
+        let row = |y: Option<usize>| {
+            let inside = y.filter(|&y| y < height);
+            inside.map_or(&none[..], |y| weight.row(y))
+        };
+        let (above, here) = (row(y.checked_sub(1)), row(Some(y)));
         let mut found = Vec::new();
         let mut before = false;
-        for x in 0..width {
-            let marked = is_marked(here, x);
-            let passed = [
-                (RIGHT, marked || is_marked(above, x)),
-                (DOWN, marked || before),
-            ];
-            before = marked;
+        for (x, (&above, &here)) in above.iter().zip(here).enumerate() {
+            let (above, here) = (above > 0.0, here > 0.0);
+            let passed = [(RIGHT, here | above), (DOWN, here | before)];
+            before = here;
             for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
                 let corner = (y * (width + 1) + x) as u32;
                 let spot = self.spot(Across::leaving([x, y], step));

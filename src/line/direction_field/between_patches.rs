@@ -44,10 +44,14 @@ impl<const N: usize> BetweenPatches<'_, N> {
             let xs = grid.x_pixels(column);
             let acrosses = grid.places(0, &xs);
             for (label, patch) in self.patches.of_cell(column, row).enumerate() {
-                let around = self.around(patch).map(|pair| {
-                    let [a, b] = pair.map(|i| Vec2::from(self.doubled[i][field]));
-                    0.5 * (a + b)
-                });
+                // Mapping arrays is not inlined.
+                let mut around = [Vec2::ZERO; 9];
+                for (mean, pair) in around.iter_mut().zip(self.around(patch)) {
+                    let [a, b] = pair;
+                    let sum =
+                        Vec2::from(self.doubled[a][field]) + Vec2::from(self.doubled[b][field]);
+                    *mean = 0.5 * sum;
+                }
                 for (i, (py, &v)) in ys.clone().zip(downs).enumerate() {
                     let between = |c: usize| {
                         let beside = if v < 0.0 { around[c] } else { around[c + 6] };

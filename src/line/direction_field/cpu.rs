@@ -130,17 +130,23 @@ impl<'a> Field<'a> {
 
     /// The curvature of every patch, per pixel, averaged nearby.
     fn forms(&self, cross: &CrossKernel) -> Vec<[Weighted; 1]> {
+        let Patches {
+            all, across, down, ..
+        } = self.patches;
+        // Rows run down, y up.
+        let links = [&across.before, &across.after, &down.after, &down.before];
         let step_px = self.params.cell_px.into();
         let form = |(i, here): (usize, &Patch)| {
-            let slopes = self.seen(here).slopes(self.beside(i), step_px);
+            let beside = |side: usize| Some(self.seen(all.get(links[side][i] as usize)?));
+            let slopes = self.seen(here).slopes(beside, step_px);
             let per_pixel = |curvature: f64| (curvature / self.setting.pixels) as f32;
             let tensor = slopes.map(|s| [s.half_difference, s.off, s.mean].map(per_pixel));
             let known =
                 tensor.filter(|[x, y, mean]| x.abs() + y.abs() + mean.abs() < f32::INFINITY);
             [known.map_or(NO_FORM, |[x, y, mean]| [x, y, mean, 1.0])]
         };
-        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
-        let mut forms: Vec<_> = all.enumerate().map(form).collect();
+        let patches = all.par_iter().with_min_len(PATCHES_PER_TASK);
+        let mut forms: Vec<_> = patches.enumerate().map(form).collect();
         let reach = vec![FORM_REACH * self.setting.cells; forms.len()];
         cross.average(&mut forms, &reach, 1);
         forms
@@ -148,16 +154,6 @@ impl<'a> Field<'a> {
 
     fn seen(&self, patch: &Patch) -> Seen<'_> {
         Seen::new(patch, &self.setting.sight)
-    }
-
-    /// The patches left, right, below and above.
-    fn beside(&self, i: usize) -> [Option<Seen<'_>>; 4] {
-        let Patches {
-            all, across, down, ..
-        } = self.patches;
-        // Rows run down, y up.
-        let links = [&across.before, &across.after, &down.after, &down.before];
-        links.map(|links| Some(self.seen(all.get(links[i] as usize)?)))
     }
 
     /// The directions of patches, of the larger curvature in family 0, of the lesser in 1, in the order of `families`: see

@@ -40,28 +40,31 @@ impl<'a> Seen<'a> {
         })
     }
 
-    /// The tensor of curvature, per unit of length, from the patches left, right, below and above, each `step_px` away: in
+    /// The tensor of curvature, per unit of length, from the patches left, right, below and above, by number, each `step_px` away: in
     /// the frame that coincides with the picture's when the normal is rotated to the viewer by the shortest way, so that
     /// those of neighbours can be averaged.
     ///
     /// Not known where an axis has no usable ray, the surface is seen edge-on, or the normal points straight away from the
     /// viewer.
     #[inline]
-    pub(crate) fn slopes(&self, beside: [Option<Seen>; 4], step_px: f64) -> Option<Slopes> {
+    pub(crate) fn slopes<'b>(
+        &self,
+        beside: impl Fn(usize) -> Option<Seen<'b>>,
+        step_px: f64,
+    ) -> Option<Slopes> {
         let (faces, tangents) = upright(self.normal);
         let local = Local {
             tangents,
             normal: self.normal,
         };
-        let [left, right, below, above] = beside.map(|there| self.ray(there));
-        let [x, y] = [[left, right], [below, above]].map(|[before, after]| {
+        let along = |before: usize, after: usize| {
             local.difference(&Sides {
-                before,
-                after,
+                before: self.ray(beside(before)),
+                after: self.ray(beside(after)),
                 step_px,
             })
-        });
-        let slopes = Slopes::of(&x, &y);
+        };
+        let slopes = Slopes::of(&along(0, 1), &along(2, 3));
         (faces && slopes.is_there).then_some(slopes)
     }
 

@@ -164,13 +164,13 @@ fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
         }
         let apart = field.apart(at).unwrap_or(farthest);
         let mut push = Vec2::ZERO;
-        for other in cells.near(at, apart) {
+        cells.near(at, apart).for_each(|other| {
             if other.line as usize != number {
                 let away = at - other.at;
                 let distance = away.length();
                 push += away / distance.max(1e-3) * (apart - distance);
             }
-        }
+        });
         let next = at + (PUSH * push).clamp_length_max(0.5 * apart);
         if field.at(next) > 0.0 { next } else { at }
     };
