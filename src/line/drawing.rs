@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::line::density::coverage_at;
+use crate::line::density::{coverage_at, density_table};
 use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
@@ -135,10 +135,13 @@ impl Tone {
     pub(crate) fn densities<'a>(&'a self, frame: &'a Frame, params: &ToneParams) -> Densities<'a> {
         match &self.density {
             Some(density) => Densities::Found(density),
-            None => {
-                let tone = self.of(frame);
-                Densities::OfPicture(PictureDensities::new(tone, frame, self.white, params))
-            }
+            None => Densities::OfPicture(PictureDensities {
+                color: self.of(frame),
+                frame,
+                weights: frame.luminance_weights(),
+                white: self.white,
+                table: density_table(params),
+            }),
         }
     }
 }

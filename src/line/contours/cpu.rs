@@ -37,7 +37,6 @@ pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParam
     close_gaps(&mut silhouettes, GAP_PX, None);
     let least = Least {
         length_px: params.shortest_px,
-        twig_px: 0.5 * params.shortest_px,
         strength: strength_of_gap(shape.silhouette.hi),
         by_strength: false,
     };
@@ -63,7 +62,6 @@ pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParam
         occluders.unite(&mut creases);
         let least = Least {
             length_px: CREASE_LENGTHS * params.shortest_px,
-            twig_px: params.shortest_px,
             strength: PLAIN_CREASE,
             by_strength: true,
         };
@@ -124,7 +122,6 @@ fn between_objects<'a>(
     close_gaps(&mut lines, GAP_PX, Some(&ground));
     let least = Least {
         length_px: CREASE_LENGTHS * params.shortest_px,
-        twig_px: params.shortest_px,
         strength: 0.0,
         by_strength: false,
     };
@@ -158,10 +155,8 @@ fn run_off(line: &mut Line, by_px: f32) {
 
 /// Requirements of lines that are drawn.
 struct Least {
-    /// Length of a network in all.
+    /// Length of a network in all, and twice that of a branch that ends in the open.
     length_px: f32,
-    /// Length of a branch that ends in the open.
-    twig_px: f32,
     /// Strength that a network has somewhere.
     strength: f32,
     /// Whether lengths are weighted by strength: a rough surface is full of blunt creases.
@@ -172,7 +167,7 @@ struct Least {
 fn drop_short(lines: &mut Vec<Line>, least: Least) {
     let is_twig = |line: &Line| {
         let twig = [[End::Free, End::Joined], [End::Joined, End::Free]];
-        !line.closed && twig.contains(&line.ends) && line.length() < least.twig_px
+        !line.closed && twig.contains(&line.ends) && line.length() < 0.5 * least.length_px
     };
     lines.retain(|line| !is_twig(line));
     let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();

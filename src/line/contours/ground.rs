@@ -1,6 +1,6 @@
 //! Positions of drawn silhouettes: other lines end at them, and keep away.
 
-use crate::frame::Frame;
+use crate::frame::{Frame, Plane};
 use crate::line::contours::network::{End, Line};
 use crate::line::placed::{Placed, Point};
 use crate::params::ContourParams;
@@ -8,14 +8,12 @@ use glam::Vec2;
 
 /// Positions of drawn silhouettes, for other lines to end at and to keep away from.
 pub(crate) struct Ground {
-    width: usize,
-    height: usize,
     /// Smallest distance of creases, in pixels.
     room: usize,
     /// Places on lines, pixel by pixel, with the number of the line's point that is there or before it.
     places: Placed,
     /// Whether a pixel is too close to a silhouette for a crease.
-    taken: Vec<bool>,
+    taken: Plane<bool>,
 }
 
 /// Places of a line are no farther apart, in pixels, so that those of a piece are in its pixels or beside them.
@@ -61,11 +59,9 @@ impl Ground {
         room: usize,
     ) -> Self {
         let mut ground = Self {
-            width,
-            height,
             room,
             places: Placed::new([width, height], 1.0),
-            taken: vec![false; width * height],
+            taken: Plane::filled(width, height, false),
         };
         for (line, points) in (0..).zip(lines) {
             let points = points.as_ref();
@@ -84,18 +80,17 @@ impl Ground {
 
     /// Keeps creases away from a place.
     fn take(&mut self, at: Vec2) {
-        let (x, y) = (at.x.max(0.0) as usize, at.y.max(0.0) as usize);
-        let (x, y) = (x.min(self.width - 1), y.min(self.height - 1));
-        let reach = self.room - 1;
-        let columns = x.saturating_sub(reach)..(x + reach + 1).min(self.width);
-        for y in y.saturating_sub(reach)..(y + reach + 1).min(self.height) {
-            self.taken[y * self.width..][columns.clone()].fill(true);
+        let [x, y] = self.taken.pixel_at(at);
+        let (width, height, reach) = (self.taken.width(), self.taken.height(), self.room - 1);
+        for y in y.saturating_sub(reach)..(y + reach + 1).min(height) {
+            let row = self.taken.row_mut(y);
+            row[x.saturating_sub(reach)..(x + reach + 1).min(width)].fill(true);
         }
     }
 
     /// Whether a crease may pass pixel `i`.
     pub(crate) fn is_free(&self, i: usize) -> bool {
-        !self.taken[i]
+        !self.taken.samples()[i]
     }
 
     /// Distance from a silhouette at which a crease may have stopped to keep away, and is led on to it, in pixels.

@@ -110,8 +110,7 @@ impl DepthRange {
 
 /// Logarithm of the depth of a covered point of the picture, if it is known.
 pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
-    let [x, y] = [(at.x, frame.mask.width()), (at.y, frame.mask.height())]
-        .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
+    let [x, y] = frame.mask.plane().pixel_at(at);
     let known = frame.mask.at(x, y).then_some(y * frame.mask.width() + x);
     log_depth_of(frame, known?)
 }

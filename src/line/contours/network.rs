@@ -177,9 +177,8 @@ impl Sets {
 
 struct Network {
     strands: Vec<Strand>,
-    tips: Vec<Tip>,
     /// The tips of each junction.
-    junctions: Vec<std::ops::Range<usize>>,
+    junctions: Vec<Vec<Tip>>,
     /// For each end of a strand, the strand's end it continues in.
     onward: Vec<[Option<(usize, usize)>; 2]>,
 }
@@ -232,16 +231,11 @@ impl Network {
             }
         }
         tips.sort_by_key(|tip| tip.junction);
-        let mut junctions = Vec::new();
-        let mut from = 0;
-        for same in tips.chunk_by(|a, b| a.junction == b.junction) {
-            junctions.push(from..from + same.len());
-            from += same.len();
-        }
+        let junctions = tips.chunk_by(|a, b| a.junction == b.junction);
+        let junctions = junctions.map(<[Tip]>::to_vec).collect();
         let onward = vec![[None; 2]; strands.len()];
         Self {
             strands,
-            tips,
             junctions,
             onward,
         }
@@ -250,8 +244,7 @@ impl Network {
     /// Joins the strands that run straight on through each junction, the straightest first; two alone are joined
     /// however they turn.
     fn pair(&mut self) {
-        for junction in self.junctions.clone() {
-            let tips = &self.tips[junction];
+        for tips in &self.junctions {
             let mut turns: Vec<(f32, usize, usize)> = (0..tips.len())
                 .flat_map(|i| (i + 1..tips.len()).map(move |j| (i, j)))
                 .map(|(i, j)| (-tips[i].away.dot(tips[j].away), i, j))
@@ -337,8 +330,7 @@ impl Network {
         let mut sets = Sets::new(lines.len());
         // Points to be put before the first and behind the last spot of each line.
         let mut meetings: Vec<[Option<Vec2>; 2]> = vec![[None; 2]; lines.len()];
-        for junction in &self.junctions {
-            let tips = &self.tips[junction.clone()];
+        for tips in &self.junctions {
             let spot = |tip: &Tip| {
                 let (line, ends) = at[tip.strand];
                 (line, ends[tip.end])

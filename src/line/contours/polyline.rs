@@ -241,10 +241,7 @@ pub(crate) fn lengths(points: &[Vec2]) -> Vec<f32> {
 
 /// The length of a line.
 pub(crate) fn length(points: &[Vec2], closed: bool) -> f32 {
-    let open: f32 = points
-        .windows(2)
-        .map(|pair| pair[0].distance(pair[1]))
-        .sum();
+    let open = lengths(points).pop().unwrap_or(0.0);
     match (closed, points) {
         (true, [first, .., last]) => open + first.distance(*last),
         _ => open,

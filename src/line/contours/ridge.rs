@@ -38,12 +38,6 @@ impl Bands<'_> {
         (x < self.width && y < self.height).then_some(y * self.width + x)
     }
 
-    fn weight_beside(&self, pixel: u32, step: [i32; 2]) -> f32 {
-        // A weight of no meaning counts as none.
-        self.beside(pixel, step)
-            .map_or(0.0, |i| self.weight[i].max(0.0))
-    }
-
     /// The pixels all steps away, in their order.
     fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
         let [x, y] = self.place(pixel);
@@ -147,8 +141,9 @@ impl Bands<'_> {
     /// crack between them.
     pub(crate) fn middle(&self, pixel: u32) -> Vec2 {
         let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
-        for step in STEPS {
-            let weight = self.weight_beside(pixel, step);
+        for (step, there) in STEPS.into_iter().zip(self.all_beside(pixel)) {
+            // A weight of no meaning counts as none.
+            let weight = there.map_or(0.0, |there| self.weight[there].max(0.0));
             sum += weight * Vec2::new(step[0] as f32, step[1] as f32);
             weights += weight;
         }

@@ -12,20 +12,17 @@ use rayon::prelude::*;
 /// wave, so that the time is linear in the pixels filled. With every wave the mean turns toward the fixed direction,
 /// which pixels no wave reaches get directly.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have turned
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane, where `flat` is not 0, they have turned
 /// fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions; elsewhere after
 /// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0, from
 /// any neighbours, within [`EDGE_MARGIN_PX`].
 pub(crate) fn fill(
     directions: &mut Vector2Planes,
-    parts: &Parts,
+    conductance: &Plane,
+    flat: &Plane,
+    mask: &Mask,
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
-    let Parts {
-        conductance,
-        mask,
-        flat,
-    } = *parts;
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
     let is_flat = |i: &Pixel| flat.samples()[*i as usize] != 0.0;
@@ -86,13 +83,6 @@ pub(crate) fn fill_rest(
         |_, mean, _| mean,
     );
     field.fix(&lacking, |i| fixed(i % width, i / width));
-}
-
-/// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
-pub(crate) struct Parts<'a> {
-    pub(crate) conductance: &'a Plane,
-    pub(crate) mask: &'a Mask,
-    pub(crate) flat: &'a Plane,
 }
 
 /// The number of a pixel, row by row: lists of them are as long as pictures.

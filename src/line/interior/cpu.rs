@@ -235,12 +235,7 @@ fn joined_and_drawn(
     };
     let pen = Pen::new(factor * sizes.picture, params, levels, sizes);
     let drawn = lines.par_iter().zip(looks).map(|(line, look)| {
-        let normal = |i: usize| {
-            let at = line.spots[i].at / factor;
-            let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
-            let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
-            normals.at(x, y)
-        };
+        let normal = |i: usize| normals.nearest(line.spots[i].at / factor);
         pen.contour(look, line, params, normal)
     });
     let drawn: Vec<Contour> = drawn.collect();

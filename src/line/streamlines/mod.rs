@@ -160,12 +160,6 @@ pub(crate) fn streamlines(
     }
 }
 
-/// A line as placed: its number, and the level of darkness at its seed.
-struct Laid {
-    number: usize,
-    level: usize,
-}
-
 struct Drawer<'a> {
     field: &'a Vector2Planes,
     wanted: Wanted<'a>,
@@ -201,11 +195,11 @@ impl Drawer<'_> {
     /// A line through a position, if there is room for one, and then all that can be started beside it, beside the
     /// darkest first.
     fn start(&mut self, at: Vec2, room: f32) {
-        let Some(first) = self.line(&self.anew(at), room) else {
+        let Some((first, level)) = self.line(&self.anew(at), room) else {
             return;
         };
         let mut waiting = vec![VecDeque::new(); self.tool.levels];
-        waiting[first.level].push_back(first.number);
+        waiting[level].push_back(first);
         while let Some(number) = waiting.iter_mut().rev().find_map(VecDeque::pop_front) {
             if self.wanted.is_cancelled() {
                 return;
@@ -218,8 +212,8 @@ impl Drawer<'_> {
                 };
                 let across = self.tool.spacing(ink) * along.perp();
                 for seed in [at + across, at - across] {
-                    if let Some(line) = self.line(&self.anew(seed), room) {
-                        waiting[line.level].push_back(line.number);
+                    if let Some((line, level)) = self.line(&self.anew(seed), room) {
+                        waiting[level].push_back(line);
                     }
                 }
             }
@@ -264,9 +258,9 @@ impl Drawer<'_> {
         }
     }
 
-    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` if it would be too close to
-    /// another, or too short.
-    fn line(&mut self, seed: &Seed, room: f32) -> Option<Laid> {
+    /// Draws the line through `seed`, with `room` of the distance wanted about it: its number, and the level of darkness at
+    /// its seed. `None` if it would be too close to another, or too short.
+    fn line(&mut self, seed: &Seed, room: f32) -> Option<(usize, usize)> {
         let Seed {
             at: seed,
             along,
@@ -296,10 +290,7 @@ impl Drawer<'_> {
                 along,
                 points: [behind, ahead].map(|count| count as i32),
             });
-            return Some(Laid {
-                number: number as usize,
-                level: self.tool.level(ink),
-            });
+            return Some((number as usize, self.tool.level(ink)));
         }
         self.placed.keep(before);
         None
