@@ -20,7 +20,8 @@ pub(super) struct Placed {
     /// The last point of every cell, counted from 1, or 0: memory of zeros is mapped only where points are.
     last: Vec<u32>,
     size: [usize; 2],
-    side: f32,
+    /// Cells to a pixel.
+    per_px: f32,
 }
 
 impl Placed {
@@ -31,7 +32,7 @@ impl Placed {
             points: Vec::new(),
             last: vec![0; size[0] * size[1]],
             size,
-            side,
+            per_px: side.recip(),
         }
     }
 
@@ -39,7 +40,7 @@ impl Placed {
     #[inline]
     fn cell(&self, at: Vec2) -> [usize; 2] {
         // A cast of less than 0 is 0.
-        let along = |at: f32, count: usize| ((at / self.side) as usize).min(count - 1);
+        let along = |at: f32, count: usize| ((at * self.per_px) as usize).min(count - 1);
         [along(at.x, self.size[0]), along(at.y, self.size[1])]
     }
 
@@ -75,20 +76,30 @@ impl Placed {
         &self.points
     }
 
-    /// The numbers of the points in a row of cells, cell by cell, the last placed first.
+    /// The point of this number, counted from 1, with its number, counted from 0.
     #[inline]
-    fn row(&self, y: usize, columns: RangeInclusive<usize>) -> impl Iterator<Item = usize> {
+    fn point(&self, number: u32) -> Option<(usize, &Point)> {
+        let number = (number as usize).wrapping_sub(1);
+        Some((number, self.points.get(number)?))
+    }
+
+    /// The points in a row of cells with their numbers, cell by cell, the last placed first.
+    #[inline]
+    fn row(
+        &self,
+        y: usize,
+        columns: RangeInclusive<usize>,
+    ) -> impl Iterator<Item = (usize, &Point)> {
         let row = &self.last[y * self.size[0]..][columns];
-        let number = |after: u32| (after as usize).checked_sub(1);
         row.iter().flat_map(move |&newest| {
-            let before = move |&i: &usize| number(self.points[i].before);
-            std::iter::successors(number(newest), before)
+            let before = |(_, point): &(usize, &Point)| self.point(point.before);
+            std::iter::successors(self.point(newest), before)
         })
     }
 
-    /// The numbers of the points in the cells from one place to another, row by row.
+    /// The points in the cells from one place to another with their numbers, row by row.
     #[inline]
-    pub(super) fn between(&self, from: Vec2, to: Vec2) -> impl Iterator<Item = usize> {
+    pub(super) fn between(&self, from: Vec2, to: Vec2) -> impl Iterator<Item = (usize, &Point)> {
         let ([left, top], [right, bottom]) = (self.cell(from), self.cell(to));
         (top..=bottom).flat_map(move |y| self.row(y, left..=right))
     }
@@ -98,7 +109,7 @@ impl Placed {
     pub(super) fn near(&self, at: Vec2, distance: f32) -> impl Iterator<Item = &Point> {
         let points = self
             .between(at - distance, at + distance)
-            .map(|i| &self.points[i]);
+            .map(|(_, point)| point);
         points.filter(move |point| point.at.distance_squared(at) < distance * distance)
     }
 
@@ -108,8 +119,7 @@ impl Placed {
         let ([left, top], [right, bottom]) = (self.cell(at - distance), self.cell(at + distance));
         let own = self.cell(at)[1];
         let is_free = |y: usize| {
-            self.row(y, left..=right).all(|i| {
-                let point = &self.points[i];
+            self.row(y, left..=right).all(|(_, point)| {
                 point.at.distance_squared(at) >= distance * distance || !counts(point)
             })
         };

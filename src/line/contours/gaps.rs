@@ -119,9 +119,7 @@ fn facing(tips: &[Tip], reach: f32, faces: impl Fn(&Tip, &Tip) -> bool) -> Vec<[
     let mut pairs = Vec::new();
     for (a, tip) in tips.iter().enumerate() {
         let around = cells.between(tip.at - reach, tip.at + reach);
-        let others = around
-            .map(|i| cells.points()[i].line as usize)
-            .filter(|&b| b > a);
+        let others = around.map(|(_, tip)| tip.line as usize).filter(|&b| b > a);
         for b in others.filter(|&b| faces(tip, &tips[b])) {
             pairs.push((tip.at.distance(tips[b].at), [a, b]));
         }

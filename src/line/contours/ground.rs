@@ -107,8 +107,8 @@ impl Ground {
     fn met_by(&self, from: Vec2, to: Vec2, counts: impl Fn(&Point) -> bool) -> Option<[Vec2; 2]> {
         let places = self.places.points();
         let near = self.places.between(from.min(to) - 2.0, from.max(to) + 2.0);
-        let pieces = near.filter_map(|number| {
-            let piece = [&places[number], places.get(number + 1)?];
+        let pieces = near.filter_map(|(number, place)| {
+            let piece = [place, places.get(number + 1)?];
             (piece[0].line == piece[1].line && counts(piece[0])).then(|| piece.map(|end| end.at))
         });
         let crossed = pieces.filter_map(|piece| {
@@ -154,8 +154,7 @@ impl Ground {
     ) -> Option<Vec2> {
         let reach = onward.aside.floor();
         let near = self.places.between(tip - reach, tip + reach);
-        let ways = near.filter_map(|number| {
-            let place = &self.places.points()[number];
+        let ways = near.filter_map(|(_, place)| {
             let way = place.at - tip;
             let distance = way.length();
             let is_ahead = way.dot(ahead) >= onward.straight * distance;

@@ -88,8 +88,12 @@ impl<'a> Field<'a> {
     /// The directions of patches, doubled and calmed. What leads to them takes as much memory as some planes, and goes.
     fn led<const N: usize>(&self, families: [usize; N]) -> Vec<[[f32; 2]; N]> {
         let cross = CrossKernel::new(self.patches);
-        let forms = self.forms(&cross);
-        self.calmed(self.doubled(&forms, families), &cross)
+        let patches = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        let seen: Vec<_> = patches
+            .map(|patch| Seen::new(patch, &self.setting.sight))
+            .collect();
+        let forms = self.forms(&cross, &seen);
+        self.calmed(self.doubled(&forms, &seen, families), &cross)
     }
 
     /// The fallback at a place in the picture, of the first field made or the second.
@@ -129,31 +133,25 @@ impl<'a> Field<'a> {
     }
 
     /// The curvature of every patch, per pixel, averaged nearby.
-    fn forms(&self, cross: &CrossKernel) -> Vec<[Weighted; 1]> {
-        let Patches {
-            all, across, down, ..
-        } = self.patches;
+    fn forms(&self, cross: &CrossKernel, seen: &[Seen]) -> Vec<[Weighted; 1]> {
+        let Patches { across, down, .. } = self.patches;
         // Rows run down, y up.
         let links = [&across.before, &across.after, &down.after, &down.before];
         let step_px = self.params.cell_px.into();
-        let form = |(i, here): (usize, &Patch)| {
-            let beside = |side: usize| Some(self.seen(all.get(links[side][i] as usize)?));
-            let slopes = self.seen(here).slopes(beside, step_px);
+        let form = |(i, here): (usize, &Seen)| {
+            let beside = |side: usize| seen.get(links[side][i] as usize).copied();
+            let slopes = here.slopes(beside, step_px);
             let per_pixel = |curvature: f64| (curvature / self.setting.pixels) as f32;
             let tensor = slopes.map(|s| [s.half_difference, s.off, s.mean].map(per_pixel));
             let known =
                 tensor.filter(|[x, y, mean]| x.abs() + y.abs() + mean.abs() < f32::INFINITY);
             [known.map_or(NO_FORM, |[x, y, mean]| [x, y, mean, 1.0])]
         };
-        let patches = all.par_iter().with_min_len(PATCHES_PER_TASK);
+        let patches = seen.par_iter().with_min_len(PATCHES_PER_TASK);
         let mut forms: Vec<_> = patches.enumerate().map(form).collect();
         let reach = vec![FORM_REACH * self.setting.cells; forms.len()];
         cross.average(&mut forms, &reach, 1);
         forms
-    }
-
-    fn seen(&self, patch: &Patch) -> Seen<'_> {
-        Seen::new(patch, &self.setting.sight)
     }
 
     /// The directions of patches, of the larger curvature in family 0, of the lesser in 1, in the order of `families`: see
@@ -161,15 +159,15 @@ impl<'a> Field<'a> {
     fn doubled<const N: usize>(
         &self,
         forms: &[[Weighted; 1]],
+        seen: &[Seen],
         families: [usize; N],
     ) -> Vec<[Weighted; N]> {
         let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
-        let patches = all.zip(forms);
-        let directions = patches.map(|(patch, [form])| {
+        let patches = all.zip(seen).zip(forms);
+        let directions = patches.map(|((patch, seen), [form])| {
             let fallback = std::array::from_fn(|order| self.fallback_of(patch, order));
             let form = CurvatureTensor::of(form);
-            self.seen(patch)
-                .directions(&form, self.setting.doubt, families, fallback)
+            seen.directions(&form, self.setting.doubt, families, fallback)
         });
         directions.collect()
     }

@@ -88,9 +88,10 @@ pub(super) fn valleys_and_ridges(
         } else {
             strength
         };
-        let crest = crest(curvature, x, y, across, strength)?;
-        let is_free = !rims[usize::from(is_ridge)].is_near(x, y);
-        (is_free && strength >= sizes.thresholds[0]).then_some((is_ridge, crest))
+        let crest = crest(curvature, x, y, across, || strength)?;
+        let is_strong = strength >= sizes.thresholds[0];
+        let is_free = is_strong && !rims[usize::from(is_ridge)].is_near(x, y);
+        is_free.then_some((is_ridge, crest))
     });
     [false, true].map(|ridges| {
         let own = found.iter().filter(|(is_ridge, _)| *is_ridge == ridges);
@@ -116,10 +117,10 @@ pub(super) fn suggestive(
         }
         let uphill = viewer.uphill(x, y, normals.at(x, y))?;
         let side = |steps: f32| sampled(&facings, x, y, steps * uphill);
-        let second = (side(sigma) + side(-sigma) - 2.0 * facing) / (sigma * sigma);
-        let strength = sigma * second * sizes.picture / SUGGESTIVE_STRENGTH;
+        let second = || (side(sigma) + side(-sigma) - 2.0 * facing) / (sigma * sigma);
+        let strength = || sigma * second() * sizes.picture / SUGGESTIVE_STRENGTH;
         let crest = crest(&slants, x, y, uphill, strength)?;
-        (strength >= sizes.thresholds[0] && !rims.is_near(x, y)).then_some(crest)
+        (crest.strength >= sizes.thresholds[0] && !rims.is_near(x, y)).then_some(crest)
     })
 }
 
@@ -143,7 +144,7 @@ pub(super) fn crest(
     x: usize,
     y: usize,
     along: Vec2,
-    strength: f32,
+    strength: impl FnOnce() -> f32,
 ) -> Option<Crest> {
     let (across_columns, across_rows) = (along.x.abs() > ACROSS, along.y.abs() > ACROSS);
     let is_at_end = |i: usize, count: usize| i == 0 || i + 1 == count;
@@ -166,7 +167,7 @@ pub(super) fn crest(
             x as f32 + 0.5 + offset * along.x,
             y as f32 + 0.5 - offset * along.y,
         ),
-        strength,
+        strength: strength(),
     })
 }
 
@@ -195,7 +196,8 @@ mod tests {
     #[test]
     fn lines_run_into_the_border_and_not_along_it() {
         // Strength that rises to the last row: as far as is known, it is largest beyond it.
-        let at = |plane: &Plane, along: Vec2| crest(plane, 4, 8, along, 1.0).map(|crest| crest.at);
+        let at =
+            |plane: &Plane, along: Vec2| crest(plane, 4, 8, along, || 1.0).map(|crest| crest.at);
         let rising = Plane::from_fn(9, 9, |_, y| y as f32);
         assert_eq!(at(&rising, Vec2::Y), None);
         assert_eq!(at(&rising, Vec2::NEG_Y), None);

@@ -51,7 +51,7 @@ pub(super) fn shadows(
         if strength < sizes.thresholds[0] || rims.is_near(x, y) {
             return None;
         }
-        crest(&steep, x, y, slope(x, y).try_normalize()?, strength)
+        crest(&steep, x, y, slope(x, y).try_normalize()?, || strength)
     })
 }
 

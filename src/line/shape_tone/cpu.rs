@@ -209,9 +209,13 @@ impl Cells<'_> {
             let [x, y, z] = [&xy.x, &xy.y, &z].map(|plane| plane.row(row));
             move |i| Vec3::new(x[i], y[i], z[i]).normalize_or_zero().to_array()
         });
+        let [nx, ny, nz] = units.each_ref().map(|plane| plane.samples());
+        let (width, height) = (mask.width(), mask.height());
+        let covered = mask.plane().samples();
         let normal = |x: usize, y: usize| {
-            let is_covered = x < mask.width() && y < mask.height() && mask.at(x, y);
-            is_covered.then(|| Vec3::from(units.each_ref().map(|plane| plane.at(x, y))))
+            let i = y.wrapping_mul(width).wrapping_add(x);
+            let is_covered = x < width && y < height && covered[i];
+            is_covered.then(|| Vec3::new(nx[i], ny[i], nz[i]))
         };
         let [turn] = map_covered(mask, self.memory, |y| {
             let open = open.row(y);
