@@ -14,18 +14,16 @@ const MIDDLE_PX: f32 = 0.5;
 
 /// The pixels that have a weight and are free of `silhouettes`, in order.
 fn pixels(weight: &Plane, mask: &Mask, silhouettes: &Ground) -> Vec<u32> {
-    let pixels: Vec<Vec<u32>> = (0..mask.height())
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|y| {
-            let row = weight.row(y);
-            let covered = mask.span(y).filter(|&x| row[x] > 0.0);
-            let pixels = covered.map(|x| y * mask.width() + x);
-            let free = pixels.filter(|&pixel| silhouettes.is_free(pixel));
-            free.map(|pixel| pixel as u32).collect()
-        })
-        .collect();
-    pixels.concat()
+    let rows = (0..mask.height()).into_par_iter().with_min_len(16);
+    let pixels = rows.flat_map_iter(|y| {
+        let row = weight.row(y);
+        let marked = mask.span(y).filter(move |&x| row[x] > 0.0);
+        let pixels = marked.map(move |x| y * mask.width() + x);
+        pixels
+            .filter(|&pixel| silhouettes.is_free(pixel))
+            .map(|pixel| pixel as u32)
+    });
+    pixels.collect()
 }
 
 /// The lines along creases that keep away from silhouettes.

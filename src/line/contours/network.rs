@@ -294,18 +294,12 @@ impl Network {
             for &(strand, entered) in &course {
                 let own = &self.strands[strand].spots;
                 let range = [spots.len(), spots.len() + own.len() - 1];
-                at[strand] = (
-                    lines.len(),
-                    if entered == 0 {
-                        range
-                    } else {
-                        [range[1], range[0]]
-                    },
-                );
-                match entered {
-                    0 => spots.extend(own.iter().copied()),
-                    _ => spots.extend(own.iter().rev().copied()),
-                }
+                let (range, own): (_, Vec<Spot>) = match entered {
+                    0 => (range, own.clone()),
+                    _ => ([range[1], range[0]], own.iter().rev().copied().collect()),
+                };
+                at[strand] = (lines.len(), range);
+                spots.extend(own);
             }
             let (first, last) = (course[0], course[course.len() - 1]);
             let end = |(strand, end): (usize, usize)| {

@@ -40,9 +40,9 @@ impl<'a> Seen<'a> {
         })
     }
 
-    /// The tensor of curvature, per unit of length, from the patches left, right, below and above, by number, each `step_px` away: in
-    /// the frame that coincides with the picture's when the normal is rotated to the viewer by the shortest way, so that
-    /// those of neighbours can be averaged.
+    /// The tensor of curvature, per unit of length, from the patches left, right, below and above, by number, each
+    /// `step_px` away: in the frame that coincides with the picture's when the normal is rotated to the viewer by the
+    /// shortest way, so that those of neighbours can be averaged.
     ///
     /// Not known where an axis has no usable ray, the surface is seen edge-on, or the normal points straight away from the
     /// viewer.

@@ -125,18 +125,13 @@ impl Patches {
                 .find(labels)
             })
             .collect();
-        let mut first = Vec::with_capacity(grid.columns * grid.rows + 1);
-        let mut count = 0;
-        first.push(0);
-        for (counts, _) in &found {
-            first.extend(counts.iter().map(|c| {
-                count += c;
-                count
-            }));
-        }
-        let mut all = Vec::with_capacity(count as usize);
-        for (_, patches) in &found {
-            all.extend_from_slice(patches);
+        let mut first = vec![0];
+        let mut all = Vec::new();
+        for (counts, patches) in found {
+            for count in counts {
+                first.push(first[first.len() - 1] + count);
+            }
+            all.extend(patches);
         }
         let mut patches = Self {
             across: Links::none(0),

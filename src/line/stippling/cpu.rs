@@ -3,7 +3,7 @@
 use super::dark_dots::{covered, mended};
 use super::room::fitted;
 use super::settled::settled;
-use super::spread::{Field, places};
+use super::spread::{Field, diffused, spaced};
 use super::{Dot, LaidDot};
 use crate::frame::{Frame, Plane};
 use crate::kernel::memory::Memory;
@@ -72,7 +72,7 @@ fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Do
         at,
         radius: field.radius(),
     };
-    let places = places(field, seed, memory);
+    let places = spaced(diffused(field, seed, memory), 0, field, memory);
     places.into_iter().map(|at| (laid(at), dot(at))).unzip()
 }
 

@@ -34,11 +34,6 @@ pub(super) fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
 }
 
-/// Positions of dots so that they cover the ink of a field.
-pub(super) fn places(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
-    spaced(diffused(field, seed, memory), 0, field, memory)
-}
-
 /// The positions once dots have repelled each other, all but the first few, which stay.
 pub(super) fn spaced(
     mut places: Vec<Vec2>,
