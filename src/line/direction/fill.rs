@@ -12,10 +12,10 @@ use rayon::prelude::*;
 /// wave, so that the time is linear in the pixels filled. With every wave the mean turns toward the fixed direction,
 /// which pixels no wave reaches get directly.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane, where `flat` is not 0, they have turned
-/// fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions; elsewhere after
-/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0, from
-/// any neighbours, within [`EDGE_MARGIN_PX`].
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane, where `flat` is
+/// not 0, they have turned fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions;
+/// elsewhere after [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges,
+/// conductance 0, from any neighbours, within [`EDGE_MARGIN_PX`].
 pub(crate) fn fill(
     directions: &mut Vector2Planes,
     conductance: &Plane,

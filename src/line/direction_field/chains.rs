@@ -34,12 +34,15 @@ impl PatchChains {
     /// The sums along the chains around every patch, in their order.
     fn sums<const N: usize>(&self, all: &[[Weighted; N]], reach: &[f32]) -> Vec<[Weighted; N]> {
         let chains = self.chains.par_iter().with_min_len(CHAINS_PER_TASK);
-        let sums = chains.map_init(Vec::new, |scratch, chain| {
-            let values: Vec<_> = chain.iter().map(|&i| all[i as usize]).collect();
-            let reach: Vec<f32> = chain.iter().map(|&i| reach[i as usize]).collect();
+        let room = || (Vec::new(), Vec::new(), Vec::new());
+        let sums = chains.map_init(room, |(values, reaches, scratch), chain| {
+            values.clear();
+            values.extend(chain.iter().map(|&i| all[i as usize]));
+            reaches.clear();
+            reaches.extend(chain.iter().map(|&i| reach[i as usize]));
             let mut sums = vec![[[0.0; 4]; N]; chain.len()];
             wide!(direction_field::sums_along(
-                &mut sums, &values, &reach, scratch
+                &mut sums, values, reaches, scratch
             ));
             sums
         });
