@@ -4,9 +4,12 @@ use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{Stroke, StrokeParams, Style};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The texture of the last drawing, with the stroke, style and seed that it was made with.
+/// The texture of the last drawing.
 #[derive(Debug, Default)]
-pub(crate) struct ArtMapCache(Mutex<Option<((Stroke, Style, u64), Arc<TonalArtMap>)>>);
+pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
+
+/// The stroke, style and seed that a texture was made with.
+type Made = (Stroke, Style, u64);
 
 impl ArtMapCache {
     /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds
