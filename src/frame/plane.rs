@@ -1,7 +1,7 @@
 //! Planes: one quantity, one value per pixel.
 
 use crate::frame::Window;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -63,6 +63,23 @@ impl<T: Copy> Plane<T> {
     /// The sample at column `x` of row `y`.
     pub fn at(&self, x: usize, y: usize) -> T {
         self.row(y)[x]
+    }
+
+    /// Column and row of the pixel at a place (x right, y down, edges of pixels at integers), or nearest to it.
+    #[inline]
+    pub(crate) fn pixel_at(&self, at: Vec2) -> [usize; 2] {
+        // A cast of less than 0 is 0.
+        [
+            (at.x as usize).min(self.width - 1),
+            (at.y as usize).min(self.height - 1),
+        ]
+    }
+
+    /// The sample there.
+    #[inline]
+    pub(crate) fn nearest(&self, at: Vec2) -> T {
+        let [x, y] = self.pixel_at(at);
+        self.at(x, y)
     }
 
     /// Row `y`, left to right.

@@ -1,6 +1,7 @@
 //! A table from the share of paper white to the optical density that is drawn.
 
 use super::tonal_art_map::MAX_DENSITY;
+use crate::frame::{Mask, Plane};
 use crate::params::ToneParams;
 
 /// Steps of the table: twice those of an 8-bit display.
@@ -13,6 +14,17 @@ pub(crate) const LEAST_ALPHA: f32 = 0.5;
 #[inline(always)]
 pub(crate) fn coverage_at(density: f32) -> f32 {
     1.0 - (-density).exp()
+}
+
+/// Removes ink beyond the surface: there it is under the line of the silhouette.
+pub(crate) fn keep_inside(ink: &mut Plane, mask: &Mask) {
+    ink.each_row(|y, row| {
+        let beyond = row
+            .iter_mut()
+            .zip(mask.row(y))
+            .filter(|(_, is_inside)| !**is_inside);
+        beyond.for_each(|(ink, _)| *ink = 0.0);
+    });
 }
 
 /// Optical densities, -ln(tone), at even steps of the square root of luminance, from 0 to that of paper white.

@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Drawing;
 use crate::frame::{ColorPlanes, Frame, Plane};
-use crate::line::density::coverage_at;
+use crate::line::density::{coverage_at, density_table};
 use crate::line::streamlines::Streamline;
 use crate::line::tone::{Densities, PictureDensities};
 use crate::params::{Adaptive, LineParams, ToneParams};
@@ -35,6 +35,35 @@ pub(crate) fn has_strokes(plan: &Plan, decide: impl FnOnce(&LineParams) -> Verdi
         true => Verdict::left_out("lines alone are drawn"),
         false => decide(params),
     })
+}
+
+/// The surface that is drawn, and its edges.
+pub(crate) struct Drawn<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) silhouette: Option<&'a Plane>,
+    pub(crate) crease: Option<&'a Plane>,
+    pub(crate) conductance: Option<&'a Plane>,
+}
+
+impl<'a> Drawn<'a> {
+    /// The surface of a run as it is seen, also in mirrors and lenses.
+    pub(crate) fn of(run: &'a Execution) -> Self {
+        let shape = &run.outcome.shape;
+        match &run.canvas.seen {
+            Some((seen, edges)) => Self {
+                frame: &seen.frame,
+                silhouette: edges.silhouette.as_ref(),
+                crease: edges.crease.as_ref(),
+                conductance: Some(&edges.conductance),
+            },
+            None => Self {
+                frame: run.frame,
+                silhouette: shape.silhouette.as_ref(),
+                crease: shape.crease.as_ref(),
+                conductance: shape.conductance.as_ref(),
+            },
+        }
+    }
 }
 
 /// A drawing of contours and interior lines alone: strokes that cover nothing.
@@ -106,10 +135,13 @@ impl Tone {
     pub(crate) fn densities<'a>(&'a self, frame: &'a Frame, params: &ToneParams) -> Densities<'a> {
         match &self.density {
             Some(density) => Densities::Found(density),
-            None => {
-                let tone = self.of(frame);
-                Densities::OfPicture(PictureDensities::new(tone, frame, self.white, params))
-            }
+            None => Densities::OfPicture(PictureDensities {
+                color: self.of(frame),
+                frame,
+                weights: frame.luminance_weights(),
+                white: self.white,
+                table: density_table(params),
+            }),
         }
     }
 }

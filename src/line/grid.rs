@@ -8,17 +8,16 @@ use std::ops::Range;
 
 /// Cells of `step` by `step` pixels; those with any surface are covered.
 pub(crate) struct Grid {
-    pub(crate) step: usize,
+    step: usize,
     pub(crate) mask: Mask,
+    /// The two cells around each column and each row of pixels, and how far it lies toward the second.
+    places: [Vec<([usize; 2], f32)>; 2],
 }
 
 impl Grid {
     pub(crate) fn new(pixels: &Mask, step: usize) -> Self {
-        if step == 1 {
-            let mask = pixels.clone();
-            return Self { step, mask };
-        }
-        let [width, height] = [pixels.width(), pixels.height()].map(|length| length.div_ceil(step));
+        let lengths = [pixels.width(), pixels.height()];
+        let [width, height] = lengths.map(|length| length.div_ceil(step));
         let mut covered = Plane::filled(width, height, false);
         for y in 0..pixels.height() {
             let row = covered.row_mut(y / step);
@@ -26,8 +25,11 @@ impl Grid {
                 row[run.start / step..=(run.end - 1) / step].fill(true);
             }
         }
-        let mask = Mask::new(covered);
-        Self { step, mask }
+        Self {
+            step,
+            mask: Mask::new(covered),
+            places: lengths.map(|length| places(length, step)),
+        }
     }
 
     /// The means over cells of `row(y)(x)`, over covered pixels.
@@ -98,7 +100,8 @@ impl Grid {
         if self.step == 1 {
             return cells.row(y).to_vec();
         }
-        let (rows, down) = self.place(y, cells.height());
+        let [columns, rows] = &self.places;
+        let (rows, down) = rows[y];
         let mut between = vec![Vec2::ZERO; cells.width()];
         for (row, weight) in rows.into_iter().zip([1.0 - down, down]) {
             let columns = self.mask.span(row);
@@ -110,56 +113,28 @@ impl Grid {
                 *sum += Vec2::new(weight * sample, weight);
             }
         }
-        // All pixels between the centres of two cells share these two as neighbours.
-        let shares: Vec<f32> = (0..2 * self.step).map(|rest| self.share(rest)).collect();
         let mut row = vec![0.0; pixels.width()];
         let span = pixels.span(y);
-        let (mut cell, mut rest) = self.cell(span.start);
-        let last = cells.width() - 1;
-        let mut left = &mut row[span];
-        while !left.is_empty() {
-            let shares = shares[rest..].iter().step_by(2);
-            let (part, after) = left.split_at_mut(shares.len().min(left.len()));
-            let (before, next) = (
-                between[cell.saturating_sub(1).min(last)],
-                between[cell.min(last)],
-            );
-            for (sample, across) in part.iter_mut().zip(shares) {
-                let sum = (1.0 - across) * before + across * next;
-                // A covered pixel's own cell weighs a quarter at the least.
-                *sample = sum.x / sum.y;
-            }
-            // Halves of pixels: an odd one is left over where the step is odd.
-            (cell, rest) = (cell + 1, (rest + 2 * part.len()) % (2 * self.step));
-            left = after;
+        for (sample, ([before, next], across)) in row[span.clone()].iter_mut().zip(&columns[span]) {
+            let sum = (1.0 - across) * between[*before] + across * between[*next];
+            // A covered pixel's own cell weighs a quarter at the least.
+            *sample = sum.x / sum.y;
         }
         row
     }
+}
 
-    /// The two cells, of so many, around a pixel along an axis, and how far it lies toward the second.
-    #[inline(always)]
-    fn place(&self, pixel: usize, count: usize) -> ([usize; 2], f32) {
-        let (cell, rest) = self.cell(pixel);
-        let first = cell.saturating_sub(1);
-        (
-            [first.min(count - 1), cell.min(count - 1)],
-            self.share(rest),
-        )
-    }
-
-    /// The second of the two cells around a pixel, and how many halves of pixels it lies beyond the middle of the first.
-    #[inline(always)]
-    fn cell(&self, pixel: usize) -> (usize, usize) {
+/// The two cells around each of so many pixels along an axis, and how far it lies toward the second.
+fn places(pixels: usize, step: usize) -> Vec<([usize; 2], f32)> {
+    let last = pixels.div_ceil(step).max(1) - 1;
+    let place = |pixel: usize| {
         // Halves of pixels from the middle of the cell before the first.
-        let at = 2 * pixel + 1 + self.step;
-        (at / (2 * self.step), at % (2 * self.step))
-    }
-
-    /// So many halves of pixels as a share of the way from one cell to the next.
-    #[inline(always)]
-    fn share(&self, rest: usize) -> f32 {
-        rest as f32 / (2 * self.step) as f32
-    }
+        let at = 2 * pixel + 1 + step;
+        let (cell, rest) = (at / (2 * step), at % (2 * step));
+        let around = [cell.saturating_sub(1).min(last), cell.min(last)];
+        (around, rest as f32 / (2 * step) as f32)
+    };
+    (0..pixels).map(place).collect()
 }
 
 /// The cells of `step` pixels that a run of pixels passes, each with the pixels in it.

@@ -5,80 +5,68 @@ use glam::Vec2;
 
 /// Amounts of ink, in pixels, in square cells of the paper.
 pub(super) struct InkCells {
-    amounts: Vec<f32>,
-    size: [usize; 2],
+    amounts: Plane,
     side: f32,
 }
 
 impl InkCells {
     /// The ink of a plane, 0..1 per pixel, in cells of `side` pixels, smoothed with their neighbours.
     pub(super) fn of_plane(ink: &Plane, side: f32) -> Self {
-        let size = [ink.width(), ink.height()].map(|length| (length as f32 / side) as usize + 1);
-        let mut cells = Self {
-            amounts: vec![0.0; size[0] * size[1]],
-            size,
-            side,
-        };
-        let columns = (0..ink.width()).map(|x| (x as f32 / side) as usize);
-        let columns: Vec<usize> = columns.collect();
+        let cell = |pixel: usize| (pixel as f32 / side) as usize;
+        let mut amounts = Plane::filled(cell(ink.width()) + 1, cell(ink.height()) + 1, 0.0);
+        let columns: Vec<usize> = (0..ink.width()).map(cell).collect();
         for y in 0..ink.height() {
-            let row = (y as f32 / side) as usize * size[0];
+            let row = amounts.row_mut(cell(y));
             for (&ink, &column) in ink.row(y).iter().zip(&columns) {
                 if ink > 0.0 {
-                    cells.amounts[row + column] += ink.min(1.0);
+                    row[column] += ink.min(1.0);
                 }
             }
         }
-        cells.evened()
+        Self { amounts, side }.evened()
     }
 
     /// The same cells without ink.
     pub(super) fn blank(&self) -> Self {
         Self {
-            amounts: vec![0.0; self.amounts.len()],
-            ..*self
+            amounts: self.amounts.map(|_| 0.0),
+            side: self.side,
         }
     }
 
     /// Adds ink at a place.
     pub(super) fn add(&mut self, at: Vec2, amount: f32) {
-        let place = at / self.side;
-        let [x, y] = [(place.x, self.size[0]), (place.y, self.size[1])]
-            .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
-        self.amounts[y * self.size[0] + x] += amount;
+        let [x, y] = self.amounts.pixel_at(at / self.side);
+        self.amounts.row_mut(y)[x] += amount;
     }
 
     /// The amounts smoothed with their neighbours.
     pub(super) fn evened(&self) -> Self {
-        let [width, height] = self.size;
-        let mut evened = self.blank();
-        for y in 0..height {
-            for x in 0..width {
-                let mut sum = 0.0;
-                for ny in y.saturating_sub(1)..(y + 2).min(height) {
-                    for nx in x.saturating_sub(1)..(x + 2).min(width) {
-                        let weight =
-                            [1.0, 2.0][usize::from(nx == x)] * [1.0, 2.0][usize::from(ny == y)];
-                        sum += weight * self.amounts[ny * width + nx];
-                    }
+        let (width, height) = (self.amounts.width(), self.amounts.height());
+        let evened = |x: usize, y: usize| {
+            let mut sum = 0.0;
+            for ny in y.saturating_sub(1)..(y + 2).min(height) {
+                for nx in x.saturating_sub(1)..(x + 2).min(width) {
+                    let weight =
+                        [1.0, 2.0][usize::from(nx == x)] * [1.0, 2.0][usize::from(ny == y)];
+                    sum += weight * self.amounts.at(nx, ny);
                 }
-                evened.amounts[y * width + x] = sum;
             }
+            sum
+        };
+        Self {
+            amounts: Plane::from_fn(width, height, evened),
+            side: self.side,
         }
-        evened
     }
 
     /// The amount at a place, interpolated between the cells around it.
     pub(super) fn at(&self, at: Vec2) -> f32 {
         let place = (at / self.side - 0.5).max(Vec2::ZERO);
-        let last = [self.size[0] - 1, self.size[1] - 1];
-        let (x, y) = (
-            (place.x as usize).min(last[0]),
-            (place.y as usize).min(last[1]),
-        );
+        let [x, y] = self.amounts.pixel_at(place);
+        let [right, below] = self.amounts.pixel_at(Vec2::new(x as f32, y as f32) + 1.0);
         let share = (place - Vec2::new(x as f32, y as f32)).clamp(Vec2::ZERO, Vec2::ONE);
-        let (right, below) = ((x + 1).min(last[0]), (y + 1).min(last[1]));
-        let of = |x: usize, y: usize| self.amounts[y * self.size[0] + x];
+        let of = |x: usize, y: usize| self.amounts.at(x, y);
         let above = of(x, y) + share.x * (of(right, y) - of(x, y));
         let under = of(x, below) + share.x * (of(right, below) - of(x, below));
         above + share.y * (under - above)

@@ -97,14 +97,6 @@ struct Painter<'a> {
     random: &'a mut Random,
 }
 
-/// Position of a stroke, and the tone at which it appears.
-struct Mark {
-    x: f32,
-    y: f32,
-    half_length: f32,
-    order: f32,
-}
-
 impl Painter<'_> {
     /// Draws lanes of strokes at the distance for light tones, then lanes midway between those, until they touch.
     fn fill(&mut self) {
@@ -147,13 +139,10 @@ impl Painter<'_> {
         let start = self.start(y, pitch);
         for i in 0..count as usize {
             let along = start + i as f32 + STRAY * self.random.signed();
-            let mark = Mark {
-                x: along * step,
-                y: y + 0.6 * self.habits.wobble * pitch * self.random.signed(),
-                half_length: 0.5 * step * (OVERLAP + 0.2 * self.random.signed()),
-                order: order(ORDER_JITTER * self.random.signed()),
-            };
-            self.draw(&mark);
+            let y = y + 0.6 * self.habits.wobble * pitch * self.random.signed();
+            let half_length = 0.5 * step * (OVERLAP + 0.2 * self.random.signed());
+            let order = order(ORDER_JITTER * self.random.signed());
+            self.draw([along * step, y], half_length, order);
         }
     }
 
@@ -181,10 +170,11 @@ impl Painter<'_> {
         best
     }
 
-    fn draw(&mut self, mark: &Mark) {
+    /// Draws a stroke about its middle that appears at this tone.
+    fn draw(&mut self, [x, y]: [f32; 2], half: f32, order: f32) {
         let habits = self.habits;
         let random = &mut *self.random;
-        let (wobble, half) = (habits.wobble, mark.half_length);
+        let wobble = habits.wobble;
         let slant = 0.05 * wobble * random.signed();
         let bow = 0.04 * wobble * random.signed();
         let waves = std::f32::consts::PI * (1.0 + 2.0 * random.unit());
@@ -193,16 +183,16 @@ impl Painter<'_> {
         let width = habits.half_width * (1.0 + 0.25 * wobble * random.signed());
         let reach = MOST_RELUCTANT * width + 1.0;
         let latest = habits.reaches(MOST_RELUCTANT);
-        for column in (mark.x - half).floor() as i32..=(mark.x + half).ceil() as i32 {
-            let along = (column as f32 + 0.5 - mark.x) / half;
+        for column in (x - half).floor() as i32..=(x + half).ceil() as i32 {
+            let along = (column as f32 + 0.5 - x) / half;
             let end = along.abs();
             if end >= 1.0 {
                 continue;
             }
             let bent = slant * along + bow * (along * along - 0.33);
-            let spine = mark.y + half * bent + sway * (waves * along + phase).sin();
+            let spine = y + half * bent + sway * (waves * along + phase).sin();
             let width = width * (1.0 - end.powi(4)).sqrt().max(0.15);
-            let order = mark.order + 0.5 * habits.swell * end.powi(6);
+            let order = order + 0.5 * habits.swell * end.powi(6);
             for row in (spine - reach).floor() as i32..=(spine + reach).ceil() as i32 {
                 let away = (row as f32 + 0.5 - spine).abs();
                 let begin = habits.reaches((away - 0.5).max(0.0) / width);

@@ -1,13 +1,11 @@
 //! From the luminance of a picture to the optical density of the drawing.
 
-use crate::frame::luminance;
-use crate::frame::{ColorPlanes, Frame, Plane};
+use crate::frame::{ColorPlanes, Frame, Plane, luminance};
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
-use crate::line::density::{LEAST_ALPHA, STEPS, density_table};
+use crate::line::density::{LEAST_ALPHA, STEPS};
 use crate::line::hatching::BATCH;
-use crate::params::ToneParams;
 use std::ops::Range;
 
 /// The optical densities that are drawn.
@@ -51,31 +49,16 @@ impl Densities<'_> {
 
 /// The optical density of a picture, -ln(tone), looked up by luminance.
 pub(crate) struct PictureDensities<'a> {
-    color: &'a ColorPlanes,
-    frame: &'a Frame,
-    weights: [f32; 3],
+    pub(crate) color: &'a ColorPlanes,
+    pub(crate) frame: &'a Frame,
+    pub(crate) weights: [f32; 3],
     /// Luminance of paper white.
-    white: f32,
+    pub(crate) white: f32,
     /// Densities at even steps of the square root of luminance, from 0 to white.
-    table: Vec<f32>,
+    pub(crate) table: Vec<f32>,
 }
 
-impl<'a> PictureDensities<'a> {
-    pub(crate) fn new(
-        color: &'a ColorPlanes,
-        frame: &'a Frame,
-        white: f32,
-        params: &ToneParams,
-    ) -> Self {
-        Self {
-            color,
-            frame,
-            weights: frame.luminance_weights(),
-            white,
-            table: density_table(params),
-        }
-    }
-
+impl PictureDensities<'_> {
     fn row(&self, out: &mut [f32], y: usize, columns: Range<usize>) {
         let ColorPlanes { r, g, b } = self.color;
         let color = [r, g, b].map(|plane| &plane.row(y)[columns.clone()]);

@@ -123,11 +123,16 @@ impl<'a> Execution<'a> {
     }
 
     pub(crate) fn timed<T>(&mut self, name: &'static str, pass: impl FnOnce() -> T) -> T {
+        self.timed_on(name, |_| pass())
+    }
+
+    /// The same of a pass over what has been made so far.
+    pub(crate) fn timed_on<T>(&mut self, name: &'static str, pass: impl FnOnce(&Self) -> T) -> T {
         let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
         self.watch
             .begins(name, passed as f32 / planned.max(1) as f32);
         let start = Instant::now();
-        let result = pass();
+        let result = pass(self);
         self.outcome.timings.push((name, start.elapsed()));
         result
     }

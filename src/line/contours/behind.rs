@@ -1,7 +1,7 @@
 //! Lines that pass behind something: their visible parts on both sides of it are one line.
 
 use crate::frame::Frame;
-use crate::line::contours::gaps::{Tip, facing, tips};
+use crate::line::contours::gaps::{Joint, Tip, join, joints};
 use crate::line::contours::ground::Ground;
 use crate::line::contours::log_depth;
 use crate::line::contours::network::{Line, Sets};
@@ -30,33 +30,19 @@ pub(crate) struct Occluders<'a> {
     pub(crate) unit_px: f32,
 }
 
-/// Two ends of lines, and where each disappears.
-struct Passage {
-    tips: [(usize, usize); 2],
-    at: [Vec2; 2],
-}
-
 impl Occluders<'_> {
     /// Leads both parts of each line that passes behind something to the outlines between them, and makes one part of
     /// the network of both.
     pub(crate) fn unite(&self, lines: &mut [Line]) {
-        let mut parts = Sets::new(lines.len());
-        for Passage { tips, at } in self.passages(lines) {
-            for ((line, end), at) in tips.into_iter().zip(at) {
-                lines[line].lead_to(at, end);
-            }
-            parts.unite(lines[tips[0].0].part, lines[tips[1].0].part);
-        }
-        for line in lines {
-            line.part = parts.of(line.part);
-        }
+        let passages = self.passages(lines);
+        join(lines, &passages);
     }
 
     /// For each line the length of its other parts, beyond what it passes behind.
     pub(crate) fn lengths_beyond(&self, lines: &[Line]) -> Vec<f32> {
         let mut wholes = Sets::new(lines.len());
-        for Passage { tips, .. } in self.passages(lines) {
-            wholes.unite(tips[0].0, tips[1].0);
+        for Joint { ends, .. } in self.passages(lines) {
+            wholes.unite(ends[0].0, ends[1].0);
         }
         let lengths: Vec<f32> = lines.iter().map(Line::length).collect();
         let mut sums = vec![0.0; lines.len()];
@@ -67,9 +53,8 @@ impl Occluders<'_> {
         lengths.iter().enumerate().map(beyond).collect()
     }
 
-    /// The shortest first; each end is part of one at most.
-    fn passages(&self, lines: &[Line]) -> Vec<Passage> {
-        let tips = tips(lines);
+    /// The ways behind something, the shortest first.
+    fn passages(&self, lines: &[Line]) -> Vec<Joint> {
         let lengths: Vec<f32> = lines.iter().map(Line::length).collect();
         let longest = LONGEST * self.unit_px;
         let goes_on = |a: &Tip, b: &Tip| {
@@ -79,19 +64,7 @@ impl Occluders<'_> {
             straight.iter().all(|&along| along >= STRAIGHT * distance)
                 && distance <= longest.min(lengths[a.line] + lengths[b.line])
         };
-        let mut is_taken = vec![false; tips.len()];
-        let mut passages = Vec::new();
-        for (a, b) in facing(&tips, longest, goes_on) {
-            let pair = [&tips[a], &tips[b]];
-            let ends = pair.map(|tip| tip.at);
-            let hidden = Some(ends).filter(|_| !is_taken[a] && !is_taken[b]);
-            if let Some(at) = hidden.and_then(|ends| self.hidden_between(ends)) {
-                [is_taken[a], is_taken[b]] = [true; 2];
-                let tips = pair.map(|tip| (tip.line, tip.end));
-                passages.push(Passage { tips, at });
-            }
-        }
-        passages
+        joints(lines, longest, goes_on, |ends| self.hidden_between(ends))
     }
 
     /// Where the way between two ends goes behind something, and where it comes out, each close to its end.

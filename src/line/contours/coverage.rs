@@ -5,7 +5,6 @@ use crate::kernel::memory::Memory;
 use crate::line::contours::Contour;
 use crate::line::contours::polyline::thinned;
 use crate::line::contours::round_stroke::RoundStroke;
-use crate::line::streamlines::Streamline;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -16,29 +15,7 @@ const ROWS: usize = 16;
 const BEND_PX: f32 = 0.03;
 
 /// A line by its points, in pixels, and its width at each.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DrawnLine<'a> {
-    pub(crate) points: &'a [Vec2],
-    pub(crate) widths: &'a [f32],
-}
-
-impl<'a> From<&'a Contour> for DrawnLine<'a> {
-    fn from(line: &'a Contour) -> Self {
-        Self {
-            points: &line.points,
-            widths: &line.widths,
-        }
-    }
-}
-
-impl<'a> From<&'a Streamline> for DrawnLine<'a> {
-    fn from(line: &'a Streamline) -> Self {
-        Self {
-            points: &line.points,
-            widths: &line.widths,
-        }
-    }
-}
+pub(crate) type DrawnLine<'a> = (&'a [Vec2], &'a [f32]);
 
 /// Combines lines that cover a pixel in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +31,10 @@ type Piece = (u32, RoundStroke);
 
 /// The coverage of lines along edges or inside surfaces; lines that meet count once.
 pub(crate) fn covered(lines: &[Contour], mask: &Mask, memory: &Memory) -> Plane {
-    let lines: Vec<DrawnLine> = lines.iter().map(DrawnLine::from).collect();
+    let lines: Vec<DrawnLine> = lines
+        .iter()
+        .map(|line| (&line.points[..], &line.widths[..]))
+        .collect();
     coverage(&lines, Overlap::Joined, mask, memory)
 }
 
@@ -137,15 +117,12 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
 
 /// The pieces for drawing a line: as few as its bends allow, and fewer still for wide lines, so that the time grows
 /// only with the covered pixels.
-fn strokes(line: &DrawnLine) -> Vec<RoundStroke> {
-    let widest = line.widths.iter().fold(0.0_f32, |a, &b| a.max(b));
-    let kept = thinned(line.points, BEND_PX.max(0.01 * widest), 8 + widest as usize);
+fn strokes(&(points, widths): &DrawnLine) -> Vec<RoundStroke> {
+    let widest = widths.iter().fold(0.0_f32, |a, &b| a.max(b));
+    let kept = thinned(points, BEND_PX.max(0.01 * widest), 8 + widest as usize);
     let piece = |from: usize, to: usize| {
-        let radius = |i: usize| 0.5 * line.widths[i];
-        RoundStroke::new(
-            [line.points[from], line.points[to]],
-            [radius(from), radius(to)],
-        )
+        let radius = |i: usize| 0.5 * widths[i];
+        RoundStroke::new([points[from], points[to]], [radius(from), radius(to)])
     };
     match kept[..] {
         [only] => vec![piece(only, only)],

@@ -1,21 +1,16 @@
 //! Lines along silhouettes and creases and between objects: found, joined, and drawn.
 
-use crate::frame::{Frame, Plane};
+use crate::frame::Frame;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::network::{End, Line, Spot};
 use crate::line::contours::{Contour, ContourKind, DepthRange, contour, strength_of_gap};
 use crate::line::contours::{creases, objects, silhouettes};
+use crate::line::drawing::Drawn;
 use crate::params::{ContourParams, ObjectLines, ShapeParams};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Weights of edges.
-pub(crate) struct Weights<'a> {
-    pub(crate) silhouette: &'a Plane,
-    pub(crate) crease: &'a Plane,
-}
 
 /// Widest gap in a line that is closed, in pixels.
 const GAP_PX: f32 = 8.0;
@@ -34,17 +29,14 @@ const CREASE_LENGTHS: f32 = 2.0;
 const PLAIN_CREASE: f32 = 0.5;
 
 /// The contours of a frame with these edges: silhouettes, then creases, then borders between objects. Independent of the number of threads.
-pub(crate) fn contours(
-    weights: &Weights,
-    frame: &Frame,
-    shape: &ShapeParams,
-    params: &ContourParams,
-) -> Vec<Contour> {
-    let mut silhouettes = silhouettes::lines(weights.silhouette, frame, shape, params);
+pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParams) -> Vec<Contour> {
+    let frame = drawn.frame;
+    let there = "contours are planned with their weights";
+    let [silhouette, crease] = [drawn.silhouette, drawn.crease].map(|w| w.expect(there));
+    let mut silhouettes = silhouettes::lines(silhouette, frame, shape, params);
     close_gaps(&mut silhouettes, GAP_PX, None);
     let least = Least {
         length_px: params.shortest_px,
-        twig_px: 0.5 * params.shortest_px,
         strength: strength_of_gap(shape.silhouette.hi),
         by_strength: false,
     };
@@ -59,7 +51,7 @@ pub(crate) fn contours(
     ground.join_ends(&mut silhouettes, onward);
     let mut creases = Vec::new();
     if params.has_creases() {
-        creases = creases::lines(weights.crease, &ground, frame, params);
+        creases = creases::lines(crease, &ground, frame, params);
         close_gaps(&mut creases, GAP_PX, Some(&ground));
         let occluders = Occluders {
             outlines: &ground,
@@ -70,7 +62,6 @@ pub(crate) fn contours(
         occluders.unite(&mut creases);
         let least = Least {
             length_px: CREASE_LENGTHS * params.shortest_px,
-            twig_px: params.shortest_px,
             strength: PLAIN_CREASE,
             by_strength: true,
         };
@@ -131,7 +122,6 @@ fn between_objects<'a>(
     close_gaps(&mut lines, GAP_PX, Some(&ground));
     let least = Least {
         length_px: CREASE_LENGTHS * params.shortest_px,
-        twig_px: params.shortest_px,
         strength: 0.0,
         by_strength: false,
     };
@@ -165,10 +155,8 @@ fn run_off(line: &mut Line, by_px: f32) {
 
 /// Requirements of lines that are drawn.
 struct Least {
-    /// Length of a network in all.
+    /// Length of a network in all, and twice that of a branch that ends in the open.
     length_px: f32,
-    /// Length of a branch that ends in the open.
-    twig_px: f32,
     /// Strength that a network has somewhere.
     strength: f32,
     /// Whether lengths are weighted by strength: a rough surface is full of blunt creases.
@@ -179,7 +167,7 @@ struct Least {
 fn drop_short(lines: &mut Vec<Line>, least: Least) {
     let is_twig = |line: &Line| {
         let twig = [[End::Free, End::Joined], [End::Joined, End::Free]];
-        !line.closed && twig.contains(&line.ends) && line.length() < least.twig_px
+        !line.closed && twig.contains(&line.ends) && line.length() < 0.5 * least.length_px
     };
     lines.retain(|line| !is_twig(line));
     let mut parts: BTreeMap<usize, (f32, f32)> = BTreeMap::new();

@@ -1,11 +1,11 @@
 //! The cracks between pixels that silhouettes pass.
 
 use crate::frame::{Frame, Plane};
-use crate::kernel::fast_math::ln;
+use crate::kernel::rows::ROWS_PER_TASK;
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
 use crate::line::contours::lattice::Lattice;
 use crate::line::contours::network::Spot;
-use crate::line::contours::strength_of_gap;
+use crate::line::contours::{log_depth_of, strength_of_gap};
 use crate::params::{ShapeParams, SoftThreshold};
 use crate::shape::gap::of_frame::Gaps;
 use glam::Vec2;
@@ -17,12 +17,6 @@ pub(crate) const DOWN: usize = 2;
 
 /// Share of a jump that the map has to step by across the crack, once mixtures are parted.
 const LEAST_STEP: f32 = 0.5;
-
-/// Rows of corners that one task looks at.
-const ROWS: usize = 16;
-
-/// Columns that are passed over together where no pixel has a weight.
-const BLOCK: usize = 64;
 
 /// A crack that a silhouette passes through.
 pub(crate) struct Crack {
@@ -72,61 +66,34 @@ impl<'a> Finder<'a> {
 
     /// The cracks that silhouettes pass where pixels beside them have a weight, by corner and step.
     pub(crate) fn cracks(&self, weight: &Plane) -> Vec<Crack> {
-        let mask = &self.frame.mask;
-        let bands = (mask.height() + 1).div_ceil(ROWS);
-        let cracks: Vec<Vec<Crack>> = (0..bands)
-            .into_par_iter()
-            .map(|band| self.cracks_of_band(weight, band))
-            .collect();
-        cracks.into_iter().flatten().collect()
+        let rows = (0..self.frame.mask.height() + 1).into_par_iter();
+        let rows = rows.with_min_len(ROWS_PER_TASK);
+        rows.flat_map_iter(|y| self.cracks_of_row(weight, y))
+            .collect()
     }
 
-    /// Cracks to the right of and below the corners of a band of lattice rows.
-    fn cracks_of_band(&self, weight: &Plane, band: usize) -> Vec<Crack> {
+    /// Cracks to the right of and below the corners of a row. Only pixels beside a silhouette have a weight.
+    fn cracks_of_row(&self, weight: &Plane, y: usize) -> Vec<Crack> {
+        let (width, height) = (weight.width(), weight.height());
+        let none = vec![0.0; width];
+        let row = |y: Option<usize>| {
+            let inside = y.filter(|&y| y < height);
+            inside.map_or(&none[..], |y| weight.row(y))
+        };
+        let (above, here) = (row(y.checked_sub(1)), row(Some(y)));
         let mut found = Vec::new();
-        let rows = band * ROWS..((band + 1) * ROWS).min(self.frame.mask.height() + 1);
-        for y in rows {
-            self.add_row(weight, y, &mut found);
+        let mut before = false;
+        for (x, (&above, &here)) in above.iter().zip(here).enumerate() {
+            let (above, here) = (above > 0.0, here > 0.0);
+            let passed = [(RIGHT, here | above), (DOWN, here | before)];
+            before = here;
+            for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
+                let corner = (y * (width + 1) + x) as u32;
+                let spot = self.spot(Across::leaving([x, y], step));
+                found.extend(spot.map(|spot| Crack { corner, step, spot }));
+            }
         }
         found
-    }
-
-    /// Adds the cracks of row `y`. Only pixels beside a silhouette have a weight.
-    fn add_row(&self, weight: &Plane, y: usize, found: &mut Vec<Crack>) {
-        let mask = &self.frame.mask;
-        let rows = [y.checked_sub(1), Some(y).filter(|&y| y < mask.height())];
-        let [above, here] = rows.map(|y| y.map_or(&[][..], |y| weight.row(y)));
-        let spans = rows.into_iter().flatten().map(|y| mask.span(y));
-        let filled = spans.filter(|span| !span.is_empty());
-        let Some(columns) = filled.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else {
-            return;
-        };
-        for block in columns.start / BLOCK..=columns.end.min(mask.width() - 1) / BLOCK {
-            let start = block * BLOCK;
-            let end = ((block + 1) * BLOCK).min(mask.width());
-            // The crack before the first column is beside the pixel before it.
-            let holds = |row: &[f32]| {
-                let part = row.get(start.saturating_sub(1)..end).unwrap_or(&[]);
-                part.iter().fold(false, |any, &weight| any | (weight > 0.0))
-            };
-            if !holds(above) && !holds(here) {
-                continue;
-            }
-            for x in start..end {
-                let is_marked =
-                    |row: &[f32], x: usize| row.get(x).is_some_and(|&weight| weight > 0.0);
-                let (marked, before) = (is_marked(here, x), x > 0 && is_marked(here, x - 1));
-                let corner = (y * (mask.width() + 1) + x) as u32;
-                let passed = [
-                    (RIGHT, marked || is_marked(above, x)),
-                    (DOWN, marked || before),
-                ];
-                for (step, _) in passed.into_iter().filter(|(_, is_marked)| *is_marked) {
-                    let spot = self.spot(Across::leaving([x, y], step));
-                    found.extend(spot.map(|spot| Crack { corner, step, spot }));
-                }
-            }
-        }
     }
 
     fn inside(&self, [x, y]: Pixel) -> Option<[usize; 2]> {
@@ -142,12 +109,11 @@ impl<'a> Finder<'a> {
 
     /// The logarithm of depth of a covered pixel, 0 where depth is unknown.
     fn log_depth(&self, pixel: Pixel) -> f32 {
-        let depth = self.frame.depth.as_ref();
-        let at = self
+        let pixel = self
             .inside(pixel)
-            .zip(depth)
-            .map(|([x, y], depth)| ln(depth.at(x, y)));
-        at.filter(|log| log.is_finite()).unwrap_or(0.0)
+            .map(|[x, y]| y * self.frame.mask.width() + x);
+        let log = pixel.and_then(|pixel| log_depth_of(self.frame, pixel));
+        log.unwrap_or(0.0)
     }
 
     /// The silhouette through a crack, if there is one.

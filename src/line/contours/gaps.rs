@@ -3,8 +3,8 @@
 
 use crate::line::contours::ground::Ground;
 use crate::line::contours::network::{End, Line, Sets};
+use crate::line::placed::Placed;
 use glam::Vec2;
-use std::collections::BTreeMap;
 
 /// Smallest cosine of the angle between a line's direction and another end ahead.
 const AHEAD: f32 = 0.75;
@@ -24,7 +24,7 @@ pub(super) struct Tip {
 }
 
 /// All open ends of lines.
-pub(super) fn tips(lines: &[Line]) -> Vec<Tip> {
+fn tips(lines: &[Line]) -> Vec<Tip> {
     let open = lines.iter().enumerate().filter(|(_, line)| !line.closed);
     let tips = open.flat_map(|(i, line)| {
         let free = (0..2).filter(|&end| line.ends[end] == End::Free);
@@ -38,32 +38,60 @@ pub(super) fn tips(lines: &[Line]) -> Vec<Tip> {
     tips.collect()
 }
 
+/// Two open ends of lines that belong together, and where each is led to.
+pub(super) struct Joint {
+    /// The numbers of the lines, and their ends.
+    pub(super) ends: [(usize, usize); 2],
+    to: [Vec2; 2],
+}
+
 /// Closes gaps of up to `widest_px`, the narrowest first: both ends are led to the midpoint, and the two parts become
 /// one. None is closed across a line of the ground.
 pub(crate) fn close_gaps(lines: &mut [Line], widest_px: f32, ground: Option<&Ground>) {
-    let tips = tips(lines);
-    let is_parted = |a: &Tip, b: &Tip| {
+    let joints = joints(lines, widest_px, faces(widest_px), |[a, b]| {
         // Tips may be on a line of the ground.
-        let [from, to] = [TIP_SHARE, 1.0 - TIP_SHARE].map(|share| a.at.lerp(b.at, share));
-        ground.is_some_and(|ground| ground.met(from, to).is_some())
-    };
-    let mut joined = vec![false; tips.len()];
+        let [from, to] = [TIP_SHARE, 1.0 - TIP_SHARE].map(|share| a.lerp(b, share));
+        let is_parted = ground.is_some_and(|ground| ground.met(from, to).is_some());
+        (!is_parted).then_some([0.5 * (a + b); 2])
+    });
+    join(lines, &joints);
+}
+
+/// Leads the ends of lines to where they join, and makes one part of the network of both lines.
+pub(super) fn join(lines: &mut [Line], joints: &[Joint]) {
     let mut parts = Sets::new(lines.len());
-    for (a, b) in facing(&tips, widest_px, faces(widest_px)) {
-        if joined[a] || joined[b] || is_parted(&tips[a], &tips[b]) {
-            continue;
+    for Joint { ends, to } in joints {
+        for (&(line, end), &to) in ends.iter().zip(to) {
+            lines[line].lead_to(to, end);
         }
-        joined[a] = true;
-        joined[b] = true;
-        let middle = 0.5 * (tips[a].at + tips[b].at);
-        for tip in [&tips[a], &tips[b]] {
-            lines[tip.line].lead_to(middle, tip.end);
-        }
-        parts.unite(lines[tips[a].line].part, lines[tips[b].line].part);
+        let [a, b] = ends.map(|(line, _)| lines[line].part);
+        parts.unite(a, b);
     }
     for line in lines {
         line.part = parts.of(line.part);
     }
+}
+
+/// The joints of tips up to `reach` apart that face each other, the nearest first, where both can be led `to` some place;
+/// each end is part of one at most.
+pub(super) fn joints(
+    lines: &[Line],
+    reach: f32,
+    faces: impl Fn(&Tip, &Tip) -> bool,
+    to: impl Fn([Vec2; 2]) -> Option<[Vec2; 2]>,
+) -> Vec<Joint> {
+    let tips = tips(lines);
+    let mut is_taken = vec![false; tips.len()];
+    let mut joints = Vec::new();
+    for pair in facing(&tips, reach, faces) {
+        let free = Some(pair.map(|i| tips[i].at)).filter(|_| pair.iter().all(|&i| !is_taken[i]));
+        if let Some(to) = free.and_then(&to) {
+            pair.iter().for_each(|&i| is_taken[i] = true);
+            let ends = pair.map(|i| (tips[i].line, tips[i].end));
+            joints.push(Joint { ends, to });
+        }
+    }
+    joints
 }
 
 /// Whether two tips face each other across a gap.
@@ -79,28 +107,25 @@ fn faces(widest_px: f32) -> impl Fn(&Tip, &Tip) -> bool {
 }
 
 /// The pairs of tips up to `reach` apart that face each other, the nearest first.
-pub(super) fn facing(
-    tips: &[Tip],
-    reach: f32,
-    faces: impl Fn(&Tip, &Tip) -> bool,
-) -> Vec<(usize, usize)> {
-    let cell = |at: Vec2| [at.x, at.y].map(|v| (v / reach.max(1.0)).floor() as i32);
-    let mut cells: BTreeMap<[i32; 2], Vec<usize>> = BTreeMap::new();
-    for (i, tip) in tips.iter().enumerate() {
-        cells.entry(cell(tip.at)).or_default().push(i);
+fn facing(tips: &[Tip], reach: f32, faces: impl Fn(&Tip, &Tip) -> bool) -> Vec<[usize; 2]> {
+    let most = tips.iter().fold(Vec2::ZERO, |most, tip| most.max(tip.at));
+    let mut cells = Placed::new(
+        most.to_array().map(|length| length as usize),
+        reach.max(1.0),
+    );
+    for (i, tip) in tips.iter().enumerate().rev() {
+        cells.add(tip.at, i as u32, 0);
     }
     let mut pairs = Vec::new();
     for (a, tip) in tips.iter().enumerate() {
-        let [x, y] = cell(tip.at);
-        let around = (0..9).filter_map(|i| cells.get(&[x + i % 3 - 1, y + i / 3 - 1]));
-        for &b in around.flatten().filter(|&&b| b > a) {
-            if faces(tip, &tips[b]) {
-                pairs.push((tip.at.distance(tips[b].at), a, b));
-            }
+        let around = cells.between(tip.at - reach, tip.at + reach);
+        let others = around.map(|(_, tip)| tip.line as usize).filter(|&b| b > a);
+        for b in others.filter(|&b| faces(tip, &tips[b])) {
+            pairs.push((tip.at.distance(tips[b].at), [a, b]));
         }
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
+    pairs.into_iter().map(|(_, pair)| pair).collect()
 }
 
 #[cfg(test)]

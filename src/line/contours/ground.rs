@@ -1,33 +1,19 @@
 //! Positions of drawn silhouettes: other lines end at them, and keep away.
 
-use crate::frame::Frame;
+use crate::frame::{Frame, Plane};
 use crate::line::contours::network::{End, Line};
+use crate::line::placed::{Placed, Point};
 use crate::params::ContourParams;
 use glam::Vec2;
-use std::num::NonZeroU32;
-use std::ops::Range;
 
 /// Positions of drawn silhouettes, for other lines to end at and to keep away from.
 pub(crate) struct Ground {
-    width: usize,
-    height: usize,
     /// Smallest distance of creases, in pixels.
     room: usize,
-    places: Vec<Place>,
-    /// The last place in each pixel, counted from 1: memory of zeros is mapped only where places are.
-    last: Vec<Option<NonZeroU32>>,
+    /// Places on lines, pixel by pixel, with the number of the line's point that is there or before it.
+    places: Placed,
     /// Whether a pixel is too close to a silhouette for a crease.
-    taken: Vec<bool>,
-}
-
-/// A place on a line.
-struct Place {
-    at: Vec2,
-    line: usize,
-    /// The number of the line's point that is there or before it.
-    index: usize,
-    /// The place of its pixel that came before.
-    before: Option<NonZeroU32>,
+    taken: Plane<bool>,
 }
 
 /// Places of a line are no farther apart, in pixels, so that those of a piece are in its pixels or beside them.
@@ -57,99 +43,59 @@ impl Ground {
     ) -> Self {
         let size = [frame.mask.width(), frame.mask.height()];
         let room = (0.5 * params.width_px + 1.5).clamp(2.0, 6.0) as usize;
-        let points = |line: &Line| -> Vec<Vec2> {
-            let closing = line.closed.then(|| &line.spots[0]);
-            line.spots
-                .iter()
-                .chain(closing)
-                .map(|spot| spot.at)
-                .collect()
+        let points = |line: &Line| {
+            let mut points = line.points();
+            points.extend(line.closed.then(|| points[0]));
+            points
         };
-        let lines: Vec<Vec<Vec2>> = lines.into_iter().map(points).collect();
-        Self::of_points(lines.iter().map(Vec::as_slice), size, room)
+        Self::of_points(lines.into_iter().map(points), size, room)
     }
 
     /// The ground of lines through these points in a picture of `width` by `height` pixels; other lines stay `room`
     /// pixels away, at least one.
-    pub(crate) fn of_points<'a>(
-        lines: impl Iterator<Item = &'a [Vec2]>,
+    pub(crate) fn of_points(
+        lines: impl Iterator<Item: AsRef<[Vec2]>>,
         [width, height]: [usize; 2],
         room: usize,
     ) -> Self {
         let mut ground = Self {
-            width,
-            height,
             room,
-            places: Vec::new(),
-            last: vec![None; width * height],
-            taken: vec![false; width * height],
+            places: Placed::new([width, height], 1.0),
+            taken: Plane::filled(width, height, false),
         };
-        for (line, points) in lines.enumerate() {
+        for (line, points) in (0..).zip(lines) {
+            let points = points.as_ref();
             for (index, &at) in points.iter().enumerate() {
                 let next = points.get(index + 1).copied().unwrap_or(at);
                 let steps = (at.distance(next) / APART).ceil().max(1.0) as usize;
                 for step in 0..steps {
                     let at = at.lerp(next, step as f32 / steps as f32);
-                    ground.add(at, line, index);
+                    ground.places.add(at, line, index as i32);
+                    ground.take(at);
                 }
             }
         }
         ground
     }
 
-    fn add(&mut self, at: Vec2, line: usize, index: usize) {
-        let pixel = self.pixel(at);
-        let number = NonZeroU32::new(self.places.len() as u32 + 1);
-        let before = std::mem::replace(&mut self.last[pixel], number);
-        self.places.push(Place {
-            at,
-            line,
-            index,
-            before,
-        });
-        let [columns, rows] = self.around(at, self.room - 1);
-        for y in rows {
-            self.taken[y * self.width..][columns.clone()].fill(true);
+    /// Keeps creases away from a place.
+    fn take(&mut self, at: Vec2) {
+        let [x, y] = self.taken.pixel_at(at);
+        let (width, height, reach) = (self.taken.width(), self.taken.height(), self.room - 1);
+        for y in y.saturating_sub(reach)..(y + reach + 1).min(height) {
+            let row = self.taken.row_mut(y);
+            row[x.saturating_sub(reach)..(x + reach + 1).min(width)].fill(true);
         }
-    }
-
-    fn pixel(&self, at: Vec2) -> usize {
-        let (x, y) = (at.x.max(0.0) as usize, at.y.max(0.0) as usize);
-        y.min(self.height - 1) * self.width + x.min(self.width - 1)
-    }
-
-    /// The columns and rows up to `reach` away from a point's pixel.
-    fn around(&self, at: Vec2, reach: usize) -> [Range<usize>; 2] {
-        let pixel = self.pixel(at);
-        let (x, y) = (pixel % self.width, pixel / self.width);
-        [
-            x.saturating_sub(reach)..(x + reach + 1).min(self.width),
-            y.saturating_sub(reach)..(y + reach + 1).min(self.height),
-        ]
     }
 
     /// Whether a crease may pass pixel `i`.
     pub(crate) fn is_free(&self, i: usize) -> bool {
-        !self.taken[i]
+        !self.taken.samples()[i]
     }
 
     /// Distance from a silhouette at which a crease may have stopped to keep away, and is led on to it, in pixels.
     pub(crate) fn beside_px(&self) -> f32 {
         (2 * self.room + 1) as f32
-    }
-
-    /// The numbers of all places up to `reach` pixels away from one of these two points, or between them.
-    fn near(&self, [a, b]: [Vec2; 2], reach: usize) -> impl Iterator<Item = usize> {
-        let ([columns, rows], [more_columns, more_rows]) =
-            (self.around(a, reach), self.around(b, reach));
-        let both = |a: &Range<usize>, b: &Range<usize>| a.start.min(b.start)..a.end.max(b.end);
-        let (columns, rows) = (both(&columns, &more_columns), both(&rows, &more_rows));
-        let pixels = rows.flat_map(move |y| columns.clone().map(move |x| y * self.width + x));
-        pixels.flat_map(move |pixel| {
-            let index = |number: NonZeroU32| number.get() as usize - 1;
-            let before = move |&number: &NonZeroU32| self.places[index(number)].before;
-            std::iter::successors(self.last[pixel], before).map(index)
-        })
     }
 
     /// Where the way between two points first crosses a line.
@@ -158,9 +104,11 @@ impl Ground {
     }
 
     /// The same for places that count, and the unit direction of the line there.
-    fn met_by(&self, from: Vec2, to: Vec2, counts: impl Fn(&Place) -> bool) -> Option<[Vec2; 2]> {
-        let pieces = self.near([from, to], 2).filter_map(|number| {
-            let piece = [&self.places[number], self.places.get(number + 1)?];
+    fn met_by(&self, from: Vec2, to: Vec2, counts: impl Fn(&Point) -> bool) -> Option<[Vec2; 2]> {
+        let places = self.places.points();
+        let near = self.places.between(from.min(to) - 2.0, from.max(to) + 2.0);
+        let pieces = near.filter_map(|(number, place)| {
+            let piece = [place, places.get(number + 1)?];
             (piece[0].line == piece[1].line && counts(piece[0])).then(|| piece.map(|end| end.at))
         });
         let crossed = pieces.filter_map(|piece| {
@@ -173,18 +121,16 @@ impl Ground {
 
     /// Leads the open ends of lines on to a line close ahead.
     pub(crate) fn join_ends(&self, lines: &mut [Line], onward: Onward) {
-        for (i, line) in lines
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, line)| !line.closed)
-        {
+        let open = (0..).zip(lines).filter(|(_, line)| !line.closed);
+        for (i, line) in open {
             let ends = line.ends;
             for end in (0..2).filter(|&end| ends[end] == End::Free) {
                 let index = end * (line.spots.len() - 1);
                 let tip = line.spots[index].at;
-                let own_reach = 4 * onward.ahead.max(onward.aside) as usize;
-                let is_itself = |place: &Place| {
-                    onward.are_own && place.line == i && place.index.abs_diff(index) < own_reach
+                let own_reach = 4 * onward.ahead.max(onward.aside) as u32;
+                let is_itself = |place: &Point| {
+                    let away = place.index.abs_diff(index as i32);
+                    onward.are_own && place.line == i && away < own_reach
                 };
                 let ahead = line.direction_out(end);
                 let met = self.met_by(tip, tip + onward.ahead * ahead, |place| !is_itself(place));
@@ -204,11 +150,11 @@ impl Ground {
         tip: Vec2,
         ahead: Vec2,
         onward: Onward,
-        is_itself: impl Fn(&Place) -> bool,
+        is_itself: impl Fn(&Point) -> bool,
     ) -> Option<Vec2> {
-        let near = self.near([tip; 2], onward.aside as usize);
-        let ways = near.filter_map(|number| {
-            let place = &self.places[number];
+        let reach = onward.aside.floor();
+        let near = self.places.between(tip - reach, tip + reach);
+        let ways = near.filter_map(|(_, place)| {
             let way = place.at - tip;
             let distance = way.length();
             let is_ahead = way.dot(ahead) >= onward.straight * distance;

@@ -119,18 +119,12 @@ impl Lattice {
             let to = self.neighbour(at, step).expect("links stay inside");
             left[at as usize] &= !(1 << step);
             left[to as usize] &= !(1 << ((step + 4) % 8));
-            if to == start && self.degree(start) == 2 {
-                return Path {
-                    nodes,
-                    closed: true,
-                };
+            let closed = to == start && self.degree(start) == 2;
+            if !closed {
+                nodes.push(to);
             }
-            nodes.push(to);
-            if self.degree(to) != 2 {
-                return Path {
-                    nodes,
-                    closed: false,
-                };
+            if closed || self.degree(to) != 2 {
+                return Path { nodes, closed };
             }
             at = to;
         }

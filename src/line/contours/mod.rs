@@ -110,10 +110,15 @@ impl DepthRange {
 
 /// Logarithm of the depth of a covered point of the picture, if it is known.
 pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
-    let [x, y] = [(at.x, frame.mask.width()), (at.y, frame.mask.height())]
-        .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
-    let depth = frame.depth.as_ref().filter(|_| frame.mask.at(x, y))?;
-    Some(ln(depth.at(x, y))).filter(|log| log.is_finite())
+    let [x, y] = frame.mask.plane().pixel_at(at);
+    let known = frame.mask.at(x, y).then_some(y * frame.mask.width() + x);
+    log_depth_of(frame, known?)
+}
+
+/// The same of a pixel by its number.
+fn log_depth_of(frame: &Frame, pixel: usize) -> Option<f32> {
+    let depth = frame.depth.as_ref()?.samples()[pixel];
+    Some(ln(depth)).filter(|log| log.is_finite())
 }
 
 /// Spots to either side over which widths change.
@@ -129,50 +134,58 @@ pub(crate) fn contour(
     depths: DepthRange,
     params: &ContourParams,
 ) -> Contour {
-    let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
     let share = match kind {
         ContourKind::Crease => params.crease_share,
         _ => 1.0,
     };
-    let widths: Vec<f32> = line
-        .spots
-        .iter()
-        .map(|spot| {
-            let near = 1.0 - params.depth_emphasis * depths.farness(spot.log_depth);
-            let plain = 1.0 - params.jump_emphasis * (1.0 - spot.strength);
-            params.width_px * share * near * plain
-        })
-        .collect();
-    let mut widths = evened(&widths, line.closed, WIDTH_REACH);
+    let widths = line.spots.iter().map(|spot| {
+        let near = 1.0 - params.depth_emphasis * depths.farness(spot.log_depth);
+        let plain = 1.0 - params.jump_emphasis * (1.0 - spot.strength);
+        params.width_px * share * near * plain
+    });
+    tapered(
+        line,
+        kind,
+        widths.collect(),
+        WIDTH_REACH,
+        |from_end, whole| {
+            // A short line has two thin ends and a full middle.
+            let over = params.taper_px.min(0.5 * whole);
+            match over > 0.0 {
+                true => TIP + (1.0 - TIP) * (from_end / over).min(1.0),
+                false => 1.0,
+            }
+        },
+    )
+}
+
+/// A line with these widths, evened over `reach` spots to either side, whose open ends have the part `taper` of theirs: by
+/// the length from the end, and that of the whole.
+pub(crate) fn tapered(
+    line: &Line,
+    kind: ContourKind,
+    widths: Vec<f32>,
+    reach: usize,
+    taper: impl Fn(f32, f32) -> f32,
+) -> Contour {
+    let (mut points, mut widths) = (line.points(), evened(&widths, line.closed, reach));
     if line.closed {
         points.push(points[0]);
         widths.push(widths[0]);
     } else {
-        taper(&mut widths, &points, line.ends, params.taper_px);
+        let along = lengths(&points);
+        let whole = along[along.len() - 1];
+        for (width, along) in widths.iter_mut().zip(along) {
+            let ends = line.ends.into_iter().zip([along, whole - along]);
+            for (_, from_end) in ends.filter(|(end, _)| *end == End::Free) {
+                *width *= taper(from_end, whole);
+            }
+        }
     }
     Contour {
         kind,
         points,
         widths,
-    }
-}
-
-/// Lets the open ends of a line run thin.
-fn taper(widths: &mut [f32], points: &[Vec2], ends: [End; 2], over_px: f32) {
-    let along = lengths(points);
-    let whole = along[along.len() - 1];
-    // A short line has two thin ends and a full middle.
-    let over = over_px.min(0.5 * whole);
-    for (i, end) in ends
-        .into_iter()
-        .enumerate()
-        .filter(|&(_, end)| end == End::Free && over > 0.0)
-    {
-        debug_assert!(end == End::Free);
-        for (width, &along) in widths.iter_mut().zip(&along) {
-            let from_end = if i == 0 { along } else { whole - along };
-            *width *= TIP + (1.0 - TIP) * (from_end / over).min(1.0);
-        }
     }
 }
 

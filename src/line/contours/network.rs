@@ -2,7 +2,6 @@
 
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::polyline::{Smoothing, length, smoothed};
-use crate::params::ContourParams;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -43,15 +42,6 @@ pub(crate) struct Line {
     pub part: usize,
 }
 
-/// Smooths lines whose spots deviate from the edge by up to `tolerance_px`.
-pub(crate) fn smooth(lines: &mut [Line], params: &ContourParams, tolerance_px: f32) {
-    let smoothing = Smoothing {
-        tolerance_px: tolerance_px * params.step_px,
-        reach: params.smoothing_px as usize,
-    };
-    lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
-}
-
 /// Paths, and the spots along them.
 struct Strand {
     spots: Vec<Spot>,
@@ -81,14 +71,13 @@ const STRAIGHT: f32 = 0.77;
 
 /// The lines along the links of `lattice`. `spots` gives those of a path, without its junctions; open-ended branches
 /// with fewer spots than `SHORTEST_BRANCH` are dropped, and so are the fainter sides of slivers. Lines that end within
-/// `rim` steps of the border of the picture continue beyond it. `smooth` smooths all lines before their ends are
-/// joined.
+/// `rim` steps of the border of the picture continue beyond it. All lines are smoothed before their ends are joined.
 pub(crate) fn lines(
     lattice: &Lattice,
     place: impl Fn(u32) -> Vec2,
     spots: impl Fn(&Path) -> Vec<Spot>,
     rim: usize,
-    smooth: impl FnOnce(&mut [Line]),
+    smoothing: Smoothing,
 ) -> Vec<Line> {
     let strands: Vec<Strand> = lattice
         .paths()
@@ -113,7 +102,7 @@ pub(crate) fn lines(
         .collect();
     let mut network = Network::new(strands, is_junction, place);
     network.pair();
-    network.lines(|node| lattice.on_rim(node, rim), smooth)
+    network.lines(|node| lattice.on_rim(node, rim), smoothing)
 }
 
 /// Most spots of either side of a sliver.
@@ -157,16 +146,16 @@ fn doubled(strands: &[Strand], is_junction: impl Fn(u32) -> bool) -> Vec<bool> {
 }
 
 /// Disjoint sets of nodes or lines, with a number for each set.
-pub(super) struct Sets(Vec<usize>);
+pub(crate) struct Sets(Vec<usize>);
 
 impl Sets {
     /// `count` sets of one element each.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
 
     /// The number of the set that `i` is in: its lowest member.
-    pub(super) fn of(&mut self, i: usize) -> usize {
+    pub(crate) fn of(&mut self, i: usize) -> usize {
         let mut root = i;
         while self.0[root] != root {
             root = self.0[root];
@@ -179,7 +168,7 @@ impl Sets {
     }
 
     /// Makes one set of two.
-    pub(super) fn unite(&mut self, a: usize, b: usize) {
+    pub(crate) fn unite(&mut self, a: usize, b: usize) {
         let (a, b) = (self.of(a), self.of(b));
         // The lower number becomes the root, in either order.
         self.0[a.max(b)] = a.min(b);
@@ -188,9 +177,8 @@ impl Sets {
 
 struct Network {
     strands: Vec<Strand>,
-    tips: Vec<Tip>,
     /// The tips of each junction.
-    junctions: Vec<std::ops::Range<usize>>,
+    junctions: Vec<Vec<Tip>>,
     /// For each end of a strand, the strand's end it continues in.
     onward: Vec<[Option<(usize, usize)>; 2]>,
 }
@@ -243,16 +231,11 @@ impl Network {
             }
         }
         tips.sort_by_key(|tip| tip.junction);
-        let mut junctions = Vec::new();
-        let mut from = 0;
-        for same in tips.chunk_by(|a, b| a.junction == b.junction) {
-            junctions.push(from..from + same.len());
-            from += same.len();
-        }
+        let junctions = tips.chunk_by(|a, b| a.junction == b.junction);
+        let junctions = junctions.map(<[Tip]>::to_vec).collect();
         let onward = vec![[None; 2]; strands.len()];
         Self {
             strands,
-            tips,
             junctions,
             onward,
         }
@@ -261,8 +244,7 @@ impl Network {
     /// Joins the strands that run straight on through each junction, the straightest first; two alone are joined
     /// however they turn.
     fn pair(&mut self) {
-        for junction in self.junctions.clone() {
-            let tips = &self.tips[junction];
+        for tips in &self.junctions {
             let mut turns: Vec<(f32, usize, usize)> = (0..tips.len())
                 .flat_map(|i| (i + 1..tips.len()).map(move |j| (i, j)))
                 .map(|(i, j)| (-tips[i].away.dot(tips[j].away), i, j))
@@ -303,7 +285,7 @@ impl Network {
         courses
     }
 
-    fn lines(&self, on_rim: impl Fn(u32) -> bool, smooth: impl FnOnce(&mut [Line])) -> Vec<Line> {
+    fn lines(&self, on_rim: impl Fn(u32) -> bool, smoothing: Smoothing) -> Vec<Line> {
         let mut lines = Vec::new();
         // For each strand: its line, and the range of its spots there.
         let mut at = vec![(0, [0; 2]); self.strands.len()];
@@ -312,18 +294,12 @@ impl Network {
             for &(strand, entered) in &course {
                 let own = &self.strands[strand].spots;
                 let range = [spots.len(), spots.len() + own.len() - 1];
-                at[strand] = (
-                    lines.len(),
-                    if entered == 0 {
-                        range
-                    } else {
-                        [range[1], range[0]]
-                    },
-                );
-                match entered {
-                    0 => spots.extend(own.iter().copied()),
-                    _ => spots.extend(own.iter().rev().copied()),
-                }
+                let (range, own): (_, Vec<Spot>) = match entered {
+                    0 => (range, own.clone()),
+                    _ => ([range[1], range[0]], own.iter().rev().copied().collect()),
+                };
+                at[strand] = (lines.len(), range);
+                spots.extend(own);
             }
             let (first, last) = (course[0], course[course.len() - 1]);
             let end = |(strand, end): (usize, usize)| {
@@ -337,7 +313,7 @@ impl Network {
                 part: lines.len(),
             });
         }
-        smooth(&mut lines);
+        lines.par_iter_mut().for_each(|line| line.smooth(smoothing));
         self.meet(&mut lines, &at);
         lines
     }
@@ -348,8 +324,7 @@ impl Network {
         let mut sets = Sets::new(lines.len());
         // Points to be put before the first and behind the last spot of each line.
         let mut meetings: Vec<[Option<Vec2>; 2]> = vec![[None; 2]; lines.len()];
-        for junction in &self.junctions {
-            let tips = &self.tips[junction.clone()];
+        for tips in &self.junctions {
             let spot = |tip: &Tip| {
                 let (line, ends) = at[tip.strand];
                 (line, ends[tip.end])
@@ -426,51 +401,41 @@ fn crossing(courses: &[[Vec2; 2]]) -> Vec2 {
 const FARTHEST_CROSSING_PX: f32 = 2.5;
 
 impl Line {
+    /// Where its spots are.
+    pub(crate) fn points(&self) -> Vec<Vec2> {
+        self.spots.iter().map(|spot| spot.at).collect()
+    }
+
     /// Evens out the steps between pixels.
-    pub(crate) fn smooth(&mut self, smoothing: Smoothing) {
-        let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
-        for (spot, at) in self
-            .spots
-            .iter_mut()
-            .zip(smoothed(&points, self.closed, smoothing))
-        {
-            spot.at = at;
-        }
+    fn smooth(&mut self, smoothing: Smoothing) {
+        let smooth = smoothed(&self.points(), self.closed, smoothing);
+        let spots = self.spots.iter_mut().zip(smooth);
+        spots.for_each(|(spot, at)| spot.at = at);
     }
 
     /// Extends the line's first (`end` 0) or last (1) spot to a point. Spots closer to it than a pixel and a half are
     /// removed, so that the line does not bend there.
     pub(crate) fn lead_to(&mut self, point: Vec2, end: usize) {
         const ROOM_PX: f32 = 1.5;
-        let near = |spot: &Spot| spot.at.distance(point) < ROOM_PX;
-        let mut nearest = if end == 0 {
-            self.spots[0]
-        } else {
-            self.spots[self.spots.len() - 1]
-        };
-        nearest.at = point;
+        let spots = &mut self.spots;
         if end == 0 {
-            let gone = self.spots.iter().take_while(|spot| near(spot)).count();
-            self.spots
-                .splice(0..gone.min(self.spots.len() - 1), [nearest]);
-        } else {
-            let gone = self
-                .spots
-                .iter()
-                .rev()
-                .take_while(|spot| near(spot))
-                .count();
-            let left = self.spots.len() - gone.min(self.spots.len() - 1);
-            self.spots.truncate(left);
-            self.spots.push(nearest);
+            spots.reverse();
+        }
+        let mut tip = spots[spots.len() - 1];
+        tip.at = point;
+        while spots.len() > 1 && spots[spots.len() - 1].at.distance(point) < ROOM_PX {
+            spots.pop();
+        }
+        spots.push(tip);
+        if end == 0 {
+            spots.reverse();
         }
         self.ends[end] = End::Joined;
     }
 
     /// The line's length in pixels.
     pub(crate) fn length(&self) -> f32 {
-        let points: Vec<Vec2> = self.spots.iter().map(|spot| spot.at).collect();
-        length(&points, self.closed)
+        length(&self.points(), self.closed)
     }
 
     /// The outward unit direction of the line at its first (`end` 0) or last (1) spot.

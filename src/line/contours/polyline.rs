@@ -1,5 +1,6 @@
 //! Polylines through places known to within a pixel: their smooth course, length and direction.
 
+use crate::params::ContourParams;
 use glam::Vec2;
 use std::ops::Range;
 
@@ -10,6 +11,16 @@ pub(crate) struct Smoothing {
     pub tolerance_px: f32,
     /// Most points to either side that are looked at together.
     pub reach: usize,
+}
+
+impl Smoothing {
+    /// Smoothing of lines whose points deviate from the edge by up to `tolerance_px`.
+    pub(crate) fn of(params: &ContourParams, tolerance_px: f32) -> Self {
+        Self {
+            tolerance_px: tolerance_px * params.step_px,
+            reach: params.smoothing_px as usize,
+        }
+    }
 }
 
 /// Points to either side that may be looked at together: each a third more than the one before.
@@ -230,10 +241,7 @@ pub(crate) fn lengths(points: &[Vec2]) -> Vec<f32> {
 
 /// The length of a line.
 pub(crate) fn length(points: &[Vec2], closed: bool) -> f32 {
-    let open: f32 = points
-        .windows(2)
-        .map(|pair| pair[0].distance(pair[1]))
-        .sum();
+    let open = lengths(points).pop().unwrap_or(0.0);
     match (closed, points) {
         (true, [first, .., last]) => open + first.distance(*last),
         _ => open,

@@ -1,6 +1,8 @@
 //! Ridges of a weight: wide bands of pixels thinned to lines one pixel wide.
 
-use crate::line::contours::lattice::{Lattice, STEPS};
+use crate::line::contours::lattice::{Lattice, Path, STEPS};
+use crate::line::contours::network::{self, Line, Spot};
+use crate::line::contours::polyline::Smoothing;
 use glam::Vec2;
 
 /// Pixels with weights; those above 0 form bands.
@@ -36,12 +38,6 @@ impl Bands<'_> {
         (x < self.width && y < self.height).then_some(y * self.width + x)
     }
 
-    fn weight_beside(&self, pixel: u32, step: [i32; 2]) -> f32 {
-        // A weight of no meaning counts as none.
-        self.beside(pixel, step)
-            .map_or(0.0, |i| self.weight[i].max(0.0))
-    }
-
     /// The pixels all steps away, in their order.
     fn all_beside(&self, pixel: u32) -> [Option<usize>; STEPS.len()] {
         let [x, y] = self.place(pixel);
@@ -55,9 +51,28 @@ impl Bands<'_> {
         })
     }
 
+    /// The middle of a pixel, in picture coordinates.
+    pub(crate) fn centre(&self, pixel: u32) -> Vec2 {
+        let [x, y] = self.place(pixel);
+        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// The smooth lines along the ridges, through a spot for each of their pixels.
+    pub(crate) fn lines(&self, spot: impl Fn(u32) -> Spot, smoothing: Smoothing) -> Vec<Line> {
+        let ridges = self.ridges();
+        let spots = |path: &Path| {
+            let last = path.nodes.len() - 1;
+            let is_junction = |i: usize| (i == 0 || i == last) && ridges.degree(path.nodes[i]) > 2;
+            let inner = path.nodes.iter().enumerate();
+            let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
+            inner.map(|(_, &pixel)| spot(pixel)).collect()
+        };
+        network::lines(&ridges, |pixel| self.centre(pixel), spots, RIM, smoothing)
+    }
+
     /// The lines that the bands are thinned to, connected as the bands are: pixels are removed, those with the least
     /// weight around them first, as long as that neither breaks a line nor shortens one that is a pixel wide.
-    pub(crate) fn ridges(&self) -> Lattice {
+    fn ridges(&self) -> Lattice {
         let filled = self.gaps();
         let mut left = Left {
             bands: self,
@@ -125,10 +140,10 @@ impl Bands<'_> {
     /// The middle of the weights around a pixel, in picture coordinates: of a band two pixels wide it is the
     /// crack between them.
     pub(crate) fn middle(&self, pixel: u32) -> Vec2 {
-        let [x, y] = self.place(pixel);
         let (mut sum, mut weights) = (Vec2::ZERO, self.weight[pixel as usize].max(0.0));
-        for step in STEPS {
-            let weight = self.weight_beside(pixel, step);
+        for (step, there) in STEPS.into_iter().zip(self.all_beside(pixel)) {
+            // A weight of no meaning counts as none.
+            let weight = there.map_or(0.0, |there| self.weight[there].max(0.0));
             sum += weight * Vec2::new(step[0] as f32, step[1] as f32);
             weights += weight;
         }
@@ -137,7 +152,7 @@ impl Bands<'_> {
         } else {
             Vec2::ZERO
         };
-        Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset
+        self.centre(pixel) + offset
     }
 }
 
@@ -203,6 +218,9 @@ impl Left<'_> {
         before > waiting.len()
     }
 }
+
+/// A line that ends within this many pixels of the border of the picture continues beyond it.
+const RIM: usize = 2;
 
 /// Bands at most this many pixels apart are one.
 const WIDEST_GAP: usize = 2;

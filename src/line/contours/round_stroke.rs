@@ -41,20 +41,18 @@ impl RoundStroke {
 
     /// The first and the last covered coordinate along y.
     pub(crate) fn rows(&self) -> [f32; 2] {
-        let ends = [self.from.y, self.from.y + self.along.y];
-        [
-            ends[0].min(ends[1]) - self.reach(),
-            ends[0].max(ends[1]) + self.reach(),
-        ]
+        self.extent([self.from.y, self.from.y + self.along.y])
     }
 
     /// The first and the last covered coordinate along x.
     pub(crate) fn across(&self) -> [f32; 2] {
-        let ends = [self.from.x, self.from.x + self.along.x];
-        [
-            ends[0].min(ends[1]) - self.reach(),
-            ends[0].max(ends[1]) + self.reach(),
-        ]
+        self.extent([self.from.x, self.from.x + self.along.x])
+    }
+
+    /// The first and the last covered coordinate along an axis, from those of its ends.
+    fn extent(&self, [from, to]: [f32; 2]) -> [f32; 2] {
+        let reach = self.reach();
+        [from.min(to) - reach, from.max(to) + reach]
     }
 
     /// The first and the last covered coordinate along x in the pixel row whose middle is `y`; the last is before the

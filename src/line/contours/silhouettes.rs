@@ -4,7 +4,8 @@ use crate::frame::{Frame, Plane};
 use crate::line::contours::cracks::{Crack, DOWN, Finder, RIGHT};
 use crate::line::contours::lattice::{Lattice, Path};
 use crate::line::contours::network;
-use crate::line::contours::network::{Line, smooth};
+use crate::line::contours::network::Line;
+use crate::line::contours::polyline::Smoothing;
 use crate::params::{ContourParams, ShapeParams};
 use glam::Vec2;
 
@@ -59,6 +60,5 @@ pub(crate) fn along(cracks: &[Crack], frame: &Frame, params: &ContourParams) -> 
         let closing = path.closed.then(|| spot_between(last, first));
         pairs.chain(closing).collect()
     };
-    let smooth = |lines: &mut [Line]| smooth(lines, params, STEP_PX);
-    network::lines(&lattice, place, spots, 0, smooth)
+    network::lines(&lattice, place, spots, 0, Smoothing::of(params, STEP_PX))
 }

@@ -4,9 +4,9 @@ use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
 use crate::line::contours::Contour;
 use crate::line::contours::coverage::covered;
-use crate::line::contours::cpu::{self, Weights};
+use crate::line::contours::cpu;
 use crate::line::contours::medium::in_medium;
-use crate::line::drawing::is_drawn;
+use crate::line::drawing::{Drawn, is_drawn};
 use crate::params::ContourParams;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
@@ -47,22 +47,8 @@ fn draw(run: &mut Execution) {
 }
 
 fn follow_edges(run: &mut Execution, params: &ContourParams) -> (Plane, Vec<Contour>) {
-    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let canvas = std::mem::take(&mut run.canvas);
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let (drawn, [silhouette, crease]) = match &canvas.seen {
-        Some((seen, edges)) => (&seen.frame, [&edges.silhouette, &edges.crease]),
-        None => (frame, [&shape.silhouette, &shape.crease]),
-    };
-    let there = "contours are planned with their weights";
-    let weights = Weights {
-        silhouette: silhouette.as_ref().expect(there),
-        crease: crease.as_ref().expect(there),
-    };
-    let made = run.timed(CONTOURS.name, || {
-        let lines = cpu::contours(&weights, drawn, &plan.shape, params);
-        (covered(&lines, &drawn.mask, memory), lines)
-    });
-    (run.canvas, run.outcome.shape) = (canvas, shape);
-    made
+    run.timed_on(CONTOURS.name, |run| {
+        let lines = cpu::contours(&Drawn::of(run), &run.plan.shape, params);
+        (covered(&lines, &run.frame.mask, run.memory), lines)
+    })
 }

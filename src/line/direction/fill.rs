@@ -2,7 +2,6 @@
 
 use crate::frame::{Mask, Plane, Vector2Planes};
 use crate::kernel::rows::ROWS_PER_TASK;
-use crate::kernel::simd::wide;
 use crate::line::direction::{EDGE_MARGIN_PX, PLANE_MARGIN_PX, SURFACE_MARGIN_PX, mean_direction};
 use crate::line::direction_field::setting::REST_REACH_PX;
 use crate::shape::conductance::face_conductance;
@@ -13,20 +12,17 @@ use rayon::prelude::*;
 /// wave, so that the time is linear in the pixels filled. With every wave the mean turns toward the fixed direction,
 /// which pixels no wave reaches get directly.
 ///
-/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane they have turned
-/// fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions; elsewhere after
-/// [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges, conductance 0, from
-/// any neighbours, within [`EDGE_MARGIN_PX`].
+/// First the open pixels, each from neighbours across open faces: nothing crosses an edge. On a plane, where `flat` is
+/// not 0, they have turned fully after [`PLANE_MARGIN_PX`], so that a wall is not a patchwork of its rims' directions;
+/// elsewhere after [`SURFACE_MARGIN_PX`], so that a flat spot follows its surroundings. Then the pixels on edges,
+/// conductance 0, from any neighbours, within [`EDGE_MARGIN_PX`].
 pub(crate) fn fill(
     directions: &mut Vector2Planes,
-    parts: &Parts,
+    conductance: &Plane,
+    flat: &Plane,
+    mask: &Mask,
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
-    let Parts {
-        conductance,
-        mask,
-        flat,
-    } = *parts;
     let width = mask.width();
     let fixed = |i: usize| fixed(i % width, i / width);
     let is_flat = |i: &Pixel| flat.samples()[*i as usize] != 0.0;
@@ -70,64 +66,27 @@ pub(crate) fn fill(
     field.fix(&closed, fixed);
 }
 
-/// Fills in the pixels `lacking` a direction from any neighbours, wave after wave, up to [`REST_REACH_PX`]; with the
+/// Fills in the covered pixels without a direction from any neighbours, wave after wave, up to [`REST_REACH_PX`]; with the
 /// `fixed` direction beyond.
 pub(crate) fn fill_rest(
     directions: &mut Vector2Planes,
-    lacking: &[Pixel],
+    mask: &Mask,
     fixed: impl Fn(usize, usize) -> Vec2 + Sync,
 ) {
-    let width = directions.x.width();
+    let width = mask.width();
     let mut field = Field { directions, width };
-    let waiting = lacking.to_vec();
-    field.spread(REST_REACH_PX, waiting, |_, _| 1.0, |_, mean, _| mean);
-    field.fix(lacking, |i| fixed(i % width, i / width));
-}
-
-/// Appends the covered pixels of row `y` whose direction is 0.
-pub(crate) fn lacking_of_row(found: &mut Vec<Pixel>, mask: &Mask, y: usize, [tx, ty]: [&[f32]; 2]) {
-    let (covered, span) = (mask.row(y), mask.span(y));
-    let mut lacking = [0; SCANNED];
-    for start in span.clone().step_by(SCANNED) {
-        let part = start..(start + SCANNED).min(span.end);
-        let rows = [&tx[part.clone()], &ty[part.clone()]];
-        lacking[part.len()..].fill(0);
-        wide!(lacking_in_row(
-            &mut lacking[..part.len()],
-            rows,
-            &covered[part]
-        ));
-        let words = lacking.as_chunks::<8>().0.iter().enumerate();
-        for (i, word) in words {
-            let mut left = u64::from_le_bytes(*word);
-            // Hardly any pixel lacks one.
-            while left != 0 {
-                let x = start + 8 * i + left.trailing_zeros() as usize / 8;
-                found.push((y * mask.width() + x) as Pixel);
-                left &= left - 1;
-            }
-        }
-    }
-}
-
-/// 1 for each covered pixel whose direction is 0, 0 for the others.
-#[inline(always)]
-pub(crate) fn lacking_in_row(lacking: &mut [u8], [tx, ty]: [&[f32]; 2], covered: &[bool]) {
-    let directions = tx.iter().zip(ty).zip(covered);
-    for (lacks, ((&tx, &ty), &is_covered)) in lacking.iter_mut().zip(directions) {
-        *lacks = u8::from((tx == 0.0) & (ty == 0.0) & is_covered);
-    }
-}
-
-/// Kinds of pixels: covered or not, open or on an edge, and on a plane where `flat` is not 0.
-pub(crate) struct Parts<'a> {
-    pub(crate) conductance: &'a Plane,
-    pub(crate) mask: &'a Mask,
-    pub(crate) flat: &'a Plane,
+    let lacking = field.lacking(mask);
+    field.spread(
+        REST_REACH_PX,
+        lacking.clone(),
+        |_, _| 1.0,
+        |_, mean, _| mean,
+    );
+    field.fix(&lacking, |i| fixed(i % width, i / width));
 }
 
 /// The number of a pixel, row by row: lists of them are as long as pictures.
-pub(crate) type Pixel = u32;
+type Pixel = u32;
 
 struct Field<'a> {
     directions: &'a mut Vector2Planes,
@@ -154,17 +113,14 @@ impl Field<'_> {
 
     /// The covered pixels whose direction is 0, in order.
     fn lacking(&self, mask: &Mask) -> Vec<Pixel> {
-        let rows: Vec<Vec<Pixel>> = (0..mask.height())
+        let rows = (0..mask.height())
             .into_par_iter()
-            .with_min_len(ROWS_PER_TASK)
-            .map(|y| {
-                let row = [&self.directions.x, &self.directions.y].map(|plane| plane.row(y));
-                let mut found = Vec::new();
-                lacking_of_row(&mut found, mask, y, row);
-                found
-            })
-            .collect();
-        rows.concat()
+            .with_min_len(ROWS_PER_TASK);
+        let rows = rows.flat_map_iter(|y| {
+            let of_row = mask.runs(y).flatten().map(move |x| y * self.width + x);
+            of_row.filter(|&i| self.lacks(i)).map(|i| i as Pixel)
+        });
+        rows.collect()
     }
 
     /// The pixels left, right, above and below.
@@ -277,6 +233,3 @@ const BESIDE: usize = 4;
 
 /// Fewest pixels per task.
 const PIXELS_PER_TASK: usize = 1024;
-
-/// Pixels looked at together for those without a direction.
-const SCANNED: usize = 256;

@@ -4,18 +4,15 @@
 use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
-use crate::kernel::simd::wide;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
-use crate::line::direction_field::directions::{self, Averaged, Source};
-use crate::line::direction_field::forms;
-use crate::line::direction_field::forms::{LANES, Lanes, Neighbourhoods, PatchSource, Tensors};
+use crate::line::direction_field::directions::{Seen, settled};
 use crate::line::direction_field::patches::{Patch, Patches};
 use crate::line::direction_field::setting::{
     FAR, FORM_REACH, FieldSetting, NEAR, SURROUNDING_PASSES, SURROUNDINGS,
 };
-use crate::line::direction_field::{Weighted, doubled};
+use crate::line::direction_field::{CurvatureTensor, Weighted, calm, doubled};
 use crate::params::{FieldParams, StrokeDirections};
 use crate::plan::Plan;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -77,10 +74,10 @@ impl<'a> Field<'a> {
             mask: &self.frame.mask,
             doubled: &led,
         };
-        let (mut found, lacking) = between.all(memory);
-        let each = found.par_iter_mut().zip(&lacking).enumerate();
-        each.for_each(|(order, (found, lacking))| {
-            fill_rest(found, lacking, |x, y| {
+        let mut found = between.all(memory);
+        let each = found.par_iter_mut().enumerate();
+        each.for_each(|(order, found)| {
+            fill_rest(found, &self.frame.mask, |x, y| {
                 let at = self.frame.data_window.middle(x, y);
                 self.fallback(at, self.frame.normal.at(x, y), order)
             });
@@ -91,9 +88,12 @@ impl<'a> Field<'a> {
     /// The directions of patches, doubled and calmed. What leads to them takes as much memory as some planes, and goes.
     fn led<const N: usize>(&self, families: [usize; N]) -> Vec<[[f32; 2]; N]> {
         let cross = CrossKernel::new(self.patches);
-        let lines = self.lines();
-        let forms = self.forms(&cross, &lines);
-        self.calmed(self.doubled(&forms, &lines, families), &cross)
+        let patches = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        let seen: Vec<_> = patches
+            .map(|patch| Seen::new(patch, &self.setting.sight))
+            .collect();
+        let forms = self.forms(&cross, &seen);
+        self.calmed(self.doubled(&forms, &seen, families), &cross)
     }
 
     /// The fallback at a place in the picture, of the first field made or the second.
@@ -132,70 +132,26 @@ impl<'a> Field<'a> {
         all.iter().map(|p| reach(p.depth)).collect()
     }
 
-    /// What distinguishes the sight lines of patches.
-    fn lines(&self) -> Vec<[f64; 2]> {
-        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
-        all.map(|patch| self.setting.sight.across_and_up(patch.at.x, patch.at.y))
-            .collect()
-    }
-
     /// The curvature of every patch, per pixel, averaged nearby.
-    fn forms(&self, cross: &CrossKernel, lines: &[[f64; 2]]) -> Vec<[Weighted; 1]> {
-        let (all, sight) = (&self.patches.all, &self.setting.sight);
-        let source = PatchSource {
-            is_perspective: sight.is_perspective(),
-            step_px: self.params.cell_px.into(),
-            pixels: self.setting.pixels,
+    fn forms(&self, cross: &CrossKernel, seen: &[Seen]) -> Vec<[Weighted; 1]> {
+        let Patches { across, down, .. } = self.patches;
+        // Rows run down, y up.
+        let links = [&across.before, &across.after, &down.after, &down.before];
+        let step_px = self.params.cell_px.into();
+        let form = |(i, here): (usize, &Seen)| {
+            let beside = |side: usize| seen.get(links[side][i] as usize).copied();
+            let slopes = here.slopes(beside, step_px);
+            let per_pixel = |curvature: f64| (curvature / self.setting.pixels) as f32;
+            let tensor = slopes.map(|s| [s.half_difference, s.off, s.mean].map(per_pixel));
+            let known =
+                tensor.filter(|[x, y, mean]| x.abs() + y.abs() + mean.abs() < f32::INFINITY);
+            [known.map_or(NO_FORM, |[x, y, mean]| [x, y, mean, 1.0])]
         };
-        let mut forms = vec![[NO_FORM]; all.len()];
-        let tasks = forms.par_chunks_mut(PATCHES_PER_TASK).enumerate();
-        tasks.for_each_init(
-            || (Neighbourhoods::default(), Tensors::default()),
-            |(around, found), (task, forms)| {
-                for (i, forms) in forms.chunks_mut(LANES).enumerate() {
-                    for lane in 0..forms.len() {
-                        let patch = task * PATCHES_PER_TASK + i * LANES + lane;
-                        self.look_around(around, lane, patch, lines);
-                    }
-                    wide!(forms::patch_tensors(found, around, &source));
-                    for (lane, [form]) in forms.iter_mut().enumerate() {
-                        *form = [found.x[lane], found.y[lane], found.mean[lane], 1.0];
-                    }
-                }
-            },
-        );
-        let reach = vec![FORM_REACH * self.setting.cells; all.len()];
+        let patches = seen.par_iter().with_min_len(PATCHES_PER_TASK);
+        let mut forms: Vec<_> = patches.enumerate().map(form).collect();
+        let reach = vec![FORM_REACH * self.setting.cells; forms.len()];
         cross.average(&mut forms, &reach, 1);
         forms
-    }
-
-    /// Takes a patch and those beside it into a lane.
-    #[inline]
-    fn look_around(
-        &self,
-        around: &mut Neighbourhoods,
-        lane: usize,
-        patch: usize,
-        lines: &[[f64; 2]],
-    ) {
-        let Patches {
-            all, across, down, ..
-        } = self.patches;
-        let take = |lanes: &mut Lanes, i: usize| {
-            lanes.is_there[lane] = u8::from(i < all.len());
-            if let (Some(patch), Some(line)) = (all.get(i), lines.get(i)) {
-                for (axis, &n) in lanes.normal.iter_mut().zip(patch.normal.as_ref()) {
-                    axis[lane] = n;
-                }
-                (lanes.line[0][lane], lanes.line[1][lane]) = (line[0], line[1]);
-            }
-        };
-        take(&mut around.here, patch);
-        // Rows run down, y up.
-        let beside = [&across.before, &across.after, &down.after, &down.before];
-        for (lanes, links) in around.beside.iter_mut().zip(beside) {
-            take(lanes, links[patch] as usize);
-        }
     }
 
     /// The directions of patches, of the larger curvature in family 0, of the lesser in 1, in the order of `families`: see
@@ -203,61 +159,22 @@ impl<'a> Field<'a> {
     fn doubled<const N: usize>(
         &self,
         forms: &[[Weighted; 1]],
-        lines: &[[f64; 2]],
+        seen: &[Seen],
         families: [usize; N],
     ) -> Vec<[Weighted; N]> {
-        let (all, sight) = (&self.patches.all, &self.setting.sight);
-        let source = Source {
-            is_perspective: sight.is_perspective(),
-            pixel_shape: sight.pixel_shape(),
-            doubt: self.setting.doubt,
-            families,
-        };
-        let mut doubled = vec![[NO_FORM; N]; all.len()];
-        let tasks = doubled.par_chunks_mut(PATCHES_PER_TASK).enumerate();
-        tasks.for_each_init(
-            || (directions::Lanes::default(), [[[0.0; LANES]; 3]; N]),
-            |(patches, found), (task, doubled)| {
-                for (i, doubled) in doubled.chunks_mut(LANES).enumerate() {
-                    let first = task * PATCHES_PER_TASK + i * LANES;
-                    let these = first..first + doubled.len();
-                    let own = all[these.clone()].iter().zip(&lines[these.clone()]);
-                    for (lane, ((patch, line), form)) in own.zip(&forms[these]).enumerate() {
-                        self.take(patches, lane, patch, line, form);
-                    }
-                    wide!(directions::patch_directions(found, patches, &source));
-                    for (lane, doubled) in doubled.iter_mut().enumerate() {
-                        for (doubled, [x, y, sure]) in doubled.iter_mut().zip(&*found) {
-                            *doubled = [x[lane], y[lane], sure[lane], 1.0];
-                        }
-                    }
-                }
-            },
-        );
-        doubled
+        let all = self.patches.all.par_iter().with_min_len(PATCHES_PER_TASK);
+        let patches = all.zip(seen).zip(forms);
+        let directions = patches.map(|((patch, seen), [form])| {
+            let fallback = std::array::from_fn(|order| self.fallback_of(patch, order));
+            let form = CurvatureTensor::of(form);
+            seen.directions(&form, self.setting.doubt, families, fallback)
+        });
+        directions.collect()
     }
 
-    /// Takes a patch and its curvature into a lane.
-    #[inline]
-    fn take<const N: usize>(
-        &self,
-        lanes: &mut directions::Lanes<N>,
-        lane: usize,
-        patch: &Patch,
-        line: &[f64; 2],
-        [form]: &[Weighted; 1],
-    ) {
-        for (axis, &n) in lanes.normal.iter_mut().zip(patch.normal.as_ref()) {
-            axis[lane] = n;
-        }
-        (lanes.line[0][lane], lanes.line[1][lane]) = (line[0], line[1]);
-        for (to, &from) in lanes.form.iter_mut().zip(form) {
-            to[lane] = from;
-        }
-        for (order, [x, y]) in lanes.fallback.iter_mut().enumerate() {
-            let fallback = doubled(self.fallback(patch.at, patch.normal, order));
-            (x[lane], y[lane]) = (fallback.x, fallback.y);
-        }
+    /// The fallback of a patch, as twice its angle.
+    fn fallback_of(&self, patch: &Patch, order: usize) -> Vec2 {
+        doubled(self.fallback(patch.at, patch.normal, order))
     }
 
     /// Directions averaged in several passes; where they disagree, their surroundings lead.
@@ -277,27 +194,9 @@ impl<'a> Field<'a> {
         }
         let mut around = found.clone();
         cross.average(&mut around, &reach, SURROUNDING_PASSES);
-        let mut calmed = vec![[[0.0; 2]; N]; found.len()];
-        let parts = calmed.par_chunks_mut(LANES).with_min_len(BUNDLES_PER_TASK);
-        let pairs = found.par_chunks(LANES).zip(around.par_chunks(LANES));
-        parts.zip(pairs).for_each(|(calmed, (own, around))| {
-            for order in 0..N {
-                let (mut averaged, mut out) = (Averaged::default(), [[0.0; LANES]; 2]);
-                for (lane, (own, around)) in own.iter().zip(around).enumerate() {
-                    for (to, from) in averaged.own.iter_mut().zip(own[order]) {
-                        to[lane] = from;
-                    }
-                    for (to, from) in averaged.around.iter_mut().zip(around[order]) {
-                        to[lane] = from;
-                    }
-                }
-                wide!(directions::calm_patches(&mut out, &averaged));
-                for (lane, calmed) in calmed.iter_mut().enumerate() {
-                    calmed[order] = [out[0][lane], out[1][lane]];
-                }
-            }
-        });
-        calmed
+        let pairs = found.par_iter().with_min_len(PATCHES_PER_TASK).zip(&around);
+        let calmed = pairs.map(|(own, around)| std::array::from_fn(|n| calm(own[n], around[n])));
+        calmed.collect()
     }
 
     /// Replaces the direction of a patch by the mean of its `given` directions of one field, if there are any.
@@ -328,38 +227,19 @@ impl<'a> Field<'a> {
     }
 
     /// Adds the fallback, and makes everything unit; specks become 0.
-    fn settle<const N: usize>(&self, doubled_directions: &mut [[[f32; 2]; N]]) {
-        let settle = |(bundle, settled): (usize, &mut [[[f32; 2]; N]])| {
-            let first = bundle * LANES;
-            for order in 0..N {
-                let [mut directions, mut fallback] = [[[0.0; LANES]; 2]; 2];
-                for (lane, settled) in settled.iter().enumerate() {
-                    let patch = &self.patches.all[first + lane];
-                    let last = doubled(self.fallback(patch.at, patch.normal, order));
-                    [directions[0][lane], directions[1][lane]] = settled[order];
-                    (fallback[0][lane], fallback[1][lane]) = (last.x, last.y);
-                }
-                wide!(directions::settle_patches(&mut directions, &fallback));
-                for (lane, settled) in settled.iter_mut().enumerate() {
-                    settled[order] = [directions[0][lane], directions[1][lane]];
-                }
+    fn settle<const N: usize>(&self, directions: &mut [[[f32; 2]; N]]) {
+        let all = directions.par_iter_mut().with_min_len(PATCHES_PER_TASK);
+        all.enumerate().for_each(|(i, own)| {
+            let patch = &self.patches.all[i];
+            for (order, own) in own.iter_mut().enumerate() {
+                *own = match self.patches.is_speck(i) {
+                    true => [0.0; 2],
+                    false => settled((*own).into(), self.fallback_of(patch, order)).into(),
+                };
             }
-            for (i, settled) in settled.iter_mut().enumerate() {
-                if self.patches.is_speck(first + i) {
-                    *settled = [[0.0; 2]; N];
-                }
-            }
-        };
-        doubled_directions
-            .par_chunks_mut(LANES)
-            .with_min_len(BUNDLES_PER_TASK)
-            .enumerate()
-            .for_each(settle);
+        });
     }
 }
 
 /// Fewest patches per task.
 const PATCHES_PER_TASK: usize = 1024;
-
-/// The same in bundles of lanes.
-const BUNDLES_PER_TASK: usize = PATCHES_PER_TASK / LANES;

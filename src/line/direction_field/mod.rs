@@ -13,7 +13,6 @@ pub(crate) mod between_patches;
 pub(crate) mod chains;
 pub(crate) mod cpu;
 pub(crate) mod directions;
-pub(crate) mod forms;
 pub(crate) mod patches;
 pub(crate) mod setting;
 pub(crate) mod stage;

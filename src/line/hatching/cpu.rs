@@ -1,11 +1,11 @@
 //! Strokes over the frame, row by row.
 
-use crate::frame::Plane;
-use crate::frame::{Frame, Vector2Planes};
+use crate::frame::{Frame, Plane};
 use crate::kernel::fast_math::atan2;
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
+use crate::line::canvas::Canvas;
 use crate::line::hatching::{BATCH, Hatching, Pixels};
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
 use crate::line::texture_coordinates::sheet::{PlacedTexture, TexturePlacement};
@@ -14,21 +14,21 @@ use crate::line::tone::Densities;
 use crate::params::StrokeParams;
 use std::f32::consts::PI;
 
-/// Coverage of the paper by strokes; without `coordinates` the texture is fixed in the picture.
+/// Coverage of the paper by strokes; without coordinates the texture is fixed in the picture.
 pub(crate) fn hatched(
     densities: &Densities,
-    directions: &[Vector2Planes],
-    coordinates: Option<&TextureCoordinates>,
+    canvas: &Canvas,
     map: &TonalArtMap,
     params: &StrokeParams,
     frame: &Frame,
     memory: &Memory,
 ) -> Plane {
-    let families = directions.iter().enumerate();
+    let families = canvas.directions.iter().enumerate();
     let families: Vec<_> = families
         .map(|(family, direction)| (Hatching::new(map, params, family), direction))
         .collect();
-    let sheets = coordinates.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
+    let sheets = canvas.coordinates.as_ref();
+    let sheets = sheets.map_or(vec![PlacedTexture::STILL], TextureCoordinates::sheets);
     let [ink] = map_rows(&frame.mask, memory, |y, [out]| {
         let mut pixels = Pixels::default();
         let mut lie = TexturePlacement::default();

@@ -26,7 +26,7 @@ impl Texture {
         };
         Self {
             texels,
-            thresholds: upload.bytes(bytemuck::cast_slice(map.thresholds())),
+            thresholds: upload.bytes(bytemuck::cast_slice(map.response.thresholds())),
             size: size.map(|texels| texels as u32),
             slices,
         }

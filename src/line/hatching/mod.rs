@@ -19,6 +19,7 @@ pub(crate) mod gpu_texture;
 pub(crate) mod stage;
 
 use super::random::Random;
+use super::response::Response;
 pub use super::stroke_texture::BATCH;
 use super::stroke_texture::Places;
 use super::tonal_art_map::{MAX_DENSITY, TonalArtMap};
@@ -45,12 +46,30 @@ pub struct Pixels {
 }
 
 /// Scratch memory of one level.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Scratch {
-    levels: Levels,
-    turns: Turns,
-    threshold: Thresholds,
+    /// The two levels next to each angle, and their tent weights.
+    level: [[u32; BATCH]; 2],
+    weight: [[f32; BATCH]; 2],
+    /// Thresholds, with their entries in the response.
+    entry: [u32; BATCH],
+    threshold: [f32; BATCH],
+    /// Rotation of the texture: cosine, sine, and offset across and down.
+    turned: [[f32; BATCH]; 4],
     places: Places,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self {
+            level: [[0; BATCH]; 2],
+            weight: [[0.0; BATCH]; 2],
+            entry: [0; BATCH],
+            threshold: [0.0; BATCH],
+            turned: [[0.0; BATCH]; 4],
+            places: Places::default(),
+        }
+    }
 }
 
 impl Default for Pixels {
@@ -166,23 +185,18 @@ impl<'a> Hatching<'a> {
             scratch,
         } = pixels;
         let count = *count;
-        let Scratch {
-            levels,
-            turns,
-            threshold,
-            places,
-        } = scratch;
         for set in 0..self.sets {
-            levels.find(&angle[..count], self.levels, set as f32 / self.sets as f32);
+            scratch.find(&angle[..count], self.levels, set as f32 / self.sets as f32);
             let of_set = &self.turned[set * self.levels..][..self.levels];
-            for (level, weight) in levels.level.iter().zip(&levels.weight) {
-                if !self.thresholds(threshold, &density[..count], weight) {
+            for side in 0..2 {
+                if !self.thresholds(scratch, side, &density[..count]) {
                     continue;
                 }
-                turns.gather(of_set, &level[..count]);
-                turns.turn(places, place, count);
-                self.map
-                    .cover(&mut white[..count], places, &threshold.reached);
+                scratch.turn(side, of_set, place, count);
+                let Scratch {
+                    places, threshold, ..
+                } = scratch;
+                self.map.cover(&mut white[..count], places, threshold);
             }
         }
         for (white, &wanted) in white[..count].iter_mut().zip(&wanted[..count]) {
@@ -190,42 +204,25 @@ impl<'a> Hatching<'a> {
         }
     }
 
-    /// The thresholds that give weighted shares of densities; whether any gives ink.
+    /// The thresholds that give weighted shares of densities, on one side of each angle; whether any gives ink.
     #[inline(always)]
-    fn thresholds(
-        &self,
-        thresholds: &mut Thresholds,
-        density: &[f32],
-        weight: &[f32; BATCH],
-    ) -> bool {
-        let Thresholds { entry, reached } = thresholds;
+    fn thresholds(&self, scratch: &mut Scratch, side: usize, density: &[f32]) -> bool {
+        let (weight, entry, threshold) = (
+            &scratch.weight[side],
+            &mut scratch.entry,
+            &mut scratch.threshold,
+        );
         let share = 1.0 / self.sets as f32;
         let count = density.len().min(BATCH);
         for i in 0..count {
-            entry[i] = self.map.entry(weight[i] * share * density[i]);
+            entry[i] = Response::entry(weight[i] * share * density[i]);
         }
         let mut most = 0.0_f32;
         for i in 0..count {
-            reached[i] = self.map.threshold(entry[i]);
-            most = most.max(reached[i]);
+            threshold[i] = self.map.response.threshold(entry[i]);
+            most = most.max(threshold[i]);
         }
         most > 0.0
-    }
-}
-
-/// Thresholds, with their entries in the response.
-#[derive(Debug)]
-struct Thresholds {
-    entry: [u32; BATCH],
-    reached: [f32; BATCH],
-}
-
-impl Default for Thresholds {
-    fn default() -> Self {
-        Self {
-            entry: [0; BATCH],
-            reached: [0.0; BATCH],
-        }
     }
 }
 
@@ -233,63 +230,24 @@ impl Default for Thresholds {
 /// On texels lines are darker than on average, midway lighter; at a quarter neither.
 const BETWEEN: f32 = 0.75;
 
-/// Rotation of the texture at each of several pixels.
-#[derive(Debug)]
-struct Turns {
-    cos: [f32; BATCH],
-    sin: [f32; BATCH],
-    offset: [[f32; BATCH]; 2],
-}
-
-impl Default for Turns {
-    fn default() -> Self {
-        Self {
-            cos: [0.0; BATCH],
-            sin: [0.0; BATCH],
-            offset: [[0.0; BATCH]; 2],
-        }
-    }
-}
-
-impl Turns {
+impl Scratch {
+    /// Finds the places at the levels on one side of each angle. [LA] equation 8, for angles counterclockwise: along the
+    /// angle only the first coordinate grows.
     #[inline(always)]
-    fn gather(&mut self, of_set: &[Turned], levels: &[u32]) {
-        for (i, &level) in levels.iter().enumerate() {
+    fn turn(&mut self, side: usize, of_set: &[Turned], [x, y]: &[[f32; BATCH]; 2], count: usize) {
+        let count = count.min(BATCH);
+        let [cos, sin, across, down] = &mut self.turned;
+        for (i, &level) in self.level[side][..count].iter().enumerate() {
             let turned = of_set[level as usize];
-            self.cos[i] = turned.cos;
-            self.sin[i] = turned.sin;
-            self.offset[0][i] = turned.offset.x;
-            self.offset[1][i] = turned.offset.y;
+            (cos[i], sin[i]) = (turned.cos, turned.sin);
+            (across[i], down[i]) = (turned.offset.x, turned.offset.y);
+        }
+        for i in 0..count {
+            self.places.x[i] = cos[i] * x[i] - sin[i] * y[i] + across[i];
+            self.places.y[i] = sin[i] * x[i] + cos[i] * y[i] + down[i];
         }
     }
 
-    /// [LA] equation 8, for angles counterclockwise: along the angle only the first coordinate grows.
-    #[inline(always)]
-    fn turn(&self, to: &mut Places, [x, y]: &[[f32; BATCH]; 2], count: usize) {
-        for i in 0..count.min(BATCH) {
-            to.x[i] = self.cos[i] * x[i] - self.sin[i] * y[i] + self.offset[0][i];
-            to.y[i] = self.sin[i] * x[i] + self.cos[i] * y[i] + self.offset[1][i];
-        }
-    }
-}
-
-/// The two levels next to each angle and their tent weights.
-#[derive(Debug)]
-struct Levels {
-    level: [[u32; BATCH]; 2],
-    weight: [[f32; BATCH]; 2],
-}
-
-impl Default for Levels {
-    fn default() -> Self {
-        Self {
-            level: [[0; BATCH]; 2],
-            weight: [[0.0; BATCH]; 2],
-        }
-    }
-}
-
-impl Levels {
     /// Among `levels` over half a turn, all of them `offset` of one further on. Past the last comes the
     /// first again.
     #[inline(always)]

@@ -31,23 +31,11 @@ fn hatch(run: &mut Execution) {
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);
-    let canvas = std::mem::take(&mut run.canvas);
-    let map = canvas.art_map.as_deref().or(run.inputs.art_map);
-    let map = map.expect("strokes of pictures come with them");
-    let coordinates = canvas.coordinates.as_ref();
-    let (directions, strokes) = (&canvas.directions, &params.strokes);
-    let ink = run.timed(HATCHING.name, || {
-        hatched(
-            &densities,
-            directions,
-            coordinates,
-            map,
-            strokes,
-            frame,
-            memory,
-        )
+    let ink = run.timed_on(HATCHING.name, |run| {
+        let map = run.canvas.art_map.as_deref().or(run.inputs.art_map);
+        let map = map.expect("strokes of pictures come with them");
+        hatched(&densities, &run.canvas, map, &params.strokes, frame, memory)
     });
     drop(densities);
-    run.canvas = canvas;
     finish(run, tone, ink, Vec::new());
 }

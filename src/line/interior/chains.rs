@@ -1,17 +1,13 @@
 //! Chains: lines through crests that hang together and are plain somewhere.
 
-use crate::line::contours::lattice::{Path, STEPS};
-use crate::line::contours::network::{self, Line, Spot};
+use crate::line::contours::lattice::STEPS;
+use crate::line::contours::network::{Line, Sets, Spot};
 use crate::line::contours::polyline::Smoothing;
 use crate::line::contours::ridge::Bands;
 use crate::line::interior::crests::Crest;
 use crate::line::interior::fade::supports;
 use crate::line::interior::sizes::Sizes;
-use glam::Vec2;
-use rayon::prelude::*;
-
-/// A line that ends within this many pixels of the border of the picture continues beyond it.
-const RIM: usize = 2;
+use glam::IVec2;
 
 /// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
 const SMOOTHING: Smoothing = Smoothing {
@@ -46,30 +42,16 @@ pub(super) fn chains(
         pixels: &pixels,
         weight: &weight,
     };
-    let lattice = bands.ridges();
-    let place = |pixel: u32| {
-        let [x, y] = lattice.place(pixel);
-        Vec2::new(x as f32 + 0.5, y as f32 + 0.5)
-    };
-    let spot = |&pixel: &u32| {
+    let spot = |pixel: u32| {
         let found = pixels.binary_search(&pixel).ok().map(|i| crests[i]);
         Spot {
-            at: found.map_or(place(pixel), |crest| crest.at),
+            at: found.map_or(bands.centre(pixel), |crest| crest.at),
             strength: found.map_or(0.0, |crest| crest.strength),
             log_depth: 0.0,
             is_beside: false,
         }
     };
-    let spots = |path: &Path| {
-        let last = path.nodes.len() - 1;
-        let is_junction = |i: usize| (i == 0 || i == last) && lattice.degree(path.nodes[i]) > 2;
-        let inner = path.nodes.iter().enumerate();
-        let inner = inner.filter(|&(i, _)| path.closed || !is_junction(i));
-        inner.map(|(_, pixel)| spot(pixel)).collect()
-    };
-    let lines = network::lines(&lattice, place, spots, RIM, |lines: &mut [Line]| {
-        lines.par_iter_mut().for_each(|line| line.smooth(SMOOTHING));
-    });
+    let lines = bands.lines(spot, SMOOTHING);
     let fades = match sizes.fades {
         true => fades(&lines, &crests, [width, height], thresholds),
         false => vec![1.0; lines.len()],
@@ -79,71 +61,70 @@ pub(super) fn chains(
 
 /// The share of its width that each line is drawn with, by the support that its crests have.
 fn fades(lines: &[Line], crests: &[Crest], size: [usize; 2], thresholds: [f32; 2]) -> Vec<f32> {
-    let beside = |crest: &Crest| beside(crests, crest, size).collect();
-    let supports = supports(crests, thresholds, beside);
+    let numbers = Numbers::of(crests, size);
+    let supports = supports(crests, thresholds, |crest| numbers.beside(crest).collect());
     let of_line = |line: &Line| {
-        let own = line.spots.iter().filter_map(|spot| {
-            let [x, y] = [spot.at.x as i32, spot.at.y as i32];
-            number(crests, [x, y], size).map(|i| supports[i])
-        });
-        own.fold(0.0, f32::max)
+        let own = line
+            .spots
+            .iter()
+            .filter_map(|spot| numbers.at(spot.at.as_ivec2()));
+        own.map(|i| supports[i]).fold(0.0, f32::max)
     };
     lines.iter().map(of_line).collect()
 }
 
-/// The number of the crest of a pixel, if it has one.
-fn number(crests: &[Crest], [x, y]: [i32; 2], [width, height]: [usize; 2]) -> Option<usize> {
-    let is_inside = x >= 0 && y >= 0 && (x as usize) < width && (y as usize) < height;
-    let pixel = is_inside.then(|| y as usize * width + x as usize)?;
-    crests
-        .binary_search_by_key(&(pixel as u32), |crest| crest.pixel)
-        .ok()
+/// The number of every crest, by pixel.
+struct Numbers {
+    size: [usize; 2],
+    /// Counted from 1; 0 for none.
+    numbers: Vec<u32>,
 }
 
-/// The numbers of the crests around one.
-fn beside(crests: &[Crest], crest: &Crest, size: [usize; 2]) -> impl Iterator<Item = usize> {
-    let pixel = crest.pixel as usize;
-    let (x, y) = ((pixel % size[0]) as i32, (pixel / size[0]) as i32);
-    let around = STEPS.iter();
-    around.filter_map(move |[dx, dy]| number(crests, [x + dx, y + dy], size))
-}
+impl Numbers {
+    fn of(crests: &[Crest], size: [usize; 2]) -> Self {
+        let mut numbers = vec![0; size[0] * size[1]];
+        for (number, crest) in (1..).zip(crests) {
+            numbers[crest.pixel as usize] = number;
+        }
+        Self { size, numbers }
+    }
 
-/// A pixel without a crest, or one whose crest has been looked at.
-const NO_CREST: u32 = u32::MAX;
+    /// The number of the crest of a pixel, if it has one.
+    fn at(&self, pixel: IVec2) -> Option<usize> {
+        let [x, y] = pixel.to_array().map(|i| i as usize);
+        let is_inside = x < self.size[0] && y < self.size[1];
+        let number = is_inside.then(|| self.numbers[y * self.size[0] + x] as usize)?;
+        number.checked_sub(1)
+    }
+
+    /// The numbers of the crests around one.
+    fn beside(&self, crest: &Crest) -> impl Iterator<Item = usize> {
+        let (pixel, width) = (crest.pixel as i32, self.size[0] as i32);
+        let own = IVec2::new(pixel % width, pixel / width);
+        STEPS
+            .iter()
+            .filter_map(move |&step| self.at(own + IVec2::from(step)))
+    }
+}
 
 /// Connected sets of crests, of at least `fewest`, with one at least as strong as `strength`.
 fn plain(crests: &[Crest], size: [usize; 2], strength: f32, fewest: usize) -> Vec<Crest> {
-    let [width, height] = size;
-    // One column and row more on every side: all pixels have eight around them.
-    let place = |pixel: usize| (pixel / width + 1) * (width + 2) + pixel % width + 1;
-    let mut waiting = vec![NO_CREST; (width + 2) * (height + 2)];
-    for (i, crest) in (0..).zip(crests) {
-        waiting[place(crest.pixel as usize)] = i;
+    let numbers = Numbers::of(crests, size);
+    let mut sets = Sets::new(crests.len());
+    for (i, crest) in crests.iter().enumerate() {
+        numbers
+            .beside(crest)
+            .filter(|&other| other < i)
+            .for_each(|other| sets.unite(i, other));
     }
-    let mut kept = Vec::new();
-    for start in 0..crests.len() {
-        let own = place(crests[start].pixel as usize);
-        if waiting[own] == NO_CREST || crests[start].strength < strength {
-            continue;
-        }
-        waiting[own] = NO_CREST;
-        let (first, mut next) = (kept.len(), kept.len());
-        kept.push(start);
-        while next < kept.len() {
-            let own = place(crests[kept[next]].pixel as usize);
-            for [dx, dy] in STEPS {
-                let step = dy as isize * (width as isize + 2) + dx as isize;
-                let there = &mut waiting[own.wrapping_add_signed(step)];
-                if *there != NO_CREST {
-                    kept.push(std::mem::replace(there, NO_CREST) as usize);
-                }
-            }
-            next += 1;
-        }
-        if kept.len() - first < fewest {
-            kept.truncate(first);
-        }
+    let mut found = vec![(0, false); crests.len()];
+    for (i, crest) in crests.iter().enumerate() {
+        let (count, is_strong) = &mut found[sets.of(i)];
+        (*count, *is_strong) = (*count + 1, *is_strong || crest.strength >= strength);
     }
-    kept.sort_unstable();
-    kept.into_iter().map(|i| crests[i]).collect()
+    let kept = crests.iter().enumerate().filter(|&(i, _)| {
+        let (count, is_strong) = found[sets.of(i)];
+        is_strong && count >= fewest
+    });
+    kept.map(|(_, &crest)| crest).collect()
 }

@@ -89,18 +89,11 @@ impl<'a> Roughness<'a> {
         let shares = line.spots.iter().map(|spot| {
             let around =
                 (0..9).map(|i| Vec2::new((i % 3 - 1) as f32, (i / 3 - 1) as f32) * LOOKED_FOR);
-            let there = around.map(|offset| 0.5 * near(self.coarse, 0.5 * (spot.at + offset)));
-            there.fold(0.0, f32::max) / near(self.fine, spot.at).max(f32::MIN_POSITIVE)
+            let there = around.map(|offset| 0.5 * self.coarse.nearest(0.5 * (spot.at + offset)));
+            there.fold(0.0, f32::max) / self.fine.nearest(spot.at).max(f32::MIN_POSITIVE)
         });
         (strength(line) / self.sharp).max(median(shares.collect()) / self.persistent)
     }
-}
-
-/// The sample of the pixel at a place, or nearest to it.
-fn near(plane: &Plane, at: Vec2) -> f32 {
-    let x = (at.x.max(0.0) as usize).min(plane.width() - 1);
-    let y = (at.y.max(0.0) as usize).min(plane.height() - 1);
-    plane.at(x, y)
 }
 
 fn median(mut values: Vec<f32>) -> f32 {
@@ -108,36 +101,20 @@ fn median(mut values: Vec<f32>) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// Pixels near lines that are drawn.
-struct Taken {
-    width: usize,
-    height: usize,
-    taken: Vec<bool>,
-}
-
-impl Taken {
-    fn new([width, height]: [usize; 2]) -> Self {
-        Self {
-            width,
-            height,
-            taken: vec![false; width * height],
+/// Marks the pixels within reach of a place.
+fn mark(near: &mut Plane<bool>, at: Vec2, reach: f32) {
+    let ([left, top], [right, bottom]) = (near.pixel_at(at - reach), near.pixel_at(at + reach));
+    for y in top..=bottom {
+        for (x, near) in near
+            .row_mut(y)
+            .iter_mut()
+            .enumerate()
+            .take(right + 1)
+            .skip(left)
+        {
+            let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            *near |= middle.distance_squared(at) <= reach * reach;
         }
-    }
-
-    fn add(&mut self, at: Vec2, reach: f32) {
-        let [left, right] = [at.x - reach, at.x + reach].map(|x| x.max(0.0) as usize);
-        let [top, bottom] = [at.y - reach, at.y + reach].map(|y| y.max(0.0) as usize);
-        for y in top..(bottom + 1).min(self.height) {
-            for x in left..(right + 1).min(self.width) {
-                let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                self.taken[y * self.width + x] |= middle.distance_squared(at) <= reach * reach;
-            }
-        }
-    }
-
-    fn holds(&self, at: Vec2) -> bool {
-        let (x, y) = (at.x.max(0.0) as usize, at.y.max(0.0) as usize);
-        self.taken[y.min(self.height - 1) * self.width + x.min(self.width - 1)]
     }
 }
 
@@ -150,10 +127,10 @@ pub(super) fn chosen(
     sizes: &Sizes,
 ) -> Vec<Interior> {
     // Area near lines already drawn, for each kind.
-    let mut taken = sizes.apart.map(|_| Taken::new(size));
-    let take = |taken: &mut [Taken; 3], at: Vec2, apart: [f32; 3]| {
+    let mut taken = sizes.apart.map(|_| Plane::filled(size[0], size[1], false));
+    let take = |taken: &mut [Plane<bool>; 3], at: Vec2, apart: [f32; 3]| {
         let kinds = taken.iter_mut().zip(apart);
-        kinds.for_each(|(taken, apart)| taken.add(at, apart));
+        kinds.for_each(|(taken, apart)| mark(taken, at, apart));
     };
     drawn.for_each(|at| take(&mut taken, at, [sizes.apart[0]; 3]));
     let mut lines: Vec<(f32, Interior)> =
@@ -228,8 +205,12 @@ fn strength(line: &Line) -> f32 {
 }
 
 /// The parts of a line not near a drawn one; all of it if next to nothing is near.
-fn free_parts(line: Line, taken: &Taken) -> Vec<Line> {
-    let is_taken: Vec<bool> = line.spots.iter().map(|spot| taken.holds(spot.at)).collect();
+fn free_parts(line: Line, taken: &Plane<bool>) -> Vec<Line> {
+    let is_taken: Vec<bool> = line
+        .spots
+        .iter()
+        .map(|spot| taken.nearest(spot.at))
+        .collect();
     if !is_taken.contains(&true) {
         return vec![line];
     }

@@ -8,6 +8,7 @@ use crate::line::contours::ground::{Ground, Onward};
 use crate::line::contours::log_depth;
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange};
+use crate::line::drawing::Drawn;
 use crate::line::interior::chains::chains;
 use crate::line::interior::choice::{Interior, Roughness, chosen, shortest};
 use crate::line::interior::crests::{Crest, Rims, suggestive, valleys_and_ridges};
@@ -39,17 +40,18 @@ const JOIN_AHEAD: f32 = 0.7;
 /// Lines, and the levels their widths were fitted to.
 pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 
-/// The lines inside the surfaces of a frame with this silhouette weight, in addition to its contours. In a sequence,
+/// The lines inside the surfaces that are drawn, in addition to their contours. In a sequence,
 /// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
-    frame: &Frame,
-    silhouette: &Plane,
+    drawn: &Drawn,
     contours: &[Contour],
     params: &InteriorParams,
     fades: bool,
     options: &RunOptions,
     memory: &Memory,
 ) -> Found {
+    let frame = drawn.frame;
+    let silhouette = drawn.silhouette.expect("lines keep away from silhouettes");
     let sizes = Sizes::of(frame, params, fades);
     let level = Level::of(frame, silhouette, sizes.factor);
     if level.frame.mask.count() == 0 {
@@ -153,9 +155,9 @@ fn count_beyond(
         return;
     }
     let factor = sizes.factor as f32;
-    let points = |contour: &Contour| contour.points.iter().map(|&at| at / factor).collect();
-    let outlines: Vec<Vec<Vec2>> = contours.iter().map(points).collect();
-    let outlines = outlines.iter().map(Vec::as_slice);
+    let points =
+        |contour: &Contour| -> Vec<Vec2> { contour.points.iter().map(|&at| at / factor).collect() };
+    let outlines = contours.iter().map(points);
     let occluders = Occluders {
         outlines: &Ground::of_points(outlines, [mask.width(), mask.height()], 1),
         frame,
@@ -202,7 +204,7 @@ fn joined_and_drawn(
         }
     }
     let size = [frame.mask.width(), frame.mask.height()];
-    let contours = contours.iter().map(|contour| contour.points.as_slice());
+    let contours = contours.iter().map(|contour| &contour.points);
     let ground = Ground::of_points(contours, size, 1);
     close_gaps(&mut lines, factor * sizes.gap, Some(&ground));
     let occluders = Occluders {
@@ -220,9 +222,7 @@ fn joined_and_drawn(
         are_own: false,
     };
     ground.join_ends(&mut lines, onward);
-    let points = |line: &Line| line.spots.iter().map(|spot| spot.at).collect();
-    let own: Vec<Vec<Vec2>> = lines.iter().map(points).collect();
-    let own = Ground::of_points(own.iter().map(Vec::as_slice), size, 1);
+    let own = Ground::of_points(lines.iter().map(Line::points), size, 1);
     let onto_own = Onward {
         aside: 0.0,
         are_own: true,
@@ -235,12 +235,7 @@ fn joined_and_drawn(
     };
     let pen = Pen::new(factor * sizes.picture, params, levels, sizes);
     let drawn = lines.par_iter().zip(looks).map(|(line, look)| {
-        let normal = |i: usize| {
-            let at = line.spots[i].at / factor;
-            let x = (at.x.max(0.0) as usize).min(normals.width() - 1);
-            let y = (at.y.max(0.0) as usize).min(normals.height() - 1);
-            normals.at(x, y)
-        };
+        let normal = |i: usize| normals.nearest(line.spots[i].at / factor);
         pen.contour(look, line, params, normal)
     });
     let drawn: Vec<Contour> = drawn.collect();

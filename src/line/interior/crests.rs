@@ -82,30 +82,21 @@ pub(super) fn valleys_and_ridges(
         }
         let turning = Turning::at(normals, x, y);
         let across = turning.direction();
-        let at = crest(curvature, x, y, across)?;
         let is_ridge = turning.bend(across) > 0.0;
         let strength = if is_ridge {
             strength / RIDGE_STRENGTH
         } else {
             strength
         };
-        let is_free = !rims[usize::from(is_ridge)].is_near(x, y);
-        is_free.then_some((is_ridge, at, strength))
+        let crest = crest(curvature, x, y, across, || strength)?;
+        let is_strong = strength >= sizes.thresholds[0];
+        let is_free = is_strong && !rims[usize::from(is_ridge)].is_near(x, y);
+        is_free.then_some((is_ridge, crest))
     });
-    let of = |ridges: bool| {
-        let own = found
-            .iter()
-            .filter(|(_, (is_ridge, ..))| *is_ridge == ridges);
-        let crests = own.map(|&(pixel, (_, at, strength))| Crest {
-            pixel,
-            at,
-            strength,
-        });
-        crests
-            .filter(|crest| crest.strength >= sizes.thresholds[0])
-            .collect()
-    };
-    [of(false), of(true)]
+    [false, true].map(|ridges| {
+        let own = found.iter().filter(|(is_ridge, _)| *is_ridge == ridges);
+        own.map(|&(_, crest)| crest).collect()
+    })
 }
 
 /// The crests of suggestive contours, in normals of the scale `sigma`.
@@ -119,51 +110,42 @@ pub(super) fn suggestive(
     let facings = viewer.facings(normals, rims.mask);
     let slants = facings.map(|facing| 1.0 - facing);
     let most = (1.0 - LEAST_SLANT * LEAST_SLANT).sqrt();
-    let found = each_pixel(rims.mask, |x, y| {
+    each_pixel(rims.mask, |x, y| {
         let facing = facings.at(x, y);
         if facing > most {
             return None;
         }
         let uphill = viewer.uphill(x, y, normals.at(x, y))?;
-        let at = crest(&slants, x, y, uphill)?;
         let side = |steps: f32| sampled(&facings, x, y, steps * uphill);
-        let second = (side(sigma) + side(-sigma) - 2.0 * facing) / (sigma * sigma);
-        let strength = sigma * second * sizes.picture / SUGGESTIVE_STRENGTH;
-        (strength >= sizes.thresholds[0] && !rims.is_near(x, y)).then_some((at, strength))
-    });
-    let crests = found.into_iter();
-    crests
-        .map(|(pixel, (at, strength))| Crest {
-            pixel,
-            at,
-            strength,
-        })
-        .collect()
+        let second = || (side(sigma) + side(-sigma) - 2.0 * facing) / (sigma * sigma);
+        let strength = || sigma * second() * sizes.picture / SUGGESTIVE_STRENGTH;
+        let crest = crest(&slants, x, y, uphill, strength)?;
+        (crest.strength >= sizes.thresholds[0] && !rims.is_near(x, y)).then_some(crest)
+    })
 }
 
-/// The results at the covered pixels, with their indices, in order.
+/// The results at the covered pixels, in order.
 pub(super) fn each_pixel<T: Send>(
     mask: &Mask,
     find: impl Fn(usize, usize) -> Option<T> + Sync,
-) -> Vec<(u32, T)> {
-    let width = mask.width();
-    let rows: Vec<Vec<(u32, T)>> = (0..mask.height())
-        .into_par_iter()
-        .map(|y| {
-            let mut found = Vec::new();
-            for run in mask.runs(y) {
-                let pixels = run.filter_map(|x| Some(((y * width + x) as u32, find(x, y)?)));
-                found.extend(pixels);
-            }
-            found
-        })
-        .collect();
-    rows.into_iter().flatten().collect()
+) -> Vec<T> {
+    let rows = (0..mask.height()).into_par_iter();
+    let rows = rows.flat_map_iter(|y| {
+        let find = &find;
+        mask.runs(y).flatten().filter_map(move |x| find(x, y))
+    });
+    rows.collect()
 }
 
-/// The maximum of a plane along a direction (x right, y up) close to a pixel, if there is one. Along the border there is
-/// none, as nothing is known beyond it.
-pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Vec2> {
+/// The crest of this strength at the maximum of a plane along a direction (x right, y up) close to a pixel, if there is
+/// one. Along the border there is none, as nothing is known beyond it.
+pub(super) fn crest(
+    plane: &Plane,
+    x: usize,
+    y: usize,
+    along: Vec2,
+    strength: impl FnOnce() -> f32,
+) -> Option<Crest> {
     let (across_columns, across_rows) = (along.x.abs() > ACROSS, along.y.abs() > ACROSS);
     let is_at_end = |i: usize, count: usize| i == 0 || i + 1 == count;
     if across_columns && is_at_end(x, plane.width()) || across_rows && is_at_end(y, plane.height())
@@ -179,10 +161,14 @@ pub(super) fn crest(plane: &Plane, x: usize, y: usize, along: Vec2) -> Option<Ve
     // The top of the parabola through all three.
     let offset = 0.5 * (ahead - behind) / (2.0 * here - ahead - behind);
     let offset = offset.clamp(-FARTHEST, FARTHEST);
-    Some(Vec2::new(
-        x as f32 + 0.5 + offset * along.x,
-        y as f32 + 0.5 - offset * along.y,
-    ))
+    Some(Crest {
+        pixel: (y * plane.width() + x) as u32,
+        at: Vec2::new(
+            x as f32 + 0.5 + offset * along.x,
+            y as f32 + 0.5 - offset * along.y,
+        ),
+        strength: strength(),
+    })
 }
 
 /// A plane at an offset (x right, y up) from a pixel's centre, bilinearly; beyond the border as at it.
@@ -210,13 +196,15 @@ mod tests {
     #[test]
     fn lines_run_into_the_border_and_not_along_it() {
         // Strength that rises to the last row: as far as is known, it is largest beyond it.
+        let at =
+            |plane: &Plane, along: Vec2| crest(plane, 4, 8, along, || 1.0).map(|crest| crest.at);
         let rising = Plane::from_fn(9, 9, |_, y| y as f32);
-        assert_eq!(crest(&rising, 4, 8, Vec2::Y), None);
-        assert_eq!(crest(&rising, 4, 8, Vec2::NEG_Y), None);
+        assert_eq!(at(&rising, Vec2::Y), None);
+        assert_eq!(at(&rising, Vec2::NEG_Y), None);
         // A crest along column 4 is one up to that row.
         let roof = Plane::from_fn(9, 9, |x, _| -(x as f32 - 4.0).abs());
         for across in [Vec2::X, Vec2::NEG_X] {
-            assert_eq!(crest(&roof, 4, 8, across), Some(Vec2::new(4.5, 8.5)));
+            assert_eq!(at(&roof, across), Some(Vec2::new(4.5, 8.5)));
         }
     }
 }

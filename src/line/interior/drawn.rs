@@ -1,12 +1,11 @@
 //! Widths of interior lines.
 
-use crate::line::contours::network::{End, Line};
-use crate::line::contours::polyline::{evened, lengths};
-use crate::line::contours::{Contour, ContourKind, DepthRange};
+use crate::line::contours::network::Line;
+use crate::line::contours::{Contour, ContourKind, DepthRange, tapered};
 use crate::line::interior::fade::{by_strength, smoothstep};
 use crate::line::interior::sizes::Sizes;
 use crate::params::{InteriorParams, LineLevels};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// The inputs of line widths besides the line itself.
 pub(super) struct Pen {
@@ -62,7 +61,6 @@ impl Pen {
         params: &InteriorParams,
         normal: impl Fn(usize) -> Vec3,
     ) -> Contour {
-        let mut points: Vec<Vec2> = line.spots.iter().map(|spot| spot.at).collect();
         let share = match kind {
             ContourKind::Ridge => params.ridge_share,
             ContourKind::Shadow => params.shadow_share,
@@ -78,30 +76,15 @@ impl Pen {
             let width = self.width_px * share * light * left(params.strength_emphasis, faint);
             width * self.faded.map_or(1.0, there)
         });
-        let mut widths = evened(&widths.collect::<Vec<_>>(), line.closed, WIDTH_REACH);
-        if line.closed {
-            points.push(points[0]);
-            widths.push(widths[0]);
-        } else {
-            self.taper(&mut widths, &points, line.ends);
-        }
-        Contour {
-            kind,
-            points,
-            widths,
-        }
+        let taper = |from_end: f32, _| self.taper(from_end);
+        tapered(line, kind, widths.collect(), WIDTH_REACH, taper)
     }
 
-    /// Tapers the open ends of a line to a point.
-    fn taper(&self, widths: &mut [f32], points: &[Vec2], ends: [End; 2]) {
-        let along = lengths(points);
-        let whole = along[along.len() - 1];
-        for (width, along) in widths.iter_mut().zip(along) {
-            for (end, from_end) in ends.into_iter().zip([along, whole - along]) {
-                if end == End::Free && from_end < self.taper_px {
-                    *width *= (from_end / self.taper_px).max(TIP).powf(TAPER);
-                }
-            }
+    /// The share of its width that a line has so far from an open end: it comes to a point.
+    fn taper(&self, from_end: f32) -> f32 {
+        match from_end < self.taper_px {
+            true => (from_end / self.taper_px).max(TIP).powf(TAPER),
+            false => 1.0,
         }
     }
 }
@@ -111,15 +94,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn open_ends_come_to_a_point_and_joined_ones_do_not() {
+    fn open_ends_come_to_a_point() {
         let params = InteriorParams::default();
         let sizes = Sizes::of_picture(PICTURE, &params);
         let pen = Pen::new(PICTURE, &params, [20.0, 0.0, 0.0], &sizes);
-        let points: Vec<Vec2> = (0..100).map(|x| Vec2::new(x as f32, 0.0)).collect();
-        let mut widths = vec![1.0; 100];
-        pen.taper(&mut widths, &points, [End::Free, End::Joined]);
         // A taper of 554.3/45 = 12.3 pixels: 0.05^0.6 at the end, (6/12.3)^0.6 six pixels on.
-        assert!((widths[0] - 0.166).abs() < 1e-3 && (widths[6] - 0.650).abs() < 1e-3);
-        assert_eq!((widths[50], widths[99]), (1.0, 1.0));
+        assert!((pen.taper(0.0) - 0.166).abs() < 1e-3 && (pen.taper(6.0) - 0.650).abs() < 1e-3);
+        assert_eq!(pen.taper(50.0), 1.0);
     }
 }

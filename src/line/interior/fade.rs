@@ -1,7 +1,7 @@
 //! Fading of lines in a sequence: a continuous form of the thresholds for drawing them.
 
 use crate::line::interior::crests::Crest;
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Multiple of its threshold from which strength, or its persistent part, gives a line in full.
@@ -34,12 +34,6 @@ pub(super) fn smoothstep(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// A crest that is as well supported as was found so far.
-struct Supported {
-    share: f32,
-    number: usize,
-}
-
 /// Support of each of these crests, 0..1: hysteresis between two thresholds without its step. A crest well over the
 /// upper one supports itself; others are supported along the chain of crests `beside` each other whose weakest link is
 /// strongest, and a link that hardly exceeds the lower threshold passes nothing on.
@@ -50,15 +44,17 @@ pub(super) fn supports(
 ) -> Vec<f32> {
     let over = |crest: &Crest, i: usize| by_strength(crest.strength / thresholds[i]);
     let mut shares = vec![0.0; crests.len()];
+    // The best supported first; above 0 the bits of numbers are in their order.
     let mut waiting = BinaryHeap::new();
     for (number, crest) in crests.iter().enumerate() {
         let share = over(crest, 0).min(over(crest, 1));
         if share > 0.0 {
             shares[number] = share;
-            waiting.push(Supported { share, number });
+            waiting.push((share.to_bits(), Reverse(number)));
         }
     }
-    while let Some(Supported { share, number }) = waiting.pop() {
+    while let Some((share, Reverse(number))) = waiting.pop() {
+        let share = f32::from_bits(share);
         if share < shares[number] {
             continue;
         }
@@ -66,36 +62,12 @@ pub(super) fn supports(
             let passed = share.min(over(&crests[next], 0));
             if passed > shares[next] {
                 shares[next] = passed;
-                waiting.push(Supported {
-                    share: passed,
-                    number: next,
-                });
+                waiting.push((passed.to_bits(), Reverse(next)));
             }
         }
     }
     shares
 }
-
-impl Ord for Supported {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_share = self.share.total_cmp(&other.share);
-        by_share.then(other.number.cmp(&self.number))
-    }
-}
-
-impl PartialOrd for Supported {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Supported {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Supported {}
 
 #[cfg(test)]
 mod tests {

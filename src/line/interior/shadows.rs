@@ -46,21 +46,13 @@ pub(super) fn shadows(
         let curvature = curvature.row(y);
         move |x| [(slope(x, y).length() - ACCOUNTED * curvature[x]).max(0.0)]
     });
-    let found = each_pixel(mask, |x, y| {
+    each_pixel(mask, |x, y| {
         let strength = steep.at(x, y) * sizes.picture;
         if strength < sizes.thresholds[0] || rims.is_near(x, y) {
             return None;
         }
-        Some((crest(&steep, x, y, slope(x, y).try_normalize()?)?, strength))
-    });
-    let crests = found.into_iter();
-    crests
-        .map(|(pixel, (at, strength))| Crest {
-            pixel,
-            at,
-            strength,
-        })
-        .collect()
+        crest(&steep, x, y, slope(x, y).try_normalize()?, || strength)
+    })
 }
 
 /// The incident light on blocks of a frame, or the reflected light if their albedo is unknown; `None` without a

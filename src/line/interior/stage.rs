@@ -3,7 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::line::contours::coverage::covered;
 use crate::line::contours::medium::in_medium;
-use crate::line::drawing::is_drawn;
+use crate::line::drawing::{Drawn, is_drawn};
 use crate::line::interior::{InteriorLayer, cpu};
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
@@ -52,30 +52,19 @@ fn draw(run: &mut Execution) {
 }
 
 fn follow(run: &mut Execution) -> InteriorLayer {
-    let (plan, frame, runner, memory) = (run.plan, run.frame, run.runner, run.memory);
-    let params = plan.drawing.as_ref().and_then(|params| params.interior);
-    let params = params.expect("interior lines are asked for");
-    let canvas = std::mem::take(&mut run.canvas);
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let (drawn, silhouette) = match &canvas.seen {
-        Some((seen, edges)) => (&seen.frame, &edges.silhouette),
-        None => (frame, &shape.silhouette),
-    };
-    let silhouette = silhouette
-        .as_ref()
-        .expect("lines keep away from silhouettes");
-    let contours = canvas.contours.as_ref().map_or(&[][..], |(_, lines)| lines);
-    let made = run.timed(INTERIOR.name, || {
-        let fades = plan.available.in_sequence;
-        let options = &runner.options;
-        let (lines, levels) =
-            cpu::interior(drawn, silhouette, contours, &params, fades, options, memory);
+    run.timed_on(INTERIOR.name, |run| {
+        let params = run.plan.drawing.as_ref().and_then(|params| params.interior);
+        let params = params.expect("interior lines are asked for");
+        let contours = run.canvas.contours.as_ref();
+        let contours = contours.map_or(&[][..], |(_, lines)| lines);
+        let (fades, memory) = (run.plan.available.in_sequence, run.memory);
+        let options = &run.runner.options;
+        let drawn = Drawn::of(run);
+        let (lines, levels) = cpu::interior(&drawn, contours, &params, fades, options, memory);
         InteriorLayer {
-            covered: covered(&lines, &drawn.mask, memory),
+            covered: covered(&lines, &drawn.frame.mask, memory),
             lines,
             levels,
         }
-    });
-    (run.canvas, run.outcome.shape) = (canvas, shape);
-    made
+    })
 }

@@ -3,6 +3,7 @@
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector3Planes};
 use crate::kernel::memory::Memory;
 use crate::line::contours::{Contour, ContourKind};
+use crate::line::drawing::Drawn;
 use crate::line::interior::cpu::interior;
 use crate::params::{InteriorParams, LineLevels, RunOptions};
 use glam::{DVec3, Vec2};
@@ -27,11 +28,19 @@ fn frame_of(normals: &Vector3Planes) -> Frame {
     Frame::of_normals(normals.clone(), Mask::new(covered))
 }
 
+fn drawn<'a>(frame: &'a Frame, silhouette: &'a Plane) -> Drawn<'a> {
+    Drawn {
+        frame,
+        silhouette: Some(silhouette),
+        crease: None,
+        conductance: None,
+    }
+}
+
 fn lines_of_frame(frame: &Frame, params: &InteriorParams) -> Vec<Contour> {
     let silhouette = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
     interior(
-        frame,
-        &silhouette,
+        &drawn(frame, &silhouette),
         &[],
         params,
         false,
@@ -61,8 +70,7 @@ fn in_a_sequence_a_groove_that_deepens_comes_little_by_little() {
         let silhouette = Plane::filled(WIDTH, HEIGHT, 0.0);
         let options = RunOptions::default();
         let (lines, _) = interior(
-            &frame,
-            &silhouette,
+            &drawn(&frame, &silhouette),
             &[],
             &params,
             fades,
@@ -372,8 +380,7 @@ fn frames_without_meaning_have_no_lines() {
             let silhouette = Plane::filled(width, height, f32::NAN);
             let (params, options) = (InteriorParams::default(), RunOptions::default());
             let (found, _) = interior(
-                &frame,
-                &silhouette,
+                &drawn(&frame, &silhouette),
                 &[],
                 &params,
                 true,

@@ -8,6 +8,7 @@ use glam::DVec3;
 pub(crate) const LANES: usize = 32;
 
 /// Pixels of one row, with those at whose rays each looks.
+#[derive(Default)]
 #[cfg_attr(test, derive(Debug, PartialEq))]
 pub(crate) struct Bundle {
     pub(crate) here: Pixels,
@@ -18,6 +19,7 @@ pub(crate) struct Bundle {
 }
 
 /// What pixels show.
+#[derive(Default)]
 #[cfg_attr(test, derive(Debug, PartialEq))]
 pub(crate) struct Pixels {
     pub(crate) normal: [[f32; LANES]; 3],
@@ -31,6 +33,7 @@ pub(crate) struct Pixels {
 }
 
 /// Directions in the picture: unit, x right and y up, or 0.
+#[derive(Default)]
 pub(crate) struct Directions {
     pub(crate) x: [f32; LANES],
     pub(crate) y: [f32; LANES],
@@ -47,38 +50,6 @@ pub(crate) struct PointSource {
     /// Deviations of a component of a normal, and of a point as a share of its depth.
     pub(crate) normal_noise: f64,
     pub(crate) offset_noise: f64,
-}
-
-impl Default for Bundle {
-    fn default() -> Self {
-        Self {
-            here: Pixels::default(),
-            beside: std::array::from_fn(|_| Pixels::default()),
-            steps_px: [[0.0; LANES]; 2],
-        }
-    }
-}
-
-impl Default for Pixels {
-    fn default() -> Self {
-        Self {
-            normal: [[0.0; LANES]; 3],
-            depth: [0.0; LANES],
-            across: [0.0; LANES],
-            up: [0.0; LANES],
-            is_there: [0; LANES],
-        }
-    }
-}
-
-impl Default for Directions {
-    fn default() -> Self {
-        Self {
-            x: [0.0; LANES],
-            y: [0.0; LANES],
-            forms: [LocalShape::Unknown; LANES],
-        }
-    }
 }
 
 /// A pixel of a bundle.

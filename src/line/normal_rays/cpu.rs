@@ -4,7 +4,7 @@ use crate::frame::{Frame, PixelLines, Plane, SightLines, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::rows::map_rows;
 use crate::kernel::simd::wide;
-use crate::line::direction::fill::{Parts, fill};
+use crate::line::direction::fill::fill;
 use crate::line::direction::fixed_direction;
 use crate::line::normal_rays::LocalShape;
 use crate::line::normal_rays::bundle;
@@ -35,12 +35,7 @@ pub(crate) fn filled(
     conductance: &Plane,
 ) -> Vector2Planes {
     let sight = SightLines::of(frame);
-    let parts = Parts {
-        conductance,
-        mask: &frame.mask,
-        flat,
-    };
-    fill(&mut directions, &parts, |x, y| {
+    fill(&mut directions, conductance, flat, &frame.mask, |x, y| {
         let at = frame.data_window.middle(x, y);
         fixed_direction(frame.normal.at(x, y), &sight, at.x, at.y)
     });

@@ -72,9 +72,10 @@ pub(crate) struct Noise {
 }
 
 /// The kind of a surface point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LocalShape {
     /// Not known: an axis has no usable ray, or the surface is seen edge-on.
+    #[default]
     Unknown,
     /// The normal does not turn measurably: no direction.
     Planar,

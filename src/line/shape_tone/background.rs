@@ -47,85 +47,59 @@ pub(super) fn plainness(
 ) -> Plane {
     let (width, height) = (mask.width(), mask.height());
     let own = |x: usize, y: usize| activity(turn.at(x, y) / CLEAR_TURN);
-    let mut flood = Flood {
-        mask,
-        conductance,
-        found: Plane::filled(width, height, false),
-        front: Vec::new(),
+    let around = |x: usize, y: usize| active.at(x, y);
+    let is_open = |&[x, y]: &[usize; 2]| conductance.at(x, y) > OPEN;
+    let cells = || (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let on_border = |&[x, y]: &[usize; 2]| {
+        (x == 0 || y == 0 || x + 1 == width || y + 1 == height)
+            && mask.at(x, y)
+            && around(x, y) < PLAIN
     };
-    for y in 0..height {
-        let inner = if y == 0 || y + 1 == height {
-            1
-        } else {
-            width.max(2) - 1
-        };
-        for x in (0..width).step_by(inner) {
-            flood.reach([x, y], active.at(x, y));
-        }
+    let mut found = Plane::filled(width, height, false);
+    let mut front: Vec<[usize; 2]> = cells().filter(on_border).collect();
+    for &[x, y] in &front {
+        found.row_mut(y)[x] = true;
     }
-    while !flood.front.is_empty() {
-        flood.advance(|x, y| active.at(x, y));
+    // Edges are reached, and lead no farther.
+    while !front.is_empty() {
+        front.retain(is_open);
+        front = reached_beside(&front, &mut found, mask, around);
     }
-    flood.start_again();
+    front = cells().filter(|&[x, y]| found.at(x, y)).collect();
     for _ in 0..(UP_TO_SUBJECT * size).ceil() as usize {
-        flood.advance(own);
+        front.retain(is_open);
+        front = reached_beside(&front, &mut found, mask, own);
     }
-    Plane::from_fn(width, height, |x, y| match flood.found.at(x, y) {
-        true => {
-            let around = active.at(x, y);
-            1.0 - own(x, y).max(FADING * around).min(around)
-        }
+    Plane::from_fn(width, height, |x, y| match found.at(x, y) {
+        true => 1.0 - own(x, y).max(FADING * around(x, y)).min(around(x, y)),
         false => 0.0,
     })
 }
 
-/// The cells reached so far, and the front from which the next are reached.
-struct Flood<'a> {
-    mask: &'a Mask,
-    conductance: &'a Plane,
-    found: Plane<bool>,
-    front: Vec<[usize; 2]>,
-}
-
-impl Flood<'_> {
-    /// Reaches a cell if it is plain. Edges are reached, and lead no farther.
-    fn reach(&mut self, [x, y]: [usize; 2], activity: f32) {
-        if self.mask.at(x, y) && activity < PLAIN && !self.found.at(x, y) {
-            self.found.row_mut(y)[x] = true;
-            if self.conductance.at(x, y) > OPEN {
-                self.front.push([x, y]);
-            }
+/// The plain cells beside a front that were not found so far; now they are.
+fn reached_beside(
+    front: &[[usize; 2]],
+    found: &mut Plane<bool>,
+    mask: &Mask,
+    activity: impl Fn(usize, usize) -> f32,
+) -> Vec<[usize; 2]> {
+    let beside = front.iter().flat_map(|&[x, y]| {
+        [
+            [x.wrapping_sub(1), y],
+            [x + 1, y],
+            [x, y.wrapping_sub(1)],
+            [x, y + 1],
+        ]
+    });
+    let is_new = |&[x, y]: &[usize; 2]| {
+        let is_inside = x < mask.width() && y < mask.height() && mask.at(x, y);
+        let is_plain = is_inside && !found.at(x, y) && activity(x, y) < PLAIN;
+        if is_plain {
+            found.row_mut(y)[x] = true;
         }
-    }
-
-    /// Reaches the cells beside the front.
-    fn advance(&mut self, activity: impl Fn(usize, usize) -> f32) {
-        let (width, height) = (self.mask.width(), self.mask.height());
-        for [x, y] in std::mem::take(&mut self.front) {
-            let beside = [
-                [x.wrapping_sub(1), y],
-                [x + 1, y],
-                [x, y.wrapping_sub(1)],
-                [x, y + 1],
-            ];
-            for [x, y] in beside {
-                if x < width && y < height {
-                    self.reach([x, y], activity(x, y));
-                }
-            }
-        }
-    }
-
-    /// Makes all that was reached the front.
-    fn start_again(&mut self) {
-        for y in 0..self.mask.height() {
-            for x in 0..self.mask.width() {
-                if self.found.at(x, y) && self.conductance.at(x, y) > OPEN {
-                    self.front.push([x, y]);
-                }
-            }
-        }
-    }
+        is_plain
+    };
+    beside.filter(is_new).collect()
 }
 
 #[cfg(test)]

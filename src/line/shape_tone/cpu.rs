@@ -209,20 +209,20 @@ impl Cells<'_> {
             let [x, y, z] = [&xy.x, &xy.y, &z].map(|plane| plane.row(row));
             move |i| Vec3::new(x[i], y[i], z[i]).normalize_or_zero().to_array()
         });
+        let [nx, ny, nz] = units.each_ref().map(|plane| plane.samples());
+        let (width, height) = (mask.width(), mask.height());
+        let covered = mask.plane().samples();
+        let normal = |x: usize, y: usize| {
+            let i = y.wrapping_mul(width).wrapping_add(x);
+            let is_covered = x < width && y < height && covered[i];
+            is_covered.then(|| Vec3::new(nx[i], ny[i], nz[i]))
+        };
         let [turn] = map_covered(mask, self.memory, |y| {
-            let row = |y: Option<usize>| RowOfNormals {
-                covered: y.map_or(&[], |y| mask.row(y)),
-                normals: units
-                    .each_ref()
-                    .map(|plane| y.map_or(&[][..], |y| plane.row(y))),
-            };
-            let (above, own) = (row(y.checked_sub(1)), row(Some(y)));
-            let below = row(Some(y + 1).filter(|&y| y < mask.height()));
             let open = open.row(y);
             move |x| {
-                let here = own.normal(x);
-                let across = slope(own.covered(x.wrapping_sub(1)), here, own.covered(x + 1));
-                let down = slope(above.covered(x), here, below.covered(x));
+                let here = normal(x, y).unwrap_or_default();
+                let across = slope(normal(x.wrapping_sub(1), y), here, normal(x + 1, y));
+                let down = slope(normal(x, y.wrapping_sub(1)), here, normal(x, y + 1));
                 let (a, b, c) = (
                     across.length_squared(),
                     across.dot(down),
@@ -356,26 +356,6 @@ impl Cells<'_> {
         let medium = Medium::of_whole(conductance, mask);
         let mut spread = diffusion(field, medium, &sweeps, options, self.memory).scales;
         spread.pop().expect("one scale is read out")
-    }
-}
-
-/// A row of normals with its coverage; empty beyond the picture.
-struct RowOfNormals<'a> {
-    covered: &'a [bool],
-    normals: [&'a [f32]; 3],
-}
-
-impl RowOfNormals<'_> {
-    #[inline(always)]
-    fn normal(&self, x: usize) -> Vec3 {
-        let [nx, ny, nz] = self.normals;
-        Vec3::new(nx[x], ny[x], nz[x])
-    }
-
-    /// The normal at a column, if that is covered.
-    #[inline(always)]
-    fn covered(&self, x: usize) -> Option<Vec3> {
-        (*self.covered.get(x)?).then(|| self.normal(x))
     }
 }
 

@@ -30,27 +30,22 @@ pub(crate) static SHAPE_TONE: Stage = Stage {
 };
 
 fn find(run: &mut Execution) {
-    let (plan, frame, memory) = (run.plan, run.frame, run.memory);
-    let options = &run.runner.options;
-    let params = plan.drawing.as_ref().expect("tones are of a drawing");
-    let (gain, shape) = (run.gain(), std::mem::take(&mut run.outcome.shape));
-    let made = run.outcome.color.take();
-    let given = run
-        .inputs
-        .illumination
-        .and_then(|light| light.directional.first());
-    let there = "tones are planned with their shape";
-    let (density, levels) = run.timed(SHAPE_TONE.name, || {
+    let (density, levels) = run.timed_on(SHAPE_TONE.name, |run| {
+        let (plan, frame, memory) = (run.plan, run.frame, run.memory);
+        let params = plan.drawing.as_ref().expect("tones are of a drawing");
+        let (shape, light) = (&run.outcome.shape, run.inputs.illumination);
+        let given = light.and_then(|light| light.directional.first());
+        let there = "tones are planned with their shape";
         let of = Shown {
             frame,
             conductance: shape.conductance.as_ref().expect(there),
             silhouette: shape.silhouette.as_ref(),
-            curvature: (shape.trace.as_ref().expect(there), gain),
-            picture: made.as_ref().or(frame.color.as_ref()),
+            curvature: (shape.trace.as_ref().expect(there), run.gain()),
+            picture: run.outcome.color.as_ref().or(frame.color.as_ref()),
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
         };
-        let cells = densities(&of, options, memory);
+        let cells = densities(&of, &run.runner.options, memory);
         let mut density = cells.of_pixels(&frame.mask, memory);
         if let Some(silhouette) = &shape.silhouette {
             let halo = (plan.shape.silhouette, params.tone.halo);
@@ -59,11 +54,9 @@ fn find(run: &mut Execution) {
         (density, cells.levels)
     });
     run.outcome.tone_levels = Some(levels);
-    run.outcome.shape = shape;
-    match run.read_last.contains(&Product::Trace) {
+    if run.read_last.contains(&Product::Trace) {
         // Strokes take the tone alone.
-        true => drop(made),
-        false => run.outcome.color = made,
+        run.outcome.color = None;
     }
     run.canvas.density = Some(density);
 }

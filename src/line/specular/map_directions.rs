@@ -10,29 +10,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The directions on the surroundings of the last run, since a sequence has the same ones throughout.
 #[derive(Debug, Default)]
-pub(crate) struct DirectionCache(Mutex<Option<LastDirections>>);
-
-#[derive(Debug)]
-struct LastDirections {
-    surroundings: Arc<Surroundings>,
-    directions: Arc<Vector3Planes>,
-}
+pub(crate) struct DirectionCache(Mutex<Option<(Arc<Surroundings>, Arc<Vector3Planes>)>>);
 
 impl DirectionCache {
     /// The directions on these surroundings, computed unless cached.
     pub(crate) fn of(&self, surroundings: &Arc<Surroundings>) -> Arc<Vector3Planes> {
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = kept().as_ref()
-            && Arc::ptr_eq(&kept.surroundings, surroundings)
+        if let Some((of, directions)) = kept().as_ref()
+            && Arc::ptr_eq(of, surroundings)
         {
-            return kept.directions.clone();
+            return directions.clone();
         }
         // Not under the lock: while it waits for others, this thread may take up another run that asks for it too.
         let directions = Arc::new(directions(surroundings));
-        *kept() = Some(LastDirections {
-            surroundings: surroundings.clone(),
-            directions: directions.clone(),
-        });
+        *kept() = Some((surroundings.clone(), directions.clone()));
         directions
     }
 }
@@ -143,18 +134,10 @@ pub(crate) struct Bundle {
 }
 
 /// A tangent in each lane, or 0.
+#[derive(Default)]
 pub(crate) struct LargerTangents {
     pub(crate) components: [[f32; LANES]; 3],
     pub(crate) forms: [LocalShape; LANES],
-}
-
-impl Default for LargerTangents {
-    fn default() -> Self {
-        Self {
-            components: [[0.0; LANES]; 3],
-            forms: [LocalShape::Unknown; LANES],
-        }
-    }
 }
 
 impl Lanes {

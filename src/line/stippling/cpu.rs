@@ -3,12 +3,12 @@
 use super::dark_dots::{covered, mended};
 use super::room::fitted;
 use super::settled::settled;
-use super::spread::{Field, places};
+use super::spread::{Field, diffused, spaced};
 use super::{Dot, LaidDot};
 use crate::frame::{Frame, Plane};
 use crate::kernel::memory::Memory;
 use crate::line::carried::Carrier;
-use crate::line::density::coverage_at;
+use crate::line::density::{coverage_at, keep_inside};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tone::Densities;
 use crate::params::{Stroke, StrokeParams};
@@ -39,16 +39,7 @@ pub(crate) fn stippled(
     let dots = mended(dots, radius, &ink, memory);
     let mut covered = covered(&dots, [ink.width(), ink.height()]);
     memory.recycle([ink]);
-    // Ink beyond a silhouette is under its line.
-    let is_covered = frame.mask.plane().samples();
-    for (ink, _) in covered
-        .samples_mut()
-        .iter_mut()
-        .zip(is_covered)
-        .filter(|(_, is)| !**is)
-    {
-        *ink = 0.0;
-    }
+    keep_inside(&mut covered, &frame.mask);
     Stippled {
         dots,
         laid,
@@ -81,7 +72,7 @@ fn laid_anew(field: &Field, seed: u64, memory: &Memory) -> (Vec<LaidDot>, Vec<Do
         at,
         radius: field.radius(),
     };
-    let places = places(field, seed, memory);
+    let places = spaced(diffused(field, seed, memory), 0, field, memory);
     places.into_iter().map(|at| (laid(at), dot(at))).unzip()
 }
 

@@ -1,6 +1,6 @@
 //! The sizes of dots that were not placed for their tone, by the room that each has.
 
-use super::spread::{Cells, Field};
+use super::spread::{Field, by_cell};
 use super::{Dot, LaidDot};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -38,20 +38,19 @@ pub(super) fn fitted(dots: &mut [LaidDot], field: &Field) -> Vec<Dot> {
 /// For each dot the sum of the shares of dots near it, over that wanted there.
 fn crowdings(dots: &[LaidDot], field: &Field) -> Vec<f32> {
     let places: Vec<Vec2> = dots.iter().map(|dot| dot.at).collect();
-    let cells = Cells::new(&places, field);
+    let cells = by_cell(&places, field);
     let around: [Vec2; AROUND] =
         std::array::from_fn(|i| Vec2::from_angle(i as f32 * 2.0 * PI / AROUND as f32));
     let of = |&at: &Vec2| {
         let reach = REACH * field.apart(at)?;
-        let mut there = 0.0;
-        cells.each_within(at, reach, |other| {
-            let share = places[other].distance_squared(at) / (reach * reach);
-            there += (1.0 - share) * dots[other].share;
+        let there = cells.near(at, reach).map(|other| {
+            let share = other.at.distance_squared(at) / (reach * reach);
+            (1.0 - share) * dots[other.line as usize].share
         });
         // The weight 1 - (d/reach)^2 sums up to pi reach^2/2, half of it within 0.54 reach.
         let densities = around.iter().map(|way| field.at(at + 0.54 * reach * way));
         let density = 0.5 * (field.at(at) + densities.sum::<f32>() / AROUND as f32);
-        Some(there / (density * 0.5 * PI * reach * reach))
+        Some(there.sum::<f32>() / (density * 0.5 * PI * reach * reach))
     };
     places.par_iter().map(|at| of(at).unwrap_or(1.0)).collect()
 }

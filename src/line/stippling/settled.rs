@@ -66,9 +66,7 @@ pub(super) fn settled(
     }
     let places = spaced(places, dots.len(), field, memory);
     let coming = places[dots.len()..].iter().map(|&at| {
-        let [x, y] = [(at.x, was_seen.width()), (at.y, was_seen.height())]
-            .map(|(at, count)| (at.max(0.0) as usize).min(count - 1));
-        let share = if was_seen.at(x, y) {
+        let share = if was_seen.plane().nearest(at) {
             FADE_FRAMES.recip()
         } else {
             1.0

@@ -3,6 +3,7 @@
 use super::super::random::Random;
 use crate::frame::Plane;
 use crate::kernel::memory::Memory;
+use crate::line::placed::Placed;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -31,11 +32,6 @@ const FARTHEST: f32 = 16.0;
 /// Sum of the dots' areas needed to cover this share of the paper.
 pub(super) fn laid(covered: f32) -> f32 {
     covered + OVERLAP * (covered - OVERLAPS_FROM).max(0.0).powi(2)
-}
-
-/// Positions of dots so that they cover the ink of a field.
-pub(super) fn places(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
-    spaced(diffused(field, seed, memory), 0, field, memory)
 }
 
 /// The positions once dots have repelled each other, all but the first few, which stay.
@@ -155,7 +151,7 @@ pub(super) fn diffused(field: &Field, seed: u64, memory: &Memory) -> Vec<Vec2> {
 
 /// Every dot but the first few pushed away from dots that are too close, unless no ink is wanted there.
 fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
-    let cells = Cells::new(places, field);
+    let cells = by_cell(places, field);
     let farthest = FARTHEST * field.radius;
     let moved = |(number, &at): (usize, &Vec2)| {
         if number < fixed {
@@ -163,9 +159,9 @@ fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
         }
         let apart = field.apart(at).unwrap_or(farthest);
         let mut push = Vec2::ZERO;
-        cells.each_within(at, apart, |other| {
-            if other != number {
-                let away = at - places[other];
+        cells.near(at, apart).for_each(|other| {
+            if other.line as usize != number {
+                let away = at - other.at;
                 let distance = away.length();
                 push += away / distance.max(1e-3) * (apart - distance);
             }
@@ -176,67 +172,12 @@ fn pushed(places: &[Vec2], fixed: usize, field: &Field) -> Vec<Vec2> {
     places.par_iter().enumerate().map(moved).collect()
 }
 
-/// Positions by cell, in their order.
-pub(super) struct Cells<'a> {
-    places: &'a [Vec2],
-    /// Numbers of places, cell by cell.
-    numbers: Vec<u32>,
-    /// Start of each cell's numbers, and the end of the last.
-    starts: Vec<u32>,
-    size: [usize; 2],
-    side: f32,
-}
-
-impl<'a> Cells<'a> {
-    pub(super) fn new(places: &'a [Vec2], field: &Field) -> Self {
-        let side = field.cell_side();
-        let size = field
-            .size()
-            .map(|length| (length as f32 / side) as usize + 1);
-        let mut cells = Self {
-            places,
-            numbers: vec![0; places.len()],
-            starts: vec![0; size[0] * size[1] + 1],
-            size,
-            side,
-        };
-        for &at in places {
-            let cell = cells.number(at);
-            cells.starts[cell + 1] += 1;
-        }
-        for cell in 1..cells.starts.len() {
-            cells.starts[cell] += cells.starts[cell - 1];
-        }
-        let mut next = cells.starts.clone();
-        for (number, &at) in (0..).zip(places) {
-            let next = &mut next[cells.number(at)];
-            cells.numbers[*next as usize] = number;
-            *next += 1;
-        }
-        cells
+/// Positions by cell, with their numbers for those of lines.
+pub(super) fn by_cell(places: &[Vec2], field: &Field) -> Placed {
+    let mut cells = Placed::new(field.size(), field.cell_side());
+    // Those of a cell are seen in the order of numbers.
+    for (number, &at) in places.iter().enumerate().rev() {
+        cells.add(at, number as u32, 0);
     }
-
-    fn cell(&self, at: Vec2) -> [usize; 2] {
-        let within = |at: f32, count: usize| ((at / self.side).max(0.0) as usize).min(count - 1);
-        [within(at.x, self.size[0]), within(at.y, self.size[1])]
-    }
-
-    fn number(&self, at: Vec2) -> usize {
-        let [x, y] = self.cell(at);
-        y * self.size[0] + x
-    }
-
-    /// The numbers of the places within a distance.
-    pub(super) fn each_within(&self, at: Vec2, distance: f32, mut see: impl FnMut(usize)) {
-        let [first, last] = [-distance, distance].map(|d| self.cell(at + d));
-        for y in first[1]..=last[1] {
-            let row = y * self.size[0];
-            let [from, to] = [row + first[0], row + last[0] + 1].map(|cell| self.starts[cell]);
-            for &number in &self.numbers[from as usize..to as usize] {
-                if self.places[number as usize].distance_squared(at) < distance * distance {
-                    see(number as usize);
-                }
-            }
-        }
-    }
+    cells
 }

@@ -5,8 +5,9 @@ use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::line::carried::Carrier;
 use crate::line::contours::coverage::{DrawnLine, Overlap, coverage};
-use crate::line::density::coverage_at;
+use crate::line::density::{coverage_at, keep_inside};
 use crate::line::direction_field::setting::OPEN;
+use crate::line::drawing::Drawn;
 use crate::line::hatching::{CROSSED_FROM, share_from};
 use crate::line::streamlines::{Seed, Streamline, Streamlines, Tool, Wanted, streamlines};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
@@ -17,45 +18,28 @@ use rayon::prelude::*;
 /// Density from which engraved lines are crossed by others: below it the first swell to half of the paper.
 const ENGRAVING_CROSSED_FROM: f32 = 0.7;
 
-/// A family of lines: the field they follow, and the seeds placed before all others.
-pub(crate) struct Family<'a> {
-    pub(crate) field: &'a Vector2Planes,
-    pub(crate) first: &'a [Seed],
-}
-
-impl<'a> Family<'a> {
-    /// The families along these fields, with the first seeds of each, if any.
-    pub(crate) fn all(fields: &'a [Vector2Planes], first: &'a [Vec<Seed>]) -> Vec<Self> {
-        let first = first
-            .iter()
-            .map(Vec::as_slice)
-            .chain(std::iter::repeat(&[][..]));
-        let families = fields.iter().zip(first);
-        families
-            .map(|(field, first)| Self { field, first })
-            .collect()
-    }
-}
-
-/// The lines of every family in turn, and their seeds by family.
+/// The lines of a family along each field in turn, and their seeds by family; the seeds of `first`, if there are any, are
+/// placed before all others.
 pub(crate) fn lines(
     densities: &Densities,
-    families: &[Family],
-    conductance: &Plane,
+    fields: &[Vector2Planes],
+    first: &[Vec<Seed>],
+    drawn: &Drawn,
     params: &StrokeParams,
     resolution_factor: f32,
-    frame: &Frame,
     memory: &Memory,
 ) -> (Vec<Streamline>, Vec<Vec<Seed>>) {
+    let frame = drawn.frame;
+    let conductance = drawn.conductance.expect("strokes stop at edges");
     let stroke = params.stroke(resolution_factor);
     let tool = Tool::of(&stroke, params.style);
-    let count = families.len();
+    let count = fields.len();
     let onto_edges = params.at_edges == AtEdges::Meet;
     let crossed_from = match params.style {
         Style::Engraving => ENGRAVING_CROSSED_FROM,
         _ => CROSSED_FROM,
     };
-    let of_family = |(number, family): (usize, &Family)| {
+    let of_family = |(number, field): (usize, &Vector2Planes)| {
         let wanted = |density| coverage_at(share_from(crossed_from, density, number, count));
         let closed = (!onto_edges).then_some(conductance);
         let ink = inks(densities, closed, wanted, frame, memory);
@@ -64,12 +48,12 @@ pub(crate) fn lines(
             conductance: onto_edges.then_some(conductance),
             cancel: memory.cancel(),
         };
-        let Family { field, first } = *family;
+        let first = first.get(number).map_or(&[][..], Vec::as_slice);
         let Streamlines { mut lines, seeds } = streamlines(field, wanted, &tool, first);
         lines.iter_mut().for_each(|line| line.crosses = number > 0);
         (lines, seeds)
     };
-    let numbered = families.par_iter().enumerate();
+    let numbered = fields.par_iter().enumerate();
     let (found, seeds): (Vec<_>, Vec<_>) = numbered.map(of_family).unzip();
     (found.concat(), seeds)
 }
@@ -112,7 +96,9 @@ fn inks(
 pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Plane {
     let of = |crosses: bool| {
         let drawn = lines.iter().filter(|line| line.crosses == crosses);
-        let drawn: Vec<DrawnLine> = drawn.map(DrawnLine::from).collect();
+        let drawn: Vec<DrawnLine> = drawn
+            .map(|line| (&line.points[..], &line.widths[..]))
+            .collect();
         coverage(&drawn, Overlap::Beside, &frame.mask, memory)
     };
     let mut covered = of(false);
@@ -121,17 +107,7 @@ pub(crate) fn inked(lines: &[Streamline], frame: &Frame, memory: &Memory) -> Pla
         lay_over(&mut covered, &crossing);
         memory.recycle([crossing]);
     }
-    // Ink beyond a silhouette is under its line.
-    covered.each_row(|y, row| {
-        let covered = frame.mask.plane().row(y);
-        for (ink, _) in row
-            .iter_mut()
-            .zip(covered)
-            .filter(|(_, covered)| !**covered)
-        {
-            *ink = 0.0;
-        }
-    });
+    keep_inside(&mut covered, &frame.mask);
     covered
 }
 

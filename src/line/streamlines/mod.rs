@@ -13,7 +13,7 @@ mod tool;
 
 use super::contours::polyline::evened;
 use super::direction_field::setting::OPEN;
-use super::placed::{Placed, Point, PointsByCell};
+use super::placed::{Placed, Point};
 use crate::frame::{Plane, Vector2Planes};
 use crate::kernel::cancel::CancelToken;
 use glam::Vec2;
@@ -132,8 +132,6 @@ pub(crate) fn streamlines(
         field,
         wanted,
         tool: *tool,
-        least_ink: tool.least_ink(),
-        step: tool.step(),
         placed: Placed::new([wanted.ink.width(), wanted.ink.height()], tool.cell_side()),
         lines: Vec::new(),
         seeds: Vec::new(),
@@ -144,18 +142,17 @@ pub(crate) fn streamlines(
     drawer.lead_on();
     drawer.fill();
     let drawn = std::mem::take(&mut drawer.lines);
-    let placed = drawer.placed.by_cell();
     let mut lines: Vec<Streamline> = drawn
         .into_par_iter()
         .enumerate()
         .map(|(number, points)| Streamline {
-            widths: drawer.widths(number as u32, &points, &placed),
+            widths: drawer.widths(number as u32, &points),
             points,
             crosses: false,
         })
         .collect();
-    if let Tool::Burin(burin) = tool {
-        swell(&mut lines, wanted, burin);
+    if tool.swells {
+        swell(&mut lines, wanted, tool);
     }
     Streamlines {
         lines,
@@ -163,18 +160,10 @@ pub(crate) fn streamlines(
     }
 }
 
-/// A line as placed: its number, and the level of darkness at its seed.
-struct Laid {
-    number: usize,
-    level: usize,
-}
-
 struct Drawer<'a> {
     field: &'a Vector2Planes,
     wanted: Wanted<'a>,
     tool: Tool,
-    least_ink: f32,
-    step: f32,
     placed: Placed,
     lines: Vec<Vec<Vec2>>,
     seeds: Vec<Seed>,
@@ -183,10 +172,10 @@ struct Drawer<'a> {
 impl Drawer<'_> {
     /// Starts lines wherever there is room, in the dark first, each beside earlier ones as long as possible.
     fn fill(&mut self) {
-        let every = self.tool.every();
+        let every = self.tool.every;
         let (width, height) = (self.wanted.ink.width(), self.wanted.ink.height());
-        for &room in self.tool.rooms() {
-            for level in (0..self.tool.levels()).rev() {
+        for &room in self.tool.rooms {
+            for level in (0..self.tool.levels).rev() {
                 for y in (0..height).step_by(every) {
                     if self.wanted.is_cancelled() {
                         return;
@@ -206,11 +195,11 @@ impl Drawer<'_> {
     /// A line through a position, if there is room for one, and then all that can be started beside it, beside the
     /// darkest first.
     fn start(&mut self, at: Vec2, room: f32) {
-        let Some(first) = self.line(&self.anew(at), room) else {
+        let Some((first, level)) = self.line(&self.anew(at), room) else {
             return;
         };
-        let mut waiting = vec![VecDeque::new(); self.tool.levels()];
-        waiting[first.level].push_back(first.number);
+        let mut waiting = vec![VecDeque::new(); self.tool.levels];
+        waiting[level].push_back(first);
         while let Some(number) = waiting.iter_mut().rev().find_map(VecDeque::pop_front) {
             if self.wanted.is_cancelled() {
                 return;
@@ -223,8 +212,8 @@ impl Drawer<'_> {
                 };
                 let across = self.tool.spacing(ink) * along.perp();
                 for seed in [at + across, at - across] {
-                    if let Some(line) = self.line(&self.anew(seed), room) {
-                        waiting[line.level].push_back(line.number);
+                    if let Some((line, level)) = self.line(&self.anew(seed), room) {
+                        waiting[level].push_back(line);
                     }
                 }
             }
@@ -242,7 +231,7 @@ impl Drawer<'_> {
 
     /// The most points of a line to either side of its seed.
     fn half(&self) -> i32 {
-        (0.5 * self.tool.longest() / self.step) as i32
+        (0.5 * self.tool.longest / self.tool.step) as i32
     }
 
     /// Extends all lines at both ends, as far as they may go.
@@ -269,9 +258,9 @@ impl Drawer<'_> {
         }
     }
 
-    /// Draws the line through `seed`, with `room` of the distance wanted about it; `None` if it would be too close to
-    /// another, or too short.
-    fn line(&mut self, seed: &Seed, room: f32) -> Option<Laid> {
+    /// Draws the line through `seed`, with `room` of the distance wanted about it: its number, and the level of darkness at
+    /// its seed. `None` if it would be too close to another, or too short.
+    fn line(&mut self, seed: &Seed, room: f32) -> Option<(usize, usize)> {
         let Seed {
             at: seed,
             along,
@@ -284,16 +273,16 @@ impl Drawer<'_> {
             return None;
         }
         let along = self.direction(seed, along)?;
-        let (number, before) = (self.lines.len() as u32, self.placed.count());
+        let (number, before) = (self.lines.len() as u32, self.placed.points().len());
         self.placed.add(seed, number, 0);
-        let step = self.step;
+        let step = self.tool.step;
         let mut points = Vec::with_capacity(USUAL);
         self.half_line(&mut points, (seed, -along), number, -1, 1..=behind);
         let behind = points.len();
         points.reverse();
         points.push(seed);
         self.half_line(&mut points, (seed, along), number, 1, 1..=ahead);
-        if step * (points.len() - 1) as f32 >= self.tool.shortest() {
+        if step * (points.len() - 1) as f32 >= self.tool.shortest {
             let ahead = points.len() - 1 - behind;
             self.lines.push(points);
             self.seeds.push(Seed {
@@ -301,10 +290,7 @@ impl Drawer<'_> {
                 along,
                 points: [behind, ahead].map(|count| count as i32),
             });
-            return Some(Laid {
-                number: number as usize,
-                level: self.tool.level(ink),
-            });
+            return Some((number as usize, self.tool.level(ink)));
         }
         self.placed.keep(before);
         None
@@ -321,7 +307,7 @@ impl Drawer<'_> {
         steps: RangeInclusive<i32>,
     ) {
         let mut on_edge = 0.0;
-        let length = self.step;
+        let length = self.tool.step;
         for step in steps {
             let middle = self.direction(at + 0.5 * length * ahead, ahead);
             let Some(along) = middle.filter(|along| along.dot(ahead) > MOST_TURN) else {
@@ -357,7 +343,7 @@ impl Drawer<'_> {
     #[inline]
     fn ink_at(&self, at: Vec2) -> Option<f32> {
         let ink = self.wanted.ink_at(at)?;
-        (ink >= self.least_ink).then_some(ink.min(1.0))
+        (ink >= self.tool.least_ink).then_some(ink.min(1.0))
     }
 
     /// The direction at a position, rows down, interpolated from the surrounding inked pixels; of the two opposites the
@@ -385,7 +371,7 @@ impl Drawer<'_> {
                     continue;
                 }
                 let i = y * ink.width() + x;
-                let is_inked = inks[i] >= self.least_ink;
+                let is_inked = inks[i] >= self.tool.least_ink;
                 if !is_inked {
                     continue;
                 }
@@ -399,8 +385,8 @@ impl Drawer<'_> {
     }
 
     /// The widths that cover the ink wanted between a line's neighbours.
-    fn widths(&self, line: u32, points: &[Vec2], placed: &PointsByCell) -> Vec<f32> {
-        let [thinnest, thickest] = self.tool.widths();
+    fn widths(&self, line: u32, points: &[Vec2]) -> Vec<f32> {
+        let [thinnest, thickest] = self.tool.widths;
         let last = points.len() - 1;
         let inks: Vec<f32> = points
             .iter()
@@ -409,8 +395,8 @@ impl Drawer<'_> {
         // Half of the distance between the neighbours on both sides.
         let room = |i: usize| {
             let along = points[(i + 1).min(last)] - points[i.saturating_sub(1)];
-            let spacing = self.tool.spacing(inks[i].max(self.least_ink));
-            let [left, right] = placed.room(points[i], along, spacing, line);
+            let spacing = self.tool.spacing(inks[i].max(self.tool.least_ink));
+            let [left, right] = self.placed.room(points[i], along, spacing, line);
             0.5 * (left + right)
         };
         let mut wanted = Vec::with_capacity(points.len());
@@ -431,21 +417,15 @@ impl Drawer<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::tool::Nib;
     use super::*;
 
-    const PEN: Nib = Nib {
-        width: 1.4,
-        pressure: 0.5,
-        widest_spacing: 20.0,
-        longest: 400.0,
-    };
-    const NIB: Tool = Tool::Nib(PEN);
-    const BURIN: tool::Burin = tool::Burin {
-        widths: [0.35, 5.5],
-        spacing: 5.0,
-        longest: 400.0,
-    };
+    fn pen() -> Tool {
+        Tool::pen(1.4, 0.5, 20.0, 400.0)
+    }
+
+    fn burin() -> Tool {
+        Tool::burin([0.35, 5.5], 5.0, 400.0)
+    }
 
     /// Directions along circles around a place far below.
     fn bent(width: usize, height: usize) -> Vector2Planes {
@@ -484,7 +464,7 @@ mod tests {
             let lines = streamlines(
                 &bent(300, 300),
                 everywhere(&Plane::filled(300, 300, ink)),
-                &NIB,
+                &pen(),
                 &[],
             )
             .lines;
@@ -495,10 +475,9 @@ mod tests {
 
     #[test]
     fn engraved_lines_cover_the_ink_that_is_wanted_and_run_to_points() {
-        let burin = Tool::Burin(BURIN);
         for ink in [0.05, 0.1, 0.25, 0.5, 0.75] {
             let paper = Plane::filled(300, 300, ink);
-            let lines = streamlines(&bent(300, 300), everywhere(&paper), &burin, &[]).lines;
+            let lines = streamlines(&bent(300, 300), everywhere(&paper), &burin(), &[]).lines;
             let drawn = ink_of(&lines, 300.0 * 300.0);
             assert!((drawn - ink).abs() < 0.03, "{ink} drawn as {drawn}");
             for line in &lines {
@@ -511,8 +490,14 @@ mod tests {
     #[test]
     fn lines_keep_their_distance_and_their_direction() {
         let field = bent(300, 300);
-        let lines = streamlines(&field, everywhere(&Plane::filled(300, 300, 0.3)), &NIB, &[]).lines;
-        let least = NIB.least_distance(0.3);
+        let lines = streamlines(
+            &field,
+            everywhere(&Plane::filled(300, 300, 0.3)),
+            &pen(),
+            &[],
+        )
+        .lines;
+        let least = pen().least_distance(0.3);
         for (i, line) in lines.iter().enumerate() {
             for pair in line.points.windows(2) {
                 let along = (pair[1] - pair[0]).normalize();
@@ -535,7 +520,7 @@ mod tests {
     fn lines_that_are_carried_on_stay() {
         // The paper and its field, moved by 7 and 5 pixels: existing lines have the same room, so all stay except those
         // that left, a strip of 7 and one of 5 below of 300 by 300 pixels, 4 %, and the few that met those.
-        for tool in [NIB, Tool::Burin(BURIN)] {
+        for tool in [pen(), burin()] {
             let paper = Plane::filled(300, 300, 0.3);
             let field = |x: f32, y: f32| {
                 let direction = move |at: [usize; 2]| {
@@ -569,7 +554,7 @@ mod tests {
     fn lines_stop_where_no_ink_is_wanted() {
         // An edge of one pixel across the lines.
         let ink = Plane::from_fn(300, 300, |x, _| f32::from(u8::from(x != 120)) * 0.4);
-        let lines = streamlines(&bent(300, 300), everywhere(&ink), &NIB, &[]).lines;
+        let lines = streamlines(&bent(300, 300), everywhere(&ink), &pen(), &[]).lines;
         assert!(lines.len() > 50);
         for line in &lines {
             let left = line.points.iter().filter(|p| p.x < 120.5).count();
@@ -579,24 +564,15 @@ mod tests {
 
     #[test]
     fn without_pressure_all_lines_are_of_one_width() {
-        let nib = Nib {
-            pressure: 0.0,
-            ..PEN
-        };
-        let tool = Tool::Nib(nib);
+        let tool = Tool::pen(1.4, 0.0, 20.0, 400.0);
         let ink = Plane::from_fn(200, 200, |x, _| x as f32 / 200.0);
         let lines = streamlines(&bent(200, 200), everywhere(&ink), &tool, &[]).lines;
-        assert!(
-            lines
-                .iter()
-                .flat_map(|l| &l.widths)
-                .all(|&w| w == nib.width)
-        );
+        assert!(lines.iter().flat_map(|l| &l.widths).all(|&w| w == 1.4));
         // Their number makes the tone: for ink of 0.05 to 0.5 on average a quarter and a bit, for 0.5 to 0.95 the rest.
         let within = |from: f32, to: f32| {
             let points = lines.iter().flat_map(|l| &l.points);
             let count = points.filter(|p| (from..to).contains(&p.x)).count();
-            count as f32 * tool.step() * nib.width / ((to - from) * 200.0)
+            count as f32 * tool.step * 1.4 / ((to - from) * 200.0)
         };
         assert!(
             (within(20.0, 100.0) - 0.3).abs() < 0.12,
@@ -618,7 +594,9 @@ mod tests {
                 cancel: Some(&token),
                 ..everywhere(&ink)
             };
-            streamlines(&bent(100, 100), wanted, &NIB, &[]).lines.len()
+            streamlines(&bent(100, 100), wanted, &pen(), &[])
+                .lines
+                .len()
         };
         assert!(laid() > 5);
         token.cancel();
@@ -631,7 +609,7 @@ mod tests {
             for ink in [0.0, f32::NAN, -1.0] {
                 let ink = Plane::filled(width, height, ink);
                 assert!(
-                    streamlines(&bent(width, height), everywhere(&ink), &NIB, &[])
+                    streamlines(&bent(width, height), everywhere(&ink), &pen(), &[])
                         .lines
                         .is_empty()
                 );
@@ -642,7 +620,7 @@ mod tests {
             };
             let ink = Plane::filled(width, height, 1.0);
             assert!(
-                streamlines(&none, everywhere(&ink), &NIB, &[])
+                streamlines(&none, everywhere(&ink), &pen(), &[])
                     .lines
                     .is_empty()
             );

@@ -2,8 +2,8 @@
 
 use crate::engine::cpu::execution::Execution;
 use crate::frame::Plane;
-use crate::line::drawing::{Tone, finish, has_strokes};
-use crate::line::streamlines::cpu::{Family, carried_seeds, inked, lines};
+use crate::line::drawing::{Drawn, Tone, finish, has_strokes};
+use crate::line::streamlines::cpu::{carried_seeds, inked, lines};
 #[cfg(feature = "gpu")]
 use crate::params::StrokeDirections;
 use crate::params::Style;
@@ -46,27 +46,12 @@ fn lay(run: &mut Execution) {
     let params = plan.drawing.as_ref().expect("strokes are of a drawing");
     let tone = Tone::taken(run);
     let densities = tone.densities(frame, &params.tone);
-    let canvas = std::mem::take(&mut run.canvas);
-    let shape = std::mem::take(&mut run.outcome.shape);
-    let own = shape.conductance.as_ref();
-    let (drawn, conductance) = match &canvas.seen {
-        Some((seen, edges)) => (&seen.frame, &edges.conductance),
-        None => (frame, own.expect("strokes stop at edges")),
-    };
-    let (directions, factor) = (&canvas.directions, plan.resolution_factor as f32);
-    let sequence = run.inputs.sequence;
-    let (ink, laid, seeds) = run.timed(STREAMLINES.name, || {
+    let (ink, laid, seeds) = run.timed_on(STREAMLINES.name, |run| {
+        let (drawn, factor) = (Drawn::of(run), plan.resolution_factor as f32);
+        let first = carried_seeds(run.inputs.sequence, drawn.frame);
         let strokes = &params.strokes;
-        let first = carried_seeds(sequence, drawn);
-        let (laid, seeds) = lines(
-            &densities,
-            &Family::all(directions, &first),
-            conductance,
-            strokes,
-            factor,
-            drawn,
-            memory,
-        );
+        let fields = &run.canvas.directions;
+        let (laid, seeds) = lines(&densities, fields, &first, &drawn, strokes, factor, memory);
         let ink = match plan.inks_strokes {
             false => Plane::filled(frame.mask.width(), frame.mask.height(), 0.0),
             true => inked(&laid, frame, memory),
@@ -74,7 +59,6 @@ fn lay(run: &mut Execution) {
         (ink, laid, seeds)
     });
     drop(densities);
-    (run.canvas, run.outcome.shape) = (canvas, shape);
     if let Some(coordinates) = &mut run.canvas.coordinates {
         coordinates.seeds = seeds;
     }

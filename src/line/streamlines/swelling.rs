@@ -1,7 +1,6 @@
 //! Engraved lines: tapered to points, and swelling to cover the tone.
 
-use super::tool::Burin;
-use super::{Streamline, Wanted};
+use super::{Streamline, Tool, Wanted};
 use crate::line::contours::polyline::lengths;
 use crate::line::ink_cells::InkCells;
 use glam::Vec2;
@@ -27,11 +26,11 @@ const MENDS: usize = 3;
 const MEND: [f32; 2] = [0.6, 1.6];
 
 /// Makes lines run to points, and as wide as covers the ink wanted on average about them.
-pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
+pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Tool) {
     for line in lines.iter_mut() {
         taper(line, wanted, burin);
     }
-    let wanted = InkCells::of_plane(wanted.ink, CELL * burin.spacing);
+    let wanted = InkCells::of_plane(wanted.ink, CELL * burin.least_spacing);
     let point = POINT * burin.widths[0];
     for _ in 0..MENDS {
         let mut drawn = wanted.blank();
@@ -49,18 +48,18 @@ pub(super) fn swell(lines: &mut [Streamline], wanted: Wanted, burin: &Burin) {
 }
 
 /// Tapers a line toward its ends: slowly at an end on open paper, abruptly at an edge.
-fn taper(line: &mut Streamline, wanted: Wanted, burin: &Burin) {
+fn taper(line: &mut Streamline, wanted: Wanted, burin: &Tool) {
     let (points, lengths) = (&line.points, lengths(&line.points));
     let [.., before, last] = points[..] else {
         return;
     };
     let whole = lengths[lengths.len() - 1];
     let ends = [(points[0], points[1]), (last, before)].map(|(end, inner)| {
-        let share = match is_at_edge(end, end - inner, wanted, burin.spacing) {
+        let share = match is_at_edge(end, end - inner, wanted, burin.least_spacing) {
             true => TAPER_AT_EDGE,
             false => TAPER,
         };
-        (share * burin.spacing).min(MOST_TAPERED * whole)
+        (share * burin.least_spacing).min(MOST_TAPERED * whole)
     });
     for (width, length) in line.widths.iter_mut().zip(lengths) {
         let [from_start, to_end] = [length / ends[0], (whole - length) / ends[1]];

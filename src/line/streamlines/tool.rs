@@ -2,37 +2,35 @@
 
 use crate::params::{Stroke, Style};
 
-/// A drawing tool.
+/// A drawing tool, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Tool {
-    /// Lines at distances that follow the tone, a little wider in the dark.
-    Nib(Nib),
-    /// Evenly spaced lines whose widths follow the tone, pointed at both ends.
-    Burin(Burin),
-}
-
-/// A pen, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Nib {
-    /// Width in a middle tone.
-    pub width: f32,
-    /// Share of that, 0..1, by which it varies with tone.
-    pub pressure: f32,
-    /// Distance between lines in the lightest tone that is drawn.
-    pub widest_spacing: f32,
-    /// Longest line.
-    pub longest: f32,
-}
-
-/// An engraver's tool, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Burin {
+pub(crate) struct Tool {
     /// Width of the thinnest and of the widest line.
-    pub widths: [f32; 2],
-    /// Distance between lines; more where the thinnest would be too dark.
-    pub spacing: f32,
-    /// Longest line.
-    pub longest: f32,
+    pub(super) widths: [f32; 2],
+    /// Width of lines at the distance for their tone, in a middle one, and the share of that by which it varies with tone.
+    width: f32,
+    pressure: f32,
+    /// Least distance between lines, and the same in widths.
+    pub(super) least_spacing: f32,
+    touching: f32,
+    /// Distance between lines in the lightest tone that is drawn, unless they are wider.
+    widest_spacing: f32,
+    /// The least ink that is drawn: of the thinnest lines at the widest distance.
+    pub(super) least_ink: f32,
+    /// Distance of points along a line, small enough that no other line passes between them.
+    pub(super) step: f32,
+    /// Longest and shortest line.
+    pub(super) longest: f32,
+    pub(super) shortest: f32,
+    /// Distance between the places where lines are tried.
+    pub(super) every: usize,
+    /// Room around seeds, as shares of the distance wanted, round by round: when no more lines fit at that distance, a
+    /// burin fills gaps beside edges. Up to rounding.
+    pub(super) rooms: &'static [f32],
+    /// Number of levels of darkness, starting at the darkest.
+    pub(super) levels: usize,
+    /// Whether lines swell with the tone, pointed at both ends.
+    pub(super) swells: bool,
 }
 
 /// Smallest distance from another line, as a share of that wanted. [JL] finds 0.5 to 0.9: higher values give more and
@@ -61,37 +59,73 @@ const LEAST_SIDE: f32 = 3.0;
 impl Tool {
     /// The tool of such strokes.
     pub(crate) fn of(stroke: &Stroke, style: Style) -> Self {
-        let widest_spacing = WIDEST * stroke.spacing_px;
-        let (width, longest) = (stroke.width_px, stroke.length_px);
+        let Stroke {
+            width_px: width,
+            length_px: longest,
+            pressure,
+            ..
+        } = *stroke;
         match style {
-            Style::Engraving => Self::Burin(Burin {
-                widths: [(1.0 - stroke.pressure) * width, width],
-                spacing: stroke.spacing_px.max(CLOSEST),
-                longest,
-            }),
-            _ => Self::Nib(Nib {
-                width,
-                pressure: stroke.pressure,
-                widest_spacing,
-                longest,
-            }),
+            Style::Engraving => {
+                let spacing = stroke.spacing_px.max(CLOSEST);
+                Self::burin([(1.0 - pressure) * width, width], spacing, longest)
+            }
+            _ => Self::pen(width, pressure, WIDEST * stroke.spacing_px, longest),
+        }
+    }
+
+    /// Lines at distances that follow the tone up to the widest, a little wider in the dark, by a share of their width in
+    /// a middle tone.
+    pub(super) fn pen(width: f32, pressure: f32, widest_spacing: f32, longest: f32) -> Self {
+        let widths = [1.0 - pressure, 1.0 + pressure].map(|share| share * width);
+        let closest = (TOUCHING * widths[1]).max(CLOSEST);
+        Self {
+            widths,
+            width,
+            pressure,
+            least_spacing: CLOSEST,
+            touching: TOUCHING,
+            widest_spacing,
+            least_ink: (widths[0].max(0.2 * width) / widest_spacing).min(0.5),
+            step: (0.8 * TEST * closest).min(1.0),
+            longest,
+            shortest: SHORTEST * width,
+            every: (0.5 * width).max(2.0) as usize,
+            rooms: &[0.99],
+            levels: 1,
+            swells: false,
+        }
+    }
+
+    /// Evenly spaced lines whose widths follow the tone, pointed at both ends; farther apart where the thinnest would be
+    /// too dark.
+    pub(super) fn burin(widths: [f32; 2], spacing: f32, longest: f32) -> Self {
+        let widest_spacing = WIDEST * spacing;
+        Self {
+            widths,
+            width: widths[0],
+            pressure: 0.0,
+            least_spacing: spacing,
+            touching: 0.0,
+            widest_spacing,
+            least_ink: (widths[0].max(0.02 * spacing) / widest_spacing).min(0.5),
+            step: (0.4 * TEST * spacing).min(2.0),
+            longest,
+            shortest: SHORTEST_ENGRAVED * spacing,
+            every: (0.4 * spacing).max(1.0) as usize,
+            rooms: &[0.99, 0.7],
+            levels: LEVELS,
+            swells: true,
         }
     }
 
     /// The distance between lines that cover a share `ink` of the paper.
     #[inline]
     pub(super) fn spacing(&self, ink: f32) -> f32 {
-        match self {
-            Self::Nib(nib) => {
-                // Thin lines in light tones, thick ones in dark tones.
-                let width = nib.width * (1.0 + nib.pressure * (2.0 * ink - 1.0));
-                let least = (TOUCHING * width).max(CLOSEST);
-                (width / ink).clamp(least, nib.widest_spacing.max(least))
-            }
-            Self::Burin(burin) => {
-                (burin.widths[0] / ink).clamp(burin.spacing, WIDEST * burin.spacing)
-            }
-        }
+        // Thin lines in light tones, thick ones in dark tones.
+        let width = self.width * (1.0 + self.pressure * (2.0 * ink - 1.0));
+        let least = (self.touching * width).max(self.least_spacing);
+        (width / ink).clamp(least, self.widest_spacing.max(least))
     }
 
     /// The distance from another line at which a line ends where `ink` is wanted.
@@ -102,98 +136,19 @@ impl Tool {
 
     /// The least distance between lines wherever.
     fn closest(&self) -> f32 {
-        match self {
-            Self::Nib(_) => (TOUCHING * self.widths()[1]).max(CLOSEST),
-            Self::Burin(burin) => burin.spacing,
-        }
-    }
-
-    /// Distance of points along a line, small enough that no other line passes between them.
-    pub(super) fn step(&self) -> f32 {
-        let most = match self {
-            Self::Nib(_) => 0.8 * TEST,
-            Self::Burin(_) => 0.4 * TEST,
-        };
-        (most * self.closest()).min(match self {
-            Self::Nib(_) => 1.0,
-            Self::Burin(_) => 2.0,
-        })
+        (self.touching * self.widths[1]).max(self.least_spacing)
     }
 
     /// Points of lines in a pixel where all is black, at most.
     #[cfg(feature = "cli")]
     pub(crate) fn most_points_per_px(&self) -> f32 {
-        (self.closest() * self.step()).recip()
-    }
-
-    /// The widths it can draw.
-    pub(super) fn widths(&self) -> [f32; 2] {
-        match self {
-            Self::Nib(nib) => {
-                [1.0 - nib.pressure, 1.0 + nib.pressure].map(|share| share * nib.width)
-            }
-            Self::Burin(burin) => burin.widths,
-        }
-    }
-
-    /// The least ink that is drawn: of the thinnest lines at the widest distance.
-    pub(super) fn least_ink(&self) -> f32 {
-        let least = match self {
-            Self::Nib(nib) => self.widths()[0].max(0.2 * nib.width) / nib.widest_spacing,
-            Self::Burin(burin) => {
-                burin.widths[0].max(0.02 * burin.spacing) / (WIDEST * burin.spacing)
-            }
-        };
-        least.min(0.5)
-    }
-
-    /// The longest line.
-    pub(super) fn longest(&self) -> f32 {
-        match self {
-            Self::Nib(nib) => nib.longest,
-            Self::Burin(burin) => burin.longest,
-        }
-    }
-
-    /// Lines shorter than that are left out.
-    pub(super) fn shortest(&self) -> f32 {
-        match self {
-            Self::Nib(nib) => SHORTEST * nib.width,
-            Self::Burin(burin) => SHORTEST_ENGRAVED * burin.spacing,
-        }
-    }
-
-    /// Pixels between the places where lines are tried.
-    pub(super) fn every(&self) -> usize {
-        let [least, every] = match self {
-            Self::Nib(nib) => [2.0, 0.5 * nib.width],
-            Self::Burin(burin) => [1.0, 0.4 * burin.spacing],
-        };
-        every.max(least) as usize
-    }
-
-    /// Room around seeds, as shares of the distance wanted, round by round: when no more lines fit at that distance, a
-    /// burin fills gaps beside edges. Up to rounding.
-    pub(super) fn rooms(&self) -> &'static [f32] {
-        match self {
-            Self::Nib(_) => &[0.99],
-            Self::Burin(_) => &[0.99, 0.7],
-        }
-    }
-
-    /// Number of levels of darkness, starting at the darkest.
-    pub(super) fn levels(&self) -> usize {
-        match self {
-            Self::Nib(_) => 1,
-            Self::Burin(_) => LEVELS,
-        }
+        (self.closest() * self.step).recip()
     }
 
     /// The level of darkness of a place where `ink`, 0..1, is wanted: 0 is the lightest.
     #[inline]
     pub(super) fn level(&self, ink: f32) -> usize {
-        let levels = self.levels();
-        ((ink * levels as f32) as usize).min(levels - 1)
+        ((ink * self.levels as f32) as usize).min(self.levels - 1)
     }
 
     /// The side of cells of points that finds neighbours soonest.

@@ -8,13 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub(crate) struct ArtMapCache(Mutex<Option<(Made, Arc<TonalArtMap>)>>);
 
-/// The parameters that a texture was made with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Made {
-    stroke: Stroke,
-    style: Style,
-    seed: u64,
-}
+/// The stroke, style and seed that a texture was made with.
+type Made = (Stroke, Style, u64);
 
 impl ArtMapCache {
     /// The texture for strokes in a picture with `resolution_factor` pixels for each of the reference; `timed` builds
@@ -25,16 +20,13 @@ impl ArtMapCache {
         resolution_factor: f32,
         timed: impl FnOnce(&dyn Fn() -> TonalArtMap) -> TonalArtMap,
     ) -> Arc<TonalArtMap> {
-        let asked = Made {
-            stroke: params.stroke(resolution_factor),
-            style: params.style,
-            seed: params.seed,
-        };
+        let (stroke, style, seed) = (params.stroke(resolution_factor), params.style, params.seed);
+        let asked = (stroke, style, seed);
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*kept {
             Some((made, map)) if *made == asked => map.clone(),
             _ => {
-                let make = || TonalArtMap::of_strokes(&asked.stroke, asked.style, asked.seed);
+                let make = || TonalArtMap::of_strokes(&stroke, style, seed);
                 let map = Arc::new(timed(&make));
                 *kept = Some((asked, map.clone()));
                 map

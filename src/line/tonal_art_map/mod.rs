@@ -33,7 +33,7 @@ pub struct TonalArtMap {
     texture: Texture,
     /// Texels per output pixel.
     texels_per_px: f32,
-    response: Response,
+    pub(super) response: Response,
 }
 
 #[derive(Debug, Clone)]
@@ -100,12 +100,6 @@ impl TonalArtMap {
         }
     }
 
-    /// All thresholds, from density 0 to [`MAX_DENSITY`].
-    #[cfg(feature = "gpu")]
-    pub(crate) fn thresholds(&self) -> &[f32] {
-        self.response.thresholds()
-    }
-
     /// The texels of the map, in the form used by kernels on a device.
     #[cfg(feature = "gpu")]
     pub(crate) fn texels(&self) -> Texels {
@@ -113,18 +107,6 @@ impl TonalArtMap {
             Texture::Strokes(texture) => Texels::Strokes(texture.pairs().collect()),
             Texture::Slices(texture) => Texels::Slices(texture.samples().collect()),
         }
-    }
-
-    /// The entry for a density, minus the logarithm of the white left, in [`TonalArtMap::threshold`].
-    #[inline(always)]
-    pub(crate) fn entry(&self, density: f32) -> u32 {
-        Response::entry(density)
-    }
-
-    /// The threshold at which the inked share of the paper matches the density of this entry.
-    #[inline(always)]
-    pub(crate) fn threshold(&self, entry: u32) -> f32 {
-        self.response.threshold(entry)
     }
 
     /// Removes from `white` the ink at positions, at thresholds.
