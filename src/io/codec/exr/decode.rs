@@ -220,6 +220,10 @@ fn copy_row(
     }
 }
 
+pub(super) fn is_dwa(compression: Compression) -> bool {
+    matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
+}
+
 /// Copies of a block while it is decoded: compressed, decompressed, and where the `exr` crate does it one in between.
 pub(super) fn copies(compression: Compression) -> usize {
     match compression {
@@ -257,10 +261,7 @@ pub(super) fn decode_block(
 /// Lets the `exr` crate decompress a block.
 fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) -> Parsed<Block> {
     let header = &meta.headers[part];
-    if matches!(
-        header.compression,
-        Compression::DWAA(_) | Compression::DWAB(_)
-    ) {
+    if is_dwa(header.compression) {
         check_dwa_counters(&bytes, block_size(place, header)?, header)?;
     }
     let chunk = Chunk {
