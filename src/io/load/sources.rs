@@ -469,7 +469,7 @@ pub(crate) fn read_rows(
             for &i in &together {
                 planes[i] = Some(photo_planes(photo, &sources[i], window, colorspace)?);
             }
-            if !file.companions.holding.stay {
+            if !file.holding.stay {
                 photo.release();
             }
         }
