@@ -370,15 +370,13 @@ impl RoleSource {
     }
 
     /// Its channels, its alpha last.
-    fn channels(&self) -> Vec<ChannelId> {
-        let Some(layer) = &self.layer else {
-            return Vec::new();
+    fn channels(&self) -> impl Iterator<Item = ChannelId> {
+        let alpha = |layer: &Match| {
+            let part = layer.part;
+            layer.alpha.map(|channel| ChannelId { part, channel })
         };
-        let part = layer.part;
-        let channels = layer.channels.iter().chain(&layer.alpha);
-        channels
-            .map(|&channel| ChannelId { part, channel })
-            .collect()
+        let layers = self.layer.iter();
+        layers.flat_map(move |layer| layer.ids().chain(alpha(layer)))
     }
 }
 
