@@ -41,7 +41,6 @@ use crate::io::inputs::{
 };
 use crate::io::judge::borders::Borders;
 use crate::io::judge::depth::{Sense, depth_finding, judge_depth};
-use crate::io::judge::map_writers::MapWriter;
 use crate::io::judge::surface::SurfaceSamples;
 use crate::io::motion::MotionLayers;
 use crate::io::photo::{PhotoMetadata, StoredPhoto};
@@ -57,7 +56,7 @@ use sources::RoleSource;
 use std::ops::Range;
 use std::rc::Rc;
 use std::time::Duration;
-use view::{View, Written, turn_to_view};
+use view::{View, turn_to_view};
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -494,12 +493,7 @@ impl FrameSource<'_> {
         let surface = self.surface(mask, layers, layers.depth.as_ref());
         let projection = needs.projection || self.positions_for_depth(layers).is_some();
         let source = &self.sources.roles[0];
-        let written = Written {
-            hint: source.hint(),
-            writer: &|| MapWriter::of(source.file.path()),
-            is_layer: source.is_exr(),
-        };
-        turn_to_view(self.inputs, &surface, projection, &written, normal, notes)
+        turn_to_view(self.inputs, &surface, projection, source, normal, notes)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.

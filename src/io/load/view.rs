@@ -1,8 +1,9 @@
 //! The turn to view space: which space the normals were in, and why.
 
+use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::normals;
-use crate::frame::{Camera, Mask, NormalSpace, Vector3Planes, Window};
+use crate::frame::{Camera, Mask, NormalSpace, Vector3Planes};
 use crate::io::camera::{CAMERA, CameraSearch, FoundCamera};
 use crate::io::finding::{Finding, Notes};
 use crate::io::inputs::{Flip, Inputs};
@@ -60,23 +61,13 @@ impl View {
     }
 }
 
-/// What is known of stored normals beside their numbers.
-pub(crate) struct Written<'a> {
-    /// What their name implies, and why.
-    pub(crate) hint: (Hint, String),
-    /// Finds the program that wrote them.
-    pub(crate) writer: &'a dyn Fn() -> Option<MapWriter>,
-    /// Whether they are a layer of an EXR.
-    pub(crate) is_layer: bool,
-}
-
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
 /// normals, to know their space, or because the projection is asked for.
 pub(crate) fn turn_to_view(
     inputs: &Inputs,
     surface: &SurfaceSamples,
     projection: bool,
-    written: &Written,
+    source: &RoleSource,
     normal: &mut Vector3Planes,
     notes: &mut Notes,
 ) -> Result<View> {
@@ -102,7 +93,7 @@ pub(crate) fn turn_to_view(
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
     let warnings = &mut notes.warnings;
-    if reading.take(&written.hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
+    if reading.take(&source.hint()) && surface.attributes.is_none() && surface.mask.count() > 0 {
         warnings.push(format!("normals: {}", reading.verdict.reason));
     }
     reading.try_sight(inputs, surface, camera.as_ref(), normal);
@@ -125,8 +116,8 @@ pub(crate) fn turn_to_view(
         let settled = axes::settle(
             normal,
             surface.mask,
-            (written.writer)().as_ref(),
-            written.is_layer,
+            MapWriter::of(source.file.path()).as_ref(),
+            source.is_exr(),
         );
         normals.flip.x |= settled.flip.x;
         normals.flip.y |= settled.flip.y;
@@ -136,7 +127,10 @@ pub(crate) fn turn_to_view(
     }
     notes.findings.extend(findings);
     notes.findings.push(reading.finding(normals, inputs));
-    turn(normals, normal, camera.as_ref(), surface.data_window);
+    normals::flip_axes(normal, normals.flip);
+    if let Some(camera) = &camera {
+        normals::turn_to_view(normal, normals.space, camera, surface.data_window);
+    }
     Ok(View {
         is_placed,
         is_recovered,
@@ -191,19 +185,6 @@ fn turn_deg(turn: DMat3) -> f64 {
     match turn.determinant() > 0.0 {
         true => (0.5 * (trace - 1.0)).clamp(-1.0, 1.0).acos().to_degrees(),
         false => 180.0,
-    }
-}
-
-/// Turns stored normals to view space, in place. Those in world space take a camera.
-fn turn(
-    reading: NormalReading,
-    normal: &mut Vector3Planes,
-    camera: Option<&Camera>,
-    window: Window,
-) {
-    normals::flip_axes(normal, reading.flip);
-    if let Some(camera) = camera {
-        normals::turn_to_view(normal, reading.space, camera, window);
     }
 }
 
