@@ -38,13 +38,13 @@ pub(super) struct Encoder {
     header: Header,
     sources: Vec<Source>,
     /// Rows of a block.
-    block_rows: usize,
+    pub(super) block_rows: usize,
     /// Rows taken, including those waiting.
-    taken: usize,
+    pub(super) taken: usize,
     /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
-    /// Samples that were clamped.
-    clamped: u64,
+    /// Samples that were too large for half floats and were clamped.
+    pub(super) clamped: u64,
 }
 
 /// Rows to write: the same of every plane.
@@ -67,16 +67,6 @@ impl Encoder {
         }
     }
 
-    /// Samples that were too large for half floats and were clamped.
-    pub(super) fn clamped(&self) -> u64 {
-        self.clamped
-    }
-
-    /// The rows that have been taken.
-    pub(super) fn taken(&self) -> usize {
-        self.taken
-    }
-
     /// Rows that are still to come.
     pub(super) fn missing(&self) -> usize {
         self.header.layer_size.height() - self.taken
@@ -89,10 +79,6 @@ impl Encoder {
         blocks * self.block_rows - self.waiting_rows()
     }
 
-    pub(super) fn block_rows(&self) -> usize {
-        self.block_rows
-    }
-
     fn row_bytes(&self) -> usize {
         self.header.layer_size.width() * self.header.channels.bytes_per_pixel
     }
@@ -101,14 +87,14 @@ impl Encoder {
         self.taken % self.block_rows
     }
 
-    /// Takes at least one row, and returns the index of the first completed block, and the bytes of all completed ones.
+    /// Takes at least one row, and returns the indices and the bytes of all completed blocks.
     ///
     /// `beside` is done once, as threads run out of blocks.
     pub(super) fn take(
         &mut self,
         strip: &Strip,
         beside: &mut (dyn FnMut() + Send),
-    ) -> Parsed<(usize, Vec<Vec<u8>>)> {
+    ) -> Parsed<Vec<(usize, Vec<u8>)>> {
         let waiting = self.waiting_rows();
         let first = self.taken / self.block_rows;
         let rows = waiting + strip.rows.len();
@@ -161,7 +147,8 @@ impl Encoder {
         self.taken += strip.rows.len();
         let blocks: Vec<_> = blocks.into_iter().collect::<Parsed<_>>()?;
         self.clamped += blocks.iter().map(|(_, clamped)| clamped).sum::<u64>();
-        Ok((first, blocks.into_iter().map(|(bytes, _)| bytes).collect()))
+        let bytes = blocks.into_iter().map(|(bytes, _)| bytes);
+        Ok((first..).zip(bytes).collect())
     }
 
     /// Lays the rows `rows` of a strip out in a block, of which they fill `raw`; returns the number of samples clamped.
@@ -255,9 +242,10 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
             // Rare: finite samples that became infinite. All are looked at, many at a time.
             let is_infinite = |any, half: &f16| any | half.is_infinite();
             if halves.iter().fold(false, is_infinite) {
-                for (half, &v) in halves.iter_mut().zip(row) {
-                    clamped += u64::from(v.is_finite() && half.is_infinite());
-                    *half = f16::from_f32(clamped_to_half(v));
+                let both = halves.iter_mut().zip(row);
+                for (half, _) in both.filter(|(half, v)| half.is_infinite() && v.is_finite()) {
+                    *half = f16::MAX.copysign(*half);
+                    clamped += 1;
                 }
             }
             for (to, v) in raw.as_chunks_mut().0.iter_mut().zip(halves.iter()) {
@@ -268,21 +256,17 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
     clamped
 }
 
-/// `v`, moved into the range of half precision if it is finite.
-fn clamped_to_half(v: f32) -> f32 {
-    match v.is_finite() {
-        true => v.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()),
-        false => v,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn half_saturates_and_rounds_to_nearest() {
-        let half = |v: f32| f16::from_f32(clamped_to_half(v)).to_f32();
+        let half = |v: f32| {
+            let mut raw = [0; 2];
+            lay_samples(&[v], OutputType::Half, &mut Vec::new(), &mut raw);
+            f16::from_ne_bytes(raw).to_f32()
+        };
         assert_eq!(half(1e9), 65504.0);
         assert_eq!(half(-65530.0), -65504.0);
         assert_eq!(half(f32::INFINITY), f32::INFINITY);

@@ -138,35 +138,23 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
             rows.len() <= self.encoder.missing(),
             "more rows than the data window has"
         );
-        let (mut next, mut nothing) = (rows.start, || ());
-        let mut beside = beside;
+        let (mut next, mut beside, mut nothing) = (rows.start, beside, || ());
         while next < rows.end {
             let rows = next..rows.end.min(next + self.encoder.batch_rows());
+            let first = self.encoder.taken;
+            let kept = match &mut self.kept {
+                Some(part) => part.rows(&(first..first + rows.len()))?,
+                None => &[],
+            };
             next = rows.end;
-            self.write_strip(planes, rows, beside)?;
+            let strip = Strip { planes, rows, kept };
+            let blocks = self.encoder.take(&strip, beside);
+            for (index, bytes) in blocks.map_err(|fault| fault.at(&self.target))? {
+                let top = self.top + (index * self.encoder.block_rows) as i32;
+                let written = self.out.chunk(self.index, index, &[top], &bytes);
+                written.map_err(Error::io(&self.target, "write"))?;
+            }
             beside = &mut nothing;
-        }
-        Ok(())
-    }
-
-    fn write_strip(
-        &mut self,
-        planes: &[&Plane],
-        rows: Range<usize>,
-        beside: &mut (dyn FnMut() + Send),
-    ) -> Result<()> {
-        let taken = self.encoder.taken();
-        let kept = match &mut self.kept {
-            Some(part) => part.rows(&(taken..taken + rows.len()))?,
-            None => &[],
-        };
-        let strip = Strip { planes, rows, kept };
-        let compressed = self.encoder.take(&strip, beside);
-        let (first, blocks) = compressed.map_err(|fault| fault.at(&self.target))?;
-        for (index, bytes) in (first..).zip(blocks) {
-            let top = self.top + (index * self.encoder.block_rows()) as i32;
-            let written = self.out.chunk(self.index, index, &[top], &bytes);
-            written.map_err(Error::io(&self.target, "write"))?;
         }
         Ok(())
     }
@@ -180,7 +168,7 @@ impl<'a, W: Write + Seek> PartWriter<'a, W> {
         assert_eq!(self.encoder.missing(), 0, "rows are missing");
         let finished = self.out.finish();
         finished.map_err(Error::io(&self.target, "write"))?;
-        Ok(self.encoder.clamped())
+        Ok(self.encoder.clamped)
     }
 
     /// Writes all rows, and finishes the file as [`PartWriter::finish`] does.
