@@ -142,6 +142,10 @@ pub(crate) fn shares(mut plane: Plane) -> Plane {
 /// Replaces NaN by 0 and infinities by the largest half float. Returns the number of samples replaced.
 pub(crate) fn sanitise(plane: &mut Plane) -> usize {
     let replaced = |samples: &mut [f32]| {
+        // Rare: all are looked at, many at a time.
+        if samples.iter().fold(true, |all, v| all & v.is_finite()) {
+            return 0;
+        }
         let odd = samples.iter_mut().filter(|sample| !sample.is_finite());
         odd.map(|sample| {
             *sample = match sample.is_nan() {

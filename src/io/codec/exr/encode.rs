@@ -38,13 +38,13 @@ pub(super) struct Encoder {
     header: Header,
     sources: Vec<Source>,
     /// Rows of a block.
-    pub(super) block_rows: usize,
+    block_rows: usize,
     /// Rows taken, including those waiting.
-    pub(super) taken: usize,
+    taken: usize,
     /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
-    /// Samples that were too large for half floats and were clamped.
-    pub(super) clamped: u64,
+    /// Samples that were clamped.
+    clamped: u64,
 }
 
 /// Rows to write: the same of every plane.
@@ -67,6 +67,16 @@ impl Encoder {
         }
     }
 
+    /// Samples that were too large for half floats and were clamped.
+    pub(super) fn clamped(&self) -> u64 {
+        self.clamped
+    }
+
+    /// The rows that have been taken.
+    pub(super) fn taken(&self) -> usize {
+        self.taken
+    }
+
     /// Rows that are still to come.
     pub(super) fn missing(&self) -> usize {
         self.header.layer_size.height() - self.taken
@@ -79,6 +89,10 @@ impl Encoder {
         blocks * self.block_rows - self.waiting_rows()
     }
 
+    pub(super) fn block_rows(&self) -> usize {
+        self.block_rows
+    }
+
     fn row_bytes(&self) -> usize {
         self.header.layer_size.width() * self.header.channels.bytes_per_pixel
     }
@@ -87,14 +101,14 @@ impl Encoder {
         self.taken % self.block_rows
     }
 
-    /// Takes at least one row, and returns the indices and the bytes of all completed blocks.
+    /// Takes at least one row, and returns the index of the first completed block, and the bytes of all completed ones.
     ///
     /// `beside` is done once, as threads run out of blocks.
     pub(super) fn take(
         &mut self,
         strip: &Strip,
         beside: &mut (dyn FnMut() + Send),
-    ) -> Parsed<Vec<(usize, Vec<u8>)>> {
+    ) -> Parsed<(usize, Vec<Vec<u8>>)> {
         let waiting = self.waiting_rows();
         let first = self.taken / self.block_rows;
         let rows = waiting + strip.rows.len();
@@ -147,8 +161,7 @@ impl Encoder {
         self.taken += strip.rows.len();
         let blocks: Vec<_> = blocks.into_iter().collect::<Parsed<_>>()?;
         self.clamped += blocks.iter().map(|(_, clamped)| clamped).sum::<u64>();
-        let bytes = blocks.into_iter().map(|(bytes, _)| bytes);
-        Ok((first..).zip(bytes).collect())
+        Ok((first, blocks.into_iter().map(|(bytes, _)| bytes).collect()))
     }
 
     /// Lays the rows `rows` of a strip out in a block, of which they fill `raw`; returns the number of samples clamped.
