@@ -6,6 +6,10 @@ use super::plane::each_row_beside;
 use super::repair::fill;
 use super::{Mask, Plane, StoredDepth, Vector3Planes};
 use glam::Vec3;
+use rayon::prelude::*;
+
+/// Samples looked at by a task.
+const SAMPLES_PER_TASK: usize = 1 << 16;
 
 /// Pixels where decoded normals have a direction, depth is a distance, and mask and alpha are above one half, as far as
 /// these are given.
@@ -137,16 +141,22 @@ pub(crate) fn shares(mut plane: Plane) -> Plane {
 
 /// Replaces NaN by 0 and infinities by the largest half float. Returns the number of samples replaced.
 pub(crate) fn sanitise(plane: &mut Plane) -> usize {
-    let mut replaced = 0;
-    for sample in plane.samples_mut().iter_mut().filter(|s| !s.is_finite()) {
-        *sample = if sample.is_nan() {
-            0.0
-        } else {
-            HALF_INFINITY.copysign(*sample)
-        };
-        replaced += 1;
-    }
-    replaced
+    let replaced = |samples: &mut [f32]| {
+        // Rare: all are looked at, many at a time.
+        if samples.iter().fold(true, |all, v| all & v.is_finite()) {
+            return 0;
+        }
+        let odd = samples.iter_mut().filter(|sample| !sample.is_finite());
+        odd.map(|sample| {
+            *sample = match sample.is_nan() {
+                true => 0.0,
+                false => HALF_INFINITY.copysign(*sample),
+            }
+        })
+        .count()
+    };
+    let parts = plane.samples_mut().par_chunks_mut(SAMPLES_PER_TASK);
+    parts.map(replaced).sum()
 }
 
 #[cfg(test)]

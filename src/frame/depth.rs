@@ -1,7 +1,6 @@
 //! From stored depth, or positions, to distances from the viewer.
 
-use super::{Camera, Plane, StoredDepth};
-use glam::DVec3;
+use super::{Camera, Plane, StoredDepth, Vector3Planes};
 
 /// Infinity clamped to a half float.
 pub(crate) const HALF_INFINITY: f32 = 65504.0;
@@ -25,10 +24,14 @@ pub(crate) fn depth_rounding(is_half: bool, of_signed: f32) -> [f32; 2] {
     }
 }
 
-/// Distance along the view axis of a world-space position; 0 without one.
-pub(crate) fn depth_of_position(position: DVec3, camera: &Camera) -> f32 {
-    let depth = -camera.view_from_world.transform_point3(position).z as f32;
-    if depth.is_finite() { depth } else { 0.0 }
+/// Distances along the view axis of world-space positions; 0 without one.
+pub(crate) fn depth_of_positions(positions: &Vector3Planes, camera: &Camera) -> Plane {
+    let (width, height) = (positions.x.width(), positions.x.height());
+    Plane::from_fn(width, height, |x, y| {
+        let position = camera.view_from_world.transform_point3(positions.at(x, y));
+        let depth = -position.z as f32;
+        if depth.is_finite() { depth } else { 0.0 }
+    })
 }
 
 /// Converts stored depth to values that increase with distance, in place: positive, 0 where the layer marks that

@@ -1,7 +1,7 @@
 //! Borrowed samples in any layout and number type.
 
 use crate::error::{Result, bad};
-use crate::frame::depth::depth_of_position;
+use crate::frame::depth::depth_of_positions;
 use crate::frame::{Camera, Mask, Plane, Vector3Planes};
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, ArrayViewMut1, Axis};
 
@@ -121,8 +121,7 @@ impl<'a> Samples<'a> {
     /// Depths along the view axis of positions in world space.
     pub(crate) fn depths(&self, size: Size, camera: &Camera) -> Result<Plane> {
         let points = self.vectors("position", size)?;
-        let depth_at = |x, y| depth_of_position(points.at(x, y), camera);
-        Ok(Plane::from_fn(size[0], size[1], depth_at))
+        Ok(depth_of_positions(&points, camera))
     }
 
     /// Whether all samples are half floats.

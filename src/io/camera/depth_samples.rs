@@ -4,6 +4,7 @@ use super::samples::{Grid, quantile};
 use crate::frame::{Mask, Plane, Vector3Planes};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
 
 /// Pixels tried for patches of 3x3 pixels, and a share of them for larger ones, whose errors are smaller; about half
 /// survive on a typical picture.
@@ -174,43 +175,14 @@ impl NormalsAndDepth<'_> {
         let reach = choice.reach;
         let (width, height) = (self.depth.width(), self.depth.height());
         let stride = stride(self.mask.count(), CANDIDATES / reach);
-        let rows = (reach..height.saturating_sub(reach)).step_by(stride);
-        rows.flat_map(|y| {
+        let rows: Vec<usize> = (reach..height.saturating_sub(reach))
+            .step_by(stride)
+            .collect();
+        let of_row = |y: usize| {
             let columns = (reach..width.saturating_sub(reach)).step_by(stride);
-            let likely = self.likely(columns, y, reach);
-            likely.filter_map(move |x| self.patch(x, y, choice))
-        })
-        .collect()
-    }
-
-    /// Those columns where the middle pixel of every row of a patch around row `y` has samples.
-    ///
-    /// The rows lie far apart in memory. Looked at one after the other, they come much sooner than patch by patch, where
-    /// sums would wait for each of them.
-    fn likely(
-        &self,
-        columns: impl Iterator<Item = usize>,
-        y: usize,
-        reach: usize,
-    ) -> impl Iterator<Item = usize> {
-        let covered = columns.filter(|&x| self.mask.at(x, y));
-        let mut likely: Vec<(usize, bool)> = covered.map(|x| (x, true)).collect();
-        let n = self.normal;
-        for row in y - reach..y + reach + 1 {
-            let planes = [&n.x, &n.y, &n.z, self.depth].map(|plane| plane.row(row));
-            let mask = self.mask.row(row);
-            for samples in planes {
-                for (x, likely) in &mut likely {
-                    *likely &= samples[*x].is_finite();
-                }
-            }
-            for (x, likely) in &mut likely {
-                *likely &= mask[*x];
-            }
-        }
-        likely
-            .into_iter()
-            .filter_map(|(x, likely)| likely.then_some(x))
+            columns.filter_map(move |x| self.patch(x, y, choice))
+        };
+        rows.into_par_iter().flat_map_iter(of_row).collect()
     }
 
     /// The patch around a pixel; `None` unless it is one smooth surface.

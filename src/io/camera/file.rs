@@ -6,7 +6,7 @@ use crate::io::open::read_text;
 use crate::untrusted::Untrusted;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
-use serde_json::Value;
+use serde::Deserialize;
 use std::path::Path;
 
 /// Largest deviation of a rotation from orthonormal: rows printed with four digits still pass.
@@ -20,6 +20,28 @@ const MOST_SIDE: f64 = (1 << 30) as f64;
 
 /// The longest camera file that is read.
 const MOST_BYTES: u64 = 1 << 24;
+
+/// The keys of a camera file.
+#[derive(Deserialize)]
+struct CameraFile {
+    world_to_camera: Option<[[f64; 4]; 4]>,
+    focal_px: Option<f64>,
+    pixels_per_unit: Option<f64>,
+    principal_point_px: Option<[f64; 2]>,
+    intrinsics_px: Option<Intrinsics>,
+    fov_x: Option<f64>,
+    fov_y: Option<f64>,
+    camera_type: Option<String>,
+    resolution: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+struct Intrinsics {
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+}
 
 /// Reads a camera from a JSON file.
 ///
@@ -80,27 +102,19 @@ pub(crate) fn camera_of_text(
 pub(crate) fn read_pose(path: &Path) -> Result<(DVec3, DMat3)> {
     let text = read_text(path, MOST_BYTES)?;
     let parsed = || {
-        let json: Value = serde_json::from_str(&text).map_err(not_json)?;
-        let matrix = present(&json, "world_to_camera").ok_or_else(|| {
+        let matrix = CameraFile::parsed(&text)?.world_to_camera.ok_or_else(|| {
             Rejected::new(
                 "has no world_to_camera",
                 "write the rows of a 4x4 matrix: where the panorama was seen from",
             )
         })?;
-        let (map_from_world, _) = rigid_transform(matrix)?;
+        let (map_from_world, _) = rigid_transform(&matrix)?;
         check_place(map_from_world.translation)?;
         Ok(map_from_world)
     };
     let map_from_world = parsed().map_err(|rejected: Rejected| rejected.in_file(path))?;
     let center = map_from_world.inverse().translation;
     Ok((center, map_from_world.matrix3))
-}
-
-fn not_json(error: serde_json::Error) -> Rejected {
-    Rejected::new(
-        format!("not a JSON camera ({})", Untrusted(&error.to_string())),
-        "write an object with world_to_camera and focal_px",
-    )
 }
 
 /// Why a camera file was not accepted, before the file's name is attached.
@@ -142,19 +156,13 @@ enum Kind {
 }
 
 fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
-    let json: Value = serde_json::from_str(text).map_err(not_json)?;
-    if !json.is_object() {
-        return Err(Rejected::new(
-            format!("holds {} instead of a JSON object", described(&json)),
-            "write an object with world_to_camera and focal_px",
-        ));
-    }
-    let kind = kind_of(&json)?;
-    let (view_from_world, scale) = match present(&json, "world_to_camera") {
-        Some(value) => rigid_transform(value)?,
+    let file = CameraFile::parsed(text)?;
+    let kind = file.kind()?;
+    let (view_from_world, scale) = match &file.world_to_camera {
+        Some(rows) => rigid_transform(rows)?,
         None => (DAffine3::IDENTITY, 1.0),
     };
-    let lens = Lens::of_json(&json, kind, display, aspect)?;
+    let lens = Lens::of(&file, kind, display, aspect)?;
     let camera = Camera {
         view_from_world,
         projection: lens.projection(kind, scale, display),
@@ -163,49 +171,63 @@ fn camera_of_json(text: &str, display: Window, aspect: f64) -> Parsed<Camera> {
     Ok(camera)
 }
 
-/// The value of `key`, where it is given and not null.
-fn present<'a>(json: &'a Value, key: &str) -> Option<&'a Value> {
-    json.get(key).filter(|value| !value.is_null())
-}
+impl CameraFile {
+    fn parsed(text: &str) -> Parsed<Self> {
+        serde_json::from_str(text).map_err(|error| {
+            Rejected::new(
+                format!("not a JSON camera ({})", Untrusted(&error.to_string())),
+                "write an object with world_to_camera and focal_px",
+            )
+        })
+    }
 
-fn described(value: &Value) -> String {
-    match value {
-        Value::Null => "null".into(),
-        Value::Bool(b) => b.to_string(),
-        Value::Number(n) => n.to_string(),
-        Value::String(s) => format!("the text \"{}\"", s.chars().take(40).collect::<String>()),
-        Value::Array(a) => format!("an array of {}", a.len()),
-        Value::Object(_) => "an object".into(),
+    fn kind(&self) -> Parsed<Kind> {
+        let (focal, parallel) = (self.focal_px.is_some(), self.pixels_per_unit.is_some());
+        let named = self.camera_type.as_deref().map(kind_named).transpose()?;
+        let (found, remedy) = match named {
+            _ if focal && parallel => (
+                "has both focal_px and pixels_per_unit",
+                "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
+            ),
+            Some(Kind::Perspective) if parallel => (
+                "camera_type PERSP with pixels_per_unit",
+                "give focal_px instead, or set camera_type to ORTHO",
+            ),
+            Some(Kind::Orthographic) if focal => (
+                "camera_type ORTHO with focal_px",
+                "give pixels_per_unit instead, or set camera_type to PERSP",
+            ),
+            Some(kind) => return Ok(kind),
+            None if parallel => return Ok(Kind::Orthographic),
+            None => return Ok(Kind::Perspective),
+        };
+        Err(Rejected::new(found, remedy))
+    }
+
+    /// Focal lengths of a picture of this size by its angle across it, down it, or both; `None` where neither is given.
+    fn focal_of_view(&self, size: [f64; 2], aspect: f64) -> Parsed<Option<[f64; 2]>> {
+        let focal = |key: &str, degrees: Option<f64>, side: f64| match degrees {
+            None => Ok(None),
+            Some(degrees) if degrees > 0.0 && degrees < 180.0 => {
+                Ok(Some(0.5 * side / (0.5 * degrees).to_radians().tan()))
+            }
+            Some(degrees) => Err(Rejected::new(
+                format!("{key} is {degrees}"),
+                "give an angle in degrees, above 0 and below 180",
+            )),
+        };
+        let across = focal("fov_x", self.fov_x, size[0])?;
+        Ok(match (across, focal("fov_y", self.fov_y, size[1])?) {
+            (Some(fx), Some(fy)) => Some([fx, fy]),
+            (Some(fx), None) => Some([fx, fx * aspect]),
+            (None, Some(fy)) => Some([fy / aspect, fy]),
+            (None, None) => None,
+        })
     }
 }
 
-fn kind_of(json: &Value) -> Parsed<Kind> {
-    let has = |key| present(json, key).is_some();
-    let (focal, parallel) = (has("focal_px"), has("pixels_per_unit"));
-    let named = present(json, "camera_type").map(kind_named).transpose()?;
-    let (found, remedy) = match named {
-        _ if focal && parallel => (
-            "has both focal_px and pixels_per_unit",
-            "keep focal_px for a perspective camera, pixels_per_unit for an orthographic one",
-        ),
-        Some(Kind::Perspective) if parallel => (
-            "camera_type PERSP with pixels_per_unit",
-            "give focal_px instead, or set camera_type to ORTHO",
-        ),
-        Some(Kind::Orthographic) if focal => (
-            "camera_type ORTHO with focal_px",
-            "give pixels_per_unit instead, or set camera_type to PERSP",
-        ),
-        Some(kind) => return Ok(kind),
-        None if parallel => return Ok(Kind::Orthographic),
-        None => return Ok(Kind::Perspective),
-    };
-    Err(Rejected::new(found, remedy))
-}
-
-fn kind_named(value: &Value) -> Parsed<Kind> {
-    let name = value.as_str().unwrap_or_default().to_ascii_uppercase();
-    match name.as_str() {
+fn kind_named(name: &str) -> Parsed<Kind> {
+    match name.to_ascii_uppercase().as_str() {
         "PERSP" | "PERSPECTIVE" => Ok(Kind::Perspective),
         "ORTHO" | "ORTHOGRAPHIC" => Ok(Kind::Orthographic),
         "PANO" | "PANORAMA" | "EQUIRECTANGULAR" => Err(Rejected::new(
@@ -213,70 +235,30 @@ fn kind_named(value: &Value) -> Parsed<Kind> {
             "render with a perspective or orthographic camera, or give view-space normals",
         )),
         _ => Err(Rejected::new(
-            format!("camera_type is {}", described(value)),
+            format!("camera_type is {}", Untrusted(name)),
             "set it to PERSP or ORTHO",
         )),
     }
 }
 
-fn number(value: &Value, name: &str) -> Parsed<f64> {
-    value
-        .as_f64()
-        .filter(|n| n.is_finite())
-        .ok_or_else(|| Rejected::new(format!("{name} is {}", described(value)), "give a number"))
-}
-
-fn numbers<const N: usize>(value: &Value, name: &str) -> Parsed<[f64; N]> {
-    let wanted = || {
-        Rejected::new(
-            format!("{name} is {}", described(value)),
-            format!("give an array of {N} numbers"),
-        )
-    };
-    let array = value
-        .as_array()
-        .filter(|a| a.len() == N)
-        .ok_or_else(wanted)?;
-    let mut out = [0.0; N];
-    for (slot, element) in out.iter_mut().zip(array) {
-        *slot = number(element, name)?;
-    }
-    Ok(out)
-}
-
 fn positive(n: f64, name: &str) -> Parsed<f64> {
-    if n > 0.0 {
-        return Ok(n);
+    match n > 0.0 {
+        true => Ok(n),
+        false => Err(Rejected::new(
+            format!("{name} is {n}"),
+            "give a number above 0",
+        )),
     }
-    Err(Rejected::new(
-        format!("{name} is {n}"),
-        "give a number above 0",
-    ))
 }
 
 /// The rigid part of a row-major matrix, and the uniform scale that was divided out of it.
-fn rigid_transform(value: &Value) -> Parsed<(DAffine3, f64)> {
-    let rows = matrix_rows(value)?;
-    check_last_row(&rows)?;
+fn rigid_transform(rows: &[[f64; 4]; 4]) -> Parsed<(DAffine3, f64)> {
+    check_last_row(rows)?;
     let linear = Matrix3::from_fn(|r, c| rows[r][c]);
     let scale = uniform_scale(&linear)?;
     let rotation = nearest_rotation(&(linear / scale))?;
     let t = DVec3::new(rows[0][3], rows[1][3], rows[2][3]) / scale;
     Ok((DAffine3::from_mat3_translation(dmat3(&rotation), t), scale))
-}
-
-fn matrix_rows(value: &Value) -> Parsed<[[f64; 4]; 4]> {
-    let array = value.as_array().filter(|a| a.len() == 4).ok_or_else(|| {
-        Rejected::new(
-            format!("world_to_camera is {}", described(value)),
-            "give four rows of four numbers",
-        )
-    })?;
-    let mut rows = [[0.0; 4]; 4];
-    for (row, element) in rows.iter_mut().zip(array) {
-        *row = numbers(element, "a row of world_to_camera")?;
-    }
-    Ok(rows)
 }
 
 fn check_last_row(rows: &[[f64; 4]; 4]) -> Parsed<()> {
@@ -357,64 +339,45 @@ struct Lens {
 }
 
 impl Lens {
-    fn of_json(json: &Value, kind: Kind, display: Window, aspect: f64) -> Parsed<Self> {
+    fn of(file: &CameraFile, kind: Kind, display: Window, aspect: f64) -> Parsed<Self> {
         let size = [display.width() as f64, display.height() as f64];
-        let made_for = match present(json, "resolution") {
-            None => size,
-            Some(value) => numbers(value, "resolution")?,
-        };
-        let lens = match present(json, "intrinsics_px") {
-            Some(value) => Self::of_intrinsics(value)?,
-            None => Self::of_focal(json, kind, made_for, aspect)?,
+        let made_for = file.resolution.unwrap_or(size);
+        let lens = match &file.intrinsics_px {
+            Some(given) => Self {
+                focal: DVec2::new(
+                    positive(given.fx, "intrinsics_px.fx")?,
+                    positive(given.fy, "intrinsics_px.fy")?,
+                ),
+                axis: DVec2::new(given.cx, given.cy),
+            },
+            None => Self::of_focal(file, kind, made_for, aspect)?,
         };
         lens.scaled(made_for, size)
     }
 
-    fn of_intrinsics(value: &Value) -> Parsed<Self> {
-        let entry = |key: &str| {
-            let name = format!("intrinsics_px.{key}");
-            match present(value, key) {
-                Some(v) => number(v, &name),
-                None => Err(Rejected::new(
-                    format!("intrinsics_px has no {key}"),
-                    "give fx, fy, cx and cy",
-                )),
-            }
+    fn of_focal(file: &CameraFile, kind: Kind, made_for: [f64; 2], aspect: f64) -> Parsed<Self> {
+        let (key, given) = match kind {
+            Kind::Perspective => ("focal_px", file.focal_px),
+            Kind::Orthographic => ("pixels_per_unit", file.pixels_per_unit),
         };
-        let fx = positive(entry("fx")?, "intrinsics_px.fx")?;
-        let fy = positive(entry("fy")?, "intrinsics_px.fy")?;
-        Ok(Self {
-            focal: DVec2::new(fx, fy),
-            axis: DVec2::new(entry("cx")?, entry("cy")?),
-        })
-    }
-
-    fn of_focal(json: &Value, kind: Kind, made_for: [f64; 2], aspect: f64) -> Parsed<Self> {
-        let key = match kind {
-            Kind::Perspective => "focal_px",
-            Kind::Orthographic => "pixels_per_unit",
-        };
-        let focal = match (present(json, key), kind) {
-            (Some(value), _) => {
-                let fx = positive(number(value, key)?, key)?;
+        let focal = match (given, kind) {
+            (Some(fx), _) => {
+                let fx = positive(fx, key)?;
                 Some([fx, fx * aspect])
             }
-            (None, Kind::Perspective) => focal_of_view(json, made_for, aspect)?,
+            (None, Kind::Perspective) => file.focal_of_view(made_for, aspect)?,
             (None, Kind::Orthographic) => None,
         };
-        let Some(focal) = focal else {
-            return Err(Rejected::new(
+        let focal = focal.ok_or_else(|| {
+            Rejected::new(
                 format!("has neither intrinsics_px nor {key}"),
                 "add focal_px or fov_x (perspective) or pixels_per_unit (orthographic)",
-            ));
-        };
-        let axis = match present(json, "principal_point_px") {
-            Some(point) => numbers(point, "principal_point_px")?,
-            None => made_for.map(|side| 0.5 * side),
-        };
+            )
+        })?;
+        let centre = made_for.map(|side| 0.5 * side);
         Ok(Self {
             focal: focal.into(),
-            axis: axis.into(),
+            axis: file.principal_point_px.unwrap_or(centre).into(),
         })
     }
 
@@ -459,29 +422,6 @@ impl Lens {
         let per_unit = (self.focal * times).to_array();
         Projection::new(are_parallel, per_unit, self.axis + corner)
     }
-}
-
-/// Focal lengths of a picture of this size by its angle across it, down it, or both; `None` where neither is given.
-fn focal_of_view(json: &Value, size: [f64; 2], aspect: f64) -> Parsed<Option<[f64; 2]>> {
-    let focal = |key: &str, side: f64| -> Parsed<Option<f64>> {
-        let Some(value) = present(json, key) else {
-            return Ok(None);
-        };
-        let degrees = number(value, key)?;
-        match degrees > 0.0 && degrees < 180.0 {
-            true => Ok(Some(0.5 * side / (0.5 * degrees).to_radians().tan())),
-            false => Err(Rejected::new(
-                format!("{key} is {degrees}"),
-                "give an angle in degrees, above 0 and below 180",
-            )),
-        }
-    };
-    Ok(match (focal("fov_x", size[0])?, focal("fov_y", size[1])?) {
-        (Some(fx), Some(fy)) => Some([fx, fy]),
-        (Some(fx), None) => Some([fx, fx * aspect]),
-        (None, Some(fy)) => Some([fy / aspect, fy]),
-        (None, None) => None,
-    })
 }
 
 #[cfg(test)]
@@ -591,8 +531,8 @@ mod tests {
         assert!(message(&transposed).contains("transpose"));
         let zero = with_matrix("[[0,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]");
         assert!(message(&zero).contains("zeros"));
-        assert!(message(&with_matrix("[[1,0],[0,1]]")).contains("four rows"));
-        assert!(message(&with_matrix("7")).contains("is 7"));
+        assert!(message(&with_matrix("[[1,0],[0,1]]")).contains("length 4"));
+        assert!(message(&with_matrix("7")).contains("`7`"));
         assert!(message(r#"{"focal_px": -3}"#).contains("is -3"));
         assert!(message(r#"{"focal_px": "50mm"}"#).contains("50mm"));
         assert!(message(r#"{"focal_px": 1, "pixels_per_unit": 1}"#).contains("both"));
@@ -600,9 +540,9 @@ mod tests {
         assert!(message(r#"{"camera_type": "FISHEYE"}"#).contains("FISHEYE"));
         assert!(message(r#"{"camera_type": "ORTHO", "focal_px": 9}"#).contains("ORTHO"));
         assert!(message("{}").contains("focal_px"));
-        assert!(message(r#"{"intrinsics_px": {"fx": 9}}"#).contains("no fy"));
+        assert!(message(r#"{"intrinsics_px": {"fx": 9}}"#).contains("`fy`"));
         assert!(message(r#"{"focal_px": 9, "resolution": [0, 0]}"#).contains("resolution"));
-        assert!(message("[1, 2]").contains("array of 2"));
+        assert!(message("[1, 2]").contains("not a JSON"));
         // Values outside the range of single precision.
         for (text, expected) in [
             (

@@ -1,14 +1,12 @@
 //! Which camera a picture was made by: from a file, from attributes, from positions, else from depth and normals.
 
 use super::attributes::{Candidate, candidates, is_mirrored};
-use super::recover::recover_from;
-use super::samples::{Grid, quantile};
-use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera_from_depth};
+use super::samples::quantile;
+use super::{DepthCamera, RecoveryFailure, read_camera, recover_camera, recover_camera_from_depth};
 use crate::error::{Error, Result};
 use crate::frame::{Camera, Projection, Vector3Planes};
 use crate::io::finding::Finding;
 use crate::io::inputs::Inputs;
-use crate::io::judge::points::Points;
 use crate::io::judge::surface::SurfaceSamples;
 use crate::io::normal_space::NormalSamples;
 use glam::DVec3;
@@ -156,14 +154,18 @@ impl<'a> CameraSearch<'a> {
         Some(FoundCamera::new(chosen.camera, evidence))
     }
 
-    fn by_positions(&self, position: Points) -> std::result::Result<FoundCamera, RecoveryFailure> {
+    fn by_positions(
+        &self,
+        position: &Vector3Planes,
+    ) -> std::result::Result<FoundCamera, RecoveryFailure> {
         let surface = self.surface;
-        let grid = Grid::new(
+        let found = recover_camera(
+            position,
+            surface.mask,
             surface.data_window,
             surface.display_window,
             surface.pixel_aspect,
-        );
-        let found = recover_from(position, surface.mask, grid)?;
+        )?;
         found.camera.check(surface.display_window)?;
         let evidence = format!(
             "recovered from {} positions, median residual {:.4} px, 95 % under {:.4} px",
@@ -253,7 +255,7 @@ fn best(candidates: &[Candidate], cost: impl Fn(&Candidate) -> f64) -> Option<(C
 }
 
 /// Median distance, in pixels, between the pixels of positions and their projections by the camera.
-fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: Points) -> f64 {
+fn off_positions_px(camera: &Camera, surface: &SurfaceSamples, position: &Vector3Planes) -> f64 {
     let covered = surface.mask.sample(PROBES).filter_map(|(x, y)| {
         let point = position.at(x, y);
         (point.is_finite() && point != DVec3::ZERO).then_some((x, y, point))

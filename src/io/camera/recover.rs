@@ -17,7 +17,6 @@ use super::hypotheses::{hypotheses, principal_axes};
 use super::model::{CONVERGENCE, Covariance, Free, Model};
 use super::samples::{Grid, Sample, Samples, gather, quantile, spread_out};
 use crate::frame::{Camera, Mask, OutOfRange, Projection, Vector3Planes, Window};
-use crate::io::judge::points::Points;
 use glam::{DAffine3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -146,17 +145,11 @@ pub fn recover_camera(
     pixel_aspect: f32,
 ) -> Result<RecoveredCamera, RecoveryFailure> {
     let grid = Grid::new(data_window, display_window, pixel_aspect);
-    recover_from(position.into(), mask, grid)
-}
-
-/// [`recover_camera`] from positions as they were read.
-pub(super) fn recover_from(
-    position: Points,
-    mask: &Mask,
-    grid: Grid,
-) -> Result<RecoveredCamera, RecoveryFailure> {
-    let wanted = (grid.data.width(), grid.data.height());
-    let fill = position.sizes() == [wanted; 3];
+    let wanted = (data_window.width(), data_window.height());
+    let planes = [&position.x, &position.y, &position.z];
+    let fill = planes
+        .iter()
+        .all(|plane| (plane.width(), plane.height()) == wanted);
     assert!(fill, "the positions do not fill the data window");
     let mut samples = gather(position, mask, grid);
     match Fit::of(&samples, grid.display) {

@@ -1,7 +1,6 @@
 //! Which pixels of a position layer a camera is recovered from.
 
-use crate::frame::{Mask, Window};
-use crate::io::judge::points::Points;
+use crate::frame::{Mask, Vector3Planes, Window};
 use half::f16;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
@@ -74,7 +73,7 @@ impl Grid {
 
 /// A position layer with the pixels it covers.
 struct Layer<'a> {
-    position: Points<'a>,
+    position: &'a Vector3Planes,
     mask: &'a Mask,
 }
 
@@ -112,7 +111,7 @@ impl Layer<'_> {
 }
 
 /// At most [`WANTED`] covered pixels of `position`, away from edges if there are enough of those.
-pub(super) fn gather(position: Points, mask: &Mask, grid: Grid) -> Samples {
+pub(super) fn gather(position: &Vector3Planes, mask: &Mask, grid: Grid) -> Samples {
     let layer = Layer { position, mask };
     let candidates = candidates(&layer);
     let half = is_half(&candidates);

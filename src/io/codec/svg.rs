@@ -66,34 +66,8 @@ fn write(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
         drawing.mm(width as f32 * drawing.pixel_aspect),
         drawing.mm(height as f32),
     )?;
-    match drawing.is_plotted {
-        true => write_plotted(file, drawing)?,
-        false => write_laid(file, drawing)?,
-    }
+    write_content(file, drawing)?;
     writeln!(file, "</svg>")
-}
-
-/// Writes dots and lines in the order they were drawn, lines grouped by width.
-fn write_laid(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
-    let corner = drawing.corner();
-    if !drawing.dots.is_empty() {
-        let in_order = (0..drawing.dots.len()).map(|number| (number, false));
-        write_dots(file, drawing, "<g id=\"dots\"", in_order)?;
-    }
-    for (name, lines) in &drawing.layers {
-        writeln!(file, "<g id=\"{name}\">")?;
-        for (step, paths) in by_width(lines) {
-            writeln!(file, "<g stroke-width=\"{:.3}\">", WIDTH_STEP.powi(step))?;
-            for (line, range) in paths {
-                let points = &line.0[range];
-                let kept = thinned(points, BEND_PX, MOST_LEFT_OUT);
-                write_path(file, kept.into_iter().map(|i| points[i] + corner))?;
-            }
-            writeln!(file, "</g>")?;
-        }
-        writeln!(file, "</g>")?;
-    }
-    Ok(())
 }
 
 /// The paths of one pen, in drawing order.
@@ -105,8 +79,8 @@ struct Pen<'a> {
 }
 
 impl<'a> Pen<'a> {
-    /// The paths of a pen of this width, relative to the corner of the page.
-    fn new(step: i32, paths: Vec<(Line<'a>, RangeInclusive<usize>)>, corner: Vec2) -> Self {
+    /// The paths of a pen of this width.
+    fn new(step: i32, paths: Vec<(Line<'a>, RangeInclusive<usize>)>, drawing: &Drawing) -> Self {
         let paths = paths.into_iter().map(|(line, range)| &line.0[range]);
         let paths: Vec<&[Vec2]> = paths.collect();
         let ends = paths
@@ -115,7 +89,7 @@ impl<'a> Pen<'a> {
         let ends: Vec<_> = ends.collect();
         Self {
             step,
-            way: pen_way(&ends, -corner),
+            way: drawing.way(&ends),
             paths,
             ends,
         }
@@ -124,17 +98,19 @@ impl<'a> Pen<'a> {
     /// Its part of a layer.
     fn group(&self, layer: &str, drawing: &Drawing) -> std::io::Result<Vec<u8>> {
         let (width, corner) = (WIDTH_STEP.powi(self.step), drawing.corner());
-        let id = format!("{layer}-{width:.3}");
-        let label = format!("{:.3} mm", drawing.mm(width));
         let mut group = Vec::new();
-        writeln!(
-            group,
-            "{} stroke-width=\"{width:.3}\">",
-            layer_group(&id, &label)
-        )?;
+        let (start, bend) = match drawing.is_plotted {
+            true => {
+                let id = format!("{layer}-{width:.3}");
+                let label = format!("{:.3} mm", drawing.mm(width));
+                (drawing.group(&id, &label), PLOTTED_BEND_PX)
+            }
+            false => ("<g".into(), BEND_PX),
+        };
+        writeln!(group, "{start} stroke-width=\"{width:.3}\">")?;
         for &(number, is_reversed) in &self.way {
             let points = self.paths[number];
-            let mut kept = thinned(points, PLOTTED_BEND_PX, MOST_LEFT_OUT);
+            let mut kept = thinned(points, bend, MOST_LEFT_OUT);
             if is_reversed {
                 kept.reverse();
             }
@@ -145,37 +121,37 @@ impl<'a> Pen<'a> {
     }
 }
 
-/// Writes dots and lines in plotting order, and the pen's travel in the air.
-fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
-    let corner = drawing.corner();
+/// Writes dots and lines, grouped by width, and for a plotter the pen's travel in the air.
+fn write_content(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()> {
     let dots: Vec<[Vec2; 2]> = drawing.dots.iter().map(|&(at, _)| [at, at]).collect();
-    let dotted = pen_way(&dots, -corner);
+    let dotted = drawing.way(&dots);
     let layers: Vec<_> = drawing
         .layers
         .iter()
         .map(|(name, lines)| {
             let pens = by_width(lines).into_par_iter();
-            let pens = pens.map(|(step, paths)| Pen::new(step, paths, corner));
+            let pens = pens.map(|(step, paths)| Pen::new(step, paths, drawing));
             (*name, pens.collect::<Vec<Pen>>())
         })
         .collect();
-    let ways = layers.iter().flat_map(|(_, pens)| pens);
-    let ways = std::iter::once((&dotted, &dots)).chain(ways.map(|pen| (&pen.way, &pen.ends)));
-    let (in_air, _) = ways.fold((0.0, -corner), |(sum, at), (way, ends)| {
-        let (length, end) = in_the_air(way, ends, at);
-        (sum + length, end)
-    });
-    let in_air_mm = drawing.mm(in_air as f32);
-    writeln!(
-        file,
-        "<desc>way of the pen in the air: {in_air_mm:.0} mm</desc>"
-    )?;
+    if drawing.is_plotted {
+        let pens = layers.iter().flat_map(|(_, pens)| pens);
+        let ways = std::iter::once((&dotted, &dots)).chain(pens.map(|pen| (&pen.way, &pen.ends)));
+        let (in_air, _) = ways.fold((0.0, -drawing.corner()), |(sum, at), (way, ends)| {
+            let (length, end) = in_the_air(way, ends, at);
+            (sum + length, end)
+        });
+        let in_air_mm = drawing.mm(in_air as f32);
+        writeln!(
+            file,
+            "<desc>way of the pen in the air: {in_air_mm:.0} mm</desc>"
+        )?;
+    }
     if !dots.is_empty() {
-        let group = layer_group("dots", "dots");
-        write_dots(file, drawing, &group, dotted.into_iter())?;
+        write_dots(file, drawing, dotted)?;
     }
     for (name, pens) in &layers {
-        writeln!(file, "{}>", layer_group(name, name))?;
+        writeln!(file, "{}>", drawing.group(name, name))?;
         let groups = pens.par_iter().map(|pen| pen.group(name, drawing));
         for group in groups.collect::<std::io::Result<Vec<_>>>()? {
             file.write_all(&group)?;
@@ -185,19 +161,9 @@ fn write_plotted(file: &mut impl Write, drawing: &Drawing) -> std::io::Result<()
     Ok(())
 }
 
-/// The start of a group that drawing programs and plotters treat as a layer.
-fn layer_group(id: &str, label: &str) -> String {
-    format!("<g id=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\"")
-}
-
-/// Writes a group of dots that starts like this.
-fn write_dots(
-    file: &mut impl Write,
-    drawing: &Drawing,
-    group: &str,
-    order: impl Iterator<Item = Drawn>,
-) -> std::io::Result<()> {
-    writeln!(file, "{group} fill=\"black\" stroke=\"none\">")?;
+fn write_dots(file: &mut impl Write, drawing: &Drawing, order: Vec<Drawn>) -> std::io::Result<()> {
+    let start = drawing.group("dots", "dots");
+    writeln!(file, "{start} fill=\"black\" stroke=\"none\">")?;
     for (number, _) in order {
         let (at, radius) = drawing.dots[number];
         let at = at + drawing.corner();
@@ -214,6 +180,24 @@ impl Drawing<'_> {
     /// Millimetres of a length in pixels.
     fn mm(&self, pixels: f32) -> f32 {
         pixels / self.dpi * MM_PER_INCH
+    }
+
+    /// The order of paths with these ends: for a plotter one with little travel in the air.
+    fn way(&self, ends: &[[Vec2; 2]]) -> Vec<Drawn> {
+        match self.is_plotted {
+            true => pen_way(ends, -self.corner()),
+            false => (0..ends.len()).map(|number| (number, false)).collect(),
+        }
+    }
+
+    /// The start of a group, which drawing programs and plotters treat as a layer of a plotted drawing.
+    fn group(&self, id: &str, label: &str) -> String {
+        match self.is_plotted {
+            true => {
+                format!("<g id=\"{id}\" inkscape:groupmode=\"layer\" inkscape:label=\"{label}\"")
+            }
+            false => format!("<g id=\"{id}\""),
+        }
     }
 
     /// Origin of the points on the page.

@@ -9,7 +9,6 @@ pub(super) mod map_writers;
 pub(super) mod normal_encoding;
 pub mod normal_space;
 pub(super) mod numbers;
-pub(super) mod points;
 pub(super) mod rims;
 pub(super) mod samples_of_layers;
 pub(super) mod sight_turned;

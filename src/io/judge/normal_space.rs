@@ -9,7 +9,6 @@
 //! Limit: a world-space map of a scene seen from straight above with z up *is* a view-space map, up to a rotation about
 //! the view axis. Without camera and depth it is read as view space.
 
-use super::points::Points;
 use crate::frame::{Camera, Mask, NormalSpace, Plane, Vector3Planes, Window};
 use crate::io::camera::median;
 use crate::io::inputs::Flip;
@@ -170,7 +169,7 @@ pub fn judge_normal_space(
     camera: Option<&Camera>,
     data_window: Window,
 ) -> NormalSpaceVerdict {
-    NormalSamples::new(normal, mask, position.map(Points::from), depth).judge(camera, data_window)
+    NormalSamples::new(normal, mask, position, depth).judge(camera, data_window)
 }
 
 /// Normals of pixels spread over a picture, with what shows their space. They are looked at once, when a judgement first
@@ -178,7 +177,7 @@ pub fn judge_normal_space(
 pub(crate) struct NormalSamples<'a> {
     normal: &'a Vector3Planes,
     mask: &'a Mask,
-    position: Option<Points<'a>>,
+    position: Option<&'a Vector3Planes>,
     depth: Option<&'a Plane>,
     list: OnceLock<Vec<NormalSample>>,
 }
@@ -193,21 +192,12 @@ struct NormalSample {
     shape: Option<DVec3>,
 }
 
-fn at(planes: &Vector3Planes, x: usize, y: usize) -> Option<DVec3> {
-    let v = DVec3::new(
-        planes.x.at(x, y).into(),
-        planes.y.at(x, y).into(),
-        planes.z.at(x, y).into(),
-    );
-    v.is_finite().then_some(v)
-}
-
 impl<'a> NormalSamples<'a> {
     /// Samples for [`judge_normal_space`], whose inputs these are.
     pub(crate) fn new(
         normal: &'a Vector3Planes,
         mask: &'a Mask,
-        position: Option<Points<'a>>,
+        position: Option<&'a Vector3Planes>,
         depth: Option<&'a Plane>,
     ) -> Self {
         Self {
@@ -248,9 +238,11 @@ impl<'a> NormalSamples<'a> {
 
     fn gathered(&self) -> Vec<NormalSample> {
         let sample = |(x, y)| {
-            let n = at(self.normal, x, y)?;
+            let n = self.normal.at(x, y);
             // Filtering shortens normals at edges; the shortest ones have no meaningful direction.
-            let normal = n.try_normalize().filter(|_| n.length() > 0.1)?;
+            let normal = n
+                .try_normalize()
+                .filter(|_| n.is_finite() && n.length() > 0.1)?;
             Some(NormalSample {
                 place: (x, y),
                 normal,

@@ -66,16 +66,14 @@ struct Normals {
 }
 
 impl Normals {
-    /// The layer, if it holds some; else as it was.
-    fn of(sampled: Sampled) -> Result<Self, Sampled> {
-        match encoding_of(&sampled) {
-            Some((is_unsigned, share)) => Ok(Self {
-                sampled,
-                is_unsigned,
-                share,
-            }),
-            None => Err(sampled),
-        }
+    /// The layer, if it holds some.
+    fn of(sampled: Sampled) -> Option<Self> {
+        let (is_unsigned, share) = encoding_of(&sampled)?;
+        Some(Self {
+            sampled,
+            is_unsigned,
+            share,
+        })
     }
 }
 
@@ -129,8 +127,7 @@ pub(crate) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
         Some(_) => {
             // A second layer of normals does not hold positions, although its steps are perpendicular to normals too.
             vectors.retain(|sampled| encoding_of(sampled).is_none());
-            let mut named = named_normals.into_iter();
-            named.find_map(|sampled| Normals::of(sampled).ok())
+            named_normals.into_iter().find_map(Normals::of)
         }
         None => take_normals(&mut vectors, &mut roles),
     };
@@ -148,14 +145,8 @@ pub(crate) fn roles_by_numbers(file: &ExrFile, layers: &[Layer]) -> Vec<RoleByNu
 
 /// Removes the layers of normals from `vectors`; returns the best of them.
 fn take_normals(vectors: &mut Vec<Sampled>, roles: &mut Vec<RoleByNumbers>) -> Option<Normals> {
-    let (mut found, mut rest) = (Vec::new(), Vec::new());
-    for sampled in vectors.drain(..) {
-        match Normals::of(sampled) {
-            Ok(normals) => found.push(normals),
-            Err(other) => rest.push(other),
-        }
-    }
-    *vectors = rest;
+    let found = vectors.extract_if(.., |sampled| encoding_of(sampled).is_some());
+    let mut found: Vec<Normals> = found.filter_map(Normals::of).collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut found = found.into_iter();
     let best = found.next()?;

@@ -1,7 +1,7 @@
 //! A bounded sample of the pixels of layers: bands of rows, spread over the picture.
 
 use crate::frame::{Plane, Window};
-use crate::io::exr::{ChannelId, ExrFile};
+use crate::io::exr::ExrFile;
 use crate::io::roles::Match;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -84,14 +84,7 @@ pub(crate) fn samples(file: &ExrFile, layers: &[Match]) -> Vec<Sampled> {
 
 /// The bands of each of `layers`, which share a window; none where one cannot be read.
 fn read(file: &ExrFile, layers: &[&Match], window: Window) -> Option<Vec<Vec<Band>>> {
-    let ids: Vec<ChannelId> = layers
-        .iter()
-        .flat_map(|found| {
-            let part = found.part;
-            let id = move |&channel: &usize| ChannelId { part, channel };
-            found.channels.iter().map(id)
-        })
-        .collect();
+    let ids: Vec<_> = layers.iter().flat_map(|found| found.ids()).collect();
     let mut bands: Vec<Vec<Band>> = layers.iter().map(|_| Vec::new()).collect();
     if ids.is_empty() {
         return Some(bands);

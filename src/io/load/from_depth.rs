@@ -6,7 +6,7 @@ use super::sources::RoleSource;
 use super::view::View;
 use crate::error::{Error, Result};
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::is_distance;
+use crate::frame::depth::{depth_of_positions, is_distance};
 use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::{
     Camera, Mask, Plane, Projection, StoredDepth, Vector3Planes, Window, likely_projection,
@@ -38,7 +38,9 @@ impl FrameSource<'_> {
                 given.or_else(|| Some((hint.depth?, by)))
             }
             (None, Some(camera)) => {
-                layers.depth = self.positions_for_depth(layers).map(|p| p.depth(&camera));
+                layers.depth = self
+                    .positions_for_depth(layers)
+                    .map(|p| depth_of_positions(p, &camera));
                 Some((StoredDepth::Planar, "of positions".into()))
             }
             (None, None) => None,

@@ -27,7 +27,7 @@ pub(super) mod view;
 
 use crate::error::Result;
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::depth_rounding;
+use crate::frame::depth::{depth_of_positions, depth_rounding};
 use crate::frame::normals;
 use crate::frame::{
     Camera, DepthKind, Frame, Mask, Plane, Source, Vector3Planes, Window, lift_out_of_fog,
@@ -41,8 +41,6 @@ use crate::io::inputs::{
 };
 use crate::io::judge::borders::Borders;
 use crate::io::judge::depth::{Sense, depth_finding, judge_depth};
-use crate::io::judge::map_writers::MapWriter;
-use crate::io::judge::points::Points;
 use crate::io::judge::surface::SurfaceSamples;
 use crate::io::motion::MotionLayers;
 use crate::io::photo::{PhotoMetadata, StoredPhoto};
@@ -58,7 +56,7 @@ use sources::RoleSource;
 use std::ops::Range;
 use std::rc::Rc;
 use std::time::Duration;
-use view::{View, Written, turn_to_view};
+use view::{View, turn_to_view};
 
 /// A frame with all conclusions about its inputs.
 pub struct Loaded {
@@ -225,11 +223,9 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
     }
     let objects = source.numbered(&mask, needs, &mut notes);
     // Pictures take the memory of positions, which nothing reads from here on.
-    let position = layers.position.take();
-    let mut spare = position.map_or_else(Vec::new, RolePlanes::into_planes);
-    let mut picture = |read: RolePlanes| read.into_color_in(&mut spare);
-    let (color, albedo) = (layers.color.map(&mut picture), layers.albedo.map(picture));
-    drop(spare);
+    layers.position = None;
+    let color = layers.color.map(RolePlanes::into_color);
+    let albedo = layers.albedo.map(RolePlanes::into_color);
     let picture = LitPicture {
         color: color.as_ref(),
         albedo: albedo.as_ref(),
@@ -316,7 +312,7 @@ pub(crate) struct Layers {
     pub(crate) alpha: Option<Plane>,
     pub(crate) albedo: Option<RolePlanes>,
     pub(crate) depth: Option<Plane>,
-    pub(crate) position: Option<RolePlanes>,
+    pub(crate) position: Option<Vector3Planes>,
     pub(crate) coverage: Option<Plane>,
 }
 
@@ -329,7 +325,7 @@ impl Layers {
             alpha,
             albedo: albedos.find_map(|role| planes.color(role).0),
             depth: planes.scalar(Role::Depth),
-            position: planes.take(Role::Position),
+            position: planes.vector(Role::Position),
             coverage: planes.scalar(Role::Coverage),
         }
     }
@@ -389,7 +385,7 @@ impl FrameSource<'_> {
     ) -> SurfaceSamples<'s> {
         SurfaceSamples {
             mask,
-            position: layers.position.as_ref().map(RolePlanes::points),
+            position: layers.position.as_ref(),
             depth,
             attributes: self.main.exr().map(|file| &file.attributes),
             data_window: self.data_window,
@@ -473,10 +469,9 @@ impl FrameSource<'_> {
     }
 
     /// Positions, where they replace depth: no depth is given, and occlusion was not chosen instead.
-    pub(crate) fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<Points<'s>> {
+    pub(crate) fn positions_for_depth<'s>(&self, layers: &'s Layers) -> Option<&'s Vector3Planes> {
         let is_wanted = layers.depth.is_none() && !only_occlusion(self.inputs);
-        let position = layers.position.as_ref().filter(|_| is_wanted);
-        position.map(RolePlanes::points)
+        layers.position.as_ref().filter(|_| is_wanted)
     }
 
     /// Depth of positions, where they replace it; pixels without depth are removed from `mask`.
@@ -486,7 +481,7 @@ impl FrameSource<'_> {
         camera: Option<&Camera>,
         mask: &mut Mask,
     ) -> Option<Plane> {
-        let mut depth = self.positions_for_depth(layers)?.depth(camera?);
+        let mut depth = depth_of_positions(self.positions_for_depth(layers)?, camera?);
         coverage::narrow_to(mask, &mut depth);
         Some(depth)
     }
@@ -502,12 +497,7 @@ impl FrameSource<'_> {
         let surface = self.surface(mask, layers, layers.depth.as_ref());
         let projection = needs.projection || self.positions_for_depth(layers).is_some();
         let source = &self.sources.roles[0];
-        let written = Written {
-            hint: source.hint(),
-            writer: &|| MapWriter::of(source.file.path()),
-            is_layer: source.is_exr(),
-        };
-        turn_to_view(self.inputs, &surface, projection, &written, normal, notes)
+        turn_to_view(self.inputs, &surface, projection, source, normal, notes)
     }
 
     /// Whether depth, or the positions it is computed from, are half floats.

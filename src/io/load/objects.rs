@@ -42,7 +42,7 @@ pub struct ObjectSurvey {
 /// Where a picture has objects: their numbers in each layer of Cryptomatte, and those in passes that hold one for each pixel.
 struct Found {
     hashed: Vec<Vec<u32>>,
-    indices: Vec<(Match, f32)>,
+    indices: Vec<(ChannelId, f32)>,
 }
 
 /// The layers of Cryptomatte, with the names of their objects; without a manifest, the numbers of the largest objects in
@@ -245,8 +245,8 @@ fn passes(of: &Opened, file: &ExrFile) -> Result<Vec<(u8, String, ChannelId)>> {
     });
     let index = |role, rank| {
         let found = by_name(&of.layers, role)?;
-        let (part, channel) = (found.part, found.channels[0]);
-        Some((rank, found.layer, ChannelId { part, channel }))
+        let channel = found.ids().next()?;
+        Some((rank, found.layer, channel))
     };
     let indices = [
         index(Role::ObjectIndex, INDEX_OF_OBJECTS),
@@ -325,7 +325,8 @@ impl Found {
         if let Ok(number) = name.parse::<u16>()
             && let Some(index) = index_pass(layers).filter(|_| !is_exact)
         {
-            self.indices.push((index, number.into()));
+            self.indices
+                .extend(index.ids().map(|index| (index, f32::from(number))));
             is_there = true;
         }
         match is_there {
@@ -369,13 +370,9 @@ fn summed(
         let (planes, own) = read(file, &layer.channels(), layer.window(file), window)?;
         take(&coverage(&planes, &numbers), own);
     }
-    for (index, number) in &found.indices {
-        let channel = ChannelId {
-            part: index.part,
-            channel: index.channels[0],
-        };
-        let stored = file.parts[index.part].window;
-        let (planes, own) = read(file, &[channel], stored, window)?;
+    for (channel, number) in &found.indices {
+        let stored = file.parts[channel.part].window;
+        let (planes, own) = read(file, &[*channel], stored, window)?;
         let is_it = |stored: f32| f32::from((stored - number).abs() < 0.5);
         take(&planes[0].map(is_it), own);
     }

@@ -16,6 +16,7 @@ use crate::io::roles::{self, Layer, Match, Role};
 use crate::untrusted::listed;
 use image::DynamicImage;
 use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
@@ -32,7 +33,9 @@ pub(crate) struct Opened {
     /// The roles found by numbers, computed when first needed.
     by_numbers: OnceCell<Vec<RoleByNumbers>>,
     pub(crate) judged: Judged,
-    pub(crate) companions: Companions,
+    /// Files opened as companions of this one.
+    companions: RefCell<HashMap<PathBuf, Rc<Opened>>>,
+    pub(crate) holding: Holding,
 }
 
 pub(in crate::io) enum Kind {
@@ -65,12 +68,6 @@ impl<'a> Selection<'a> {
             layer: inputs.layer.as_deref(),
         }
     }
-}
-
-/// Files opened as companions of another.
-pub(crate) struct Companions {
-    files: RefCell<Vec<(PathBuf, Rc<Opened>)>>,
-    pub(crate) holding: Holding,
 }
 
 /// Policy for holding the decoded samples of photos.
@@ -108,25 +105,6 @@ impl Default for Holding {
             cell: None,
             part: None,
         }
-    }
-}
-
-impl Companions {
-    fn held(holding: Holding) -> Self {
-        Self {
-            files: RefCell::default(),
-            holding,
-        }
-    }
-
-    fn find(&self, path: &Path) -> Option<Rc<Opened>> {
-        let files = self.files.borrow();
-        let (_, file) = files.iter().find(|(own, _)| own == path)?;
-        Some(file.clone())
-    }
-
-    fn keep(&self, path: &Path, file: &Rc<Opened>) {
-        self.files.borrow_mut().push((path.into(), file.clone()));
     }
 }
 
@@ -187,7 +165,8 @@ impl Opened {
             view: None,
             by_numbers: OnceCell::new(),
             judged: Judged::default(),
-            companions: Companions::held(holding),
+            companions: RefCell::default(),
+            holding,
         }
     }
 
@@ -217,17 +196,17 @@ impl Opened {
 
     /// A companion file: of the same view and group, if it has several. It is opened once.
     pub(crate) fn open_companion(&self, path: &Path) -> Result<Rc<Self>> {
-        if let Some(file) = self.companions.find(path) {
-            return Ok(file);
+        if let Some(file) = self.companions.borrow().get(path) {
+            return Ok(file.clone());
         }
-        let open = |wanted| Self::open_held(path, wanted, self.companions.holding.clone());
+        let open = |wanted| Self::open_held(path, wanted, self.holding.clone());
         let mut file = open(Selection::default())?;
         let wanted = self.selection_in(&file);
         if wanted != Selection::default() {
             file = open(wanted)?;
         }
-        self.companions.keep(path, &file);
-        Ok(file)
+        let mut companions = self.companions.borrow_mut();
+        Ok(companions.entry(path.into()).or_insert(file).clone())
     }
 
     /// Its own view and group, as far as `other` has several.
@@ -312,7 +291,7 @@ impl Opened {
             samples: photo.take_samples()?,
             judged: self.judged.clone(),
         }];
-        for (_, file) in self.companions.files.borrow().iter() {
+        for file in self.companions.borrow().values() {
             all.extend(file.photos()?);
         }
         Ok(all)
@@ -321,8 +300,8 @@ impl Opened {
     /// Releases the samples of photos, its own and those of companion files.
     #[cfg(feature = "cli")]
     pub(crate) fn release(&self) {
-        let files = self.companions.files.borrow();
-        files.iter().for_each(|(_, file)| file.release());
+        let companions = self.companions.borrow();
+        companions.values().for_each(|file| file.release());
         if let Some(photo) = self.photo() {
             photo.release();
         }

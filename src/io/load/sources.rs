@@ -9,7 +9,7 @@ use crate::frame::{
     denoise, unround_wrapped,
 };
 use crate::io::colorspace::ColorSpace;
-use crate::io::exr::{ChannelId, Part, SampleType, Wanted};
+use crate::io::exr::{ChannelId, Part, SampleType};
 use crate::io::inputs::{Inputs, NONE, NormalEncoding, Wrap};
 use crate::io::judge::borders::Borders;
 use crate::io::noise::noise_of;
@@ -369,25 +369,14 @@ impl RoleSource {
         }
     }
 
-    /// Its channels, its alpha last. A picture of half floats is held as such until it is needed, positions to the end.
-    fn wanted(&self) -> Vec<Wanted> {
-        let Some(layer) = &self.layer else {
-            return Vec::new();
+    /// Its channels, its alpha last.
+    fn channels(&self) -> impl Iterator<Item = ChannelId> {
+        let alpha = |layer: &Match| {
+            let part = layer.part;
+            layer.alpha.map(|channel| ChannelId { part, channel })
         };
-        let wanted = |stays_half: bool| {
-            move |&channel: &usize| Wanted {
-                id: ChannelId {
-                    part: layer.part,
-                    channel,
-                },
-                stays_half,
-            }
-        };
-        let stays_half = (self.role.is_color() || self.role == Role::Position) && self.is_half();
-        let channels = layer.channels.iter().map(wanted(stays_half));
-        channels
-            .chain(layer.alpha.iter().map(wanted(false)))
-            .collect()
+        let layers = self.layer.iter();
+        layers.flat_map(move |layer| layer.ids().chain(alpha(layer)))
     }
 }
 
@@ -478,20 +467,22 @@ pub(crate) fn read_rows(
             for &i in &together {
                 planes[i] = Some(photo_planes(photo, &sources[i], window, colorspace)?);
             }
-            if !file.companions.holding.stay {
+            if !file.holding.stay {
                 photo.release();
             }
         }
         if let Some(file) = file.exr() {
-            let wanted: Vec<_> = together.iter().flat_map(|&i| sources[i].wanted()).collect();
+            let wanted: Vec<_> = together
+                .iter()
+                .flat_map(|&i| sources[i].channels())
+                .collect();
             let row = |y: i32| (y - stored.y0) as usize;
             let rows = (window != stored).then(|| row(window.y0)..row(window.y1));
-            let mut read = file.read_checked(&wanted, rows)?.into_iter();
+            let mut read = file.read_some(&wanted, rows)?.into_iter();
             for &i in &together {
                 planes[i] = sources[i].layer.as_ref().map(|layer| {
                     let count = layer.channels.len() + usize::from(layer.alpha.is_some());
-                    let checked = read.by_ref().take(count).collect();
-                    RolePlanes::of_layer(layer, checked, window)
+                    RolePlanes::of_layer(layer, read.by_ref().take(count).collect(), window)
                 });
                 if sources[i].role.is_color() && colorspace == Some(ColorSpace::Srgb) {
                     planes[i].iter_mut().for_each(RolePlanes::decode);

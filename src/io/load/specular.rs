@@ -8,7 +8,7 @@ use super::sources::{RoleSource, missing, read_all};
 use super::surroundings::read_surroundings;
 use crate::error::{Error, Result, bad};
 use crate::frame::coverage::{self, Covered};
-use crate::frame::depth::to_distances;
+use crate::frame::depth::{depth_of_positions, to_distances};
 use crate::frame::from_depth::{Precision, normals_of_depth};
 use crate::frame::normals::{decode, turn_to_view};
 use crate::frame::{
@@ -195,11 +195,11 @@ impl Layer<'_> {
         let sources: Vec<_> = sources.into_iter().flatten().collect();
         let data_window = self.common_window(&file, &sources)?;
         let mut planes = Planes::read(&sources)?;
-        let positions = planes.take(Role::Position);
+        let positions = planes.vector(Role::Position);
         let depth = planes
             .scalar(Role::Depth)
             .map(|depth| self.distances(depth));
-        let depth = depth.or_else(|| Some(positions?.points().depth(&self.camera)));
+        let depth = depth.or_else(|| Some(depth_of_positions(&positions?, &self.camera)));
         let mut depth = depth.expect("a source of either is there");
         let normal = planes.vector(Role::Normal);
         let (color, alpha) = planes.color(Role::Color);

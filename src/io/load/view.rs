@@ -1,8 +1,9 @@
 //! The turn to view space: which space the normals were in, and why.
 
+use super::sources::RoleSource;
 use crate::error::{Error, Result};
 use crate::frame::normals;
-use crate::frame::{Camera, Mask, NormalSpace, Vector3Planes, Window};
+use crate::frame::{Camera, Mask, NormalSpace, Vector3Planes};
 use crate::io::camera::{CAMERA, CameraSearch, FoundCamera};
 use crate::io::finding::{Finding, Notes};
 use crate::io::inputs::{Flip, Inputs};
@@ -11,7 +12,8 @@ use crate::io::judge::map_writers::MapWriter;
 use crate::io::judge::sight_turned::{self, BY_SIGHT};
 use crate::io::judge::surface::SurfaceSamples;
 use crate::io::normal_space::{
-    NormalReading, NormalSamples, NormalSpaceConclusion, NormalSpaceEvidence,
+    NormalReading, NormalSamples, NormalSpaceConclusion, NormalSpaceConclusion::Certain,
+    NormalSpaceEvidence, NormalSpaceVerdict,
 };
 use crate::io::roles::names::Hint;
 use glam::{DMat3, DVec3};
@@ -59,23 +61,13 @@ impl View {
     }
 }
 
-/// What is known of stored normals beside their numbers.
-pub(crate) struct Written<'a> {
-    /// What their name implies, and why.
-    pub(crate) hint: (Hint, String),
-    /// Finds the program that wrote them.
-    pub(crate) writer: &'a dyn Fn() -> Option<MapWriter>,
-    /// Whether they are a layer of an EXR.
-    pub(crate) is_layer: bool,
-}
-
 /// Turns unit normals to view space, in place. A camera is looked for where it is needed: to turn
 /// normals, to know their space, or because the projection is asked for.
 pub(crate) fn turn_to_view(
     inputs: &Inputs,
     surface: &SurfaceSamples,
     projection: bool,
-    written: &Written,
+    source: &RoleSource,
     normal: &mut Vector3Planes,
     notes: &mut Notes,
 ) -> Result<View> {
@@ -101,8 +93,8 @@ pub(crate) fn turn_to_view(
         camera = camera.filter(|_| is_needed || !reading.is_view());
     }
     let warnings = &mut notes.warnings;
-    if reading.take(&written.hint) && surface.attributes.is_none() && surface.mask.count() > 0 {
-        warnings.push(format!("normals: {}", reading.reason));
+    if reading.take(&source.hint()) && surface.attributes.is_none() && surface.mask.count() > 0 {
+        warnings.push(format!("normals: {}", reading.verdict.reason));
     }
     reading.try_sight(inputs, surface, camera.as_ref(), normal);
     let is_recovered = search.has_recovered;
@@ -110,7 +102,12 @@ pub(crate) fn turn_to_view(
     let findings = search.findings;
     let mut normals = reading.settled(inputs, surface, &findings)?;
     if normals.space != NormalSpace::View && camera.is_none() {
-        return Err(no_camera(inputs, normals.space, &reading.reason, &findings));
+        return Err(no_camera(
+            inputs,
+            normals.space,
+            &reading.verdict.reason,
+            &findings,
+        ));
     }
     warnings.extend(
         doubt.map(|doubt| format!("the camera is a guess: {doubt}; compare with --camera FILE")),
@@ -119,17 +116,21 @@ pub(crate) fn turn_to_view(
         let settled = axes::settle(
             normal,
             surface.mask,
-            (written.writer)().as_ref(),
-            written.is_layer,
+            MapWriter::of(source.file.path()).as_ref(),
+            source.is_exr(),
         );
         normals.flip.x |= settled.flip.x;
         normals.flip.y |= settled.flip.y;
-        reading.reason = format!("{}; {}", reading.reason, settled.reason);
+        let reason = &mut reading.verdict.reason;
+        *reason = format!("{reason}; {}", settled.reason);
         warnings.extend(settled.warning);
     }
     notes.findings.extend(findings);
     notes.findings.push(reading.finding(normals, inputs));
-    turn(normals, normal, camera.as_ref(), surface.data_window);
+    normals::flip_axes(normal, normals.flip);
+    if let Some(camera) = &camera {
+        normals::turn_to_view(normal, normals.space, camera, surface.data_window);
+    }
     Ok(View {
         is_placed,
         is_recovered,
@@ -141,11 +142,11 @@ pub(crate) fn turn_to_view(
 /// The camera recovered from depth, and how the normals read with it: `judge` reads them by a camera.
 fn aided_by_depth(
     search: &mut CameraSearch,
-    unaided: Reading,
+    mut unaided: Reading,
     normal: &Vector3Planes,
     judge: impl Fn(&Camera) -> Reading,
 ) -> (Option<Camera>, Reading) {
-    let flip = unaided.certain.filter(|n| n.space == NormalSpace::View);
+    let flip = unaided.certain().filter(|n| n.space == NormalSpace::View);
     if let Some(NormalReading { flip, .. }) = flip {
         let turned = (flip != Flip::NONE).then(|| {
             let mut turned = normal.clone();
@@ -165,14 +166,14 @@ fn aided_by_depth(
     let reading = match &camera {
         None => unaided,
         Some(_) if unaided.is_given => unaided,
-        Some(camera) if flip.is_some() => Reading {
-            certain: Some(NormalReading::WORLD),
-            reason: format!(
+        Some(camera) if flip.is_some() => {
+            let reason = format!(
                 "world: turned by {:.1} degrees, the normals follow the slopes of depth",
                 turn_deg(camera.view_from_world.matrix3)
-            ),
-            ..unaided
-        },
+            );
+            unaided.read(NormalReading::WORLD, reason);
+            unaided
+        }
         Some(camera) => judge(camera),
     };
     (camera, reading)
@@ -187,29 +188,11 @@ fn turn_deg(turn: DMat3) -> f64 {
     }
 }
 
-/// Turns stored normals to view space, in place. Those in world space take a camera.
-fn turn(
-    reading: NormalReading,
-    normal: &mut Vector3Planes,
-    camera: Option<&Camera>,
-    window: Window,
-) {
-    normals::flip_axes(normal, reading.flip);
-    if let Some(camera) = camera {
-        normals::turn_to_view(normal, reading.space, camera, window);
-    }
-}
-
 /// Knowledge so far on how to read the stored normals.
 #[derive(Clone)]
 struct Reading {
-    /// The reading, where it is known.
-    certain: Option<NormalReading>,
-    /// Whether it is world space for want of anything else.
-    by_elimination: bool,
+    verdict: NormalSpaceVerdict,
     is_given: bool,
-    evidence: NormalSpaceEvidence,
-    reason: String,
 }
 
 impl Reading {
@@ -221,49 +204,57 @@ impl Reading {
         camera: Option<&Camera>,
     ) -> Self {
         if let Some(space) = inputs.normal_space {
-            return Self {
-                certain: Some(NormalReading::of(space)),
-                by_elimination: false,
-                is_given: true,
+            let verdict = NormalSpaceVerdict {
+                conclusion: Certain(NormalReading::of(space)),
                 evidence: NormalSpaceEvidence::default(),
                 reason: "as given".into(),
             };
+            return Self {
+                verdict,
+                is_given: true,
+            };
         }
-        let verdict = samples.judge(camera, surface.data_window);
-        let (certain, by_elimination) = match verdict.conclusion {
-            NormalSpaceConclusion::Certain(mut reading) => {
-                // Where axes were given, only z is still flipped toward the viewer.
-                if inputs.normal_flip.is_some() {
-                    (reading.flip.x, reading.flip.y) = (false, false);
-                }
-                (Some(reading), false)
-            }
-            NormalSpaceConclusion::WorldWithoutCamera => (None, true),
-            NormalSpaceConclusion::Ambiguous => (None, false),
-        };
+        let mut verdict = samples.judge(camera, surface.data_window);
+        if let Certain(reading) = &mut verdict.conclusion
+            && inputs.normal_flip.is_some()
+        {
+            // Where axes were given, only z is still flipped toward the viewer.
+            (reading.flip.x, reading.flip.y) = (false, false);
+        }
         Self {
-            certain,
-            by_elimination,
+            verdict,
             is_given: false,
-            evidence: verdict.evidence,
-            reason: verdict.reason,
         }
     }
 
+    fn certain(&self) -> Option<NormalReading> {
+        match self.verdict.conclusion {
+            Certain(reading) => Some(reading),
+            _ => None,
+        }
+    }
+
+    /// Takes a reading, for this reason.
+    fn read(&mut self, reading: NormalReading, reason: String) {
+        self.verdict.conclusion = Certain(reading);
+        self.verdict.reason = reason;
+    }
+
     fn is_view(&self) -> bool {
-        self.certain.is_some_and(|n| n.space == NormalSpace::View)
+        self.certain().is_some_and(|n| n.space == NormalSpace::View)
     }
 
     /// Whether the normals lean near enough to the slope of depth for view space, but not quite along it.
     fn could_be_turned(&self) -> bool {
-        let slope = self.evidence.view.slope_deg;
+        let slope = self.verdict.evidence.view.slope_deg;
         !self.is_given && slope.is_some_and(|deg| deg > STRAIGHT_DEG)
     }
 
     /// Whether the camera found from depth and normals, taken for view space, is turned after all.
     fn is_turned(&self, found: &FoundCamera) -> bool {
         let turn = turn_deg(found.camera.view_from_world.matrix3);
-        let (Some(errors), Some(slope)) = (found.turn_error_deg, self.evidence.view.slope_deg)
+        let (Some(errors), Some(slope)) =
+            (found.turn_error_deg, self.verdict.evidence.view.slope_deg)
         else {
             return false;
         };
@@ -276,17 +267,17 @@ impl Reading {
 
     /// Takes the reading implied by a name or the renderer, if the data leave it open; whether they did.
     fn take(&mut self, (hint, by): &(Hint, String)) -> bool {
-        let open = self.certain.is_none() && !self.by_elimination;
+        let open = self.verdict.conclusion == NormalSpaceConclusion::Ambiguous;
         let Some(space) = hint.space.filter(|_| open) else {
             return false;
         };
-        let evidence = &self.evidence;
+        let evidence = &self.verdict.evidence;
         let is_flipped = evidence.flipped.facing > evidence.view.facing;
-        self.certain = Some(match space {
+        let reading = match space {
             NormalSpace::View if is_flipped => NormalReading::FLIPPED,
             space => NormalReading::of(space),
-        });
-        self.reason = format!("{by}; {}", self.reason);
+        };
+        self.read(reading, format!("{by}; {}", self.verdict.reason));
         true
     }
 
@@ -298,23 +289,23 @@ impl Reading {
         camera: Option<&Camera>,
         normal: &Vector3Planes,
     ) {
-        let e = &self.evidence;
+        let e = &self.verdict.evidence;
         let facing = e.facing_view().max(e.world.facing);
         let is_judged = self.is_given || inputs.normal_flip.is_some() || e.is_judged_by_depth();
         let Some(camera) = camera.filter(|_| !is_judged && facing < FACE) else {
             return;
         };
-        let now = self.certain.unwrap_or(NormalReading::WORLD);
+        let now = self.certain().unwrap_or(NormalReading::WORLD);
         let stored = |x: usize, y: usize| normal.at(x, y);
         let Some([by_sight, other]) = sight_turned::shows(surface, camera, stored, now) else {
             return;
         };
-        self.certain = Some(BY_SIGHT);
-        self.reason = format!(
+        let reason = format!(
             "turned to the sight lines with x to the left, as V-Ray writes them: the slopes then have a curl of \
              {by_sight:.2}, otherwise {other:.2}; {}",
-            self.reason
+            self.verdict.reason
         );
+        self.read(BY_SIGHT, reason);
     }
 
     /// The reading, or why there is none.
@@ -324,31 +315,27 @@ impl Reading {
         surface: &SurfaceSamples,
         findings: &[Finding],
     ) -> Result<NormalReading> {
-        if let Some(certain) = self.certain {
-            return Ok(certain);
+        let reason = &self.verdict.reason;
+        match self.verdict.conclusion {
+            Certain(reading) => Ok(reading),
+            NormalSpaceConclusion::WorldWithoutCamera => {
+                Err(no_camera(inputs, NormalSpace::World, reason, findings))
+            }
+            // An empty mask has no normals to be read either way.
+            NormalSpaceConclusion::Ambiguous if surface.mask.count() == 0 => {
+                Ok(NormalReading::VIEW)
+            }
+            NormalSpaceConclusion::Ambiguous => Err(Error::Undetermined {
+                path: inputs.picture.clone(),
+                found: format!("the space of the normals is unclear ({reason})"),
+                remedy: "name it with --normal-space view or --normal-space world".into(),
+            }),
         }
-        if self.by_elimination {
-            return Err(no_camera(
-                inputs,
-                NormalSpace::World,
-                &self.reason,
-                findings,
-            ));
-        }
-        // An empty mask has no normals to be read either way.
-        if surface.mask.count() == 0 {
-            return Ok(NormalReading::VIEW);
-        }
-        Err(Error::Undetermined {
-            path: inputs.picture.clone(),
-            found: format!("the space of the normals is unclear ({})", self.reason),
-            remedy: "name it with --normal-space view or --normal-space world".into(),
-        })
     }
 
     /// Whether neither flags nor depth nor positions show which way x and y point.
     fn leaves_axes_open(&self, normals: NormalReading, inputs: &Inputs) -> bool {
-        let evidence = &self.evidence;
+        let evidence = &self.verdict.evidence;
         normals.space == NormalSpace::View
             && inputs.normal_flip.is_none()
             && !evidence.is_judged_by_depth()
@@ -369,7 +356,7 @@ impl Reading {
         Finding {
             subject: "normal space".into(),
             conclusion,
-            evidence: self.reason.clone(),
+            evidence: self.verdict.reason.clone(),
             flag,
         }
     }

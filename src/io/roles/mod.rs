@@ -10,7 +10,7 @@ pub(super) mod nearest;
 pub(super) mod views;
 pub(super) mod words;
 
-use crate::io::exr::{ExrFile, SampleType};
+use crate::io::exr::{ChannelId, ExrFile, SampleType};
 use names::{Arity, RULES, last_word, split_last_word};
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -58,6 +58,15 @@ pub(crate) struct Match {
     pub channels: Vec<usize>,
     /// The coverage channel of the layer.
     pub alpha: Option<usize>,
+}
+
+impl Match {
+    /// Its channels, without coverage, by their places in the file.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = ChannelId> {
+        let part = self.part;
+        let channels = self.channels.iter();
+        channels.map(move |&channel| ChannelId { part, channel })
+    }
 }
 
 const COMPONENTS: &[(&str, &str)] = &[("red", "r"), ("green", "g"), ("blue", "b"), ("alpha", "a")];

@@ -28,7 +28,10 @@ pub(crate) fn nearest(layers: &[Layer], role: Role) -> Option<&str> {
     let able = layers
         .iter()
         .filter(|layer| !layer.is_listed() && layer.matched(role).is_some());
-    best(able.map(|layer| (layer, likeness(layer))))
+    best(
+        able.take(MOST_COMPARED)
+            .map(|layer| (layer.name.as_str(), likeness(layer))),
+    )
 }
 
 /// The layer whose name is most like `name`.
@@ -39,28 +42,23 @@ pub(crate) fn alike<'a>(layers: impl Iterator<Item = &'a Layer>, name: &str) -> 
         let last = own.rsplit('.').next().unwrap_or(&own);
         strsim::jaro_winkler(&own, &name).max(strsim::jaro_winkler(last, &name))
     };
-    best(layers.map(|layer| (layer, likeness(layer))))
+    best(
+        layers
+            .take(MOST_COMPARED)
+            .map(|layer| (layer.name.as_str(), likeness(layer))),
+    )
 }
 
 /// The name that is most like `name`, if one is like enough.
 pub(crate) fn likest<'a>(names: &[&'a str], name: &str) -> Option<&'a str> {
     let name = name.to_lowercase();
     let likeness = |own: &str| strsim::jaro_winkler(&own.to_lowercase(), &name);
-    let names = names.iter().map(|own| (likeness(own), *own));
-    let able = names.filter(|(likeness, _)| *likeness >= ALIKE);
-    able.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, own)| own)
+    best(names.iter().map(|own| (*own, likeness(own))))
 }
 
-/// The first of the likest layers, if it is like enough and has a name.
-fn best<'a>(layers: impl Iterator<Item = (&'a Layer, f64)>) -> Option<&'a str> {
-    let mut best: Option<(&Layer, f64)> = None;
-    for (layer, likeness) in layers
-        .take(MOST_COMPARED)
-        .filter(|(layer, _)| !layer.name.is_empty())
-    {
-        if likeness >= ALIKE && best.is_none_or(|(_, most)| likeness > most) {
-            best = Some((layer, likeness));
-        }
-    }
-    best.map(|(layer, _)| layer.name.as_str())
+/// The first of the likest names, if it is like enough and not empty.
+fn best<'a>(names: impl Iterator<Item = (&'a str, f64)>) -> Option<&'a str> {
+    let able = names.filter(|(name, likeness)| !name.is_empty() && *likeness >= ALIKE);
+    let better = |best: (_, f64), next: (_, f64)| if next.1 > best.1 { next } else { best };
+    able.reduce(better).map(|(name, _)| name)
 }

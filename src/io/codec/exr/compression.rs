@@ -27,7 +27,7 @@ pub enum OutputCompression {
     /// Wavelets, 32 rows at a time: smallest for grainy pictures.
     Piz,
     /// DWA, 32 rows at a time: loses invisible detail, in colours only. It stores colours of any type as half floats:
-    /// values beyond 65504 are clamped, NaN becomes 0.
+    /// values beyond 32768 are clamped, NaN becomes 0.
     Dwaa = 8,
     /// DWA, 256 rows at a time.
     Dwab,

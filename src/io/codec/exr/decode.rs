@@ -18,7 +18,6 @@ use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether ZIP and uncompressed blocks are decoded and encoded here: on machines that store numbers in the byte order
 /// of the files, low byte first.
@@ -110,70 +109,14 @@ impl Words<'_> {
     }
 }
 
-/// The rows of a plane that a channel is read to.
+/// The rows of a plane, as wide as the picture, that a channel is read to.
 pub(super) struct Target<'t> {
     pub(super) slot: Slot,
-    pub(super) samples: TargetSamples<'t>,
-    /// Becomes true with a sample that is not finite.
-    pub(super) is_broken: &'t AtomicBool,
+    pub(super) samples: &'t mut [f32],
 }
 
-/// Rows as wide as the picture.
-pub(super) enum TargetSamples<'t> {
-    Floats(&'t mut [f32]),
-    /// Of a channel of half floats.
-    Halves(&'t mut [f16]),
-}
-
-impl<'t> TargetSamples<'t> {
-    /// Splits off the first `count` samples.
-    fn split_off(&mut self, count: usize) -> Self {
-        fn split<'t, T>(samples: &mut &'t mut [T], count: usize) -> &'t mut [T] {
-            let (top, rest) = std::mem::take(samples).split_at_mut(count);
-            *samples = rest;
-            top
-        }
-        match self {
-            Self::Floats(samples) => Self::Floats(split(samples, count)),
-            Self::Halves(samples) => Self::Halves(split(samples, count)),
-        }
-    }
-}
-
-impl Target<'_> {
-    /// Writes samples given as 16-bit words to those from number `first` on.
-    fn put(&mut self, first: usize, count: usize, words: &[u16]) {
-        match &mut self.samples {
-            TargetSamples::Floats(samples) => {
-                self.slot.convert(words, &mut samples[first..][..count]);
-            }
-            TargetSamples::Halves(samples) => {
-                samples[first..][..count].copy_from_slice(words.reinterpret_cast());
-            }
-        }
-        self.check(first, count);
-    }
-
-    /// Looks at `count` samples, from number `first` on.
-    fn check(&self, first: usize, count: usize) {
-        // An exponent of ones overflows into the sign.
-        let is_broken = match &self.samples {
-            TargetSamples::Floats(samples) => {
-                let overflow = |v: &f32| (v.to_bits() & 0x7f80_0000) + 0x0080_0000;
-                let samples = samples[first..][..count].iter();
-                samples.fold(0, |all, v| all | overflow(v)) >> 31 == 1
-            }
-            TargetSamples::Halves(samples) => {
-                let overflow = |v: &f16| (v.to_bits() & 0x7c00) + 0x0400;
-                let samples = samples[first..][..count].iter();
-                samples.fold(0, |all, v| all | overflow(v)) >> 15 == 1
-            }
-        };
-        if is_broken {
-            self.is_broken.store(true, Ordering::Relaxed);
-        }
-    }
-}
+/// Rows are split off rows that hold them.
+const HELD: &str = "the rows are held";
 
 /// Rows of a picture that are to be filled.
 pub(super) enum Rows<'t> {
@@ -190,15 +133,14 @@ impl<'t> Rows<'t> {
         match self {
             Rows::Samples(planes) => {
                 let top = planes.iter_mut().map(|target| Target {
-                    samples: target.samples.split_off(pixels),
+                    samples: target.samples.split_off_mut(..pixels).expect(HELD),
                     ..*target
                 });
                 Rows::Samples(top.collect())
             }
             Rows::Bytes(bytes) => {
-                let (top, rest) = std::mem::take(bytes).split_at_mut(pixels * layout.pixel_bytes);
-                *bytes = rest;
-                Rows::Bytes(top)
+                let top = bytes.split_off_mut(..pixels * layout.pixel_bytes);
+                Rows::Bytes(top.expect(HELD))
             }
         }
     }
@@ -238,7 +180,8 @@ impl<'t> Rows<'t> {
                             at = slot.before / 2 * width + count;
                             last = Some(slot.before);
                         }
-                        target.put(y * layout.width + x, width, &words[..count]);
+                        let row = &mut target.samples[y * layout.width + x..][..width];
+                        slot.convert(&words[..count], row);
                     }
                     block.skip(row_words - at);
                 }
@@ -275,6 +218,10 @@ fn copy_row(
         into[before * width + bytes * columns.start..][..from.len()].copy_from_slice(from);
         before += bytes;
     }
+}
+
+pub(super) fn is_dwa(compression: Compression) -> bool {
+    matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
 /// Copies of a block while it is decoded: compressed, decompressed, and where the `exr` crate does it one in between.
@@ -314,10 +261,7 @@ pub(super) fn decode_block(
 /// Lets the `exr` crate decompress a block.
 fn decode_foreign(bytes: Vec<u8>, meta: &MetaData, part: usize, place: Place) -> Parsed<Block> {
     let header = &meta.headers[part];
-    if matches!(
-        header.compression,
-        Compression::DWAA(_) | Compression::DWAB(_)
-    ) {
+    if is_dwa(header.compression) {
         check_dwa_counters(&bytes, block_size(place, header)?, header)?;
     }
     let chunk = Chunk {
@@ -409,42 +353,5 @@ fn check_dwa_counters(bytes: &[u8], size: Vec2<usize>, header: &Header) -> Parse
         false => Err(Fault::damaged(
             "a DWA block claims more data than its pixels have",
         )),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// 100 halves of all kinds and their differences, one of them infinite or not a number.
-    #[test]
-    fn halves_that_stay_are_those_that_are_converted() {
-        for (odd, is_broken) in [(0x3c00, false), (0x7c00, true), (0xfe01, true)] {
-            let mut words: Vec<u16> = (0..100).map(|i| 0x0200 + 0x012d * i).collect();
-            words[70] = odd;
-            let (mut floats, mut halves) = (vec![0.0; 103], vec![f16::ZERO; 103]);
-            let samples = [
-                TargetSamples::Floats(&mut floats),
-                TargetSamples::Halves(&mut halves),
-            ];
-            for samples in samples {
-                let found = AtomicBool::new(false);
-                let mut target = Target {
-                    slot: Slot {
-                        before: 0,
-                        sample_type: SampleType::F16,
-                    },
-                    samples,
-                    is_broken: &found,
-                };
-                target.put(3, 100, &words);
-                assert_eq!(found.into_inner(), is_broken);
-            }
-            let mut converted = vec![1.0; 103];
-            halves.convert_to_f32_slice(&mut converted);
-            let bits = |samples: &[f32]| samples.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&floats), bits(&converted));
-            assert_eq!(halves[3 + 40].to_bits(), words[40]);
-        }
     }
 }

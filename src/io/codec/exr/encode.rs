@@ -2,7 +2,7 @@
 
 use super::attributes::text_of_bytes;
 use super::compression::dwa_spoils;
-use super::decode::OWN_CODEC;
+use super::decode::{OWN_CODEC, is_dwa};
 use super::fault::{Fault, Parsed};
 use super::write::{OutputType, ReadyPart, Source};
 use super::zip;
@@ -10,11 +10,12 @@ use crate::frame::Plane;
 use crate::io::fence::fenced;
 use ::exr::compression::Compression;
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
+use ::exr::meta::attribute::{ChannelDescription, IntegerBounds};
 use ::exr::meta::header::Header;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -42,24 +43,6 @@ pub(super) struct Encoder {
     taken: usize,
     /// Rows of the incomplete block, in its layout.
     waiting: Vec<u8>,
-    /// Samples of them that were clamped.
-    waiting_clamped: Clamped,
-    /// Samples that were clamped in blocks that are complete.
-    clamped: u64,
-}
-
-/// Numbers of finite samples beyond half floats, clamped to the largest one.
-#[derive(Debug, Clone, Copy, Default)]
-struct Clamped {
-    /// Samples clamped in channels that DWA treats as colour, if it is used.
-    colors: u64,
-    /// Samples clamped in other channels.
-    others: u64,
-}
-
-/// A block as the file has it.
-struct Encoded {
-    bytes: Vec<u8>,
     /// Samples that were clamped.
     clamped: u64,
 }
@@ -80,12 +63,11 @@ impl Encoder {
             block_rows: part.header.compression.scan_lines_per_block(),
             taken: 0,
             waiting: Vec::new(),
-            waiting_clamped: Clamped::default(),
             clamped: 0,
         }
     }
 
-    /// Samples of complete blocks that were too large for half floats and were clamped.
+    /// Samples that were too large for half floats and were clamped.
     pub(super) fn clamped(&self) -> u64 {
         self.clamped
     }
@@ -139,21 +121,21 @@ impl Encoder {
             let start = block * self.block_rows;
             let laid = start.max(waiting) - waiting..end - waiting;
             let before = match block {
-                0 => (&self.waiting[..], self.waiting_clamped),
-                _ => (&[][..], Clamped::default()),
+                0 => &self.waiting[..],
+                _ => &[],
             };
             RAW.with_borrow_mut(|raw| {
                 let raw = zip::sized(raw, (end - start) * self.row_bytes());
-                let (given, rest) = raw.split_at_mut(before.0.len());
-                given.copy_from_slice(before.0);
-                let mut clamped = before.1;
-                clamped.add(self.lay_rows(strip, laid, rest));
-                self.encoded((first + block) * self.block_rows, end - start, raw, clamped)
+                let (given, rest) = raw.split_at_mut(before.len());
+                given.copy_from_slice(before);
+                let clamped = self.lay_rows(strip, laid, rest);
+                let bytes = self.compressed((first + block) * self.block_rows, end - start, raw)?;
+                Ok((bytes, clamped))
             })
         };
         let beside = Mutex::new(beside);
         // What is beside comes last: a thread that steals work takes the first half of what is left.
-        let blocks: Vec<Parsed<Encoded>> = (0..complete + 1)
+        let blocks: Vec<Parsed<(Vec<u8>, u64)>> = (0..complete + 1)
             .into_par_iter()
             .with_max_len(1)
             .filter_map(|block| {
@@ -169,44 +151,36 @@ impl Encoder {
         let mut rest = std::mem::take(&mut self.waiting);
         if complete > 0 {
             rest.clear();
-            self.waiting_clamped = Clamped::default();
         }
         let laid = (complete * self.block_rows).clamp(waiting, rows);
         let laid = laid - waiting..strip.rows.len();
         let given = rest.len();
         rest.resize(given + laid.len() * self.row_bytes(), 0);
-        let clamped = self.lay_rows(strip, laid, &mut rest[given..]);
-        self.waiting_clamped.add(clamped);
+        self.clamped += self.lay_rows(strip, laid, &mut rest[given..]);
         self.waiting = rest;
         self.taken += strip.rows.len();
-        let blocks: Vec<Encoded> = blocks.into_iter().collect::<Parsed<_>>()?;
-        self.clamped += blocks.iter().map(|block| block.clamped).sum::<u64>();
-        let bytes = blocks.into_iter().map(|block| block.bytes);
-        Ok((first, bytes.collect()))
+        let blocks: Vec<_> = blocks.into_iter().collect::<Parsed<_>>()?;
+        self.clamped += blocks.iter().map(|(_, clamped)| clamped).sum::<u64>();
+        Ok((first, blocks.into_iter().map(|(bytes, _)| bytes).collect()))
     }
 
-    /// Lays the rows `rows` of a strip out in a block, of which they fill `raw`.
-    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, mut raw: &mut [u8]) -> Clamped {
-        let mut clamped = Clamped::default();
-        let mut halves = Vec::new();
+    /// Lays the rows `rows` of a strip out in a block, of which they fill `raw`; returns the number of samples clamped.
+    fn lay_rows(&self, strip: &Strip, rows: Range<usize>, mut raw: &mut [u8]) -> u64 {
+        let (mut clamped, mut halves) = (0, Vec::new());
         let width = self.header.layer_size.width();
         let kept_bytes = strip.kept.len() / strip.rows.len();
         for y in rows {
             for (source, channel) in self.sources.iter().zip(&self.header.channels.list) {
+                let bytes = channel.sample_type.bytes_per_sample();
+                let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
                 match *source {
                     Source::Given(plane, sample_type) => {
                         let row = strip.planes[plane].row(strip.rows.start + y);
-                        let bytes = channel.sample_type.bytes_per_sample();
-                        let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
-                        let count = lay_samples(row, sample_type, &mut halves, laid);
-                        match self.is_dwa() && is_color(channel) {
-                            true => clamped.colors += count,
-                            false => clamped.others += count,
-                        }
+                        let (row, count) = self.within_reach(channel, row);
+                        clamped += count + lay_samples(&row, sample_type, &mut halves, laid);
                     }
-                    Source::Carried { before, bytes } => {
+                    Source::Carried { before } => {
                         let row = &strip.kept[y * kept_bytes..][..kept_bytes];
-                        let laid = raw.split_off_mut(..bytes * width).expect(SIZED);
                         laid.copy_from_slice(&row[before * width..][..bytes * width]);
                     }
                 }
@@ -215,99 +189,20 @@ impl Encoder {
         clamped
     }
 
-    /// Compresses a block, given the samples `clamped` while it was laid out.
-    fn encoded(
+    /// Samples within the reach of DWA if it treats the channel as colour, and how many of them had to be clamped for it.
+    fn within_reach<'r>(
         &self,
-        first_row: usize,
-        rows: usize,
-        raw: &mut [u8],
-        clamped: Clamped,
-    ) -> Parsed<Encoded> {
-        if !self.is_dwa() {
-            let bytes = self.compressed(first_row, rows, raw)?;
-            let clamped = clamped.colors + clamped.others;
-            return Ok(Encoded { bytes, clamped });
+        channel: &ChannelDescription,
+        row: &'r [f32],
+    ) -> (Cow<'r, [f32]>, u64) {
+        let name = channel.name.as_slice();
+        let is_beyond = |v: &&f32| v.abs() > DWA_MOST;
+        if !is_dwa(self.header.compression) || !dwa_spoils(&text_of_bytes(name)) {
+            return (row.into(), 0);
         }
-        let (count, largest) = self.clamp_colors(raw, HALF_MAX);
-        let bytes = self.compressed(first_row, rows, raw)?;
-        if largest <= DWA_SAFE || self.decodes_finite(first_row, rows, &bytes)? {
-            let clamped = clamped.colors + clamped.others + count;
-            return Ok(Encoded { bytes, clamped });
-        }
-        let (count, _) = self.clamp_colors(raw, DWA_SAFE);
-        Ok(Encoded {
-            bytes: self.compressed(first_row, rows, raw)?,
-            // Those that were clamped before are above this limit too.
-            clamped: clamped.others + count,
-        })
-    }
-
-    fn is_dwa(&self) -> bool {
-        matches!(
-            self.header.compression,
-            Compression::DWAA(_) | Compression::DWAB(_)
-        )
-    }
-
-    /// Clamps samples that DWA treats as colour to `-most..=most`, except NaN; returns the number outside and the
-    /// largest previous magnitude.
-    fn clamp_colors(&self, raw: &mut [u8], most: f32) -> (u64, f32) {
-        let (mut count, mut largest) = (0, 0.0_f32);
-        let mut clamp = |v: f32| {
-            largest = largest.max(v.abs());
-            let is_outside = v.abs() > most;
-            count += u64::from(is_outside);
-            is_outside.then(|| most.copysign(v))
-        };
-        self.for_colors(raw, |sample_type, row| match sample_type {
-            SampleType::F16 => row.as_chunks_mut().0.iter_mut().for_each(|bytes| {
-                if let Some(v) = clamp(f16::from_ne_bytes(*bytes).to_f32()) {
-                    *bytes = f16::from_f32(v).to_ne_bytes();
-                }
-            }),
-            SampleType::F32 => row.as_chunks_mut().0.iter_mut().for_each(|bytes| {
-                if let Some(v) = clamp(f32::from_ne_bytes(*bytes)) {
-                    *bytes = v.to_ne_bytes();
-                }
-            }),
-            SampleType::U32 => {}
-        });
-        (count, largest)
-    }
-
-    /// Calls `each` with every row of every channel that DWA treats as colour, in an uncompressed block.
-    fn for_colors(&self, mut raw: &mut [u8], mut each: impl FnMut(SampleType, &mut [u8])) {
-        let width = self.header.layer_size.width();
-        while !raw.is_empty() {
-            for channel in &self.header.channels.list {
-                let bytes = width * channel.sample_type.bytes_per_sample();
-                let (row, rest) = raw.split_at_mut(bytes);
-                raw = rest;
-                if is_color(channel) {
-                    each(channel.sample_type, row);
-                }
-            }
-        }
-    }
-
-    /// Whether every sample that DWA treats as colour is finite after decoding.
-    fn decodes_finite(&self, first_row: usize, rows: usize, bytes: &[u8]) -> Parsed<bool> {
-        let (compression, section) = (self.header.compression, self.section(first_row, rows));
-        let decoded = fenced(|| {
-            let bytes = bytes.to_vec();
-            compression.decompress_image_section_from_le(&self.header, bytes, section, false)
-        });
-        let mut decoded = decoded.ok_or_else(|| Fault::damaged("cannot be read back"))??;
-        let (_, largest) = self.clamp_colors(&mut decoded, f32::INFINITY);
-        Ok(largest.is_finite())
-    }
-
-    /// The pixels of a block.
-    fn section(&self, first_row: usize, rows: usize) -> IntegerBounds {
-        IntegerBounds {
-            position: Vec2(0, first_row as i32),
-            size: Vec2(self.header.layer_size.width(), rows),
-        }
+        let clamped = row.iter().map(|v| v.clamp(-DWA_MOST, DWA_MOST));
+        let count = row.iter().filter(is_beyond).count();
+        (clamped.collect(), count as u64)
     }
 
     fn compressed(&self, first_row: usize, rows: usize, raw: &[u8]) -> Parsed<Vec<u8>> {
@@ -319,7 +214,10 @@ impl Encoder {
             }
             _ => {}
         }
-        let section = self.section(first_row, rows);
+        let section = IntegerBounds {
+            position: Vec2(0, first_row as i32),
+            size: Vec2(self.header.layer_size.width(), rows),
+        };
         let compress = || {
             let compression = self.header.compression;
             compression.compress_image_section_to_le(&self.header, raw.to_vec(), section)
@@ -331,16 +229,6 @@ impl Encoder {
     }
 }
 
-impl Clamped {
-    fn add(&mut self, others: Self) {
-        self.colors += others.colors;
-        self.others += others.others;
-    }
-}
-
-/// The largest half float.
-const HALF_MAX: f32 = f16::MAX.to_f32_const();
-
 /// Colours up to this magnitude stay finite through DWA.
 ///
 /// DWA stores `1 + ln(v) / 2.2` for values above 1, as cosines of 8x8 pixels with errors of their tolerance and of
@@ -350,12 +238,7 @@ const HALF_MAX: f32 = f16::MAX.to_f32_const();
 /// up to 5.73 (their squares add up to 64 times that of a pixel) is at most `2^-13 * sqrt(64 * 64 * 5.73^2) = 0.045`
 /// and half of it for chroma. Blue is luminance plus 1.8556 times a chroma: `0.0865 + 1.8556 * 0.0585 = 0.195`, plus
 /// 0.004 for its own rounding before and after.
-const DWA_SAFE: f32 = 32768.0;
-
-/// Whether DWA treats a channel as colour.
-fn is_color(channel: &ChannelDescription) -> bool {
-    dwa_spoils(&text_of_bytes(channel.name.as_slice()))
-}
+const DWA_MOST: f32 = 32768.0;
 
 /// Lays out a row of samples, which fills `raw`; returns the number of finite ones too large for their type.
 fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw: &mut [u8]) -> u64 {
@@ -372,9 +255,10 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
             // Rare: finite samples that became infinite. All are looked at, many at a time.
             let is_infinite = |any, half: &f16| any | half.is_infinite();
             if halves.iter().fold(false, is_infinite) {
-                for (half, &v) in halves.iter_mut().zip(row) {
-                    clamped += u64::from(v.is_finite() && half.is_infinite());
-                    *half = f16::from_f32(clamped_to_half(v));
+                let both = halves.iter_mut().zip(row);
+                for (half, _) in both.filter(|(half, v)| half.is_infinite() && v.is_finite()) {
+                    *half = f16::MAX.copysign(*half);
+                    clamped += 1;
                 }
             }
             for (to, v) in raw.as_chunks_mut().0.iter_mut().zip(halves.iter()) {
@@ -385,21 +269,17 @@ fn lay_samples(row: &[f32], sample_type: OutputType, halves: &mut Vec<f16>, raw:
     clamped
 }
 
-/// `v`, moved into the range of half precision if it is finite.
-fn clamped_to_half(v: f32) -> f32 {
-    match v.is_finite() {
-        true => v.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()),
-        false => v,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn half_saturates_and_rounds_to_nearest() {
-        let half = |v: f32| f16::from_f32(clamped_to_half(v)).to_f32();
+        let half = |v: f32| {
+            let mut raw = [0; 2];
+            lay_samples(&[v], OutputType::Half, &mut Vec::new(), &mut raw);
+            f16::from_ne_bytes(raw).to_f32()
+        };
         assert_eq!(half(1e9), 65504.0);
         assert_eq!(half(-65530.0), -65504.0);
         assert_eq!(half(f32::INFINITY), f32::INFINITY);

@@ -137,9 +137,8 @@ fn merged_channels(
     let mut channels = Vec::new();
     let mut before = 0;
     for (entry, channel) in entries.into_iter().zip(list) {
-        let bytes = channel.sample_type.bytes_per_sample();
-        channels.push((entry.to_vec(), Source::Carried { before, bytes }));
-        before += bytes;
+        channels.push((entry.to_vec(), Source::Carried { before }));
+        before += channel.sample_type.bytes_per_sample();
     }
     for i in sorted_channels(added)? {
         let (name, sample_type) = &added.channels[i];

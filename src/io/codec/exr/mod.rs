@@ -33,7 +33,6 @@ pub use compression::OutputCompression;
 pub(crate) use memory::encoding_bytes;
 pub use merge::Merged;
 pub use part::{Channel, ChannelId, Part, SampleType};
-pub(in crate::io) use read::{ReadSamples, Wanted};
 #[cfg(feature = "cli")]
 pub(crate) use write::X_DENSITY;
 pub use write::{OutputChannel, OutputPart, OutputType, PartDescription, PartWith};

@@ -1,7 +1,7 @@
 //! Reading channels: whole, or some rows of them.
 
 use super::chunks::ChunkReader;
-use super::decode::{Rows, Slot, Target, TargetSamples, copies, decode_block};
+use super::decode::{Rows, Slot, Target, copies, decode_block};
 use super::fault::{Fault, Parsed};
 use super::layout::Layout;
 use super::{ChannelId, ExrFile};
@@ -9,56 +9,10 @@ use crate::error::Result;
 use crate::frame::Plane;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
-use half::f16;
-use half::vec::HalfBitsVecExt;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
-
-/// A channel to be read.
-#[derive(Clone, Copy)]
-pub(in crate::io) struct Wanted {
-    pub(in crate::io) id: ChannelId,
-    /// Whether it is one of half floats that stay so.
-    pub(in crate::io) stays_half: bool,
-}
-
-/// The samples of a channel.
-pub(in crate::io) enum ReadSamples {
-    Floats(Plane),
-    Halves(Plane<f16>),
-}
-
-impl ReadSamples {
-    fn target(&mut self) -> TargetSamples<'_> {
-        match self {
-            Self::Floats(plane) => TargetSamples::Floats(plane.samples_mut()),
-            Self::Halves(plane) => TargetSamples::Halves(plane.samples_mut()),
-        }
-    }
-}
-
-/// The floats of channels read as such.
-fn planes_of(checked: Vec<(ReadSamples, bool)>) -> Vec<Plane> {
-    let floats = checked
-        .into_iter()
-        .filter_map(|(samples, _)| match samples {
-            ReadSamples::Floats(plane) => Some(plane),
-            ReadSamples::Halves(_) => None,
-        });
-    floats.collect()
-}
-
-/// Channels whose halves are converted to floats.
-fn as_floats(wanted: &[ChannelId]) -> Vec<Wanted> {
-    let floats = |&id: &ChannelId| Wanted {
-        id,
-        stays_half: false,
-    };
-    wanted.iter().map(floats).collect()
-}
 
 impl ExrFile {
     /// The samples of the `wanted` channels, in that order.
@@ -69,7 +23,7 @@ impl ExrFile {
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`].
     pub fn read_channels(&self, wanted: &[ChannelId]) -> Result<Vec<Plane>> {
-        self.read_checked(&as_floats(wanted), None).map(planes_of)
+        self.read_some(wanted, None)
     }
 
     /// The rows `rows` of the `wanted` channels, in that order, counted from the top of the data
@@ -80,55 +34,40 @@ impl ExrFile {
     /// # Panics
     /// If a wanted channel is not in [`ExrFile::parts`], or its part has fewer rows.
     pub fn read_rows(&self, wanted: &[ChannelId], rows: Range<usize>) -> Result<Vec<Plane>> {
-        self.read_checked(&as_floats(wanted), Some(rows))
-            .map(planes_of)
+        self.read_some(wanted, Some(rows))
     }
 
-    /// The rows `rows`, or all, of the `wanted` channels, each with whether all its samples are finite.
-    pub(in crate::io) fn read_checked(
+    /// The rows `rows`, or all, of the `wanted` channels.
+    pub(in crate::io) fn read_some(
         &self,
-        wanted: &[Wanted],
+        wanted: &[ChannelId],
         rows: Option<Range<usize>>,
-    ) -> Result<Vec<(ReadSamples, bool)>> {
+    ) -> Result<Vec<Plane>> {
         self.read_each(wanted, rows)
             .map_err(|fault| fault.at(&self.path))
     }
 
-    fn read_each(
-        &self,
-        wanted: &[Wanted],
-        rows: Option<Range<usize>>,
-    ) -> Parsed<Vec<(ReadSamples, bool)>> {
-        let ids: Vec<_> = wanted.iter().map(|wanted| wanted.id).collect();
-        self.check_rows(&ids, rows.as_ref())?;
+    fn read_each(&self, wanted: &[ChannelId], rows: Option<Range<usize>>) -> Parsed<Vec<Plane>> {
+        self.check_rows(wanted, rows.as_ref())?;
         let rows_of = |part: usize| match &rows {
             Some(rows) => rows.clone(),
             None => 0..self.parts[part].window.height(),
         };
-        let blank = |&Wanted { id, stays_half }: &Wanted| {
+        let blank = |id: &ChannelId| {
             let (width, height) = (self.parts[id.part].window.width(), rows_of(id.part).len());
-            match stays_half {
-                true => {
-                    // Zeros of integers are memory as it comes.
-                    let zeros = vec![0_u16; width * height].reinterpret_into();
-                    ReadSamples::Halves(Plane::from_samples(width, height, zeros))
-                }
-                false => ReadSamples::Floats(Plane::filled(width, height, 0.0)),
-            }
+            Plane::filled(width, height, 0.0)
         };
         let mut planes: Vec<_> = wanted.iter().map(blank).collect();
-        let broken: Vec<_> = wanted.iter().map(|_| AtomicBool::new(false)).collect();
         let mut chunks = ChunkReader::open(self)?;
         for part in 0..self.parts.len() {
             let header = &self.header.meta.headers[part];
-            let targets: Vec<Target> = ids
+            let targets: Vec<Target> = wanted
                 .iter()
-                .zip(planes.iter_mut().zip(&broken))
+                .zip(&mut planes)
                 .filter(|(id, _)| id.part == part)
-                .map(|(id, (plane, is_broken))| Target {
+                .map(|(id, plane)| Target {
                     slot: Slot::of_channel(header, id.channel),
-                    samples: plane.target(),
-                    is_broken,
+                    samples: plane.samples_mut(),
                 })
                 .collect();
             if !targets.is_empty() {
@@ -136,8 +75,7 @@ impl ExrFile {
                 blocks.read(&mut chunks, rows_of(part), Rows::Samples(targets))?;
             }
         }
-        let is_finite = broken.into_iter().map(|broken| !broken.into_inner());
-        Ok(planes.into_iter().zip(is_finite).collect())
+        Ok(planes)
     }
 
     /// Refuses rows (`None`: all) that are more than allowed, before anything is allocated.

@@ -101,8 +101,8 @@ impl OutputPart<'_> {
 pub(super) enum Source {
     /// The plane given with this index.
     Given(usize, OutputType),
-    /// A channel of the part that is added to: bytes of a pixel before it, and its own.
-    Carried { before: usize, bytes: usize },
+    /// A channel of the part that is added to: bytes of a pixel before it.
+    Carried { before: usize },
 }
 
 /// A part whose header has been made.

@@ -7,10 +7,9 @@ use super::npy::NpyHeader;
 use crate::error::{Error, Result};
 use crate::io::open::open_buffered;
 use crate::untrusted::{Untrusted, listed};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use flate2::bufread::DeflateDecoder;
+use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use zlib_rs::{Inflate, InflateFlush, Status};
 
 /// An array of an archive.
 struct Member {
@@ -30,8 +29,6 @@ const ENTRY: (&[u8], usize) = (b"PK\x01\x02", 46);
 const LOCAL: (&[u8], usize) = (b"PK\x03\x04", 30);
 /// The largest directory that is read, in bytes.
 const MOST_BYTES: u64 = 1 << 20;
-/// Base 2 logarithm of the window of deflate.
-const WINDOW_BITS: u8 = 15;
 /// Longest side of what is a matrix rather than a picture, where there are several arrays.
 const MATRIX: usize = 4;
 
@@ -192,40 +189,9 @@ impl Member {
         }
         let stored = file.take(self.bytes);
         Ok(match self.is_deflated {
-            true => Box::new(Inflated {
-                stored,
-                inflate: Inflate::new(false, WINDOW_BITS),
-            }),
+            true => Box::new(DeflateDecoder::new(stored)),
             false => Box::new(stored),
         })
-    }
-}
-
-/// What deflated bytes hold.
-struct Inflated {
-    stored: std::io::Take<BufReader<File>>,
-    inflate: Inflate,
-}
-
-impl Read for Inflated {
-    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
-        loop {
-            let stored = self.stored.fill_buf()?;
-            let is_over = stored.is_empty() || into.is_empty();
-            let before = (self.inflate.total_in(), self.inflate.total_out());
-            let status = self
-                .inflate
-                .decompress(stored, into, InflateFlush::NoFlush)
-                .map_err(|error| {
-                    std::io::Error::new(std::io::ErrorKind::InvalidData, format!("{error:?}"))
-                })?;
-            self.stored
-                .consume((self.inflate.total_in() - before.0) as usize);
-            let made = (self.inflate.total_out() - before.1) as usize;
-            if made > 0 || is_over || status == Status::StreamEnd {
-                return Ok(made);
-            }
-        }
     }
 }
 

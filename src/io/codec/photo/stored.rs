@@ -201,19 +201,13 @@ impl StoredPhoto {
 /// The value of each code of `bits` bits.
 pub(super) fn values(bits: u8, meaning: Meaning) -> &'static [f32] {
     use std::sync::LazyLock;
-    static STORED: [LazyLock<Vec<f32>>; 2] = [
+    static TABLES: [LazyLock<Vec<f32>>; 4] = [
         LazyLock::new(|| table(8, Meaning::Stored)),
         LazyLock::new(|| table(16, Meaning::Stored)),
-    ];
-    static LINEAR: [LazyLock<Vec<f32>>; 2] = [
         LazyLock::new(|| table(8, Meaning::Linear)),
         LazyLock::new(|| table(16, Meaning::Linear)),
     ];
-    let tables = match meaning {
-        Meaning::Stored => &STORED,
-        Meaning::Linear => &LINEAR,
-    };
-    &tables[usize::from(bits == 16)]
+    &TABLES[2 * usize::from(meaning == Meaning::Linear) + usize::from(bits == 16)]
 }
 
 fn table(bits: u8, meaning: Meaning) -> Vec<f32> {

@@ -55,26 +55,16 @@ impl Brightness {
                 false => least,
             };
             let has_meaning = color.iter().all(|v| v.is_finite());
-            has_meaning.then_some(((STEPS * (stops - DARKEST)).ceil() as usize).min(last))
+            has_meaning.then_some(((STEPS * (stops - DARKEST)).ceil() as u16).min(last as u16))
         };
-        let count = |mut counts: Vec<u64>, y: usize| {
+        let steps_of = |y: usize| -> Vec<u16> {
             let pixels = mask.runs(y).flatten();
-            let steps = pixels.filter_map(|x| step(x, y));
-            steps.for_each(|step| counts[step] += 1);
-            counts
+            pixels.filter_map(|x| step(x, y)).collect()
         };
-        let sum = |mut sum: Vec<u64>, counts: Vec<u64>| {
-            sum.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
-            sum
-        };
-        let none = || vec![0; last + 1];
-        let task = rows.len().div_ceil(2 * rayon::current_num_threads()).max(1);
-        let of_rows = rows.clone().into_par_iter().with_min_len(task);
-        let counts = of_rows.fold(none, count).reduce(none, sum);
-        self.counts
-            .iter_mut()
-            .zip(counts)
-            .for_each(|(all, n)| *all += n);
+        let steps: Vec<_> = rows.clone().into_par_iter().map(steps_of).collect();
+        for step in steps.into_iter().flatten() {
+            self.counts[usize::from(step)] += 1;
+        }
         if let Some(like) = like {
             let of_row = |y: usize| levels([color, like], mask, y);
             let rows: Vec<[f64; 2]> = rows.into_par_iter().map(of_row).collect();
