@@ -80,22 +80,19 @@ fn part<'a>(
     sample_type: OutputType,
     compression: OutputCompression,
 ) -> OutputPart<'a> {
-    let channel = |name: &str, plane| OutputChannel {
+    let channels = [("R", &color.r), ("G", &color.g), ("B", &color.b)];
+    let channels = channels.map(|(name, plane)| OutputChannel {
         name: name.into(),
         plane,
         sample_type,
-    };
+    });
     let window = Window::from_size(color.r.width(), color.r.height());
     OutputPart {
         name: PART.into(),
         data_window: window,
         display_window: window,
         pixel_aspect: subject.frame.pixel_aspect,
-        channels: vec![
-            channel("R", &color.r),
-            channel("G", &color.g),
-            channel("B", &color.b),
-        ],
+        channels: channels.into(),
         attributes: Vec::new(),
         chromaticities: Option::None,
         compression,
