@@ -133,7 +133,7 @@ fn lighting(frame: &Frame, method: Method, light: &Illumination) -> relievo::Res
     relight.material.material = Material::BlinnPhong;
     Plan::new(
         Goal::Relight(relight),
-        Available::in_frame(frame).lit_by(&light),
+        Available::in_frame(frame).lit_by(light),
         shape,
         ScalingParams::default(),
     )

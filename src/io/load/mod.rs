@@ -81,7 +81,7 @@ pub struct Loaded {
     /// Median distance of the surface, where its depth has been looked at.
     pub distance: Option<f32>,
     /// Whether pixels that show several surfaces were looked for, and there are none.
-    pub(crate) is_sharp: bool,
+    pub is_sharp: bool,
     /// How long it took to make normals, where the files hold none.
     pub normals_made: Option<Duration>,
     /// Conventions by which the layers were read.

@@ -96,6 +96,7 @@ impl Shown<'_> {
     }
 }
 
+#[cfg(feature = "cli")]
 impl Shown<'_> {
     /// Whether a colour is too bright to stay as it is, unless by clipping; `of` is the colour there of the picture that it was changed
     /// from.
