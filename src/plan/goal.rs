@@ -4,10 +4,7 @@ use crate::params::{LineParams, RelightParams};
 use crate::product::Product;
 
 /// The result wanted from a run, and its own parameters.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one is made for a run, and so it can be copied"
-)]
+#[expect(clippy::large_enum_variant, reason = "one is made for a run")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal<'a> {
     /// Every layer of the descriptor.
