@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, SpecularScene};
-use crate::light::lights::Illumination;
+use crate::light::lights::{Illumination, LightKinds};
 use crate::line::texture_coordinates::cpu::SequenceInputs;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::Style;
@@ -37,7 +37,7 @@ impl<'a> Inputs<'a> {
     pub(crate) fn check(&self, plan: &Plan, frame: &Frame) -> Result<()> {
         check_frame(&plan.available, frame)?;
         if let Some(relighting) = &plan.relighting {
-            self.check_light(relighting, frame)?;
+            self.check_light(relighting, &plan.available, frame)?;
         }
         let strokes = plan.drawing.as_ref().map(|drawing| &drawing.strokes);
         let of_pictures = strokes.is_some_and(|strokes| strokes.style == Style::Pictures);
@@ -52,7 +52,12 @@ impl<'a> Inputs<'a> {
         self.check_sizes(frame)
     }
 
-    fn check_light(&self, relighting: &Relighting, frame: &Frame) -> Result<()> {
+    fn check_light(
+        &self,
+        relighting: &Relighting,
+        planned: &Available,
+        frame: &Frame,
+    ) -> Result<()> {
         let Some(light) = self.illumination else {
             return Err(missing("light", "none is given"));
         };
@@ -66,6 +71,10 @@ impl<'a> Inputs<'a> {
                 &planned,
                 &format!("the light has {}", kinds.lit_spheres),
             ));
+        }
+        let of_lamps = |kinds: LightKinds| [kinds.directional, kinds.points];
+        if of_lamps(planned.new_light) != of_lamps(kinds) {
+            return Err(missing("other lamps", "these differ in kind"));
         }
         if kinds.points && relighting.sums && !Available::in_frame(frame).positions {
             return Err(missing(

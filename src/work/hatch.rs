@@ -136,13 +136,13 @@ impl Work for HatchArgs {
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
         let params = &self.args().flags.params;
+        let tone = self.lit_tone(seen);
         let available = Available {
             moving: seen.moves,
             in_sequence: seen.is_in_sequence,
             specular: (seen.is_specular).then(|| self.relight.specular.params(params)),
-            ..Available::in_frame(seen.frame)
+            ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
-        let tone = self.lit_tone(seen);
         let shape = enlarged(params.shape, seen.times, seen.frame);
         let line = self.line()?;
         let line = LineParams {
