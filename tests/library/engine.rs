@@ -79,6 +79,9 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
         lit_spheres: 1,
         ..LightKinds::default()
     };
+    // Even light alone: the plan was made without lamps.
+    let even = Goal::Relight(RelightParams::default());
+    let even = Plan::new(even, available, shape, scaling).unwrap();
     let sphere = RelightParams::default();
     let sphere = Plan::new(
         Goal::Relight(sphere),
@@ -94,6 +97,7 @@ fn inputs_that_do_not_fit_a_plan_are_errors_of_one_line() {
     for (plan, frame, inputs, what) in [
         (&relit, &frame, Inputs::default(), "takes light"),
         (&sphere, &frame, Inputs::lit_by(&light), "1 lit spheres"),
+        (&even, &frame, Inputs::lit_by(&light), "other lamps"),
         (&enhanced, &bare, Inputs::default(), "takes a picture"),
         (&drawn, &frame, Inputs::default(), "texture of strokes"),
     ] {
