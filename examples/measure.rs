@@ -435,17 +435,8 @@ fn light_case(
     exact: impl Fn(&Pixel, &Settings) -> Option<[f64; 3]> + 'static,
 ) -> Outcomes<Case> {
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
-    let available = Available::in_frame(frame);
-    let kinds = light.kinds();
-    let plan = Plan::new(
-        Goal::Relight(params),
-        Available {
-            new_light: kinds,
-            ..available
-        },
-        shape,
-        scaling,
-    )?;
+    let available = Available::in_frame(frame).lit_by(light);
+    let plan = Plan::new(Goal::Relight(params), available, shape, scaling)?;
     let has_environment = light.environment.is_some();
     let lit = frame.clone();
     let judge = move |outcome: &Outcome| {

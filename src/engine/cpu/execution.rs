@@ -126,7 +126,7 @@ impl<'a> Execution<'a> {
         self.timed_on(name, |_| pass())
     }
 
-    /// The same of a pass over what has been made so far.
+    /// Runs a pass over what has been made so far, and keeps its time under `name`.
     pub(crate) fn timed_on<T>(&mut self, name: &'static str, pass: impl FnOnce(&Self) -> T) -> T {
         let (passed, planned) = (self.outcome.timings.len(), self.plan.stages().len());
         self.watch

@@ -448,7 +448,7 @@ mod tests {
             directional: vec![DirectionalLight::white([135.0, 40.0])],
             ..Illumination::default()
         };
-        let (available, kinds) = (Available::in_frame(&bumps()), light.kinds());
+        let available = Available::in_frame(&bumps()).lit_by(&light);
         for method in [Method::Scale, Method::Warp, Method::Both] {
             for curvature_gain in [Adaptive::Auto, Adaptive::Fixed(2.0)] {
                 let scaling = ScalingParams {
@@ -460,16 +460,8 @@ mod tests {
                     ..RelightParams::default()
                 };
                 let shape = ShapeParams::default();
-                let plan = Plan::new(
-                    Goal::Relight(params),
-                    Available {
-                        new_light: kinds,
-                        ..available
-                    },
-                    shape,
-                    scaling,
-                )
-                .unwrap();
+                let goal = Goal::Relight(params);
+                let plan = Plan::new(goal, available, shape, scaling).unwrap();
                 let (frame, _) = assert_sparing(&plan, Inputs::lit_by(&light));
                 assert!(frame.normal.z.samples().is_empty() && frame.depth.is_none());
             }

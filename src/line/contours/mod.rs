@@ -115,7 +115,7 @@ pub(crate) fn log_depth(frame: &Frame, at: Vec2) -> Option<f32> {
     log_depth_of(frame, known?)
 }
 
-/// The same of a pixel by its number.
+/// Logarithm of the depth of a pixel, named by its number, if it is known.
 fn log_depth_of(frame: &Frame, pixel: usize) -> Option<f32> {
     let depth = frame.depth.as_ref()?.samples()[pixel];
     Some(ln(depth)).filter(|log| log.is_finite())
