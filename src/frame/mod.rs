@@ -37,6 +37,7 @@ pub use light_layers::{Gloss, LightGroup, LightLayers, Lobe, LobeLayer, LobeLaye
 pub(crate) use mask::Extent;
 pub use mask::Mask;
 pub use motion::{AWAY, static_world_motion};
+pub(crate) use objects::pieces;
 pub use plane::CurvaturePlanes;
 pub(crate) use plane::MOST_ROWS_PER_TASK;
 pub use plane::{

@@ -63,7 +63,7 @@ impl Objects {
 }
 
 /// For each pixel the first one of its connected piece of one number; outside the mask all are pieces too.
-fn pieces(numbers: &Plane, mask: &Mask) -> Vec<u32> {
+pub(crate) fn pieces(numbers: &Plane, mask: &Mask) -> Vec<u32> {
     fn first(of: &mut [u32], mut i: u32) -> u32 {
         while of[i as usize] != i {
             of[i as usize] = of[of[i as usize] as usize];

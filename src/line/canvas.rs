@@ -1,6 +1,7 @@
 //! The canvas: results that the stages of a drawing pass on.
 
 use crate::frame::{Plane, Vector2Planes};
+use crate::line::background::Background;
 use crate::line::contours::Contour;
 use crate::line::specular::SeenThrough;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -13,6 +14,8 @@ use std::sync::Arc;
 pub(crate) struct Canvas {
     /// The surface seen in mirrors and lenses, with its edges, which stop lines like any others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
+    /// The planes behind the subject, if it has some.
+    pub(crate) background: Option<Background>,
     /// The optical densities to draw, if they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and their coverage.

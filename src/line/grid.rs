@@ -6,6 +6,14 @@ use crate::kernel::rows::map_rows;
 use glam::Vec2;
 use std::ops::Range;
 
+/// Cells along a picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
+const CELLS: f32 = 700.0;
+
+/// The side of cells, in pixels, in a picture of this size.
+pub(crate) fn cell_px(size_px: f32) -> usize {
+    ((size_px / CELLS) as usize).max(1)
+}
+
 /// Cells of `step` by `step` pixels; those with any surface are covered.
 pub(crate) struct Grid {
     step: usize,

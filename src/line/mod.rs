@@ -1,5 +1,6 @@
 //! Line drawing: stroke directions, strokes, contours and interior lines. Pure kernels, no files, threads or clock.
 
+pub(crate) mod background;
 pub mod bilevel;
 pub(crate) mod canvas;
 mod carried;

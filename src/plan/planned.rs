@@ -3,7 +3,9 @@
 use crate::frame::{Frame, Window};
 use crate::light::enhancement::{Enhancement, Subject};
 use crate::light::relight::setting::Relighting;
-use crate::params::{ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams};
+use crate::params::{
+    Background, ContourParams, LineParams, ScalingParams, ShapeParams, SpecularParams,
+};
 use crate::plan::available::Available;
 use crate::plan::stage::{Makes, Stage};
 use crate::product::Product;
@@ -194,6 +196,11 @@ impl Plan {
     /// Whether a product is wanted, by the caller or by a stage.
     pub fn wants(&self, product: Product) -> bool {
         self.wanted.contains(&product)
+    }
+
+    /// How the background of the drawing is drawn, if there is one.
+    pub(crate) fn background(&self) -> Option<Background> {
+        self.drawing.as_ref().map(|params| params.tone.background)
     }
 
     /// Contours of the drawing, if any, with the size of lines in the picture.

@@ -8,6 +8,7 @@ use crate::light::layers::stage::{AMBIENT_OCCLUSION, LIGHT_GROUPS, LIGHT_LOBES};
 use crate::light::radiance_scaling::stage::RADIANCE_SCALING;
 use crate::light::relight::stage::RELIGHT;
 use crate::light::white_level::AUTO_WHITE;
+use crate::line::background::stage::BACKGROUND;
 use crate::line::contours::stage::CONTOURS;
 use crate::line::direction_field::stage::DIRECTION_FIELD;
 use crate::line::drawing::LINES_ONLY;
@@ -30,7 +31,7 @@ use crate::shape::height::stage::HEIGHT;
 use crate::shape::occlusion::stage::OCCLUSION;
 
 /// Those that find the shape come first, then those that make a picture, and those that draw it.
-static STAGES: [&Stage; 29] = [
+static STAGES: [&Stage; 30] = [
     &EDGES,
     &HEIGHT,
     &OCCLUSION,
@@ -50,6 +51,7 @@ static STAGES: [&Stage; 29] = [
     &CURVATURE_DISPLAY,
     &RELIGHT,
     &SPECULAR_TRACE,
+    &BACKGROUND,
     &SHAPE_TONE,
     &CONTOURS,
     &INTERIOR,

@@ -184,7 +184,7 @@ impl Runner {
             params.directions,
             drawn,
             &patches,
-            given,
+            (given, None),
             memory,
         )
     }

@@ -1,6 +1,7 @@
 //! Lines along silhouettes and creases and between objects: found, joined, and drawn.
 
 use crate::frame::Frame;
+use crate::line::background::Background;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
@@ -29,7 +30,12 @@ const CREASE_LENGTHS: f32 = 2.0;
 const PLAIN_CREASE: f32 = 0.5;
 
 /// The contours of a frame with these edges: silhouettes, then creases, then borders between objects. Independent of the number of threads.
-pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParams) -> Vec<Contour> {
+pub(crate) fn contours(
+    drawn: &Drawn,
+    background: Option<&Background>,
+    shape: &ShapeParams,
+    params: &ContourParams,
+) -> Vec<Contour> {
     let frame = drawn.frame;
     let there = "contours are planned with their weights";
     let [silhouette, crease] = [drawn.silhouette, drawn.crease].map(|w| w.expect(there));
@@ -66,6 +72,9 @@ pub(crate) fn contours(drawn: &Drawn, shape: &ShapeParams, params: &ContourParam
             by_strength: true,
         };
         drop_short(&mut creases, least);
+        if let Some(background) = background {
+            background.leave_blank(&mut creases, |line: &Line| line, 1.0);
+        }
         // Joins silhouettes that fade into creases.
         let count = silhouettes.len();
         silhouettes.append(&mut creases);

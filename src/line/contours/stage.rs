@@ -15,7 +15,7 @@ use crate::product::Product;
 /// Lines along silhouettes and creases. They come first: strokes do not consume the weights of edges.
 pub(crate) static CONTOURS: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Crease],
-    depends_on: |plan| format!("{:?}", plan.contours()),
+    depends_on: |plan| format!("{:?} {:?}", plan.contours(), plan.background()),
     makes: Makes::Drawing,
     name: "contours",
     steps: &[Step {
@@ -48,7 +48,8 @@ fn draw(run: &mut Execution) {
 
 fn follow_edges(run: &mut Execution, params: &ContourParams) -> (Plane, Vec<Contour>) {
     run.timed_on(CONTOURS.name, |run| {
-        let lines = cpu::contours(&Drawn::of(run), &run.plan.shape, params);
+        let background = run.canvas.background.as_ref();
+        let lines = cpu::contours(&Drawn::of(run), background, &run.plan.shape, params);
         (covered(&lines, &run.frame.mask, run.memory), lines)
     })
 }

@@ -4,6 +4,7 @@
 use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
+use crate::line::background::Background;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
@@ -26,10 +27,16 @@ pub(crate) fn stroke_fields(
     directions: StrokeDirections,
     frame: &Frame,
     patches: &Patches,
-    given: Option<&[Vector2Planes]>,
+    (given, background): (Option<&[Vector2Planes]>, Option<&Background>),
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
-    let field = Field::new(plan, params, frame, patches);
+    let field = Field {
+        params,
+        frame,
+        patches,
+        background,
+        setting: FieldSetting::new(plan, params, frame),
+    };
     match directions {
         StrokeDirections::Max => field.found([0], given, memory).into(),
         StrokeDirections::Min => field.found([1], given, memory).into(),
@@ -41,22 +48,15 @@ struct Field<'a> {
     params: &'a FieldParams,
     frame: &'a Frame,
     patches: &'a Patches,
+    /// Planes in which directions are level.
+    background: Option<&'a Background>,
     setting: FieldSetting,
 }
 
 /// A patch with unknown curvature.
 const NO_FORM: Weighted = [0.0, 0.0, 0.0, 1.0];
 
-impl<'a> Field<'a> {
-    fn new(plan: &Plan, params: &'a FieldParams, frame: &'a Frame, patches: &'a Patches) -> Self {
-        Self {
-            params,
-            frame,
-            patches,
-            setting: FieldSetting::new(plan, params, frame),
-        }
-    }
-
+impl Field<'_> {
     /// The fields of these families: 0 follows the larger curvature, 1 the lesser.
     fn found<const N: usize>(
         &self,
@@ -98,6 +98,9 @@ impl<'a> Field<'a> {
 
     /// The fallback at a place in the picture, of the first field made or the second.
     fn fallback(&self, at: DVec2, normal: DVec3, order: usize) -> Vec2 {
+        if let Some(level) = self.level(at, order) {
+            return level;
+        }
         let Some(own) = &self.frame.stroke_fallback else {
             return self.setting.fallback(at.x, at.y, normal, order);
         };
@@ -109,6 +112,14 @@ impl<'a> Field<'a> {
         let y = pixel(at.y, window.y0, window.height());
         let setting = self.setting.on_object(own.at(x, y));
         setting.fallback(at.x, at.y, normal, order)
+    }
+
+    /// The direction at a place in the picture that lies in a plane behind the subject.
+    fn level(&self, at: DVec2, order: usize) -> Option<Vec2> {
+        let window = self.frame.data_window;
+        let corner = DVec2::new(f64::from(window.x0), f64::from(window.y0));
+        let level = self.background?.level((at - corner).as_vec2())?;
+        Some(if order == 0 { level } else { level.perp() })
     }
 
     /// Reach of one pass from each patch, in patches.
@@ -232,9 +243,11 @@ impl<'a> Field<'a> {
         all.enumerate().for_each(|(i, own)| {
             let patch = &self.patches.all[i];
             for (order, own) in own.iter_mut().enumerate() {
-                *own = match self.patches.is_speck(i) {
-                    true => [0.0; 2],
-                    false => settled((*own).into(), self.fallback_of(patch, order)).into(),
+                let level = self.level(patch.at, order);
+                *own = match (self.patches.is_speck(i), level) {
+                    (true, _) => [0.0; 2],
+                    (_, Some(level)) => doubled(level).into(),
+                    (false, None) => settled((*own).into(), self.fallback_of(patch, order)).into(),
                 };
             }
         });

@@ -15,7 +15,7 @@ pub(crate) static DIRECTION_FIELD: Stage = Stage {
         let params = plan
             .drawing
             .as_ref()
-            .map(|params| (params.field, params.directions));
+            .map(|params| (params.field, params.directions, params.tone.background));
         format!("{} {params:?}", plan.resolution_factor)
     },
     makes: Makes::Drawing,
@@ -51,7 +51,8 @@ fn find(run: &mut Execution) {
         if is_last {
             memory.recycle(shape.conductance.take());
         }
-        stroke_fields(plan, field, wanted, drawn, &patches, given, memory)
+        let led = (given, canvas.background.as_ref());
+        stroke_fields(plan, field, wanted, drawn, &patches, led, memory)
     };
     let key = plan.key_without_scene(DIRECTION_FIELD.name);
     let directions = run.copied_or(DIRECTION_FIELD.name, key, |run| {

@@ -2,6 +2,7 @@
 
 use crate::frame::{Frame, Mask, Plane};
 use crate::kernel::memory::Memory;
+use crate::line::background::Background;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
@@ -44,7 +45,7 @@ pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 /// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
     drawn: &Drawn,
-    contours: &[Contour],
+    (contours, background): (&[Contour], Option<&Background>),
     params: &InteriorParams,
     fades: bool,
     options: &RunOptions,
@@ -62,6 +63,9 @@ pub(crate) fn interior(
     let mut lines = found(frame, &level, &normals, params, &sizes, (options, memory));
     if memory.is_cancelled() {
         return (Vec::new(), None);
+    }
+    if let Some(background) = background {
+        background.leave_blank(&mut lines, |interior| &interior.line, sizes.factor as f32);
     }
     count_beyond(&mut lines, contours, frame, &level.frame.mask, &sizes);
     let lines = selected(lines, contours, &level.frame.mask, &sizes);

@@ -14,7 +14,11 @@ pub(crate) static INTERIOR: Stage = Stage {
     takes: |_| vec![Product::Silhouette, Product::Contours],
     depends_on: |plan| {
         let params = plan.drawing.as_ref().map(|params| params.interior);
-        format!("{params:?} {}", plan.available.in_sequence)
+        format!(
+            "{params:?} {} {:?}",
+            plan.available.in_sequence,
+            plan.background()
+        )
     },
     makes: Makes::Drawing,
     name: "interior",
@@ -60,7 +64,8 @@ fn follow(run: &mut Execution) -> InteriorLayer {
         let (fades, memory) = (run.plan.available.in_sequence, run.memory);
         let options = &run.runner.options;
         let drawn = Drawn::of(run);
-        let (lines, levels) = cpu::interior(&drawn, contours, &params, fades, options, memory);
+        let around = (contours, run.canvas.background.as_ref());
+        let (lines, levels) = cpu::interior(&drawn, around, &params, fades, options, memory);
         InteriorLayer {
             covered: covered(&lines, &drawn.frame.mask, memory),
             lines,

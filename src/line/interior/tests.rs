@@ -41,7 +41,7 @@ fn lines_of_frame(frame: &Frame, params: &InteriorParams) -> Vec<Contour> {
     let silhouette = Plane::filled(frame.mask.width(), frame.mask.height(), 0.0);
     interior(
         &drawn(frame, &silhouette),
-        &[],
+        (&[], None),
         params,
         false,
         &RunOptions::default(),
@@ -71,7 +71,7 @@ fn in_a_sequence_a_groove_that_deepens_comes_little_by_little() {
         let options = RunOptions::default();
         let (lines, _) = interior(
             &drawn(&frame, &silhouette),
-            &[],
+            (&[], None),
             &params,
             fades,
             &options,
@@ -381,7 +381,7 @@ fn frames_without_meaning_have_no_lines() {
             let (params, options) = (InteriorParams::default(), RunOptions::default());
             let (found, _) = interior(
                 &drawn(&frame, &silhouette),
-                &[],
+                (&[], None),
                 &params,
                 true,
                 &options,

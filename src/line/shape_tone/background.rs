@@ -3,11 +3,32 @@
 
 use super::{BARE, CLEAR_TURN, activity, lightened, smooth_step};
 use crate::frame::{Mask, Plane};
+use crate::kernel::quantile::quantile;
+use crate::line::background::Background;
 use crate::line::direction_field::setting::OPEN;
-use crate::params::Background;
+use crate::params;
 
 /// How much of the ink on a plain background is left out where it is to be quieter than the subject.
 const QUIET: f32 = 0.8;
+
+/// By how much ink is to be darker than it usually is on a plane to be a shadow, the share of that which is drawn, the most
+/// ink in it, and how far from the subject it fades, as a share of the picture's size.
+const SHADOW_FROM: f32 = 0.04;
+const SHADOW: f32 = 0.92;
+const MOST_SHADOW: f32 = 0.7;
+const SHADOW_REACH: f32 = 1.0 / 7.0;
+
+/// How far shadows are smoothed, and between which distances from the subject a plane has its usual ink, as shares of the
+/// picture's size: light that falls off over a wall is no shadow.
+const SHADOW_SMOOTHING: f32 = 1.0 / 90.0;
+const LIT_BETWEEN: [f32; 2] = [1.0 / 12.0, 1.0 / 4.0];
+
+/// The ink where the subject stands on a plane, and how far from there it fades, as a share of the picture's size.
+const CONTACT: f32 = 0.78;
+const CONTACT_REACH: f32 = 1.0 / 55.0;
+
+/// The share of ink that fades far behind the subject.
+const FADED: f32 = 0.75;
 
 /// Below this activity the surface counts as plain.
 const PLAIN: f32 = 0.5;
@@ -21,11 +42,11 @@ const UP_TO_SUBJECT: f32 = 1.0 / 30.0;
 const FADING: f32 = 0.3;
 
 /// The share of ink that a background leaves out where it is plain.
-pub(super) fn left_out(background: Background) -> f32 {
+pub(super) fn left_out(background: params::Background) -> f32 {
     match background {
-        Background::Strokes => 0.0,
-        Background::Plain => QUIET,
-        Background::None => 1.0,
+        params::Background::Strokes => 0.0,
+        params::Background::Plain => QUIET,
+        params::Background::None => 1.0,
     }
 }
 
@@ -34,6 +55,64 @@ pub(super) fn left_out(background: Background) -> f32 {
 pub(super) fn quieter(tone: f32, share: f32) -> f32 {
     let tone = lightened(tone, share);
     lightened(tone, share * smooth_step(BARE, tone))
+}
+
+/// The ink of cells with planes behind the subject left to the paper, but for its shadow and where it stands on them; what
+/// lies far behind it fades. `spread` smooths ink by so many cells where all is open.
+pub(super) fn behind_subject(
+    ink: Plane,
+    background: &Background,
+    is_blank: bool,
+    spread: impl Fn(Plane, &Plane, f32) -> Plane,
+) -> Plane {
+    let (width, height) = (ink.width(), ink.height());
+    let size = background.size;
+    let usual = usual_inks(&ink, background);
+    let open = Plane::from_fn(width, height, |x, y| {
+        f32::from(u8::from(background.plane(x, y).is_some()))
+    });
+    let smooth = spread(ink.clone(), &open, SHADOW_SMOOTHING * size);
+    Plane::from_fn(width, height, |x, y| {
+        let own = ink.at(x, y);
+        let ink = match background.plane(x, y) {
+            Some(_) if is_blank => 0.0,
+            Some(plane) => {
+                let near = (background.to_subject.at(x, y) / (SHADOW_REACH * size)).powi(2);
+                let darker = smooth.at(x, y) - usual[usize::from(plane) - 1] - SHADOW_FROM;
+                let shadow = SHADOW * darker.max(0.0) * (-near).exp();
+                let contact = background.to_contact.at(x, y) / (CONTACT_REACH * size);
+                let shadow = shadow.min(MOST_SHADOW).min(own + SHADOW_FROM);
+                shadow.max(CONTACT * (-contact).exp())
+            }
+            None => own,
+        };
+        ink * (1.0 - FADED * background.remote.at(x, y))
+    })
+}
+
+/// The median ink of every plane at some distance from the subject, or of all of it where there is little.
+fn usual_inks(ink: &Plane, background: &Background) -> Vec<f32> {
+    let [from, to] = LIT_BETWEEN.map(|share| share * background.size);
+    let mut inks = vec![[Vec::new(), Vec::new()]; background.count()];
+    for y in 0..ink.height() {
+        for x in 0..ink.width() {
+            if let Some(plane) = background.plane(x, y) {
+                let [around, all] = &mut inks[usize::from(plane) - 1];
+                all.push(ink.at(x, y));
+                let is_around = (from..to).contains(&background.to_subject.at(x, y));
+                around.extend(is_around.then_some(ink.at(x, y)));
+            }
+        }
+    }
+    let median = |[mut around, mut all]: [Vec<f32>; 2]| {
+        let of = if around.len() > 50 {
+            &mut around
+        } else {
+            &mut all
+        };
+        quantile(of, 0.5, f32::total_cmp).unwrap_or(0.0)
+    };
+    inks.into_iter().map(median).collect()
 }
 
 /// How much cells are plain background, 0..1: plain ones that the border of a picture of this `size` in cells reaches over

@@ -1,23 +1,21 @@
 //! Tone over the frame: cells, what spreads among them, percentiles, and back to pixels.
 
-use super::background::{left_out, plainness, quieter};
+use super::background::{behind_subject, left_out, plainness, quieter};
 use super::levels::{self, Ranks, SHARES, Scales, Spread};
 use super::{CLEAR_TURN, activity, key_stops, raised, seen_tone, stops};
 use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::kernel::memory::Memory;
 use crate::kernel::percentile::percentile;
 use crate::kernel::rows::map_covered;
+use crate::line::background::Background;
 use crate::line::density::LEAST_ALPHA;
-use crate::line::grid::Grid;
-use crate::params::{RunOptions, ToneLevels, ToneParams};
+use crate::line::grid::{Grid, cell_px};
+use crate::params::{self, RunOptions, ToneLevels, ToneParams};
 use crate::shape::curvature::mapped_curvature;
 use crate::shape::diffusion::cpu::diffusion;
 use crate::shape::diffusion::medium::Medium;
 use crate::shape::diffusion::sweeps::DiffusionSchedule;
 use glam::Vec3;
-
-/// Cells along the picture's size, the root of its area, where it has so many pixels: strokes carry no finer forms.
-const CELLS: f32 = 700.0;
 
 /// Widths as shares of the picture's size: smoothing of normals before their turn is measured, smoothing of brightness,
 /// surroundings for local contrast, and surroundings that decide whether there is shape.
@@ -59,6 +57,8 @@ pub(crate) struct Shown<'a> {
     /// Toward the key light.
     pub(crate) to_key: Vec3,
     pub(crate) params: &'a ToneParams,
+    /// The planes behind the subject, if it has some.
+    pub(crate) background: Option<&'a Background>,
 }
 
 /// The optical density, -ln of the share of light that is left, of the tone of every cell.
@@ -84,7 +84,7 @@ impl CellDensities {
 pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> CellDensities {
     let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
     let size = ((window.width() * window.height()) as f32).sqrt();
-    let step = ((size / CELLS) as usize).max(1);
+    let step = cell_px(size);
     let cells = Cells {
         grid: Grid::new(mask, step),
         size: size / step as f32,
@@ -183,16 +183,30 @@ impl Cells<'_> {
             }
         });
         let ranks = ranks.unwrap_or_else(|| ranks_of(&balanced, &active, mask));
-        let plain = plainness(mask, self.size, &turn, &active, conductance);
+        let plain = match shown.background {
+            Some(_) => None,
+            None => Some(plainness(mask, self.size, &turn, &active, conductance)),
+        };
         let left_out = left_out(shown.params.background);
-        let [density] = map_covered(mask, self.memory, |y| {
+        let [mut ink] = map_covered(mask, self.memory, |y| {
             let (row, ranks) = (balanced.row(y), &ranks);
-            let plain = plain.row(y);
+            let plain = plain.as_ref().map(|plain| plain.row(y));
             move |x| {
                 let tone = seen_tone(ranks.rank(row[x]), ranks.place(row[x]));
-                [-SEEN_GAMMA * quieter(tone, left_out * plain[x]).ln()]
+                let plain = plain.map_or(0.0, |plain| plain[x]);
+                [1.0 - quieter(tone, left_out * plain).powf(SEEN_GAMMA)]
             }
         });
+        if let Some(background) = shown.background {
+            let spread = |ink, open: &Plane, sigma| {
+                let zero = self.memory.plane(mask);
+                self.spread(Vector2Planes { x: ink, y: zero }, open, sigma)
+                    .x
+            };
+            let is_blank = shown.params.background == params::Background::None;
+            ink = behind_subject(ink, background, is_blank, spread);
+        }
+        let density = ink.map(|ink| -(1.0 - ink).ln());
         (density, levels::as_numbers(&scales, &ranks))
     }
 
@@ -452,6 +466,7 @@ mod tests {
             picture: None,
             to_key: key_light(),
             params: &params,
+            background: None,
         };
         let memory = Memory::default();
         let density = densities(&shown, &RunOptions::default(), &memory);
@@ -514,6 +529,7 @@ mod tests {
                 picture: None,
                 to_key: key_light(),
                 params: &params,
+                background: None,
             };
             let cells = densities(&shown, &options, &memory);
             let density = cells.of_pixels(mask, &memory);

@@ -44,6 +44,7 @@ fn find(run: &mut Execution) {
             picture: run.outcome.color.as_ref().or(frame.color.as_ref()),
             to_key: given.map_or_else(key_light, |light| light.to_light),
             params: &params.tone,
+            background: run.canvas.background.as_ref(),
         };
         let cells = densities(&of, &run.runner.options, memory);
         let mut density = cells.of_pixels(&frame.mask, memory);

@@ -48,7 +48,15 @@ pub(crate) fn seen_through(
         let (edges, _) = edges::edges_and_gradient(plan, behind, memory);
         let (field, directions) = (&params.field, params.directions);
         let patches = Patches::new(behind, &edges.conductance, field.cell_px as usize);
-        stroke_fields(plan, field, directions, behind, &patches, None, memory)
+        stroke_fields(
+            plan,
+            field,
+            directions,
+            behind,
+            &patches,
+            (None, None),
+            memory,
+        )
     });
     let tangents = Tangents {
         tracer: &tracer,

@@ -1,0 +1,257 @@
+//! The background of a drawing: floor and walls, the planes that a subject stands on or before.
+//!
+//! Theory: a plane is linear over the picture in the inverse of depth, and under parallel lines of sight in depth itself,
+//! whatever the camera. One that fills much of the picture's border is what the subject is in front of, unless planes are
+//! nearly all there is: then they are the subject, as of a relief. A draughtsman leaves them to the paper, but for the
+//! shadow that the subject casts and the dark line where it stands, and fades what lies far behind it.
+//!
+//! Practice: all of it is found on the cells that tones have.
+
+mod fit;
+mod regions;
+pub(crate) mod stage;
+
+use crate::frame::{DepthKind, Frame, Mask, Plane, Projection};
+use crate::kernel::quantile::quantile;
+use crate::line::contours::network::Line;
+use crate::line::grid::cell_px;
+use fit::{Fit, Model};
+use glam::Vec2;
+use regions::{closed, distances, large_pieces, opened};
+
+/// Shares of the picture's border and of the surface that planes of a background have at the least.
+const LEAST_BORDER: f32 = 0.2;
+const LEAST_AREA: f32 = 0.1;
+
+/// The share of the surface beyond which planes are the subject.
+const ALL_PLANES: f32 = 0.92;
+
+/// By how much more planes under parallel lines of sight have to cover to be preferred where there is no camera.
+const PREFERRED: f32 = 1.3;
+
+/// Shares of the picture's size, the root of its area: gaps in planes that are closed, and details of a subject that are not
+/// its own.
+const GAP: f32 = 1.0 / 250.0;
+const DETAIL: f32 = 1.0 / 400.0;
+
+/// Parts of a subject are larger than this share of the picture.
+const LEAST_PART: f32 = 0.0015;
+
+/// How near to a plane the subject's rim is looked at for where it stands, and how far from there the plane may have its
+/// depth, as shares of the picture's size.
+const RIM: f32 = 1.0 / 150.0;
+const STANDS_WITHIN: f32 = 1.0 / 60.0;
+
+/// Rounding of depth that a subject stands on a plane with.
+const ROUNDING: f32 = 5e-4;
+
+/// A plane that changes less than this from one side of the picture to the other has no level direction.
+const FACING: f32 = 0.02;
+
+/// From which to which distance things fade, in doublings of that of the subject.
+const FADES: [f32; 2] = [0.15, 1.45];
+
+/// How far from the subject distances are counted, as a share of the picture's size.
+const FARTHEST: f32 = 1.0 / 3.0;
+
+/// Planes behind a subject, in cells of the picture.
+#[derive(Debug, Clone)]
+pub(crate) struct Background {
+    cell_px: f32,
+    /// The size of the picture, the root of its area, in cells.
+    pub(crate) size: f32,
+    /// The plane of each cell, counted from 1; 0 for the subject and for nothing.
+    planes: Plane<u8>,
+    /// The directions that are level in each plane, x right, y up; `None` where it faces the viewer.
+    level: Vec<Option<Vec2>>,
+    /// Distances in cells from the subject, and from where it stands on its planes, infinite if far.
+    pub(crate) to_subject: Plane,
+    pub(crate) to_contact: Plane,
+    /// How far cells lie behind the subject, 0..1.
+    pub(crate) remote: Plane,
+}
+
+/// The covered cells of a frame, with a value that is linear over planes.
+struct Cells {
+    mask: Mask,
+    depth: Plane,
+}
+
+impl Cells {
+    /// The depth in the middles of cells where it is known.
+    fn of(frame: &Frame, depth: &Plane, step: usize) -> Self {
+        let [width, height] = [depth.width(), depth.height()];
+        let depth = Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
+            let [x, y] = [
+                (x * step + step / 2).min(width - 1),
+                (y * step + step / 2).min(height - 1),
+            ];
+            match frame.mask.at(x, y) && depth.at(x, y).is_finite() {
+                true => depth.at(x, y),
+                false => f32::NAN,
+            }
+        });
+        Self {
+            mask: Mask::new(depth.map(|depth| !depth.is_nan())),
+            depth,
+        }
+    }
+
+    fn of_model(&self, model: Model) -> Plane {
+        self.depth.map(|depth| match model {
+            Model::Parallel => depth,
+            Model::Perspective if depth > 0.0 => depth.recip(),
+            Model::Perspective => f32::NAN,
+        })
+    }
+}
+
+impl Background {
+    /// The planes behind the subject of a frame, if there are any beside one.
+    pub(crate) fn of(frame: &Frame) -> Option<Self> {
+        let depth = frame.depth.as_ref()?;
+        let window = frame.display_window;
+        let size_px = ((window.width() * window.height()) as f32).sqrt();
+        let step = cell_px(size_px);
+        let size = size_px / step as f32;
+        let cells = Cells::of(frame, depth, step);
+        let (model, fits) = fitted(&cells, frame)?;
+        let covered = cells.mask.count() as f32;
+        let [width, height] = [cells.mask.width(), cells.mask.height()];
+        let mut planes = Plane::filled(width, height, 0);
+        for (number, (_, within)) in (1..).zip(&fits) {
+            let within = closed(within, GAP * size);
+            for y in 0..height {
+                for x in cells.mask.runs(y).flatten().filter(|&x| within.at(x, y)) {
+                    if planes.at(x, y) == 0 {
+                        planes.row_mut(y)[x] = number;
+                    }
+                }
+            }
+        }
+        let in_planes = planes.samples().iter().filter(|&&plane| plane > 0).count() as f32;
+        if in_planes > ALL_PLANES * covered {
+            return None;
+        }
+        let behind = distances(&planes.map(|plane| plane > 0), 2.0);
+        let before = Plane::from_fn(width, height, |x, y| {
+            cells.mask.at(x, y) && behind.at(x, y) > 1.0
+        });
+        let subject = large_pieces(&opened(&before, DETAIL * size), LEAST_PART * size * size);
+        let values = cells.of_model(model);
+        let mut stands = Plane::filled(width, height, false);
+        for (fit, within) in &fits {
+            let near = distances(within, (RIM * size).max(3.0));
+            let slack = fit.slope.length() * STANDS_WITHIN * size;
+            for y in 0..height {
+                for x in (0..width).filter(|&x| subject.at(x, y) && near.at(x, y).is_finite()) {
+                    let [own, there] = [values.at(x, y), fit.at(x, y)];
+                    stands.row_mut(y)[x] |= (own - there).abs() < slack + ROUNDING * there.abs();
+                }
+            }
+        }
+        let far = FARTHEST * size;
+        Some(Self {
+            cell_px: step as f32,
+            size,
+            level: fits.iter().map(|(fit, _)| fit.level(size)).collect(),
+            to_subject: distances(&subject, far),
+            to_contact: distances(&stands, far),
+            remote: remote(&cells.depth, &subject, model),
+            planes,
+        })
+    }
+
+    /// The cell that a place in the frame, in pixels, lies in.
+    fn cell(&self, at: Vec2) -> [usize; 2] {
+        self.planes.pixel_at(at / self.cell_px)
+    }
+
+    /// The number of the plane of a cell, counted from 1, if it is in one.
+    pub(crate) fn plane(&self, x: usize, y: usize) -> Option<u8> {
+        Some(self.planes.at(x, y)).filter(|&plane| plane > 0)
+    }
+
+    /// How many planes there are.
+    pub(crate) fn count(&self) -> usize {
+        self.level.len()
+    }
+
+    /// The direction that is level at a place in the frame, in pixels, if that is in a plane.
+    pub(crate) fn level(&self, at: Vec2) -> Option<Vec2> {
+        let [x, y] = self.cell(at);
+        self.level[usize::from(self.plane(x, y)?) - 1]
+    }
+
+    /// Takes away the lines that run inside planes for most of their length; they are in pixels `factor` times as large as
+    /// the frame's.
+    pub(crate) fn leave_blank<T>(
+        &self,
+        lines: &mut Vec<T>,
+        line: impl Fn(&T) -> &Line,
+        factor: f32,
+    ) {
+        lines.retain(|each| {
+            let spots = &line(each).spots;
+            let inside = spots.iter().filter(|spot| self.is_inside(factor * spot.at));
+            2 * inside.count() < spots.len()
+        });
+    }
+
+    /// Whether a place in the frame, in pixels, is inside a plane, and not where it meets something else.
+    fn is_inside(&self, at: Vec2) -> bool {
+        let reach = self.cell_px * (GAP * self.size).max(2.0);
+        let around = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
+        let there = around.map(|way| self.planes.nearest(at + reach * way));
+        there[0] > 0 && there.iter().all(|&plane| plane == there[0])
+    }
+}
+
+/// The planes that a frame's camera allows, with the cells in each; without a camera those that cover more.
+fn fitted(cells: &Cells, frame: &Frame) -> Option<(Model, Vec<(Fit, Plane<bool>)>)> {
+    let covered = cells.mask.count() as f32;
+    let around = 2.0 * (cells.mask.width() + cells.mask.height()) as f32;
+    let found = |model: Model| {
+        let values = cells.of_model(model);
+        let planes = fit::planes(&values);
+        let large = planes.into_iter().filter(|(_, within)| {
+            let area = within.samples().iter().filter(|&&within| within).count() as f32;
+            regions::on_border(within) as f32 > LEAST_BORDER * around && area > LEAST_AREA * covered
+        });
+        (model, large.collect::<Vec<_>>())
+    };
+    let area = |(_, planes): &(Model, Vec<(Fit, Plane<bool>)>)| {
+        let cells = planes.iter().flat_map(|(_, within)| within.samples());
+        cells.filter(|&&within| within).count() as f32
+    };
+    let is_relative = frame.source.depth_kind == DepthKind::Relative;
+    let camera = frame.camera.filter(|_| !is_relative);
+    let found = match camera.map(|camera| camera.projection) {
+        Some(Projection::Perspective { .. }) => found(Model::Perspective),
+        Some(Projection::Orthographic { .. }) => found(Model::Parallel),
+        None => {
+            let [perspective, parallel] = [Model::Perspective, Model::Parallel].map(found);
+            match area(&parallel) > PREFERRED * area(&perspective) {
+                true => parallel,
+                false => perspective,
+            }
+        }
+    };
+    Some(found).filter(|(_, planes)| !planes.is_empty())
+}
+
+/// How far cells lie behind most of the subject, 0..1; nowhere under parallel lines of sight, where distances have no origin.
+fn remote(depth: &Plane, subject: &Plane<bool>, model: Model) -> Plane {
+    let own = depth.samples().iter().zip(subject.samples());
+    let own = own.filter(|(depth, is_subject)| **is_subject && !depth.is_nan());
+    let mut own: Vec<f32> = own.map(|(depth, _)| *depth).collect();
+    let back = quantile(&mut own, 0.9, f32::total_cmp).filter(|_| model == Model::Perspective);
+    let [from, to] = FADES;
+    depth.map(|depth| match back {
+        Some(back) if depth > back => {
+            let share = (((depth / back).log2() - from) / (to - from)).clamp(0.0, 1.0);
+            share * share * (3.0 - 2.0 * share)
+        }
+        _ => 0.0,
+    })
+}

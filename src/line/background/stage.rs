@@ -1,0 +1,35 @@
+//! The background of a drawing.
+
+use super::Background;
+use crate::engine::cpu::execution::Execution;
+use crate::line::drawing::is_drawn;
+use crate::params;
+use crate::plan::stage::{Makes, Stage, Step, Verdict};
+use crate::product::Product;
+
+/// The planes that the subject of a drawing stands on or before.
+pub(crate) static BACKGROUND: Stage = Stage {
+    makes: Makes::Drawing,
+    name: "background",
+    steps: &[Step {
+        name: "background",
+        gives: &[Product::Strokes],
+        decide: |plan| {
+            is_drawn(plan, |params| match params.tone.background {
+                params::Background::Strokes => Verdict::left_out("it is drawn like the subject"),
+                _ if plan.specular.is_some() => Verdict::left_out("mirrors show others"),
+                _ if plan.available.depth => {
+                    Verdict::runs("planes that the subject stands on or before")
+                }
+                _ => Verdict::left_out("planes show in depth, and there is none"),
+            })
+        },
+    }],
+    reads_normals: false,
+    cpu: find,
+    ..Stage::DEFAULT
+};
+
+fn find(run: &mut Execution) {
+    run.canvas.background = run.timed(BACKGROUND.name, || Background::of(run.frame));
+}
