@@ -1,4 +1,5 @@
-//! The pictures of docs/guide/gallery.md: runs its commands and reduces what they make.
+//! The pictures of docs/guide/gallery.md: runs its commands and reduces what they make. Four drawings of them are the
+//! contact sheet in the README, fixtures/drawing.png.
 //!
 //! `cargo run --release -p examples --example gallery`, from the folder that holds `fixtures`.
 
@@ -17,6 +18,10 @@ const SIZE: [u32; 2] = [480, 480];
 
 const QUALITY: u8 = 80;
 
+/// The drawings on the contact sheet, and the size of each.
+const SHEET: [&str; 4] = ["engraving.png", "gears.png", "pencil.png", "lines.png"];
+const CELL: [u32; 2] = [480, 360];
+
 fn main() -> ExitCode {
     common::exit(run())
 }
@@ -24,6 +29,8 @@ fn main() -> ExitCode {
 fn run() -> Result<(), Box<dyn Error>> {
     let page = fs::read_to_string("docs/guide/gallery.md")?;
     let place = tempfile::tempdir()?;
+    let [width, height] = CELL;
+    let mut sheet = RgbaImage::from_pixel(2 * width, 2 * height, Rgba([255; 4]));
     let commands = page.lines().filter(|line| line.starts_with("relievo "));
     for command in commands {
         let mut words: Vec<String> = command.split_whitespace().map(String::from).collect();
@@ -31,30 +38,44 @@ fn run() -> Result<(), Box<dyn Error>> {
         let output = output.and_then(|at| words.get_mut(at + 1));
         let output = output.ok_or_else(|| format!("no output: {command}"))?;
         let made = place.path().join(&output);
+        let cell = SHEET.iter().position(|name| name == output);
         *output = made.to_string_lossy().into();
         if relievo::cli::run_words(words.into_iter().map(Into::into)) != 0 {
             return Err(format!("failed: {command}").into());
         }
-        reduce(&made)?;
+        let page = on_white(&made)?;
+        write_small(&page, &made)?;
+        if let Some(cell) = cell {
+            let small = page.resize(width, height, FilterType::Triangle).to_rgba8();
+            let [column, row] = [cell as u32 % 2, cell as u32 / 2];
+            let x = column * width + (width - small.width()) / 2;
+            let y = row * height + (height - small.height()) / 2;
+            overlay(&mut sheet, &small, x.into(), y.into());
+        }
     }
+    DynamicImage::from(sheet).to_luma8().save("fixtures/drawing.png")?;
     Ok(())
 }
 
-/// Writes the small copy of a picture for the page.
-fn reduce(made: &Path) -> Result<(), Box<dyn Error>> {
+/// A picture on white: JPEG has no alpha.
+fn on_white(made: &Path) -> Result<DynamicImage, Box<dyn Error>> {
     let picture = image::open(made)?;
     let is_color = picture.color().has_color();
-    // JPEG has no alpha: the page is white.
     let mut page = RgbaImage::from_pixel(picture.width(), picture.height(), Rgba([255; 4]));
     overlay(&mut page, &picture.to_rgba8(), 0, 0);
-    let small = DynamicImage::from(page).resize(SIZE[0], SIZE[1], FilterType::Triangle);
+    let page = DynamicImage::from(page);
+    Ok(match is_color {
+        true => page.to_rgb8().into(),
+        false => page.to_luma8().into(),
+    })
+}
+
+/// Writes the small copy of a picture for the page.
+fn write_small(page: &DynamicImage, made: &Path) -> Result<(), Box<dyn Error>> {
+    let small = page.resize(SIZE[0], SIZE[1], FilterType::Triangle);
     let name = made.with_extension("jpg");
     let name = name.file_name().ok_or("an output without a name")?;
     let file = fs::File::create(Path::new("docs/gallery").join(name))?;
-    let encoder = JpegEncoder::new_with_quality(file, QUALITY);
-    match is_color {
-        true => small.to_rgb8().write_with_encoder(encoder)?,
-        false => small.to_luma8().write_with_encoder(encoder)?,
-    }
+    small.write_with_encoder(JpegEncoder::new_with_quality(file, QUALITY))?;
     Ok(())
 }

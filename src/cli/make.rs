@@ -41,7 +41,8 @@ pub(super) fn make(kit: &Kit, job: &Job) -> Result<Chosen> {
     let (mut loaded, read) = job.load(&source.inputs, source.needs)?;
     let mut scene = kit.scene(work, &source, &mut loaded)?;
     let began = Instant::now();
-    let times = work.times(&loaded.frame, scene.is_some())?;
+    let is_alone = !job.is_in_sequence() && job.part.is_none();
+    let times = work.times(&loaded.frame, scene.is_some(), is_alone)?;
     let bar = passes_bar(&job.args().run, times != 1.0 && !job.is_in_sequence());
     let warn = |text: &str| bar.suspend(|| job.warn(text));
     let tell = |at: Progress| {

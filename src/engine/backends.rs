@@ -387,7 +387,7 @@ mod tests {
     use crate::engine::watch::Progress;
     use crate::frame::{ColorPlanes, LightGroup, Plane};
     use crate::kernel::cancel::CancelToken;
-    use crate::params::{LineParams, ScalingParams, ShapeParams};
+    use crate::params::{LineParams, ScalingParams, ShapeParams, Style};
     use crate::plan::{Available, Goal, Tone};
     use crate::scenes::Scene;
     use glam::Vec3;
@@ -460,7 +460,8 @@ mod tests {
         }];
         let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
         let plan = |goal, frame| Plan::new(goal, Available::in_frame(frame), shape, scaling);
-        let line = LineParams::default();
+        let mut line = LineParams::default();
+        line.strokes.style = Style::Pen;
         let available = Available::in_frame(&frame);
         let drawing = Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling);
         let whole = Engine::on(whole);

@@ -1,11 +1,14 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
 use super::plane::each_row_of;
-use super::{Camera, Frame, Mask, Plane, Vector3Planes, Window};
+use super::{Camera, Frame, Mask, Plane, Projection, Vector3Planes, Window};
 use std::cell::Cell;
 
 /// Samples belong to one surface if neither is nearer than this share of the other's depth.
 const SAME: f32 = 0.965;
+
+/// How many times steeper than on both sides a surface gets from one pixel to the next at the most.
+const STEEPER: f32 = 3.0;
 
 impl Frame {
     /// The frame enlarged `factor` times in both directions, rounded to whole pixels, seen by the same camera: samples
@@ -51,6 +54,11 @@ impl Frame {
             }),
             ..self.with_planes(mask, plane)
         };
+        frame.depth = self.depth.as_ref().map(|depth| {
+            self.spread(factor, goes_on, |around| {
+                around.map_or(0.0, |around| self.mean_depth(depth, &around))
+            })
+        });
         frame.objects = self.objects.as_ref().map(|numbers| {
             let number = |around| heaviest(numbers, &around);
             self.spread(factor, goes_on, |around| around.map_or(0.0, number))
@@ -170,10 +178,55 @@ impl Frame {
         })
     }
 
-    /// Whether two pixels belong to one surface; without depth all do.
-    fn is_one_surface(&self, [x, y]: [usize; 2], [i, k]: [usize; 2]) -> bool {
-        let depth = self.depth.as_ref();
-        depth.is_none_or(|depth| is_one_surface(depth.at(x, y), depth.at(i, k)))
+    /// Whether two pixels side by side belong to one surface; without depth all do.
+    fn is_one_surface(&self, a: [usize; 2], b: [usize; 2]) -> bool {
+        let Some(depth) = &self.depth else {
+            return true;
+        };
+        let [near, far] = [a, b].map(|[x, y]| depth.at(x, y));
+        near.min(far) >= SAME * near.max(far) || self.goes_on_steeply(depth, a, b)
+    }
+
+    /// What is linear over a plane at this depth: its inverse in perspective. Its own inverse but for depth up to 0.
+    fn linear(&self, depth: f32) -> f32 {
+        let projection = self.camera.map(|camera| camera.projection);
+        let is_parallel = matches!(projection, Some(Projection::Orthographic { .. }));
+        if is_parallel || depth <= 0.0 {
+            depth
+        } else {
+            depth.recip()
+        }
+    }
+
+    /// The depth of the plane through samples around a position.
+    fn mean_depth(&self, depth: &Plane, around: &Around) -> f32 {
+        let samples = around.iter().filter(|(_, weight)| *weight > 0.0);
+        let samples = samples.map(|&([x, y], weight)| (depth.at(x, y), weight));
+        if samples.clone().all(|(depth, _)| depth > 0.0) {
+            let mean: f32 = samples
+                .map(|(depth, weight)| weight * self.linear(depth))
+                .sum();
+            return self.linear(mean);
+        }
+        samples.map(|(depth, weight)| weight * depth).sum()
+    }
+
+    /// Whether the surface of two pixels side by side is as steep on both sides as between them, like a floor far away.
+    fn goes_on_steeply(&self, depth: &Plane, a: [usize; 2], b: [usize; 2]) -> bool {
+        let beyond = |from: [usize; 2], to: [usize; 2]| {
+            let next = |axis: usize| (2 * to[axis]).checked_sub(from[axis]);
+            let (x, y) = (next(0)?, next(1)?);
+            let is_inside = x < depth.width() && y < depth.height() && self.mask.at(x, y);
+            is_inside.then(|| self.linear(depth.at(x, y)))
+        };
+        let [here, there] = [a, b].map(|[x, y]| self.linear(depth.at(x, y)));
+        let between = there - here;
+        let on_sides = [
+            beyond(b, a).map(|before| here - before),
+            beyond(a, b).map(|after| after - there),
+        ];
+        let is_alike = |step: f32| step * between > 0.0 && between.abs() <= STEEPER * step.abs();
+        on_sides.iter().any(Option::is_some) && on_sides.into_iter().flatten().all(is_alike)
     }
 
     /// Removes the weight of samples from surfaces other than the one with most of the weight.
@@ -181,22 +234,21 @@ impl Frame {
         let Some(depth) = &self.depth else {
             return;
         };
-        let depths = samples.map(|([x, y], _)| depth.at(x, y));
-        let of_surface = |of: f32| -> f32 {
+        let weights = samples.map(|(of, _)| -> f32 {
             let same = samples
                 .iter()
-                .zip(depths)
-                .filter(|&(_, d)| is_one_surface(of, d));
-            same.map(|((_, weight), _)| weight).sum()
-        };
-        let weights = depths.map(of_surface);
+                .filter(|(at, _)| self.is_one_surface(of, *at));
+            same.map(|(_, weight)| weight).sum()
+        });
         let most = (0..4).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let kept = most.map_or(f32::NAN, |most| depths[most]);
-        if !kept.is_finite() {
+        let Some([x, y]) = most.map(|most| samples[most].0) else {
+            return;
+        };
+        if !depth.at(x, y).is_finite() {
             return;
         }
-        for ((_, weight), depth) in samples.iter_mut().zip(depths) {
-            if !is_one_surface(kept, depth) {
+        for (at, weight) in samples.iter_mut() {
+            if !self.is_one_surface([x, y], *at) {
                 *weight = 0.0;
             }
         }
@@ -217,11 +269,6 @@ fn mean(plane: &Plane, around: &Around) -> f32 {
 fn heaviest(plane: &Plane, around: &Around) -> f32 {
     let most = around.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
     most.map_or(0.0, |&([x, y], _)| plane.at(x, y))
-}
-
-/// Whether samples at these depths belong to one surface.
-fn is_one_surface(a: f32, b: f32) -> bool {
-    a.min(b) >= SAME * a.max(b)
 }
 
 /// The other pixels of a plane of this `size` within one column and one row of `[x, y]`, and within `steps` across and
@@ -354,21 +401,22 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_stays_a_slope() {
-        let slope = Frame {
-            depth: Some(Plane::from_fn(6, 3, |x, _| 100.0 + x as f32)),
+    fn a_floor_stays_a_floor_to_its_horizon() {
+        // The inverse of its depth is linear over the picture: from row to row depth falls to a third, to three fifths ...
+        let floor = Frame {
+            depth: Some(Plane::from_fn(6, 3, |x, _| 300.0 / (x as f32 + 0.5))),
             ..Frame::of_normals(
                 Vector3Planes::from_fn(6, 3, |_, _| DVec3::Z),
                 Mask::full(6, 3),
             )
         };
-        let depth = slope.enlarged(2.0).depth.unwrap();
+        let depth = floor.enlarged(2.0).depth.unwrap();
         // Pixel x maps to (x + 1/2)/2 - 1/2 of the original; beyond its outer centres values are clamped.
         for x in 1..11 {
-            let expected = 100.0 + (x as f32 + 0.5) / 2.0 - 0.5;
-            assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
+            let expected = 600.0 / (x as f32 + 0.5);
+            assert!((depth.at(x, 3) / expected - 1.0).abs() < 1e-5, "{x}");
         }
-        assert_eq!(slope.enlarged(1.0).normal, slope.normal);
+        assert_eq!(floor.enlarged(1.0).normal, floor.normal);
     }
 
     #[test]

@@ -3,13 +3,16 @@
 use crate::frame::{DepthKind, Frame};
 use crate::light::enhancement::LightAvailable;
 use crate::light::lights::{Illumination, LightKinds};
-use crate::params::SpecularParams;
+use crate::params::{SpecularParams, Style};
+use crate::shape::bends::bends;
 
 /// The inputs that a plan is made for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Available {
     /// Depth.
     pub depth: bool,
+    /// Whether the surface bends, and is not all flat faces between edges.
+    pub bends: bool,
     /// A picture.
     pub color: bool,
     /// The albedo of the surface.
@@ -47,6 +50,7 @@ impl Available {
     pub fn in_frame(frame: &Frame) -> Self {
         Self {
             depth: frame.depth.is_some(),
+            bends: bends(frame),
             color: frame.color.is_some(),
             albedo: frame.albedo.is_some(),
             gloss: frame.light.gloss.is_some(),
@@ -70,6 +74,17 @@ impl Available {
         Self {
             new_light: light.kinds(),
             ..self
+        }
+    }
+
+    /// The style of a drawing of these: [`Style::Auto`] is an engraving of surfaces that bend, where depth tells them from
+    /// what is behind them. Photos and flat faces are clearer in pen, and its strokes move best.
+    pub fn style(&self, style: Style) -> Style {
+        let is_still = !self.moving && !self.in_sequence;
+        match style {
+            Style::Auto if self.depth && self.bends && is_still => Style::Engraving,
+            Style::Auto => Style::Pen,
+            named => named,
         }
     }
 

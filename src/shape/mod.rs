@@ -4,6 +4,7 @@
 //! to each side.
 
 pub(crate) mod auto_levels;
+pub(crate) mod bends;
 pub(crate) mod curvature_display;
 pub(crate) mod edges;
 pub(crate) mod height;

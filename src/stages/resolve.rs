@@ -46,6 +46,7 @@ impl Plan {
         let (mut drawing, mut line_scale) = (None, 1.0);
         if let Goal::Hatch(_, mut params) = goal {
             params.validate()?;
+            params.strokes.style = available.style(params.strokes.style);
             let size = available.image_size_px();
             line_scale = params.strokes.fit(size, resolution_factor as f32);
             drawing = Some(params);
@@ -198,6 +199,7 @@ mod tests {
     }
 
     const DEPTH: Available = Available {
+        bends: false,
         depth: true,
         color: true,
         albedo: false,
@@ -216,6 +218,7 @@ mod tests {
         light: LightAvailable::NONE,
     };
     const NOTHING: Available = Available {
+        bends: false,
         depth: false,
         color: true,
         albedo: false,

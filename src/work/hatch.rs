@@ -25,8 +25,8 @@ use crate::line::stippling::cpu::most_dots_per_px;
 use crate::line::streamlines::{Streamline, Tool};
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Ink, LineParams, ObjectLines, ShapeParams, SoftThreshold, StrokeParams, StrokeScale, Style,
-    ToneSource,
+    Enlargement, Ink, LineParams, ObjectLines, ShapeParams, SoftThreshold, StrokeParams,
+    StrokeScale, Style, ToneSource,
 };
 use crate::plan::{Available, Goal, Plan, Tone};
 use std::borrow::Cow;
@@ -126,12 +126,17 @@ impl Work for HatchArgs {
         work.refuse_above(picture, beside, &why)
     }
 
-    fn times(&self, frame: &Frame, is_specular: bool) -> Result<f64> {
+    fn times(&self, frame: &Frame, is_specular: bool, is_alone: bool) -> Result<f64> {
         let times = self.times_of(frame.display_window, frame.pixel_aspect)?;
         if times != 1.0 {
             self.refuse_enlarged(frame, times, is_specular)?;
         }
-        Ok(times)
+        if !is_alone || !self.enlarges_by_itself(frame) {
+            return Ok(times);
+        }
+        let times = Enlargement::Auto.times(size_px(frame.display_window)) as f64;
+        let fits = self.refuse_enlarged(frame, times, is_specular).is_ok();
+        Ok(if fits { times } else { 1.0 })
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
@@ -144,7 +149,9 @@ impl Work for HatchArgs {
             ..Available::in_frame(seen.frame).lit_by(&seen.light)
         };
         let shape = enlarged(params.shape, seen.times, seen.frame);
-        let line = self.line()?;
+        let mut line = self.params();
+        line.strokes.style = available.style(line.strokes.style);
+        let line = self.checked(line)?;
         let line = LineParams {
             contours: line
                 .contours
@@ -236,9 +243,13 @@ impl Work for HatchArgs {
 impl HatchArgs {
     /// Settings of the lines, checked for contradictions.
     fn line(&self) -> Result<LineParams> {
+        self.checked(self.params())
+    }
+
+    /// These settings, as lines if the output takes no others.
+    fn checked(&self, mut line: LineParams) -> Result<LineParams> {
         let work = self.args();
         work.flags.refuse_more_scales()?;
-        let mut line = self.params();
         if !is_svg(work) {
             refuse_grey(work.output.kind()?, line.strokes.ink)?;
             return Ok(line);
@@ -256,18 +267,38 @@ impl HatchArgs {
 
     fn times_of(&self, window: Window, pixel_aspect: f32) -> Result<f64> {
         let params = &self.relight.work.flags.params;
-        let (width, height) = (window.width(), window.height());
         match params.size {
             Some(paper) => paper.factor(
-                [width, height],
+                [window.width(), window.height()],
                 pixel_aspect,
                 self.params().strokes.print_dpi(),
             ),
             None => {
-                let size_px = ((width * height) as f32).sqrt();
-                Ok(params.enlarge.times(size_px) as f64)
+                let times = params
+                    .enlarge
+                    .map_or(1, |enlarge| enlarge.times(size_px(window)));
+                Ok(times as f64)
             }
         }
+    }
+
+    /// Whether a frame that stands alone is enlarged although nothing asks for it: an engraving that nobody chose, in a file
+    /// of any size.
+    fn enlarges_by_itself(&self, frame: &Frame) -> bool {
+        let params = &self.relight.work.flags.params;
+        let is_asked = params.enlarge.is_some() || params.size.is_some();
+        let output = &self.relight.work.output;
+        let has_size = match output.output {
+            Some(_) => {
+                !is_svg(&self.relight.work) && !matches!(output.kind(), Ok(Kind::Picture(_)))
+            }
+            None => true,
+        };
+        let style = self.params().strokes.style;
+        style == Style::Auto
+            && !is_asked
+            && !has_size
+            && Available::in_frame(frame).style(style) == Style::Engraving
     }
 
     /// Refuses to enlarge frames, with what their mirrors and lenses show, beyond the memory limit.
@@ -360,6 +391,11 @@ fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
     }
 }
 
+/// The size of a picture, the root of its area.
+fn size_px(window: Window) -> f32 {
+    ((window.width() * window.height()) as f32).sqrt()
+}
+
 /// Columns and rows of a window that is enlarged.
 fn enlarged_size(window: Window, times: f64) -> [f64; 2] {
     [window.width(), window.height()].map(|side| side as f64 * times)
@@ -369,7 +405,7 @@ fn enlarged_size(window: Window, times: f64) -> [f64; 2] {
 fn stroke_bytes_per_px(strokes: &StrokeParams, factor: f32) -> f32 {
     let stroke = strokes.stroke(factor);
     match strokes.style {
-        Style::Lines | Style::Engraving => {
+        Style::Lines | Style::Engraving | Style::Auto => {
             POINT_BYTES * Tool::of(&stroke, strokes.style).most_points_per_px()
         }
         Style::Stipple => DOT_BYTES * most_dots_per_px(&stroke),
@@ -439,7 +475,7 @@ fn refuse_grey(kind: Kind, ink: Ink) -> Result<()> {
 fn in_lines(strokes: &mut StrokeParams) -> Result<()> {
     match strokes.style {
         Style::Pen => strokes.style = Style::Lines,
-        Style::Lines | Style::Engraving | Style::Stipple => {}
+        Style::Lines | Style::Engraving | Style::Stipple | Style::Auto => {}
         Style::Pencil | Style::Pictures => {
             return Err(bad(
                 "--style",

@@ -41,7 +41,7 @@ impl<'a> Making<'a> {
     /// As [`Engine::run`]; [`crate::Error::BadParameter`] for settings that the frame does not allow.
     pub(crate) fn run(&self, engine: &Engine, run: &Run) -> Result<Made> {
         let work = self.work;
-        let times = work.times(self.frame, self.specular.is_some())?;
+        let times = work.times(self.frame, self.specular.is_some(), !self.is_in_sequence)?;
         let scene = self.specular.filter(|_| times != 1.0);
         let scene = scene.map(|scene| run.install(|| scene.enlarged(self.frame, times)));
         let frame = match times == 1.0 {

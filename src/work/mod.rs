@@ -158,7 +158,7 @@ pub(crate) trait Work: Sync {
     }
 
     /// The enlargement of a frame, and whether the memory limit allows it.
-    fn times(&self, _frame: &Frame, _is_specular: bool) -> Result<f64> {
+    fn times(&self, _frame: &Frame, _is_specular: bool, _is_alone: bool) -> Result<f64> {
         Ok(1.0)
     }
 

@@ -189,7 +189,9 @@ fn only_what_a_change_touches_is_made_anew() {
     let mut live = Session::new(Engine::cpu(), bust());
     let relight = Asked::of(Goal::Relight(RelightParams::default()));
     let enhance = Asked::of(Goal::Enhance);
-    let hatch = relight.with(|a| a.line = Some(LineParams::default()));
+    let mut pen = LineParams::default();
+    pen.strokes.style = Style::Pen;
+    let hatch = relight.with(|a| a.line = Some(pen));
     let mut passes = |before: &Asked, change: fn(&mut Asked)| {
         let after = before.with(change);
         passes_of(&mut live, before, &after)

@@ -55,8 +55,10 @@ impl Fit {
         changes.then(|| Vec2::new(self.slope.y, self.slope.x).normalize())
     }
 
-    fn holds(&self, [x, y]: [usize; 2], value: f32, tolerance: f32) -> bool {
-        (value - self.at(x, y)).abs() < tolerance * value.abs()
+    /// Whether the value of a cell is on it, but for `slack` shares of [`TOLERANCE`] and the distance in cells over which
+    /// values are the same.
+    fn holds(&self, [x, y]: [usize; 2], value: f32, (slack, same): (f32, f32)) -> bool {
+        (value - self.at(x, y)).abs() < slack * TOLERANCE * value.abs() + same * self.slope.length()
     }
 
     /// The plane through three cells, if they are not in line.
@@ -89,8 +91,8 @@ impl Fit {
 }
 
 /// The planes of values over cells that begin at the border of the picture, the largest first, and the cells in each;
-/// NaN is none.
-pub(super) fn planes(values: &Plane) -> Vec<(Fit, Plane<bool>)> {
+/// NaN is none. Values are the same over so many cells where depth was enlarged by steps.
+pub(super) fn planes(values: &Plane, same: f32) -> Vec<(Fit, Plane<bool>)> {
     let (width, height) = (values.width(), values.height());
     let size = ((width * height) as f32).sqrt();
     let step = ((size / LOOKED_AT) as usize).max(1);
@@ -102,23 +104,23 @@ pub(super) fn planes(values: &Plane) -> Vec<(Fit, Plane<bool>)> {
     let mut random = Random::new(1);
     let mut found = Vec::new();
     while found.len() < MOST {
-        let Some(best) = best(&left, step, [width, height], &mut random) else {
+        let Some(best) = best(&left, (step, same), [width, height], &mut random) else {
             break;
         };
         let mut fit = best;
         for _ in 0..ROUNDS {
             let own = left
                 .iter()
-                .filter(|(at, value)| fit.holds(*at, *value, TOLERANCE));
+                .filter(|(at, value)| fit.holds(*at, *value, (1.0, same)));
             fit = Fit::nearest(own).unwrap_or(fit);
         }
         let before = left.len();
-        left.retain(|(at, value)| !fit.holds(*at, *value, 1.5 * TOLERANCE));
+        left.retain(|(at, value)| !fit.holds(*at, *value, (1.5, same)));
         if ((before - left.len()) as f32) < least {
             break;
         }
         let within = Plane::from_fn(width, height, |x, y| {
-            fit.holds([x, y], values.at(x, y), TOLERANCE)
+            fit.holds([x, y], values.at(x, y), (1.0, same))
         });
         let within = outer_pieces(&opened(&within, 1.0), LEAST_PIECE * size * size);
         found.push((fit, within));
@@ -129,7 +131,7 @@ pub(super) fn planes(values: &Plane) -> Vec<(Fit, Plane<bool>)> {
 /// The plane through a cell on the border and two others that holds most of the cells.
 fn best(
     cells: &[([usize; 2], f32)],
-    step: usize,
+    (step, same): (usize, f32),
     [width, height]: [usize; 2],
     random: &mut Random,
 ) -> Option<Fit> {
@@ -159,7 +161,7 @@ fn best(
         };
         let held = cells
             .iter()
-            .filter(|(at, value)| fit.holds(*at, *value, TOLERANCE))
+            .filter(|(at, value)| fit.holds(*at, *value, (1.0, same)))
             .count();
         if best.is_none_or(|(most, _)| held > most) {
             best = Some((held, fit));

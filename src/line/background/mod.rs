@@ -37,10 +37,13 @@ const DETAIL: f32 = 1.0 / 400.0;
 /// Parts of a subject are larger than this share of the picture.
 const LEAST_PART: f32 = 0.0015;
 
-/// How near to a plane the subject's rim is looked at for where it stands, and how far from there the plane may have its
-/// depth, as shares of the picture's size.
-const RIM: f32 = 1.0 / 150.0;
+/// How near to a plane and to a subject its rim is, in cells, and how far from where it stands the plane may have its depth,
+/// as a share of the picture's size.
+const RIM_CELLS: f32 = 3.0;
 const STANDS_WITHIN: f32 = 1.0 / 60.0;
+
+/// The enlargement up to which steps in depth are allowed for.
+const MOST_ENLARGED: f32 = 8.0;
 
 /// Rounding of depth that a subject stands on a plane with.
 const ROUNDING: f32 = 5e-4;
@@ -107,15 +110,17 @@ impl Cells {
 }
 
 impl Background {
-    /// The planes behind the subject of a frame, if there are any beside one.
-    pub(crate) fn of(frame: &Frame) -> Option<Self> {
+    /// The planes behind the subject of a frame, which was enlarged by a factor, if there are any beside one.
+    pub(crate) fn of(frame: &Frame, factor: f32) -> Option<Self> {
         let depth = frame.depth.as_ref()?;
         let window = frame.display_window;
         let size_px = ((window.width() * window.height()) as f32).sqrt();
         let step = cell_px(size_px);
         let size = size_px / step as f32;
         let cells = Cells::of(frame, depth, step);
-        let (model, fits) = fitted(&cells, frame)?;
+        // Enlarged pixels may be steps, half of them on either side of the plane, beside a pixel's own middle.
+        let same = 0.5 * (factor.clamp(1.0, MOST_ENLARGED) + 1.0) / step as f32;
+        let (model, fits) = fitted(&cells, frame, same)?;
         let covered = cells.mask.count() as f32;
         let [width, height] = [cells.mask.width(), cells.mask.height()];
         let mut planes = Plane::filled(width, height, 0);
@@ -139,12 +144,17 @@ impl Background {
         });
         let subject = large_pieces(&opened(&before, DETAIL * size), LEAST_PART * size * size);
         let values = cells.of_model(model);
+        let beside_subject = distances(&subject, RIM_CELLS);
         let mut stands = Plane::filled(width, height, false);
         for (fit, within) in &fits {
-            let near = distances(within, (RIM * size).max(3.0));
+            let near = distances(within, RIM_CELLS);
             let slack = fit.slope.length() * STANDS_WITHIN * size;
+            let is_rim = |x: usize, y: usize| {
+                let is_near = near.at(x, y).is_finite() && beside_subject.at(x, y).is_finite();
+                is_near && planes.at(x, y) == 0 && cells.mask.at(x, y)
+            };
             for y in 0..height {
-                for x in (0..width).filter(|&x| subject.at(x, y) && near.at(x, y).is_finite()) {
+                for x in (0..width).filter(|&x| is_rim(x, y)) {
                     let [own, there] = [values.at(x, y), fit.at(x, y)];
                     stands.row_mut(y)[x] |= (own - there).abs() < slack + ROUNDING * there.abs();
                 }
@@ -208,12 +218,12 @@ impl Background {
 }
 
 /// The planes that a frame's camera allows, with the cells in each; without a camera those that cover more.
-fn fitted(cells: &Cells, frame: &Frame) -> Option<(Model, Vec<(Fit, Plane<bool>)>)> {
+fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<(Fit, Plane<bool>)>)> {
     let covered = cells.mask.count() as f32;
     let around = 2.0 * (cells.mask.width() + cells.mask.height()) as f32;
     let found = |model: Model| {
         let values = cells.of_model(model);
-        let planes = fit::planes(&values);
+        let planes = fit::planes(&values, same);
         let large = planes.into_iter().filter(|(_, within)| {
             let area = within.samples().iter().filter(|&&within| within).count() as f32;
             regions::on_border(within) as f32 > LEAST_BORDER * around && area > LEAST_AREA * covered
@@ -254,4 +264,48 @@ fn remote(depth: &Plane, subject: &Plane<bool>, model: Model) -> Plane {
         }
         _ => 0.0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Vector3Planes;
+    use glam::DVec3;
+
+    /// A floor one unit below a camera with its horizon in row 40, and a ball of 50 pixels before it that is nearer than
+    /// all of it. Bumps are a share of the distance.
+    fn floor_with_ball(bumps: f32) -> Frame {
+        let ball = |x: usize, y: usize| (x as f32 - 159.5).hypot(y as f32 - 69.5) < 50.0;
+        let depth = Plane::from_fn(320, 240, |x, y| {
+            let bump = bumps * (0.3 * x as f32).sin() * (0.3 * y as f32).sin();
+            match ball(x, y) {
+                true => 1.2,
+                false => 300.0 * (1.0 + bump) / (y as f32 - 39.5),
+            }
+        });
+        let mask = Mask::new(Plane::from_fn(320, 240, |x, y| y >= 40 || ball(x, y)));
+        let normal = Vector3Planes::from_fn(320, 240, |_, _| DVec3::Y);
+        Frame {
+            depth: Some(depth),
+            ..Frame::of_normals(normal, mask)
+        }
+    }
+
+    #[test]
+    fn a_floor_is_behind_the_ball_on_it_whatever_its_bumps() {
+        let even = Background::of(&floor_with_ball(0.0), 1.0).expect("there is a floor");
+        let bumpy = Background::of(&floor_with_ball(0.01), 1.0).expect("there is a floor");
+        for (x, y) in (0..240).flat_map(|y| (0..320).map(move |x| (x, y))) {
+            let on_floor = y >= 40 && even.to_subject.at(x, y) > 3.0;
+            assert!(
+                even.plane(x, y).is_some() == on_floor || even.to_subject.at(x, y) < 4.0,
+                "{x} {y}"
+            );
+            if on_floor {
+                assert_eq!(even.plane(x, y), bumpy.plane(x, y), "{x} {y}");
+            }
+        }
+        let level = even.level(Vec2::new(20.0, 200.0));
+        assert!(level.is_some_and(|level| level.y.abs() < 1e-6));
+    }
 }

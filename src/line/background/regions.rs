@@ -29,7 +29,7 @@ pub(super) fn distances(region: &Plane<bool>, most: f32) -> Plane {
         for (x, sample) in row.iter_mut().enumerate() {
             let mut least = along[x] * along[x];
             let mut by = 1;
-            while ((by * by) as f32) < least.min(most * most) {
+            while ((by * by) as f32) < least && by as f32 <= most {
                 let beside = [x.checked_sub(by), Some(x + by).filter(|&x| x < width)];
                 for x in beside.into_iter().flatten() {
                     least = least.min(along[x] * along[x] + (by * by) as f32);

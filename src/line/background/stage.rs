@@ -17,7 +17,13 @@ pub(crate) static BACKGROUND: Stage = Stage {
         decide: |plan| {
             is_drawn(plan, |params| match params.tone.background {
                 params::Background::Strokes => Verdict::left_out("it is drawn like the subject"),
+                _ if !plan.shows_shape && !params.lines_only => {
+                    Verdict::left_out("the tone is that of light alone")
+                }
                 _ if plan.specular.is_some() => Verdict::left_out("mirrors show others"),
+                _ if plan.available.in_sequence || plan.available.moving => {
+                    Verdict::left_out("planes could come and go from frame to frame")
+                }
                 _ if plan.available.depth => {
                     Verdict::runs("planes that the subject stands on or before")
                 }
@@ -25,11 +31,16 @@ pub(crate) static BACKGROUND: Stage = Stage {
             })
         },
     }],
+    depends_on: |plan| format!("{} {:?}", plan.resolution_factor, plan.background()),
     reads_normals: false,
     cpu: find,
     ..Stage::DEFAULT
 };
 
 fn find(run: &mut Execution) {
-    run.canvas.background = run.timed(BACKGROUND.name, || Background::of(run.frame));
+    let key = run.plan.key_without_scene(BACKGROUND.name);
+    run.canvas.background = run.copied_or(BACKGROUND.name, key, |run| {
+        let factor = run.plan.resolution_factor as f32;
+        run.timed(BACKGROUND.name, || Background::of(run.frame, factor))
+    });
 }

@@ -11,6 +11,8 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {
+    /// The one that suits the picture: see [`Available::style`](crate::plan::Available::style).
+    Auto,
     /// Ink: black and sharp, wider under pressure.
     Pen,
     /// Graphite: soft and grey, with paper grain.
@@ -28,7 +30,14 @@ pub enum Style {
 
 impl Style {
     /// The styles with a name.
-    const NAMED: [(Self, Choice); 5] = [
+    const NAMED: [(Self, Choice); 6] = [
+        (
+            Self::Auto,
+            Choice {
+                name: "auto",
+                doc: &["Engraving of one picture with depth whose surface bends, else pen"],
+            },
+        ),
         (
             Self::Pen,
             Choice {
@@ -70,13 +79,14 @@ impl Style {
 impl Value for Style {
     const KIND: Kind = Kind::ChoiceOrFolder(&{
         let [
+            (_, auto),
             (_, pen),
             (_, pencil),
             (_, lines),
             (_, engraving),
             (_, stipple),
         ] = Self::NAMED;
-        [pen, pencil, lines, engraving, stipple]
+        [auto, pen, pencil, lines, engraving, stipple]
     });
 
     /// A text that is not a style name is a folder of pictures.
@@ -219,9 +229,10 @@ choices! {
 params! {
     /// The strokes of a hatching.
     pub struct StrokeParams in Strokes {
-        /// Drawing tool: lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
+        /// Drawing tool: auto chooses engraving where a single picture has depth and its surface bends, else pen, as in
+        /// photos, streets and sequences; lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
         /// uses dots; a folder holds pictures of horizontal strokes, one per tone.
-        style: Style = Style::Pen, flag: "--style", common: true, form: "pen|pencil|lines|engraving|stipple|DIR";
+        style: Style = Style::Auto, flag: "--style", common: true, form: "auto|pen|pencil|lines|engraving|stipple|DIR";
         /// Pixels of a PNG or TIFF: grey levels, or bilevel for black and white only, for print.
         ///
         /// Layers of an EXR always hold coverage.
@@ -317,7 +328,7 @@ impl Style {
                 wobble: 0.0,
                 pressure: 0.5,
             },
-            Self::Engraving => Stroke {
+            Self::Auto | Self::Engraving => Stroke {
                 width_px: 5.5,
                 length_px: 10_000.0,
                 spacing_px: 5.0,

@@ -20,6 +20,7 @@ fn along(directions: StrokeDirections) -> LineParams {
         ..LineParams::default()
     });
     // Levels every 15 degrees, ruled.
+    line.strokes.style = Style::Pen;
     line.strokes.levels = 12;
     line.strokes.wobble = Some(0.0);
     line

@@ -3,16 +3,23 @@
 use super::*;
 use glam::{DAffine3, DVec3};
 use relievo::frame::{Camera, Mask, Projection, Vector3Planes};
+use relievo::params::Background;
 use relievo::scenes::Surface;
 
 /// The tone that strokes are to have, with a halo of this factor; levels are given, so that nothing else differs.
-fn asked(frame: &Frame, halo: f32) -> Plane {
+pub(super) fn asked(frame: &Frame, halo: f32) -> Plane {
+    asked_before(frame, halo, Background::Plain)
+}
+
+/// The same, with the background drawn in this way.
+pub(super) fn asked_before(frame: &Frame, halo: f32, background: Background) -> Plane {
     let mut line = straight(LineParams {
         contours: None,
         interior: None,
         ..LineParams::default()
     });
     line.tone.halo = halo;
+    line.tone.background = background;
     let (shape, scaling) = (ShapeParams::default(), ScalingParams::default());
     let available = Available::in_frame(frame);
     let plan = Plan::new(
@@ -36,7 +43,7 @@ fn changed(frame: &Frame, halo: f32) -> (Vec<[usize; 2]>, Plane) {
 }
 
 /// Without the picture that would give a tone of its own.
-fn bare(frame: Frame) -> Frame {
+pub(super) fn bare(frame: Frame) -> Frame {
     Frame {
         color: None,
         albedo: None,

@@ -1,5 +1,6 @@
 //! Drawings: strokes in the directions and the tone requested, independent of the machine.
 
+mod background;
 mod drawings;
 mod halo;
 mod stiff;

@@ -400,7 +400,8 @@ mod tests {
         let shown = Look::commands().iter().map(|command| {
             let mut look = Look::default();
             look.set_command(command);
-            // The GPU has no kernels for shape-showing tones.
+            // The GPU has no kernels for engraved lines and for shape-showing tones.
+            look.set("style", Some("pen".into()));
             look.set("tone", Some("enhance".into()));
             session.make(&look, &reading, What::Picture, 1).unwrap();
             session.picture().unwrap()
