@@ -53,7 +53,9 @@ fn run() -> Result<(), Box<dyn Error>> {
             overlay(&mut sheet, &small, x.into(), y.into());
         }
     }
-    DynamicImage::from(sheet).to_luma8().save("fixtures/drawing.png")?;
+    DynamicImage::from(sheet)
+        .to_luma8()
+        .save("fixtures/drawing.png")?;
     Ok(())
 }
 

@@ -70,7 +70,8 @@ pub(super) fn begin(task: &Task) -> Result<()> {
 /// Refuses invalid arguments of a command.
 pub(super) fn validate(work: &dyn Work) -> Result<()> {
     work.args().flags.validate()?;
-    work.args().output.refuse_idle()?;
+    let args = work.args();
+    args.output.refuse_idle(&args.flags.params)?;
     work.check()
 }
 

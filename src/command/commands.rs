@@ -132,7 +132,7 @@ Examples:
   relievo hatch render.exr -o pencil.png --style pencil --directions both
   relievo hatch render.exr --light 135,30 --method warp -o raking.png
   relievo hatch photo.jpg --normal normals.png -o print.png --stroke-scale 0.3mm --dpi 600
-  relievo hatch render.exr -o plotter.svg --pressure 0    lines of one pen
+  relievo hatch render.exr -o plotter.svg --pens 1 --page A4    lines for one pen
   relievo hatch shot.####.exr --frames 1-240 -o drawn.####.png
   relievo hatch render.exr --specular-mask Mirror --surroundings around.exr -o mirror.png
   relievo hatch render.exr --specular-mask Lens --back back.exr --behind without.exr -o lens.png";

@@ -3,6 +3,7 @@
 use super::args::OutputArgs;
 use crate::error::{Result, bad};
 use crate::io::picture::{ArrayFormat, PictureFormat};
+use crate::params::Params;
 use crate::untrusted::shown;
 use std::path::{Path, PathBuf};
 
@@ -99,11 +100,17 @@ impl OutputArgs {
         named.or(self.output.as_deref())
     }
 
-    /// Refuses --quality for files that are not JPEG, and a choice of channels for pictures.
+    /// Whether it is an SVG.
+    pub(crate) fn is_svg(&self) -> bool {
+        let extension = self.output.as_deref().and_then(Path::extension);
+        extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    }
+
+    /// Refuses --quality for files that are not JPEG, a choice of channels for pictures, and a page for all but SVG.
     ///
     /// # Errors
     /// [`Error::BadParameter`] naming the output.
-    pub(crate) fn refuse_idle(&self) -> Result<()> {
+    pub(crate) fn refuse_idle(&self, params: &Params) -> Result<()> {
         let Some(path) = &self.output else {
             return Ok(());
         };
@@ -121,6 +128,9 @@ impl OutputArgs {
         }
         if !self.write.is_empty() && !holds_layers {
             return of("--write", "EXR, NPY and TIFF", ".exr");
+        }
+        if params.page.is_some() && !self.is_svg() {
+            return of("--page", "SVG", ".svg");
         }
         Ok(())
     }

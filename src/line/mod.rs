@@ -19,6 +19,7 @@ pub(crate) mod interior;
 mod levels;
 pub mod linear_camera;
 pub(crate) mod normal_rays;
+pub(crate) mod page;
 pub mod paper;
 pub(crate) mod patches;
 pub(crate) mod placed;

@@ -36,8 +36,8 @@ pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
 pub(crate) use line::MM_PER_INCH;
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
-    Levels, LineLevels, LineParams, ObjectAngle, ObjectLines, PaperSize, Plotter, Stroke,
-    StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
+    Landscape, Levels, LineLevels, LineParams, ObjectAngle, ObjectLines, PaperSize, Plotter,
+    Stroke, StrokeDirections, StrokeParams, StrokeScale, Style, ToneLevels, ToneParams, ToneSource,
 };
 pub(crate) use range::in_range;
 pub(crate) use relight::AUTO_SAMPLES;
@@ -120,6 +120,13 @@ params! {
         enlarge: Option<Enlargement> = None, flag: "--enlarge", common: true, form: "N|auto", valid: 1.0..=16.0, group: Group::Strokes;
         /// Paper to fit, as in 210x297mm, 21x29.7cm or 8.5x11in: the drawing is enlarged to that size at --dpi.
         size: Option<PaperSize> = None, flag: "--size", common: true, form: "WxHmm", group: Group::Strokes, rival: Some("enlarge");
+        /// Page of an SVG: A3, A4, or a size as in 210x297mm. The drawing is scaled to fit inside its margin, centred,
+        /// and cut at the picture's border.
+        page: Option<PaperSize> = None, flag: "--page", form: "A4|A3|WxHmm", group: Group::Strokes, rival: Some("size");
+        /// Margin of the page on all sides.
+        margin_mm: f32 = 12.0, flag: "--margin", form: "MM", unit: Unit::Millimetres, valid: 0.0..=1000.0, group: Group::Strokes;
+        /// Whether the page's long side lies across.
+        landscape: Landscape = Landscape::Auto, flag: "--landscape", form: "WHEN", group: Group::Strokes;
         /// Line art.
         line: LineParams;
         /// Width of an input pixel on the surface, as in 0.05mm, 12um, 0.4cm or 2m: pictures get the resolution of a

@@ -66,8 +66,9 @@ choices! {
 }
 
 impl Params {
-    /// A scale bar requires a pixel size.
+    /// A scale bar requires a pixel size; and the relations of a page.
     pub(super) fn relations(&self) -> Result<()> {
+        self.page_relations()?;
         match (self.scale_bar, self.pixel_size) {
             (ScaleBar::On | ScaleBar::Outside, None) => Err(Error::BadParameter {
                 name: "--scale-bar",

@@ -92,6 +92,8 @@ pub enum Unit {
     Degrees,
     /// Pixels per inch.
     PerInch,
+    /// Millimetres.
+    Millimetres,
 }
 
 impl Unit {
@@ -102,6 +104,7 @@ impl Unit {
             Self::Pixels => "px",
             Self::Degrees => "\u{b0}",
             Self::PerInch => "per inch",
+            Self::Millimetres => "mm",
         }
     }
 }

@@ -29,8 +29,10 @@ impl Value for f32 {
         word: None,
     };
 
-    fn parse(text: &str, _: &Param) -> Result<Self, String> {
-        text.parse().map_err(|_| no_number(text))
+    /// A number, with its unit or without.
+    fn parse(text: &str, row: &Param) -> Result<Self, String> {
+        let number = text.strip_suffix(row.unit.suffix()).unwrap_or(text);
+        number.parse().map_err(|_| no_number(text))
     }
 
     fn text(&self, _: &Param) -> Option<String> {

@@ -22,10 +22,10 @@ use crate::line::contours::Contour;
 use crate::line::fading::{faded, largest_around};
 use crate::line::paper::on_paper;
 use crate::line::stippling::cpu::most_dots_per_px;
-use crate::line::streamlines::{Streamline, Tool};
+use crate::line::streamlines::Tool;
 use crate::line::tonal_art_map::TonalArtMap;
 use crate::params::{
-    Enlargement, Ink, LineParams, ObjectLines, ShapeParams, SoftThreshold, StrokeParams,
+    Enlargement, Ink, LineParams, ObjectLines, Params, ShapeParams, SoftThreshold, StrokeParams,
     StrokeScale, Style, ToneSource,
 };
 use crate::plan::{Available, Goal, Plan, Tone};
@@ -152,10 +152,12 @@ impl Work for HatchArgs {
         let mut line = self.params();
         line.strokes.style = available.style(line.strokes.style);
         let line = self.checked(line)?;
+        let size = enlarged_size(seen.frame.display_window, 1.0);
         let line = LineParams {
             contours: line
                 .contours
                 .map(|contours| contours.enlarged(seen.times as f32)),
+            strokes: self.on_page(line.strokes, size, seen.frame.pixel_aspect),
             ..line
         };
         let mut plan = Plan::new(Goal::Hatch(tone, line), available, shape, params.scaling)?;
@@ -236,7 +238,7 @@ impl Work for HatchArgs {
 
     fn lines<'a>(&self, frame: &Frame, outcome: &'a Outcome) -> Option<svg::Drawing<'a>> {
         let drawing = outcome.drawing.as_ref().filter(|_| is_svg(self.args()))?;
-        Some(page(frame, drawing, &self.line().ok()?.strokes))
+        Some(page(frame, drawing, &self.args().flags.params))
     }
 }
 
@@ -263,6 +265,15 @@ impl HatchArgs {
                 "leave it out, or write a .png",
             )),
         }
+    }
+
+    /// Strokes in a picture of this size: those in millimetres have the resolution of its page.
+    fn on_page(&self, mut strokes: StrokeParams, size: [f64; 2], aspect: f32) -> StrokeParams {
+        let page = self.args().flags.params.page_for(size, aspect);
+        if let (StrokeScale::Millimetres(_), Some((_, dpi))) = (strokes.scale, page) {
+            strokes.dpi = Some(dpi);
+        }
+        strokes
     }
 
     fn times_of(&self, window: Window, pixel_aspect: f32) -> Result<f64> {
@@ -333,6 +344,7 @@ impl HatchArgs {
             in_lines(&mut strokes)?;
         }
         let [width, height] = enlarged_size(display_window, times);
+        strokes = self.on_page(strokes, [width, height], 1.0);
         let reference = work.flags.params.shape.reference_height;
         let reference = reference.map_or(display_window.height() as f64, f64::from);
         let factor = (height / reference) as f32;
@@ -414,11 +426,9 @@ fn stroke_bytes_per_px(strokes: &StrokeParams, factor: f32) -> f32 {
 }
 
 /// The lines of a drawing on a page.
-fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg::Drawing<'a> {
-    let is_plotted = strokes.plotter.is_on(strokes.style);
-    // Lines that cross others are a layer of their own for a plotter.
-    let laid = |wanted: &dyn Fn(&Streamline) -> bool| {
-        let lines = drawing.lines.iter().filter(|line| wanted(line));
+fn page<'a>(frame: &Frame, drawing: &'a Drawing, params: &Params) -> svg::Drawing<'a> {
+    let laid = |crosses: bool| {
+        let lines = drawing.lines.iter().filter(|line| line.crosses == crosses);
         lines
             .map(|line| (&line.points[..], &line.widths[..]))
             .collect::<Vec<svg::Line>>()
@@ -429,29 +439,27 @@ fn page<'a>(frame: &Frame, drawing: &'a Drawing, strokes: &StrokeParams) -> svg:
             .map(|line| (&line.points[..], &line.widths[..]))
             .collect()
     };
-    let mut layers = match is_plotted {
-        true => vec![
-            ("strokes", laid(&|line| !line.crosses)),
-            ("crossing", laid(&|line| line.crosses)),
-        ],
-        false => vec![("strokes", laid(&|_| true))],
-    };
-    layers.push(("contours", along(&drawing.contour_lines)));
-    if drawing.interior.is_some() {
-        layers.push(("interior", along(&drawing.interior_lines)));
-    }
+    let layers = vec![
+        ("strokes", laid(false)),
+        ("crossing", laid(true)),
+        ("contours", along(&drawing.contour_lines)),
+        ("interior", along(&drawing.interior_lines)),
+    ];
+    let (window, strokes) = (frame.display_window, &params.line.strokes);
+    let page = params.page_for(enlarged_size(window, 1.0), frame.pixel_aspect);
     svg::Drawing {
-        display_window: frame.display_window,
+        display_window: window,
         data_window: frame.data_window,
         pixel_aspect: frame.pixel_aspect,
-        dpi: strokes.print_dpi(),
+        dpi: page.map_or(strokes.print_dpi(), |(_, dpi)| dpi),
+        paper_mm: page.map(|(paper, _)| paper),
         dots: drawing
             .dots
             .iter()
             .map(|dot| (dot.at, dot.radius))
             .collect(),
         layers,
-        is_plotted,
+        pens: strokes.plotter_pens(),
     }
 }
 
@@ -508,8 +516,7 @@ fn own_map(path: &Path, strokes: &StrokeParams, most_bytes: u64) -> Result<Tonal
 
 /// Whether the drawing is written as SVG lines.
 pub(crate) fn is_svg(work: &WorkArgs) -> bool {
-    let extension = work.output.output.as_deref().and_then(Path::extension);
-    extension.is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    work.output.is_svg()
 }
 
 impl WorkArgs {

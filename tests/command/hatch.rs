@@ -5,6 +5,7 @@ use crate::common::program::{Ran, fixture, relievo, run};
 use glam::DVec3;
 use relievo::frame::{Plane, Vector3Planes};
 use relievo::io::photo::Photo;
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -58,31 +59,20 @@ fn an_svg_holds_lines_in_millimetres() {
     let page = written("--dpi 96");
     // 480 x 360 pixels at 96 to the inch are 5 x 3.75 inches.
     assert!(page.starts_with("<svg ") && page.ends_with("</svg>\n"));
-    assert!(page.contains("width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 480 360\""));
+    let size = "width=\"127.000mm\" height=\"95.250mm\" viewBox=\"0 0 4800 3600\"";
+    assert!(page.contains(size));
     assert!(!page.contains("NaN") && !page.contains("inf"));
-    // Every point is on the page, except on lines that run off it.
-    let numbers = page.split("<path d=\"").skip(1).flat_map(|path| {
-        let path = path.split('"').next().unwrap();
-        let points = path
-            .split(['M', 'L'])
-            .filter(|p| !p.is_empty() && *p != "h0");
-        points
-            .map(|p| p.split_once(' ').unwrap())
-            .collect::<Vec<_>>()
-    });
-    let mut count = 0;
-    for (x, y) in numbers {
-        let [x, y] = [x, y.trim_end_matches("h0")].map(|v| v.parse::<f32>().unwrap());
-        assert!(
-            (-6.0..486.0).contains(&x) && (-6.0..366.0).contains(&y),
-            "{x} {y}"
-        );
-        count += 1;
+    let points = points(&page);
+    assert!(points.len() > 3000, "{}", points.len());
+    let is_on = |&[x, y]: &[i32; 2]| (0..=4800).contains(&x) && (0..=3600).contains(&y);
+    assert!(points.iter().all(is_on));
+    // Without a plotter every line is an area.
+    assert!(!page.contains("stroke-width"));
+    assert_eq!(page.matches("<path").count(), page.matches("z\"/>").count());
+    for layer in ["strokes", "crossing", "contours", "interior"] {
+        let label = format!("inkscape:groupmode=\"layer\" inkscape:label=\"{layer}\"");
+        assert!(page.contains(&label), "{layer}");
     }
-    assert!(count > 3000, "{count}");
-    // One pen for all strokes without pressure.
-    let page = written("--pressure 0 --contours off --interior off");
-    assert_eq!(page.matches("<g stroke-width").count(), 1);
     let texture = "--style is a texture, and an SVG holds lines";
     for (flags, found) in [
         ("--style pencil", texture),
@@ -92,6 +82,121 @@ fn an_svg_holds_lines_in_millimetres() {
         let ran = hatch(desk.path(), "bust.exr", &format!("{flags} -o other.svg"));
         assert!(ran.error(2).contains(found), "{flags}");
         assert!(!desk.path().join("other.svg").exists());
+    }
+}
+
+/// All points of all paths.
+fn points(page: &str) -> Vec<[i32; 2]> {
+    let mut all = Vec::new();
+    for path in page.split("<path d=\"M").skip(1) {
+        let path = path.split('"').next().unwrap();
+        let numbers = path.trim_end_matches("h0").trim_end_matches('z');
+        let numbers: Vec<i32> = numbers
+            .split(['l', ' '])
+            .map(|number| number.parse().unwrap())
+            .collect();
+        let [mut x, mut y] = [0; 2];
+        for step in numbers.chunks(2) {
+            (x, y) = (x + step[0], y + step[1]);
+            all.push([x, y]);
+        }
+    }
+    all
+}
+
+/// A plotter draws each line once, whole, with one of so many pens, and only there a pen is counted.
+#[test]
+fn a_plotter_draws_with_few_pens() {
+    let desk = tempfile::tempdir().unwrap();
+    let written = |flags: &str| {
+        let words = format!("--style engraving {flags} -o bust.svg");
+        hatch(desk.path(), "bust.exr", &words).done();
+        std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
+    };
+    let count = written("").matches("<path").count();
+    for (flags, most) in [
+        ("--plotter on", 1),
+        ("--pens 1", 1),
+        ("--pens 3 --plotter on", 3),
+    ] {
+        let page = written(flags);
+        let widths = page.split("stroke-width=\"").skip(1);
+        let widths: BTreeSet<_> = widths.map(|text| text.split('"').next().unwrap()).collect();
+        assert_eq!(widths.len(), most, "{flags}");
+        assert_eq!(page.matches("<path").count(), count, "{flags}");
+        assert!(
+            page.contains("<desc>way of the pen in the air: "),
+            "{flags}"
+        );
+    }
+    let ran = hatch(
+        desk.path(),
+        "bust.exr",
+        "--pens 2 --plotter off -o other.svg",
+    );
+    assert!(ran.error(2).contains("--pens counts the pens of a plotter"));
+}
+
+#[test]
+fn a_drawing_is_put_on_its_page() {
+    let desk = tempfile::tempdir().unwrap();
+    let written = |flags: &str| {
+        hatch(desk.path(), "bust.exr", &format!("{flags} -o bust.svg")).done();
+        let page = std::fs::read_to_string(desk.path().join("bust.svg")).unwrap();
+        let number = |name: &str| {
+            let text = page.split(&format!(" {name}=\"")).nth(1).unwrap();
+            text.split('"').next().unwrap().to_string()
+        };
+        let size = [number("width"), number("height")].join(" by ");
+        let size_px: Vec<f32> = number("viewBox")
+            .split(' ')
+            .skip(2)
+            .map(|side| side.parse::<f32>().unwrap() / 10.0)
+            .collect();
+        (size, size_px, points(&page))
+    };
+    // 480 x 360 pixels. On A4, 12 mm around: 273 mm across, 186 down: 360 pixels in 186 mm, so 297 mm are 574.8 pixels
+    // and the drawing begins (574.8 - 480) / 2 = 47.4 from the left, 12 mm or 23.2 pixels from above.
+    let (size, size_px, points) = written("--page A4");
+    assert_eq!(size, "297.000mm by 210.000mm");
+    assert!(
+        (size_px[0] - 574.8).abs() < 0.2 && (size_px[1] - 406.5).abs() < 0.2,
+        "{size_px:?}"
+    );
+    for &[x, y] in &points {
+        assert!(
+            (474..=5275).contains(&x) && (232..=3833).contains(&y),
+            "{x} {y}"
+        );
+    }
+    // 480 pixels in 297 - 40 mm.
+    let (size, size_px, _) = written("--page A3 --margin 20mm --landscape off --pens 1");
+    assert_eq!(size, "297.000mm by 420.000mm");
+    assert!(
+        (size_px[0] - 480.0 * 297.0 / 257.0).abs() < 0.2,
+        "{size_px:?}"
+    );
+    let (size, ..) = written("--page 100x80mm --margin 0 --landscape on");
+    assert_eq!(size, "100.000mm by 80.000mm");
+    // Dots of a millimetre: 480 pixels in 100 mm, a radius of 2.4.
+    let dots = "--style stipple --stroke-scale 1mm --page 100x80mm --margin 0 -o dots.svg";
+    hatch(desk.path(), "bust.exr", dots).done();
+    let page = std::fs::read_to_string(desk.path().join("dots.svg")).unwrap();
+    let radii = page.split(" r=\"").skip(1);
+    let radii: Vec<f32> = radii
+        .map(|text| text.split('"').next().unwrap().parse().unwrap())
+        .collect();
+    let mean = radii.iter().sum::<f32>() / radii.len() as f32;
+    assert!((mean - 24.0).abs() < 2.4, "{mean}");
+    for (flags, said) in [
+        ("--page A4 -o a.png", "write a .svg or leave it out"),
+        ("--page A4 --size 65x90mm -o a.svg", "cannot be used with"),
+        ("--page A4 --dpi 300 -o a.svg", "leave one out"),
+        ("--page A4 --margin 105mm -o a.svg", "--margin is 105 mm"),
+        ("--page letter -o a.svg", "expected A3, A4"),
+    ] {
+        let ran = hatch(desk.path(), "bust.exr", flags);
+        assert!(ran.error(2).contains(said), "{flags}");
     }
 }
 
@@ -274,7 +379,7 @@ fn drawings_of_tiles_have_the_size_of_their_frame() {
         }
         relievo(here, &format!("{words} -o out.svg")).done();
         let page = std::fs::read_to_string(here.join("out.svg")).unwrap();
-        assert!(page.contains(&format!("viewBox=\"0 0 {} {}\"", 40 * times, 32 * times)));
+        assert!(page.contains(&format!("viewBox=\"0 0 {}0 {}0\"", 40 * times, 32 * times)));
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod colorspace;
 pub(super) mod exif;
 pub mod exr;
+pub(super) mod outline;
 pub(super) mod pen_way;
 pub mod photo;
 pub mod picture;

@@ -3,7 +3,7 @@
 use crate::frame::{Mask, Plane};
 use crate::kernel::memory::Memory;
 use crate::line::contours::Contour;
-use crate::line::contours::polyline::thinned;
+use crate::line::contours::polyline::{thinned, with_radii};
 use crate::line::contours::round_stroke::RoundStroke;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -119,7 +119,8 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
 /// only with the covered pixels.
 fn strokes(&(points, widths): &DrawnLine) -> Vec<RoundStroke> {
     let widest = widths.iter().fold(0.0_f32, |a, &b| a.max(b));
-    let kept = thinned(points, BEND_PX.max(0.01 * widest), 8 + widest as usize);
+    let line = with_radii(points, &vec![0.0; points.len()]);
+    let kept = thinned(&line, BEND_PX.max(0.01 * widest), 8 + widest as usize);
     let piece = |from: usize, to: usize| {
         let radius = |i: usize| 0.5 * widths[i];
         RoundStroke::new([points[from], points[to]], [radius(from), radius(to)])

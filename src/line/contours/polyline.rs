@@ -1,7 +1,7 @@
 //! Polylines through places known to within a pixel: their smooth course, length and direction.
 
 use crate::params::ContourParams;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::ops::Range;
 
 /// Parameters of smoothing a polyline.
@@ -248,9 +248,15 @@ pub(crate) fn length(points: &[Vec2], closed: bool) -> f32 {
     }
 }
 
+/// The points of a line with half its width at each as the third coordinate: thinned, it keeps its swelling.
+pub(crate) fn with_radii(points: &[Vec2], widths: &[f32]) -> Vec<Vec3> {
+    let swelling = points.iter().zip(widths);
+    swelling.map(|(at, width)| at.extend(0.5 * width)).collect()
+}
+
 /// Indices of the points needed for a line to pass within `tolerance_px` of all of them, omitting at most `most` in a
 /// row.
-pub(crate) fn thinned(points: &[Vec2], tolerance_px: f32, most: usize) -> Vec<usize> {
+pub(crate) fn thinned(points: &[Vec3], tolerance_px: f32, most: usize) -> Vec<usize> {
     let mut kept = vec![0];
     let mut from = 0;
     while from + 1 < points.len() {
@@ -382,6 +388,7 @@ mod tests {
         let arc: Vec<Vec2> = (0..100)
             .map(|i| 30.0 * Vec2::from_angle(i as f32 / 30.0))
             .collect();
+        let arc = with_radii(&arc, &[1.0; 100]);
         let kept = thinned(&arc, 0.05, 64);
         assert!(
             kept.len() < 40 && kept[0] == 0 && kept.last() == Some(&99),
@@ -390,6 +397,10 @@ mod tests {
         // The sagitta of an arc over s pixels is s^2/(8 R) = 0.05 for s = 3.5.
         assert!(kept.windows(2).all(|pair| pair[1] - pair[0] <= 4));
         assert_eq!(thinned(&arc[..1], 0.05, 64), [0]);
+        // Straight, with half widths of 0, 1, 2, 1, 0: the middle stays.
+        let points: Vec<Vec2> = (0..5).map(|i| Vec2::new(i as f32, 0.0)).collect();
+        let swelling = with_radii(&points, &[0.0, 2.0, 4.0, 2.0, 0.0]);
+        assert_eq!(thinned(&swelling, 0.05, 64), [0, 2, 4]);
     }
 
     #[test]

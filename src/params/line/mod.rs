@@ -18,7 +18,7 @@ pub use field::{Fallback, FieldParams, StrokeDirections};
 pub use interior::InteriorParams;
 pub use levels::{Levels, LineLevels, ToneLevels};
 pub use object_angle::ObjectAngle;
-pub use print::PaperSize;
+pub use print::{Landscape, PaperSize};
 pub(crate) use strokes::MM_PER_INCH;
 pub use strokes::{AtEdges, Enlargement, Ink, Plotter, Stroke, StrokeParams, StrokeScale, Style};
 pub use tone::{Background, ToneParams, ToneSource};

@@ -1,10 +1,10 @@
 //! Paper sizes for print.
 
 use super::strokes::{MAX_TIMES, MM_PER_INCH};
-use crate::error::{Error, Result};
-use crate::params::Param;
+use crate::error::{Error, Result, bad};
 use crate::params::table::Kind;
 use crate::params::value::{Value, finite};
+use crate::params::{Param, Params};
 use serde::Serialize;
 
 /// The paper that a drawing is fitted to.
@@ -27,6 +27,11 @@ impl Value for PaperSize {
 
     fn parse(text: &str, _: &Param) -> std::result::Result<Self, String> {
         let [least, most] = SIDES_MM;
+        let text = match text {
+            "A3" => "297x420mm",
+            "A4" => "210x297mm",
+            _ => text,
+        };
         let in_unit = |&(unit, mm): &(&str, f32)| {
             let (width, height) = text.strip_suffix(unit)?.split_once('x')?;
             let [width_mm, height_mm] = [finite(width)? * mm, finite(height)? * mm];
@@ -37,7 +42,7 @@ impl Value for PaperSize {
             })
         };
         let expected = format!(
-            "expected width and height as in 210x297mm, 21x29.7cm or 8.5x11in, {least} to {most} mm each"
+            "expected A3, A4, or width and height as in 210x297mm, 21x29.7cm or 8.5x11in, {least} to {most} mm each"
         );
         UNITS.iter().find_map(in_unit).ok_or(expected)
     }
@@ -82,6 +87,57 @@ impl PaperSize {
             return Err(refused(&what, &format!("--dpi {fits} or less")));
         }
         Ok(factor)
+    }
+}
+
+choices! {
+    /// When the long side of a page lies across.
+    pub enum Landscape {
+        /// For pictures that are wider than high.
+        Auto = "auto",
+        /// Always.
+        On = "on",
+        /// Never.
+        Off = "off",
+    }
+}
+
+impl Params {
+    /// The page of an SVG of a picture of this size, as in [`PaperSize::factor`]: its width and height in millimetres,
+    /// and the resolution that makes the drawing fit.
+    pub fn page_for(&self, size_px: [f64; 2], pixel_aspect: f32) -> Option<([f32; 2], f32)> {
+        let paper = self.page?;
+        let [width_px, height_px] = size_px.map(|side| side as f32);
+        let width_px = width_px * pixel_aspect;
+        let is_across = match self.landscape {
+            Landscape::Auto => width_px > height_px,
+            Landscape::On => true,
+            Landscape::Off => false,
+        };
+        let mut sides = [paper.width_mm, paper.height_mm];
+        sides.sort_by(f32::total_cmp);
+        if is_across {
+            sides.reverse();
+        }
+        let [across, down] = sides.map(|side| side - 2.0 * self.margin_mm);
+        let per_mm = (width_px / across).max(height_px / down);
+        Some((sides, per_mm * MM_PER_INCH))
+    }
+
+    /// A page has room for a drawing, and a resolution of its own.
+    pub(crate) fn page_relations(&self) -> Result<()> {
+        let Some(page) = self.page else {
+            return Ok(());
+        };
+        if self.line.strokes.dpi.is_some() {
+            let found = "sets the pixels per inch, and --dpi gives others";
+            return Err(bad("--page", found, "leave one out"));
+        }
+        if 2.0 * self.margin_mm >= page.width_mm.min(page.height_mm) {
+            let found = format!("is {} mm, and leaves nothing of the page", self.margin_mm);
+            return Err(bad("--margin", found, "give less"));
+        }
+        Ok(())
     }
 }
 

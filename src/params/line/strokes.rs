@@ -1,6 +1,6 @@
 //! Strokes: style, size, and quantisation of directions.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, bad};
 use crate::params::range::in_range;
 use crate::params::table::{Choice, Kind, Unit, even};
 use crate::params::value::{Value, finite};
@@ -102,25 +102,14 @@ impl Value for Style {
 }
 
 choices! {
-    /// When an SVG is optimised for a pen plotter.
+    /// When an SVG holds lines for a pen plotter.
     pub enum Plotter {
-        /// For engraving and stipple.
+        /// For stipple, and where pens are counted.
         Auto = "auto",
         /// Always.
         On = "on",
-        /// Never: lines stay in the order they were placed.
+        /// Never: every line is a filled outline.
         Off = "off",
-    }
-}
-
-impl Plotter {
-    /// Whether an SVG of this style is optimised for a plotter.
-    pub fn is_on(self, style: Style) -> bool {
-        match self {
-            Self::Auto => matches!(style, Style::Engraving | Style::Stipple),
-            Self::On => true,
-            Self::Off => false,
-        }
     }
 }
 
@@ -271,10 +260,13 @@ params! {
         at_edges: AtEdges = AtEdges::Meet, flag: "--at-edges", form: "HOW";
         /// Random seed: each gives another drawing.
         seed: u64 = 1, flag: "--seed", form: "N";
-        /// When to optimise an SVG for a pen plotter: each line is followed by the nearest one, from its nearer end,
-        /// bends under a tenth of a pixel are left out, and each width of each kind of line gets a layer; the SVG
-        /// states the distance travelled with the pen up.
+        /// When an SVG is for a pen plotter: each line is one path along its middle, followed by the nearest one, from
+        /// its nearer end, and the SVG states the distance travelled with the pen up. Otherwise each line is the
+        /// outline of its ink.
         plotter: Plotter = Plotter::Auto, flag: "--plotter", form: "WHEN";
+        /// Most widths of a plotter's lines, 1 by default: each line has one width, and each width of each kind of line
+        /// is a layer.
+        pens: Option<u32> = None, flag: "--pens", form: "N", valid: 1.0..=16.0;
         /// Quantisation levels of stroke directions: more levels follow the form better, with shorter strokes.
         ///
         /// They divide half a turn; [LA] uses 12 to 24. Few levels give long strokes that turn in jumps.
@@ -371,6 +363,16 @@ impl StrokeParams {
         size_px / SIZE_OF_LINES_PX
     }
 
+    /// The number of pens that an SVG is for, if it is for a plotter.
+    pub fn plotter_pens(&self) -> Option<u32> {
+        let is_plotted = match self.plotter {
+            Plotter::Auto => self.style == Style::Stipple || self.pens.is_some(),
+            Plotter::On => true,
+            Plotter::Off => false,
+        };
+        is_plotted.then(|| self.pens.unwrap_or(1))
+    }
+
     /// Resolution of the drawing on paper, in pixels per inch.
     pub fn print_dpi(&self) -> f32 {
         self.dpi.unwrap_or(DPI)
@@ -407,6 +409,13 @@ impl StrokeParams {
                 found: "is bilevel, and the style is grey".into(),
                 remedy: "give --style pen or lines, or --ink antialiased".into(),
             });
+        }
+        if self.plotter == Plotter::Off && self.pens.is_some() {
+            return Err(bad(
+                "--pens",
+                "counts the pens of a plotter, and --plotter is off",
+                "leave one out",
+            ));
         }
         match self.scale {
             StrokeScale::Auto | StrokeScale::Factor(_) => Ok(()),
