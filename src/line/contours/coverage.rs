@@ -119,7 +119,7 @@ fn add(rows: &mut [f32], own: &mut [f32], width: usize, line: &[Piece]) {
 /// only with the covered pixels.
 fn strokes(&(points, widths): &DrawnLine) -> Vec<RoundStroke> {
     let widest = widths.iter().fold(0.0_f32, |a, &b| a.max(b));
-    let line = with_radii(points, &vec![0.0; points.len()]);
+    let line = with_radii(points, widths);
     let kept = thinned(&line, BEND_PX.max(0.01 * widest), 8 + widest as usize);
     let piece = |from: usize, to: usize| {
         let radius = |i: usize| 0.5 * widths[i];
