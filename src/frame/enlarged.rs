@@ -422,7 +422,7 @@ mod tests {
     #[test]
     fn a_factor_need_not_be_whole() {
         let mut ramp = Frame {
-            depth: Some(Plane::from_fn(6, 4, |x, _| 100.0 + x as f32)),
+            depth: Some(Plane::from_fn(6, 4, |x, _| 1e4 / (100.0 + x as f32))),
             ..Frame::of_normals(
                 Vector3Planes::from_fn(6, 4, |_, _| DVec3::Z),
                 Mask::full(6, 4),
@@ -438,7 +438,7 @@ mod tests {
         let depth = large.depth.unwrap();
         for x in 2..13 {
             // Pixel x starts at 2 + x of the whole, half a pixel before its position from 2.5.
-            let expected = 100.0 + x as f32 / 2.5 - 0.5;
+            let expected = 1e4 / (100.0 + x as f32 / 2.5 - 0.5);
             assert!((depth.at(x, 3) - expected).abs() < 1e-4, "{x}");
         }
     }

@@ -53,7 +53,12 @@ fn renders_and_photos_are_drawn_with_every_tool() {
 fn an_svg_holds_lines_in_millimetres() {
     let desk = tempfile::tempdir().unwrap();
     let written = |flags: &str| {
-        hatch(desk.path(), "bust.exr", &format!("{flags} -o bust.svg")).done();
+        hatch(
+            desk.path(),
+            "bust.exr",
+            &format!("{flags} --enlarge 1 -o bust.svg"),
+        )
+        .done();
         std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
     };
     let page = written("--dpi 96");
@@ -141,7 +146,12 @@ fn a_plotter_draws_with_few_pens() {
 fn a_drawing_is_put_on_its_page() {
     let desk = tempfile::tempdir().unwrap();
     let written = |flags: &str| {
-        hatch(desk.path(), "bust.exr", &format!("{flags} -o bust.svg")).done();
+        hatch(
+            desk.path(),
+            "bust.exr",
+            &format!("{flags} --enlarge 1 -o bust.svg"),
+        )
+        .done();
         let page = std::fs::read_to_string(desk.path().join("bust.svg")).unwrap();
         let number = |name: &str| {
             let text = page.split(&format!(" {name}=\"")).nth(1).unwrap();

@@ -153,7 +153,7 @@ fn strokes_have_an_angle_by_object() {
     let desk = tempfile::tempdir().unwrap();
     let haze = fixture("haze.exr").display().to_string();
     let drawn = |flags: &str, name: &str| {
-        let flags = format!("--directions max --interior off --contours off {flags}");
+        let flags = format!("--style pen --directions max --interior off --contours off {flags}");
         let words = format!("hatch {haze} {flags} --layers results -q -o {name}.exr");
         relievo(desk.path(), &words).done();
         channel(&desk.path().join(format!("{name}.exr")), "strokes.hatching")
