@@ -285,9 +285,7 @@ impl HatchArgs {
                 self.params().strokes.print_dpi(),
             ),
             None => {
-                let times = params
-                    .enlarge
-                    .map_or(1, |enlarge| enlarge.times(size_px(window)));
+                let times = params.enlarge.times(size_px(window));
                 Ok(times as f64)
             }
         }
@@ -297,7 +295,7 @@ impl HatchArgs {
     /// of any size.
     fn enlarges_by_itself(&self, frame: &Frame) -> bool {
         let params = &self.relight.work.flags.params;
-        let is_asked = params.enlarge.is_some() || params.size.is_some();
+        let is_asked = params.enlarge != Enlargement::Times(1) || params.size.is_some();
         let output = &self.relight.work.output;
         let has_size = match output.output {
             Some(_) => {

@@ -1,11 +1,11 @@
 //! Lines along edges that the device found.
 
-use super::drawing::assert_drawn;
+use super::drawing::{assert_drawn, pen};
 use super::{on_gpu, with_color};
 use crate::common::poisoned;
 use glam::{DVec2, DVec3};
 use relievo::frame::{Frame, Mask, Plane, Vector3Planes};
-use relievo::params::{LineParams, StrokeScale};
+use relievo::params::StrokeScale;
 use relievo::plan::Tone;
 use relievo::scenes::{ExactScene, Surface, surfaces::DISTANCE};
 
@@ -89,7 +89,7 @@ fn edged() -> Vec<(&'static str, Frame)> {
 fn lines_along_edges_of_the_device() {
     on_gpu(|runner| {
         for (name, frame) in edged() {
-            let mut line = LineParams::default();
+            let mut line = pen();
             line.strokes.scale = StrokeScale::Factor(1.0);
             let [_, contours] = assert_drawn(name, runner, &frame, line, Tone::Picture);
             assert!(contours > 100.0, "{name}: {contours}");

@@ -18,6 +18,13 @@ use relievo::plan::{Available, Goal, Plan, Tone};
 use relievo::product::Product;
 use relievo::scenes::{ExactScene, Surface};
 
+/// Strokes that the device has kernels for.
+pub(super) fn pen() -> LineParams {
+    let mut line = LineParams::default();
+    line.strokes.style = Style::Pen;
+    line
+}
+
 /// Asserts that both backends draw the same, and returns the total ink of the CPU's strokes and contours.
 #[track_caller]
 pub(super) fn assert_drawn(
@@ -114,12 +121,12 @@ fn torus() -> Frame {
 
 fn settings() -> Vec<(&'static str, LineParams)> {
     let with = |change: fn(&mut LineParams)| {
-        let mut params = LineParams::default();
+        let mut params = pen();
         change(&mut params);
         params
     };
     vec![
-        ("usual", LineParams::default()),
+        ("usual", pen()),
         ("pencil", with(|line| line.strokes.style = Style::Pencil)),
         (
             "pencil both ways, another seed",
@@ -203,7 +210,7 @@ fn sizes_and_masks() {
     on_gpu(|runner| {
         let line = LineParams {
             directions: StrokeDirections::Both,
-            ..LineParams::default()
+            ..pen()
         };
         let mut frames: Vec<(String, Frame)> = Vec::new();
         for (width, height) in [(1, 1), (1, 7), (65, 1), (33, 2), (129, 5), (16, 48)] {
@@ -255,7 +262,7 @@ fn colors_that_are_no_numbers_are_black_or_white() {
             _ => 1.0,
         }));
         for (tone_name, tone) in tones() {
-            let line = LineParams::default();
+            let line = pen();
             assert_drawn(tone_name, runner, &frame, line, tone);
         }
     });
@@ -303,18 +310,18 @@ fn strokes_move_with_the_surface() {
             depth: None,
             ..whole.clone()
         };
-        let pen = LineParams {
+        let crossed = LineParams {
             directions: StrokeDirections::Both,
-            ..LineParams::default()
+            ..pen()
         };
-        let mut of_pictures = LineParams::default();
+        let mut of_pictures = pen();
         of_pictures.strokes.style = Style::Pictures;
         let map = pictures();
         for (name, frame, motion, line) in [
-            ("with depth", &whole, &motion, pen),
-            ("with steps of depth", &stepped, &motion, pen),
-            ("without depth", &flat, &motion, pen),
-            ("motion that is no number", &flat, &holed, pen),
+            ("with depth", &whole, &motion, crossed),
+            ("with steps of depth", &stepped, &motion, crossed),
+            ("without depth", &flat, &motion, crossed),
+            ("motion that is no number", &flat, &holed, crossed),
             ("pictures", &whole, &motion, of_pictures),
         ] {
             let plan = moving_plan(frame, line);
@@ -367,7 +374,7 @@ fn what_has_no_kernels_is_named() {
         ..Available::in_frame(&frame)
     };
     let drawn = |available| {
-        let line = LineParams::default();
+        let line = pen();
         Plan::new(Goal::Hatch(Tone::Picture, line), available, shape, scaling).unwrap()
     };
     let lit = |material, available| {

@@ -56,7 +56,7 @@ fn an_svg_holds_lines_in_millimetres() {
         hatch(
             desk.path(),
             "bust.exr",
-            &format!("{flags} --enlarge 1 -o bust.svg"),
+            &format!("--style engraving {flags} -o bust.svg"),
         )
         .done();
         std::fs::read_to_string(desk.path().join("bust.svg")).unwrap()
@@ -149,7 +149,7 @@ fn a_drawing_is_put_on_its_page() {
         hatch(
             desk.path(),
             "bust.exr",
-            &format!("{flags} --enlarge 1 -o bust.svg"),
+            &format!("--style engraving {flags} -o bust.svg"),
         )
         .done();
         let page = std::fs::read_to_string(desk.path().join("bust.svg")).unwrap();

@@ -16,7 +16,7 @@ fn a_style_is_picked_from_what_the_frame_looks_like_in_it() {
     // Clicked again, it is taken back; and so the default is no setting.
     window.click("style pencil");
     assert_eq!(window.value("style"), None);
-    window.click("style pen");
+    window.click("style auto");
     assert_eq!(window.value("style"), None);
     assert_eq!(window.pixels(), before);
 }
@@ -63,6 +63,9 @@ fn a_preset_of_the_gallery_is_that_of_the_command_line() {
         &*input,
         "-o".as_ref(),
         &*output,
+        // As large as it is shown.
+        "--style".as_ref(),
+        "engraving".as_ref(),
     ];
     run(place.path(), arguments).done();
     let expected = image::open(&output).unwrap().into_rgba8();

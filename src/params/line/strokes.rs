@@ -218,8 +218,8 @@ choices! {
 params! {
     /// The strokes of a hatching.
     pub struct StrokeParams in Strokes {
-        /// Drawing tool: auto chooses engraving where a single picture has depth and its surface bends, else pen, as in
-        /// photos, streets and sequences; lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
+        /// Drawing tool: auto chooses engraving, enlarged, where a single picture has depth and its surface bends, else
+        /// pen, as in photos, streets and sequences; lines draws long separate strokes, as in an SVG; engraving makes them swell with tone; stipple
         /// uses dots; a folder holds pictures of horizontal strokes, one per tone.
         style: Style = Style::Auto, flag: "--style", common: true, form: "auto|pen|pencil|lines|engraving|stipple|DIR";
         /// Pixels of a PNG or TIFF: grey levels, or bilevel for black and white only, for print.
