@@ -234,6 +234,13 @@ impl Frame {
         let Some(depth) = &self.depth else {
             return;
         };
+        let depths = samples.map(|([x, y], _)| depth.at(x, y));
+        let [nearest, farthest] =
+            [f32::min, f32::max].map(|of| depths.into_iter().fold(depths[0], of));
+        // Nearly everywhere.
+        if nearest >= SAME * farthest && depths.iter().all(|depth| depth.is_finite()) {
+            return;
+        }
         let weights = samples.map(|(of, _)| -> f32 {
             let same = samples
                 .iter()

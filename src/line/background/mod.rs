@@ -54,8 +54,9 @@ const FACING: f32 = 0.02;
 /// From which to which distance things fade, in doublings of that of the subject.
 const FADES: [f32; 2] = [0.15, 1.45];
 
-/// How far from the subject distances are counted, as a share of the picture's size.
-const FARTHEST: f32 = 1.0 / 3.0;
+/// How far from the subject, and from where it stands, distances are counted, as shares of the picture's size: beyond them
+/// its shadow and the dark line there have faded.
+const FARTHEST: [f32; 2] = [1.0 / 4.0, 1.0 / 11.0];
 
 /// Planes behind a subject, in cells of the picture.
 #[derive(Debug, Clone)]
@@ -160,13 +161,13 @@ impl Background {
                 }
             }
         }
-        let far = FARTHEST * size;
+        let [far_from_subject, far_from_contact] = FARTHEST.map(|share| share * size);
         Some(Self {
             cell_px: step as f32,
             size,
             level: fits.iter().map(|(fit, _)| fit.level(size)).collect(),
-            to_subject: distances(&subject, far),
-            to_contact: distances(&stands, far),
+            to_subject: distances(&subject, far_from_subject),
+            to_contact: distances(&stands, far_from_contact),
             remote: remote(&cells.depth, &subject, model),
             planes,
         })
