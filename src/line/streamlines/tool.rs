@@ -45,7 +45,7 @@ const CLOSEST: f32 = 1.0;
 
 /// Shortest line of a pen, in widths, and of a burin, in distances.
 const SHORTEST: f32 = 4.0;
-const SHORTEST_ENGRAVED: f32 = 1.0;
+const SHORTEST_ENGRAVED: f32 = 2.0;
 
 /// Distance between lines in the lightest tone that is drawn over that in a light tone.
 const WIDEST: f32 = 4.0;
