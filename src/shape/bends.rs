@@ -76,7 +76,11 @@ mod tests {
         // Faces of 20 pixels, turned by 30 degrees in turn, the sine of which is .5.
         let folds = |x: f64, _: f64| {
             DVec3::new(
-                if x as usize / 20 % 2 == 0 { 0.5 } else { -0.5 },
+                if (x as usize / 20).is_multiple_of(2) {
+                    0.5
+                } else {
+                    -0.5
+                },
                 0.0,
                 0.75_f64.sqrt(),
             )

@@ -218,8 +218,11 @@ impl Background {
     }
 }
 
+/// A plane, and the cells in it.
+type Fitted = (Fit, Plane<bool>);
+
 /// The planes that a frame's camera allows, with the cells in each; without a camera those that cover more.
-fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<(Fit, Plane<bool>)>)> {
+fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<Fitted>)> {
     let covered = cells.mask.count() as f32;
     let around = 2.0 * (cells.mask.width() + cells.mask.height()) as f32;
     let found = |model: Model| {
@@ -231,7 +234,7 @@ fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<(Fit, P
         });
         (model, large.collect::<Vec<_>>())
     };
-    let area = |(_, planes): &(Model, Vec<(Fit, Plane<bool>)>)| {
+    let area = |(_, planes): &(Model, Vec<Fitted>)| {
         let cells = planes.iter().flat_map(|(_, within)| within.samples());
         cells.filter(|&&within| within).count() as f32
     };
