@@ -45,6 +45,11 @@ impl Window {
         (i64::from(self.y1) - i64::from(self.y0)).max(0) as usize
     }
 
+    /// The size of a picture of this window in pixels: the root of its area.
+    pub(crate) fn size_px(&self) -> f32 {
+        ((self.width() * self.height()) as f32).sqrt()
+    }
+
     /// The picture position of the centre of the pixel in column `x` and row `y` of the window.
     #[inline]
     pub fn middle(&self, x: usize, y: usize) -> DVec2 {

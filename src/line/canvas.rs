@@ -1,7 +1,7 @@
 //! The canvas: results that the stages of a drawing pass on.
 
 use crate::frame::{Plane, Vector2Planes};
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::contours::Contour;
 use crate::line::specular::SeenThrough;
 use crate::line::texture_coordinates::cpu::TextureCoordinates;
@@ -15,7 +15,7 @@ pub(crate) struct Canvas {
     /// The surface seen in mirrors and lenses, with its edges, which stop lines like any others.
     pub(crate) seen: Option<(SeenThrough, Weights)>,
     /// The planes behind the subject, if it has some.
-    pub(crate) background: Option<Background>,
+    pub(crate) background: Option<Backdrop>,
     /// The optical densities to draw, if they do not follow from luminance alone.
     pub(crate) density: Option<Plane>,
     /// Lines along edges, and their coverage.

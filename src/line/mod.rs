@@ -28,6 +28,7 @@ mod random;
 mod response;
 pub(crate) mod shape_tone;
 pub(crate) mod slice_texture;
+mod smooth_step;
 pub(crate) mod specular;
 pub mod stippling;
 pub mod streamlines;

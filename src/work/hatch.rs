@@ -134,7 +134,7 @@ impl Work for HatchArgs {
         if !is_alone || !self.enlarges_by_itself(frame) {
             return Ok(times);
         }
-        let times = Enlargement::Auto.times(size_px(frame.display_window)) as f64;
+        let times = Enlargement::Auto.times(frame.display_window.size_px()) as f64;
         let fits = self.refuse_enlarged(frame, times, is_specular).is_ok();
         Ok(if fits { times } else { 1.0 })
     }
@@ -285,7 +285,7 @@ impl HatchArgs {
                 self.params().strokes.print_dpi(),
             ),
             None => {
-                let times = params.enlarge.times(size_px(window));
+                let times = params.enlarge.times(window.size_px());
                 Ok(times as f64)
             }
         }
@@ -399,11 +399,6 @@ fn enlarged(shape: ShapeParams, times: f64, frame: &Frame) -> ShapeParams {
         },
         ..shape
     }
-}
-
-/// The size of a picture, the root of its area.
-fn size_px(window: Window) -> f32 {
-    ((window.width() * window.height()) as f32).sqrt()
 }
 
 /// Columns and rows of a window that is enlarged.

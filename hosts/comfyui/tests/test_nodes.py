@@ -60,7 +60,7 @@ def test_inputs_are_those_of_the_table(server, name):
 def test_words_and_numbers_have_their_widgets(server):
     hatch = server.inputs("RelievoHatch")
     kinds = {name: hatch[name][0] for name in ("style", "seed", "key_share", "lines_only", "white_point", "levels")}
-    assert kinds.pop("style") == ["pen", "pencil", "lines", "engraving", "stipple"]
+    assert kinds.pop("style") == ["auto", "pen", "pencil", "lines", "engraving", "stipple"]
     assert kinds == dict(seed="INT", key_share="FLOAT", lines_only="BOOLEAN", white_point="STRING", levels="INT")
 
 

@@ -7,11 +7,11 @@ use glam::{DMat3, DVec3, Vec2};
 
 /// What is linear over planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Model {
-    /// The inverse of depth.
-    Perspective,
-    /// Depth.
-    Parallel,
+pub(super) enum Linear {
+    /// In perspective.
+    InverseDepth,
+    /// Under parallel lines of sight.
+    Depth,
 }
 
 /// How far cells may be off a plane, as a share of their value.
@@ -21,7 +21,7 @@ const TOLERANCE: f32 = 0.012;
 const MOST: usize = 3;
 const LEAST: f32 = 0.04;
 
-/// Cells that are looked at, along the picture's size.
+/// DepthCells that are looked at, along the picture's size.
 const LOOKED_AT: f32 = 160.0;
 
 /// How often three cells are tried for a plane, and how far from the first the others are, in those looked at.
@@ -36,14 +36,14 @@ const LEAST_PIECE: f32 = 0.0015;
 
 /// A value that is linear over the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fit {
+pub(super) struct PlaneFit {
     /// Its change per cell to the right and down.
     pub(super) slope: Vec2,
     /// Its value in the first cell.
     first: f32,
 }
 
-impl Fit {
+impl PlaneFit {
     pub(super) fn at(&self, x: usize, y: usize) -> f32 {
         self.first + self.slope.dot(Vec2::new(x as f32, y as f32))
     }
@@ -92,7 +92,7 @@ impl Fit {
 
 /// The planes of values over cells that begin at the border of the picture, the largest first, and the cells in each;
 /// NaN is none. Values are the same over so many cells where depth was enlarged by steps.
-pub(super) fn planes(values: &Plane, same: f32) -> Vec<(Fit, Plane<bool>)> {
+pub(super) fn planes(values: &Plane, same: f32) -> Vec<(PlaneFit, Plane<bool>)> {
     let (width, height) = (values.width(), values.height());
     let size = ((width * height) as f32).sqrt();
     let step = ((size / LOOKED_AT) as usize).max(1);
@@ -112,7 +112,7 @@ pub(super) fn planes(values: &Plane, same: f32) -> Vec<(Fit, Plane<bool>)> {
             let own = left
                 .iter()
                 .filter(|(at, value)| fit.holds(*at, *value, (1.0, same)));
-            fit = Fit::nearest(own).unwrap_or(fit);
+            fit = PlaneFit::nearest(own).unwrap_or(fit);
         }
         let before = left.len();
         left.retain(|(at, value)| !fit.holds(*at, *value, (1.5, same)));
@@ -134,7 +134,7 @@ fn best(
     (step, same): (usize, f32),
     [width, height]: [usize; 2],
     random: &mut Random,
-) -> Option<Fit> {
+) -> Option<PlaneFit> {
     let near = 3 * step;
     let is_border =
         |[x, y]: [usize; 2]| x < near || y < near || x + near >= width || y + near >= height;
@@ -156,7 +156,7 @@ fn best(
         let (Some(second), Some(third)) = (found(), found()) else {
             continue;
         };
-        let Some(fit) = Fit::through([first, second, third]) else {
+        let Some(fit) = PlaneFit::through([first, second, third]) else {
             continue;
         };
         let held = cells

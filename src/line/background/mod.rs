@@ -15,9 +15,10 @@ use crate::frame::{DepthKind, Frame, Mask, Plane, Projection};
 use crate::kernel::quantile::quantile;
 use crate::line::contours::network::Line;
 use crate::line::grid::cell_px;
-use fit::{Fit, Model};
+use crate::line::smooth_step::smooth_step;
+use fit::{Linear, PlaneFit};
 use glam::Vec2;
-use regions::{closed, distances, large_pieces, opened};
+use regions::{closed, count, distances, large_pieces, opened};
 
 /// Shares of the picture's border and of the surface that planes of a background have at the least.
 const LEAST_BORDER: f32 = 0.2;
@@ -60,7 +61,7 @@ const FARTHEST: [f32; 2] = [1.0 / 4.0, 1.0 / 11.0];
 
 /// Planes behind a subject, in cells of the picture.
 #[derive(Debug, Clone)]
-pub(crate) struct Background {
+pub(crate) struct Backdrop {
     cell_px: f32,
     /// The size of the picture, the root of its area, in cells.
     pub(crate) size: f32,
@@ -76,12 +77,12 @@ pub(crate) struct Background {
 }
 
 /// The covered cells of a frame, with a value that is linear over planes.
-struct Cells {
+struct DepthCells {
     mask: Mask,
     depth: Plane,
 }
 
-impl Cells {
+impl DepthCells {
     /// The depth in the middles of cells where it is known.
     fn of(frame: &Frame, depth: &Plane, step: usize) -> Self {
         let [width, height] = [depth.width(), depth.height()];
@@ -101,66 +102,78 @@ impl Cells {
         }
     }
 
-    fn of_model(&self, model: Model) -> Plane {
-        self.depth.map(|depth| match model {
-            Model::Parallel => depth,
-            Model::Perspective if depth > 0.0 => depth.recip(),
-            Model::Perspective => f32::NAN,
+    fn values(&self, linear: Linear) -> Plane {
+        self.depth.map(|depth| match linear {
+            Linear::Depth => depth,
+            Linear::InverseDepth if depth > 0.0 => depth.recip(),
+            Linear::InverseDepth => f32::NAN,
         })
+    }
+
+    /// The number of the plane in each cell, counted from 1, gaps closed; 0 where there is none.
+    fn planes(&self, fits: &[Fitted], size: f32) -> Plane<u8> {
+        let mut planes = Plane::filled(self.mask.width(), self.mask.height(), 0);
+        for (number, (_, within)) in (1..).zip(fits) {
+            let within = closed(within, GAP * size);
+            for y in 0..planes.height() {
+                for x in self.mask.runs(y).flatten().filter(|&x| within.at(x, y)) {
+                    let plane = &mut planes.row_mut(y)[x];
+                    *plane = if *plane == 0 { number } else { *plane };
+                }
+            }
+        }
+        planes
+    }
+
+    /// The rim of the subject where it stands: beside a plane that has its depth within reach.
+    fn stands(
+        &self,
+        fits: &[Fitted],
+        linear: Linear,
+        [subject, behind]: [&Plane<bool>; 2],
+        size: f32,
+    ) -> Plane<bool> {
+        let values = self.values(linear);
+        let beside_subject = distances(subject, RIM_CELLS);
+        let mut stands = Plane::filled(values.width(), values.height(), false);
+        for (fit, within) in fits {
+            let near = distances(within, RIM_CELLS);
+            let slack = fit.slope.length() * STANDS_WITHIN * size;
+            for y in 0..values.height() {
+                for x in self.mask.runs(y).flatten().filter(|&x| !behind.at(x, y)) {
+                    let both = [near.at(x, y), beside_subject.at(x, y)];
+                    let [own, there] = [values.at(x, y), fit.at(x, y)];
+                    let is_there = (own - there).abs() < slack + ROUNDING * there.abs();
+                    stands.row_mut(y)[x] |= is_there && both.iter().all(|d| d.is_finite());
+                }
+            }
+        }
+        stands
     }
 }
 
-impl Background {
+impl Backdrop {
     /// The planes behind the subject of a frame, which was enlarged by a factor, if there are any beside one.
     pub(crate) fn of(frame: &Frame, factor: f32) -> Option<Self> {
         let depth = frame.depth.as_ref()?;
-        let window = frame.display_window;
-        let size_px = ((window.width() * window.height()) as f32).sqrt();
+        let size_px = frame.display_window.size_px();
         let step = cell_px(size_px);
         let size = size_px / step as f32;
-        let cells = Cells::of(frame, depth, step);
+        let cells = DepthCells::of(frame, depth, step);
         // Enlarged pixels may be steps, half of them on either side of the plane, beside a pixel's own middle.
         let same = 0.5 * (factor.clamp(1.0, MOST_ENLARGED) + 1.0) / step as f32;
-        let (model, fits) = fitted(&cells, frame, same)?;
-        let covered = cells.mask.count() as f32;
-        let [width, height] = [cells.mask.width(), cells.mask.height()];
-        let mut planes = Plane::filled(width, height, 0);
-        for (number, (_, within)) in (1..).zip(&fits) {
-            let within = closed(within, GAP * size);
-            for y in 0..height {
-                for x in cells.mask.runs(y).flatten().filter(|&x| within.at(x, y)) {
-                    if planes.at(x, y) == 0 {
-                        planes.row_mut(y)[x] = number;
-                    }
-                }
-            }
-        }
-        let in_planes = planes.samples().iter().filter(|&&plane| plane > 0).count() as f32;
-        if in_planes > ALL_PLANES * covered {
+        let (linear, fits) = fitted(&cells, frame, same)?;
+        let planes = cells.planes(&fits, size);
+        let behind = planes.map(|plane| plane > 0);
+        if count(&behind) > ALL_PLANES * cells.mask.count() as f32 {
             return None;
         }
-        let behind = distances(&planes.map(|plane| plane > 0), 2.0);
-        let before = Plane::from_fn(width, height, |x, y| {
-            cells.mask.at(x, y) && behind.at(x, y) > 1.0
+        let beside = distances(&behind, 2.0);
+        let before = Plane::from_fn(planes.width(), planes.height(), |x, y| {
+            cells.mask.at(x, y) && beside.at(x, y) > 1.0
         });
         let subject = large_pieces(&opened(&before, DETAIL * size), LEAST_PART * size * size);
-        let values = cells.of_model(model);
-        let beside_subject = distances(&subject, RIM_CELLS);
-        let mut stands = Plane::filled(width, height, false);
-        for (fit, within) in &fits {
-            let near = distances(within, RIM_CELLS);
-            let slack = fit.slope.length() * STANDS_WITHIN * size;
-            let is_rim = |x: usize, y: usize| {
-                let is_near = near.at(x, y).is_finite() && beside_subject.at(x, y).is_finite();
-                is_near && planes.at(x, y) == 0 && cells.mask.at(x, y)
-            };
-            for y in 0..height {
-                for x in (0..width).filter(|&x| is_rim(x, y)) {
-                    let [own, there] = [values.at(x, y), fit.at(x, y)];
-                    stands.row_mut(y)[x] |= (own - there).abs() < slack + ROUNDING * there.abs();
-                }
-            }
-        }
+        let stands = cells.stands(&fits, linear, [&subject, &behind], size);
         let [far_from_subject, far_from_contact] = FARTHEST.map(|share| share * size);
         Some(Self {
             cell_px: step as f32,
@@ -168,7 +181,7 @@ impl Background {
             level: fits.iter().map(|(fit, _)| fit.level(size)).collect(),
             to_subject: distances(&subject, far_from_subject),
             to_contact: distances(&stands, far_from_contact),
-            remote: remote(&cells.depth, &subject, model),
+            remote: remote(&cells.depth, &subject, linear),
             planes,
         })
     }
@@ -219,32 +232,31 @@ impl Background {
 }
 
 /// A plane, and the cells in it.
-type Fitted = (Fit, Plane<bool>);
+type Fitted = (PlaneFit, Plane<bool>);
 
 /// The planes that a frame's camera allows, with the cells in each; without a camera those that cover more.
-fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<Fitted>)> {
+fn fitted(cells: &DepthCells, frame: &Frame, same: f32) -> Option<(Linear, Vec<Fitted>)> {
     let covered = cells.mask.count() as f32;
     let around = 2.0 * (cells.mask.width() + cells.mask.height()) as f32;
-    let found = |model: Model| {
-        let values = cells.of_model(model);
+    let found = |linear: Linear| {
+        let values = cells.values(linear);
         let planes = fit::planes(&values, same);
         let large = planes.into_iter().filter(|(_, within)| {
-            let area = within.samples().iter().filter(|&&within| within).count() as f32;
-            regions::on_border(within) as f32 > LEAST_BORDER * around && area > LEAST_AREA * covered
+            let on_border = regions::on_border(within) as f32;
+            on_border > LEAST_BORDER * around && count(within) > LEAST_AREA * covered
         });
-        (model, large.collect::<Vec<_>>())
+        (linear, large.collect::<Vec<_>>())
     };
-    let area = |(_, planes): &(Model, Vec<Fitted>)| {
-        let cells = planes.iter().flat_map(|(_, within)| within.samples());
-        cells.filter(|&&within| within).count() as f32
+    let area = |(_, planes): &(Linear, Vec<Fitted>)| -> f32 {
+        planes.iter().map(|(_, within)| count(within)).sum()
     };
     let is_relative = frame.source.depth_kind == DepthKind::Relative;
     let camera = frame.camera.filter(|_| !is_relative);
     let found = match camera.map(|camera| camera.projection) {
-        Some(Projection::Perspective { .. }) => found(Model::Perspective),
-        Some(Projection::Orthographic { .. }) => found(Model::Parallel),
+        Some(Projection::Perspective { .. }) => found(Linear::InverseDepth),
+        Some(Projection::Orthographic { .. }) => found(Linear::Depth),
         None => {
-            let [perspective, parallel] = [Model::Perspective, Model::Parallel].map(found);
+            let [perspective, parallel] = [Linear::InverseDepth, Linear::Depth].map(found);
             match area(&parallel) > PREFERRED * area(&perspective) {
                 true => parallel,
                 false => perspective,
@@ -255,17 +267,13 @@ fn fitted(cells: &Cells, frame: &Frame, same: f32) -> Option<(Model, Vec<Fitted>
 }
 
 /// How far cells lie behind most of the subject, 0..1; nowhere under parallel lines of sight, where distances have no origin.
-fn remote(depth: &Plane, subject: &Plane<bool>, model: Model) -> Plane {
+fn remote(depth: &Plane, subject: &Plane<bool>, linear: Linear) -> Plane {
     let own = depth.samples().iter().zip(subject.samples());
     let own = own.filter(|(depth, is_subject)| **is_subject && !depth.is_nan());
     let mut own: Vec<f32> = own.map(|(depth, _)| *depth).collect();
-    let back = quantile(&mut own, 0.9, f32::total_cmp).filter(|_| model == Model::Perspective);
-    let [from, to] = FADES;
+    let back = quantile(&mut own, 0.9, f32::total_cmp).filter(|_| linear == Linear::InverseDepth);
     depth.map(|depth| match back {
-        Some(back) if depth > back => {
-            let share = (((depth / back).log2() - from) / (to - from)).clamp(0.0, 1.0);
-            share * share * (3.0 - 2.0 * share)
-        }
+        Some(back) if depth > back => smooth_step(FADES, (depth / back).log2()),
         _ => 0.0,
     })
 }
@@ -297,8 +305,8 @@ mod tests {
 
     #[test]
     fn a_floor_is_behind_the_ball_on_it_whatever_its_bumps() {
-        let even = Background::of(&floor_with_ball(0.0), 1.0).expect("there is a floor");
-        let bumpy = Background::of(&floor_with_ball(0.01), 1.0).expect("there is a floor");
+        let even = Backdrop::of(&floor_with_ball(0.0), 1.0).expect("there is a floor");
+        let bumpy = Backdrop::of(&floor_with_ball(0.01), 1.0).expect("there is a floor");
         for (x, y) in (0..240).flat_map(|y| (0..320).map(move |x| (x, y))) {
             let on_floor = y >= 40 && even.to_subject.at(x, y) > 3.0;
             assert!(

@@ -76,6 +76,11 @@ pub(super) fn outer_pieces(region: &Plane<bool>, cells: f32) -> Plane<bool> {
     })
 }
 
+/// The cells of a region.
+pub(super) fn count(region: &Plane<bool>) -> f32 {
+    region.samples().iter().filter(|&&within| within).count() as f32
+}
+
 /// The cells of a region on the border of the picture.
 pub(super) fn on_border(region: &Plane<bool>) -> usize {
     let (width, height) = (region.width(), region.height());

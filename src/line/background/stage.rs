@@ -1,6 +1,6 @@
 //! The background of a drawing.
 
-use super::Background;
+use super::Backdrop;
 use crate::engine::cpu::execution::Execution;
 use crate::line::drawing::is_drawn;
 use crate::params;
@@ -41,6 +41,6 @@ fn find(run: &mut Execution) {
     let key = run.plan.key_without_scene(BACKGROUND.name);
     run.canvas.background = run.copied_or(BACKGROUND.name, key, |run| {
         let factor = run.plan.resolution_factor as f32;
-        run.timed(BACKGROUND.name, || Background::of(run.frame, factor))
+        run.timed(BACKGROUND.name, || Backdrop::of(run.frame, factor))
     });
 }

@@ -1,7 +1,7 @@
 //! Lines along silhouettes and creases and between objects: found, joined, and drawn.
 
 use crate::frame::Frame;
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
@@ -32,7 +32,7 @@ const PLAIN_CREASE: f32 = 0.5;
 /// The contours of a frame with these edges: silhouettes, then creases, then borders between objects. Independent of the number of threads.
 pub(crate) fn contours(
     drawn: &Drawn,
-    background: Option<&Background>,
+    background: Option<&Backdrop>,
     shape: &ShapeParams,
     params: &ContourParams,
 ) -> Vec<Contour> {

@@ -4,7 +4,7 @@
 use crate::frame::{Frame, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::quantile::quantile;
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::direction::fill::fill_rest;
 use crate::line::direction_field::between_patches::BetweenPatches;
 use crate::line::direction_field::chains::CrossKernel;
@@ -27,7 +27,7 @@ pub(crate) fn stroke_fields(
     directions: StrokeDirections,
     frame: &Frame,
     patches: &Patches,
-    (given, background): (Option<&[Vector2Planes]>, Option<&Background>),
+    (given, background): (Option<&[Vector2Planes]>, Option<&Backdrop>),
     memory: &Memory,
 ) -> Vec<Vector2Planes> {
     let field = Field {
@@ -49,7 +49,7 @@ struct Field<'a> {
     frame: &'a Frame,
     patches: &'a Patches,
     /// Planes in which directions are level.
-    background: Option<&'a Background>,
+    background: Option<&'a Backdrop>,
     setting: FieldSetting,
 }
 

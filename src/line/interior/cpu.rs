@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Mask, Plane};
 use crate::kernel::memory::Memory;
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::contours::behind::Occluders;
 use crate::line::contours::gaps::close_gaps;
 use crate::line::contours::ground::{Ground, Onward};
@@ -45,7 +45,7 @@ pub(crate) type Found = (Vec<Contour>, Option<[f32; LineLevels::COUNT]>);
 /// where it `fades` them, their widths begin at 0.
 pub(crate) fn interior(
     drawn: &Drawn,
-    (contours, background): (&[Contour], Option<&Background>),
+    (contours, background): (&[Contour], Option<&Backdrop>),
     params: &InteriorParams,
     fades: bool,
     options: &RunOptions,

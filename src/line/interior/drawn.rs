@@ -2,8 +2,9 @@
 
 use crate::line::contours::network::Line;
 use crate::line::contours::{Contour, ContourKind, DepthRange, tapered};
-use crate::line::interior::fade::{by_strength, smoothstep};
+use crate::line::interior::fade::by_strength;
 use crate::line::interior::sizes::Sizes;
+use crate::line::smooth_step::smooth_step;
 use crate::params::{InteriorParams, LineLevels};
 use glam::Vec3;
 
@@ -67,7 +68,8 @@ impl Pen {
             _ => 1.0,
         };
         let widths = line.spots.iter().enumerate().map(|(i, spot)| {
-            let faint = 1.0 - smoothstep(spot.strength / self.strongest.max(f32::MIN_POSITIVE));
+            let strongest = self.strongest.max(f32::MIN_POSITIVE);
+            let faint = 1.0 - smooth_step([0.0, strongest], spot.strength);
             let lit = LAMP.dot(normal(i)).max(0.0);
             let far = self.depths.farness(spot.log_depth);
             let left = |emphasis: f32, share: f32| 1.0 - emphasis * share;

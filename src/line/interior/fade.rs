@@ -1,6 +1,7 @@
 //! Fading of lines in a sequence: a continuous form of the thresholds for drawing them.
 
 use crate::line::interior::crests::Crest;
+use crate::line::smooth_step::smooth_step;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -15,23 +16,17 @@ const SPENT: f32 = 0.85;
 
 /// The share of the full width, 0..1, for a strength of so many times its threshold.
 pub(super) fn by_strength(times: f32) -> f32 {
-    smoothstep((times - 1.0) / (FULL_STRENGTH - 1.0))
+    smooth_step([1.0, FULL_STRENGTH], times)
 }
 
 /// Share of the full width, 0..1, for a length or a worth of so many times the required one.
 pub(super) fn by_size(times: f32) -> f32 {
-    smoothstep((times - 1.0) / (FULL_SIZE - 1.0))
+    smooth_step([1.0, FULL_SIZE], times)
 }
 
 /// The share of its width, 0..1, of the line that brings all lines so far to this share of the length they may have.
 pub(super) fn by_budget(spent: f32) -> f32 {
-    smoothstep((1.0 - spent) / (1.0 - SPENT))
-}
-
-/// From 0 at 0 to 1 at 1, with zero slope at both.
-pub(super) fn smoothstep(x: f32) -> f32 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
+    smooth_step([1.0, SPENT], spent)
 }
 
 /// Support of each of these crests, 0..1: hysteresis between two thresholds without its step. A crest well over the

@@ -41,11 +41,9 @@ const SOBEL: f32 = 0.25;
 
 impl Sizes {
     pub(super) fn of(frame: &Frame, params: &InteriorParams, fades: bool) -> Self {
-        let window = frame.display_window;
-        let root = (window.width() as f32 * window.height() as f32).sqrt();
         Self {
             fades,
-            ..Self::of_picture(root, params)
+            ..Self::of_picture(frame.display_window.size_px(), params)
         }
     }
 

@@ -1,11 +1,12 @@
 //! Plain backgrounds, which are drawn quieter than the subject: the floor and the walls about it, up to where it stands on
 //! them.
 
-use super::{BARE, CLEAR_TURN, activity, lightened, smooth_step};
+use super::{BARE, CLEAR_TURN, activity, lightened};
 use crate::frame::{Mask, Plane};
 use crate::kernel::quantile::quantile;
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::direction_field::setting::OPEN;
+use crate::line::smooth_step::smooth_step;
 use crate::params;
 
 /// How much of the ink on a plain background is left out where it is to be quieter than the subject.
@@ -61,7 +62,7 @@ pub(super) fn quieter(tone: f32, share: f32) -> f32 {
 /// lies far behind it fades. `spread` smooths ink by so many cells where all is open.
 pub(super) fn behind_subject(
     ink: Plane,
-    background: &Background,
+    background: &Backdrop,
     is_blank: bool,
     spread: impl Fn(Plane, &Plane, f32) -> Plane,
 ) -> Plane {
@@ -91,7 +92,7 @@ pub(super) fn behind_subject(
 }
 
 /// The median ink of every plane at some distance from the subject, or of all of it where there is little.
-fn usual_inks(ink: &Plane, background: &Background) -> Vec<f32> {
+fn usual_inks(ink: &Plane, background: &Backdrop) -> Vec<f32> {
     let [from, to] = LIT_BETWEEN.map(|share| share * background.size);
     let mut inks = vec![[Vec::new(), Vec::new()]; background.count()];
     for y in 0..ink.height() {

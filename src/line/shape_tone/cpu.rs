@@ -7,7 +7,7 @@ use crate::frame::{ColorPlanes, Frame, Mask, Plane, Vector2Planes, luminance};
 use crate::kernel::memory::Memory;
 use crate::kernel::percentile::percentile;
 use crate::kernel::rows::map_covered;
-use crate::line::background::Background;
+use crate::line::background::Backdrop;
 use crate::line::density::LEAST_ALPHA;
 use crate::line::grid::{Grid, cell_px};
 use crate::params::{self, RunOptions, ToneLevels, ToneParams};
@@ -58,7 +58,7 @@ pub(crate) struct Shown<'a> {
     pub(crate) to_key: Vec3,
     pub(crate) params: &'a ToneParams,
     /// The planes behind the subject, if it has some.
-    pub(crate) background: Option<&'a Background>,
+    pub(crate) background: Option<&'a Backdrop>,
 }
 
 /// The optical density, -ln of the share of light that is left, of the tone of every cell.
@@ -82,8 +82,7 @@ impl CellDensities {
 
 /// The density of the tone of what is shown.
 pub(crate) fn densities(shown: &Shown, options: &RunOptions, memory: &Memory) -> CellDensities {
-    let (mask, window) = (&shown.frame.mask, shown.frame.display_window);
-    let size = ((window.width() * window.height()) as f32).sqrt();
+    let (mask, size) = (&shown.frame.mask, shown.frame.display_window.size_px());
     let step = cell_px(size);
     let cells = Cells {
         grid: Grid::new(mask, step),

@@ -22,8 +22,7 @@ pub(super) fn leave_bare(
     silhouette: &Plane,
     (threshold, factor): (SoftThreshold, f32),
 ) {
-    let window = frame.display_window;
-    let size = ((window.width() * window.height()) as f32).sqrt();
+    let size = frame.display_window.size_px();
     let reach = (factor * WIDTH * size).round() as usize;
     let measured = frame.depth.as_ref();
     let measured = measured.filter(|_| frame.source.depth_kind != DepthKind::Relative);

@@ -16,6 +16,7 @@ mod levels;
 pub(crate) mod stage;
 
 use crate::light::lights::direction_of;
+use crate::line::smooth_step::smooth_step;
 use glam::Vec3;
 
 /// Where the key light stands if none is given: azimuth and elevation in degrees. Upper left, as draughtsmen have it.
@@ -87,11 +88,4 @@ pub(crate) fn seen_tone(rank: f32, place: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn lightened(tone: f32, share: f32) -> f32 {
     tone + share * (1.0 - tone)
-}
-
-/// From 0 to 1 between two values, with level ends.
-#[inline(always)]
-fn smooth_step([from, to]: [f32; 2], value: f32) -> f32 {
-    let share = ((value - from) / (to - from)).clamp(0.0, 1.0);
-    share * share * (3.0 - 2.0 * share)
 }
