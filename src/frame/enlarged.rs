@@ -1,20 +1,19 @@
 //! Enlarging a frame, for drawings that need more pixels.
 
-use super::plane::each_row_of;
-use super::{Camera, Frame, Mask, Plane, Projection, Vector3Planes, Window};
+use super::gap::of_frame::parted;
+use super::{Camera, Frame, Mask, Plane, Projection, Window};
+use crate::params::ShapeParams;
 use std::cell::Cell;
 
-/// Samples belong to one surface if neither is nearer than this share of the other's depth.
-const SAME: f32 = 0.965;
-
-/// How many times steeper than on both sides a surface gets from one pixel to the next at the most.
-const STEEPER: f32 = 3.0;
+/// Length of a filtered normal above which it is one surface's: the mean of two at an angle of 16 degrees has it.
+const PURE: f32 = 0.99;
 
 impl Frame {
     /// The frame enlarged `factor` times in both directions, rounded to whole pixels, seen by the same camera: samples
-    /// are interpolated within surfaces, whose borders stay sharp. Beside a jump of depth, where a filter mixes two
+    /// are interpolated within surfaces, whose borders stay sharp. Beside a silhouette, where a filter mixes two
     /// surfaces, normals are means of nearby pixels of the same surface. Lengths of filtered normals are rescaled to the
-    /// share of an edge within an enlarged pixel.
+    /// share of an edge within an enlarged pixel. Fur, leaves and fog, whose silhouettes lie closer together than a
+    /// drawing can tell apart, become masses with one outline.
     ///
     /// # Panics
     /// If `factor` is less than 1.
@@ -38,12 +37,30 @@ impl Frame {
         let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
         let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
         begins();
-        let mask = Mask::new(self.spread(factor, goes_on, |around| around.is_some()));
+        let enlarger = Enlarger {
+            goes_on,
+            ..Enlarger::new(self, factor)
+        };
+        let calm = enlarger.parted.as_ref().and_then(|p| self.calmed(p));
+        match calm {
+            Some(calm) => calm.enlarged_by(
+                &Enlarger {
+                    goes_on,
+                    ..Enlarger::new(&calm, factor)
+                },
+                &begins,
+            ),
+            None => self.enlarged_by(&enlarger, &begins),
+        }
+    }
+
+    /// The frame enlarged as it is; `begins` is called as each plane does.
+    fn enlarged_by(&self, enlarger: &Enlarger, begins: &dyn Fn()) -> Option<Frame> {
+        let (factor, goes_on) = (enlarger.factor, enlarger.goes_on);
+        let mask = Mask::new(enlarger.samples(|around| around.is_some()));
         let plane = |plane: &Plane| {
             begins();
-            self.spread(factor, goes_on, |around| {
-                around.map_or(0.0, |around| mean(plane, &around))
-            })
+            enlarger.plane(plane, 0.0)
         };
         let mut frame = Frame {
             data_window: enlarged(self.data_window, self.display_window, factor),
@@ -54,17 +71,14 @@ impl Frame {
             }),
             ..self.with_planes(mask, plane)
         };
-        frame.depth = self.depth.as_ref().map(|depth| {
-            self.spread(factor, goes_on, |around| {
-                around.map_or(0.0, |around| self.mean_depth(depth, &around))
-            })
-        });
+        frame.depth = self.depth.as_ref().map(|depth| enlarger.depth(depth));
         frame.objects = self.objects.as_ref().map(|numbers| {
             let number = |around| heaviest(numbers, &around);
-            self.spread(factor, goes_on, |around| around.map_or(0.0, number))
+            enlarger.samples(|around| around.map_or(0.0, number))
         });
-        if let Some(is_mixed) = self.beside_jumps() {
-            let unmixed = |mixed: &Plane| plane(&self.of_one_surface(mixed, &is_mixed));
+        if let Some(parted) = &enlarger.parted {
+            let is_mixed = enlarger.mixed(parted);
+            let unmixed = |mixed: &Plane| plane(&enlarger.of_one_surface(mixed, &is_mixed));
             frame.normal = self.normal.mapped(unmixed);
             frame.normal_length = self.normal_length.as_ref().map(unmixed);
         }
@@ -79,41 +93,11 @@ impl Frame {
                 }
             });
         }
-        let Vector3Planes { x, y, z } = &mut frame.normal;
-        each_row_of([x, y, z], |_, [x, y, z]| {
-            for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-                let length = (*x * *x + *y * *y + *z * *z).sqrt();
-                if length > 0.0 {
-                    (*x, *y, *z) = (*x / length, *y / length, *z / length);
-                }
-            }
-        });
+        frame.normal.make_unit();
         Some(frame)
     }
 
-    /// A plane that goes with this frame, enlarged as those of its own are; `outside` where the frame shows nothing.
-    pub(super) fn enlarged_plane(&self, plane: &Plane, factor: f64, outside: f32) -> Plane {
-        let mean = |around| mean(plane, &around);
-        self.spread(factor, &|| true, |around| around.map_or(outside, mean))
-    }
-
-    /// A plane of the enlarged frame, of the samples around each pixel, as far as it `goes_on`.
-    fn spread<T: Copy + Default + Send>(
-        &self,
-        factor: f64,
-        goes_on: &(dyn Fn() -> bool + Sync),
-        sample: impl Fn(Option<Around>) -> T + Sync,
-    ) -> Plane<T> {
-        let (data, display) = (self.data_window, self.display_window);
-        let across = Side::new([data.x0, display.x0], data.width(), factor);
-        let down = Side::new([data.y0, display.y0], data.height(), factor);
-        let window = enlarged(data, display, factor);
-        samples([window.width(), window.height()], goes_on, |x, y| {
-            sample(self.around(across.place(x), down.place(y)))
-        })
-    }
-
-    /// How many planes an enlarged frame takes: the mask, its own, and beside jumps the normals once more.
+    /// How many planes an enlarged frame takes: the mask, its own, and beside silhouettes the normals once more.
     fn planes_to_enlarge(&self) -> usize {
         let count = Cell::new(1);
         self.with_planes(self.mask.clone(), |_| {
@@ -122,6 +106,54 @@ impl Frame {
         });
         let again = 3 + usize::from(self.normal_length.is_some());
         count.get() + self.depth.as_ref().map_or(0, |_| again)
+    }
+}
+
+/// Enlarges planes of a frame.
+pub(super) struct Enlarger<'a> {
+    frame: &'a Frame,
+    factor: f64,
+    /// Whether a silhouette lies between a pixel and the next to the right, and the one below; without depth there is none.
+    parted: Option<Plane<[bool; 2]>>,
+    goes_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl<'a> Enlarger<'a> {
+    /// Enlarges planes of `frame` so many times.
+    pub(super) fn new(frame: &'a Frame, factor: f64) -> Self {
+        let parted = parted(frame, ShapeParams::default().silhouette);
+        Self {
+            frame,
+            factor,
+            parted,
+            goes_on: &|| true,
+        }
+    }
+
+    /// A plane that goes with the frame, enlarged; `outside` where the frame shows nothing.
+    pub(super) fn plane(&self, plane: &Plane, outside: f32) -> Plane {
+        let mean = |around| mean(plane, &around);
+        self.samples(|around| around.map_or(outside, mean))
+    }
+
+    /// The depth of the planes through the samples around.
+    fn depth(&self, depth: &Plane) -> Plane {
+        let mean = |around| self.mean_depth(depth, &around);
+        self.samples(|around| around.map_or(0.0, mean))
+    }
+
+    /// A plane of the enlarged frame, of the samples around each pixel, as far as it goes on.
+    fn samples<T: Copy + Default + Send>(
+        &self,
+        sample: impl Fn(Option<Around>) -> T + Sync,
+    ) -> Plane<T> {
+        let (data, display) = (self.frame.data_window, self.frame.display_window);
+        let across = Side::new([data.x0, display.x0], data.width(), self.factor);
+        let down = Side::new([data.y0, display.y0], data.height(), self.factor);
+        let window = enlarged(data, display, self.factor);
+        samples([window.width(), window.height()], self.goes_on, |x, y| {
+            sample(self.around(across.place(x), down.place(y)))
+        })
     }
 
     /// The samples around a pixel of the enlarged frame that belong to the surface seen there, with weights that add up
@@ -136,7 +168,7 @@ impl Frame {
             ([right, below], across * down),
         ];
         for ([x, y], weight) in &mut samples {
-            *weight *= f32::from(u8::from(self.mask.at(*x, *y)));
+            *weight *= f32::from(u8::from(self.frame.mask.at(*x, *y)));
         }
         let covered: f32 = samples.iter().map(|(_, weight)| weight).sum();
         if covered < 0.5 {
@@ -148,14 +180,62 @@ impl Frame {
         Some(samples)
     }
 
-    /// Pixels beside a jump of depth, where a filter mixes two surfaces; `None` without depth.
-    fn beside_jumps(&self) -> Option<Plane<bool>> {
-        let depth = self.depth.as_ref()?;
-        let size = [depth.width(), depth.height()];
-        Some(samples(size, &|| true, |x, y| {
-            let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| self.mask.at(i, k));
-            self.mask.at(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
-        }))
+    /// Removes the weight of samples from surfaces other than the one with most of the weight.
+    fn keep_one_surface(&self, samples: &mut Around) {
+        // Nearly everywhere.
+        let [first, .., last] = *samples;
+        if !self.is_parted_between(first.0, last.0) {
+            return;
+        }
+        let weights = samples.map(|(of, _)| -> f32 {
+            let same = samples
+                .iter()
+                .filter(|(at, _)| self.is_one_surface(of, *at));
+            same.map(|(_, weight)| weight).sum()
+        });
+        let most = (0..4).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+        let kept = most.map_or(first.0, |most| samples[most].0);
+        for (at, weight) in samples.iter_mut() {
+            if !self.is_one_surface(kept, *at) {
+                *weight = 0.0;
+            }
+        }
+    }
+
+    /// Whether a silhouette lies anywhere between the four pixels of a square, given its first and last.
+    fn is_parted_between(&self, [left, above]: [usize; 2], [right, below]: [usize; 2]) -> bool {
+        let Some(parted) = &self.parted else {
+            return false;
+        };
+        let [across, down] = parted.at(left, above);
+        across || down || parted.at(left, below)[0] || parted.at(right, above)[1]
+    }
+
+    /// Whether two pixels within one column and one row of each other belong to one surface: whether one of the ways from
+    /// one to the other crosses no silhouette.
+    fn is_one_surface(&self, a: [usize; 2], b: [usize; 2]) -> bool {
+        let Some(parted) = &self.parted else {
+            return true;
+        };
+        let is_open = |from: [usize; 2], to: [usize; 2]| match [0, 1].map(|i| from[i] != to[i]) {
+            [true, _] => !parted.at(from[0].min(to[0]), from[1])[0],
+            [_, true] => !parted.at(from[0], from[1].min(to[1]))[1],
+            _ => true,
+        };
+        let corners = [[a[0], b[1]], [b[0], a[1]]];
+        let is_way = |corner: &[usize; 2]| is_open(a, *corner) && is_open(*corner, b);
+        corners.iter().any(is_way)
+    }
+
+    /// Pixels beside a silhouette that a filter mixes two surfaces in, as far as lengths of normals tell.
+    fn mixed(&self, parted: &Plane<[bool; 2]>) -> Plane<bool> {
+        let (mask, size) = (&self.frame.mask, [parted.width(), parted.height()]);
+        let lengths = self.frame.normal_length.as_ref();
+        let is_pure = |x, y| lengths.is_some_and(|lengths| lengths.at(x, y) > PURE);
+        samples(size, &|| true, |x, y| {
+            let mut beside = around_pixel([x, y], size, 1).filter(|&[i, k]| mask.at(i, k));
+            mask.at(x, y) && !is_pure(x, y) && beside.any(|at| !self.is_one_surface([x, y], at))
+        })
     }
 
     /// The plane with samples of mixed pixels replaced by the mean of nearby unmixed ones of the same surface: enlarged, a
@@ -167,7 +247,9 @@ impl Frame {
                 return plane.at(x, y);
             }
             let is_pure = |&[i, k]: &[usize; 2]| {
-                self.mask.at(i, k) && !is_mixed.at(i, k) && self.is_one_surface([x, y], [i, k])
+                self.frame.mask.at(i, k)
+                    && !is_mixed.at(i, k)
+                    && self.is_one_surface([x, y], [i, k])
             };
             let pure = around_pixel([x, y], size, 2).filter(is_pure);
             let add = |(sum, count), [i, k]: [usize; 2]| (sum + plane.at(i, k), count + 1.0);
@@ -178,18 +260,9 @@ impl Frame {
         })
     }
 
-    /// Whether two pixels side by side belong to one surface; without depth all do.
-    fn is_one_surface(&self, a: [usize; 2], b: [usize; 2]) -> bool {
-        let Some(depth) = &self.depth else {
-            return true;
-        };
-        let [near, far] = [a, b].map(|[x, y]| depth.at(x, y));
-        near.min(far) >= SAME * near.max(far) || self.goes_on_steeply(depth, a, b)
-    }
-
     /// What is linear over a plane at this depth: its inverse in perspective. Its own inverse but for depth up to 0.
     fn linear(&self, depth: f32) -> f32 {
-        let projection = self.camera.map(|camera| camera.projection);
+        let projection = self.frame.camera.map(|camera| camera.projection);
         let is_parallel = matches!(projection, Some(Projection::Orthographic { .. }));
         if is_parallel || depth <= 0.0 {
             depth
@@ -209,56 +282,6 @@ impl Frame {
             return self.linear(mean);
         }
         samples.map(|(depth, weight)| weight * depth).sum()
-    }
-
-    /// Whether the surface of two pixels side by side is as steep on both sides as between them, like a floor far away.
-    fn goes_on_steeply(&self, depth: &Plane, a: [usize; 2], b: [usize; 2]) -> bool {
-        let beyond = |from: [usize; 2], to: [usize; 2]| {
-            let next = |axis: usize| (2 * to[axis]).checked_sub(from[axis]);
-            let (x, y) = (next(0)?, next(1)?);
-            let is_inside = x < depth.width() && y < depth.height() && self.mask.at(x, y);
-            is_inside.then(|| self.linear(depth.at(x, y)))
-        };
-        let [here, there] = [a, b].map(|[x, y]| self.linear(depth.at(x, y)));
-        let between = there - here;
-        let on_sides = [
-            beyond(b, a).map(|before| here - before),
-            beyond(a, b).map(|after| after - there),
-        ];
-        let is_alike = |step: f32| step * between > 0.0 && between.abs() <= STEEPER * step.abs();
-        on_sides.iter().any(Option::is_some) && on_sides.into_iter().flatten().all(is_alike)
-    }
-
-    /// Removes the weight of samples from surfaces other than the one with most of the weight.
-    fn keep_one_surface(&self, samples: &mut Around) {
-        let Some(depth) = &self.depth else {
-            return;
-        };
-        let depths = samples.map(|([x, y], _)| depth.at(x, y));
-        let [nearest, farthest] =
-            [f32::min, f32::max].map(|of| depths.into_iter().fold(depths[0], of));
-        // Nearly everywhere.
-        if nearest >= SAME * farthest && depths.iter().all(|depth| depth.is_finite()) {
-            return;
-        }
-        let weights = samples.map(|(of, _)| -> f32 {
-            let same = samples
-                .iter()
-                .filter(|(at, _)| self.is_one_surface(of, *at));
-            same.map(|(_, weight)| weight).sum()
-        });
-        let most = (0..4).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let Some([x, y]) = most.map(|most| samples[most].0) else {
-            return;
-        };
-        if !depth.at(x, y).is_finite() {
-            return;
-        }
-        for (at, weight) in samples.iter_mut() {
-            if !self.is_one_surface([x, y], *at) {
-                *weight = 0.0;
-            }
-        }
     }
 }
 
@@ -364,6 +387,7 @@ fn samples<T: Copy + Default + Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::Vector3Planes;
     use glam::DVec3;
 
     /// Two planes, one at depth 1 on the left of column 4 and one at depth 2; a filter mixed their normals where they meet.
@@ -413,7 +437,8 @@ mod tests {
         let floor = Frame {
             depth: Some(Plane::from_fn(6, 3, |x, _| 300.0 / (x as f32 + 0.5))),
             ..Frame::of_normals(
-                Vector3Planes::from_fn(6, 3, |_, _| DVec3::Z),
+                // The likely focal length is 7.5 pixels and the middle in column 3: the plane is 7.5 x + 3 depth = 300.
+                Vector3Planes::from_fn(6, 3, |_, _| DVec3::new(-7.5, 0.0, 3.0).normalize()),
                 Mask::full(6, 3),
             )
         };

@@ -3,6 +3,7 @@
 #[cfg(feature = "cli")]
 pub(crate) mod bend;
 mod builder;
+mod clutter;
 mod conventions;
 pub(crate) mod coverage;
 pub(crate) mod depth;
@@ -10,6 +11,7 @@ pub(crate) mod depth;
 pub(crate) mod detail;
 mod enlarged;
 pub(crate) mod from_depth;
+pub(crate) mod gap;
 mod light_layers;
 mod mask;
 mod motion;
@@ -54,7 +56,9 @@ pub(crate) use repair::{
 #[cfg(feature = "gpu")]
 pub(crate) use sight::MIN_SEEN;
 pub use sight::SightLines;
-pub(crate) use sight::{PixelLines, ToEye, direction_seen, line_of, point_on, step_by_normals};
+pub(crate) use sight::{
+    PixelLines, ToEye, direction_seen, facing, line_of, point_on, step_by_normals,
+};
 pub use space::OutOfRange;
 pub(crate) use space::check_place;
 pub use space::{Camera, DepthKind, NormalSpace, Projection};

@@ -340,6 +340,19 @@ impl Vector3Planes {
         x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
     }
 
+    /// Makes all vectors unit but those of length 0.
+    pub(crate) fn make_unit(&mut self) {
+        let Self { x, y, z } = self;
+        each_row_of([x, y, z], |_, [x, y, z]| {
+            for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+                let length = (*x * *x + *y * *y + *z * *z).sqrt();
+                if length > 0.0 {
+                    (*x, *y, *z) = (*x / length, *y / length, *z / length);
+                }
+            }
+        });
+    }
+
     /// Planes of the vectors `vector(x, y)`.
     pub fn from_fn(width: usize, height: usize, vector: impl FnMut(usize, usize) -> DVec3) -> Self {
         let mut vector = vector;

@@ -1,7 +1,7 @@
 //! Sight lines: from pixels to points of view space, and from tangents back to the picture.
 
 use crate::frame::{DepthKind, Frame, Projection, Window};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
 /// The sight lines of a picture.
@@ -135,6 +135,12 @@ impl ToEye {
             y: (0..window.height()).map(|y| at(0, y).y as f32).collect(),
         }
     }
+}
+
+/// `n . v` of a normal and the direction v to the eye, (`to_eye`, 1).
+#[inline(always)]
+pub(crate) fn facing(n: Vec3, to_eye: Vec2) -> f32 {
+    n.z + n.truncate().dot(to_eye)
 }
 
 /// The point at this depth on a sight line with its origin.

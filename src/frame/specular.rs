@@ -1,6 +1,8 @@
 //! The scene seen in mirrors and lenses: everything that traced rays can hit beyond the visible surface.
 
+use super::enlarged::Enlarger;
 use super::{Frame, Mask, Plane, Surroundings, Vector3Planes};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// The scene around the specular surfaces of a frame, as far as it is known. Everything except the surroundings is seen
@@ -36,7 +38,7 @@ impl SpecularScene {
         let layer = |layer: &Option<Frame>| layer.as_ref().map(|layer| layer.enlarged(factor));
         let mask = self.mask.as_ref().map(|mask| {
             let share = mask.plane().map(|is_in| f32::from(u8::from(is_in)));
-            let share = frame.enlarged_plane(&share, factor, 0.0);
+            let share = Enlarger::new(frame, factor).plane(&share, 0.0);
             Mask::new(share.map(|share| share > 0.5))
         });
         let hit_position = self.hit_position.as_ref().map(|points| {
@@ -48,11 +50,16 @@ impl SpecularScene {
                 data_window: frame.data_window,
                 display_window: frame.display_window,
                 depth: Some(Plane::from_fn(width, height, away)),
-                ..Frame::of_normals(points.clone(), known)
+                // Which way surfaces turn there is not known.
+                ..Frame::of_normals(
+                    Vector3Planes::from_fn(width, height, |_, _| DVec3::NAN),
+                    known,
+                )
             };
+            let enlarger = Enlarger::new(&seen, factor);
             points.mapped(|plane| {
                 let finite = plane.map(|at| if at.is_finite() { at } else { 0.0 });
-                seen.enlarged_plane(&finite, factor, f32::NAN)
+                enlarger.plane(&finite, f32::NAN)
             })
         });
         Self {

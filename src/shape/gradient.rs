@@ -1,5 +1,6 @@
 //! The depth gradient: slope of the surface toward the viewer, from its normal.
 
+use crate::frame::facing;
 use crate::kernel::fast_math::{exp, ln};
 use crate::params::ShapeParams;
 use glam::{Vec2, Vec3};
@@ -23,12 +24,6 @@ pub fn depth_gradient(n: Vec3, to_eye: Vec2, params: &ShapeParams) -> Vec2 {
         exp(-f * ln(facing))
     };
     -n.truncate() * steepness
-}
-
-/// `n . v` of a normal and the direction v to the eye, (`to_eye`, 1).
-#[inline(always)]
-pub(crate) fn facing(n: Vec3, to_eye: Vec2) -> f32 {
-    n.z + n.truncate().dot(to_eye)
 }
 
 /// [`depth_gradient`] of the pixels of a row, 0 where uncovered. The direction to the eye is given by its x per column

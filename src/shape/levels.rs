@@ -1,5 +1,7 @@
 //! Kernels of shape at every level of vector extensions.
 
+use crate::frame::gap::rows::{self, GapRow};
+use crate::frame::gap::scale::GapScale;
 use crate::frame::{DepthKind, Frame, Mask, Vector3Planes};
 use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{
@@ -10,8 +12,6 @@ use crate::shape::crease::{self, NormalRows};
 use crate::shape::curvature::cpu;
 use crate::shape::diffusion::kernel::{self, Chunk, Sum, Sweep};
 use crate::shape::diffusion::{self, LEVELS, Update};
-use crate::shape::gap::rows::{self, GapRow};
-use crate::shape::gap::scale::GapScale;
 use crate::shape::occlusion::{self, Step};
 use crate::shape::{Rows, conductance, hessian, silhouette};
 

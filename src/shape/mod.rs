@@ -19,7 +19,6 @@ pub mod conductance;
 pub mod crease;
 pub mod curvature;
 pub(crate) mod diffusion;
-pub(crate) mod gap;
 pub mod gradient;
 pub(crate) mod hessian;
 pub(crate) mod silhouette;

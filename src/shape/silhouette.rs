@@ -4,8 +4,8 @@
 //! surfaces, see [`super::gap`]; the border of coverage is always a silhouette. Practice: supply depth if available,
 //! else an occlusion map or alpha, whose jumps are found by Sobel's kernel.
 
+use crate::frame::gap::pair::larger;
 use crate::params::SoftThreshold;
-use crate::shape::gap::pair::larger;
 use crate::shape::{Rows, Shifted, inner_columns, outer_columns, sobel};
 use std::ops::Range;
 

@@ -188,7 +188,7 @@ mod tests {
     use crate::light::lights::LightKinds;
     use crate::line::direction::FILL_REACH_PX;
     use crate::product::Product;
-    use crate::shape::gap::GAP_REACH;
+    use crate::frame::gap::GAP_REACH;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {

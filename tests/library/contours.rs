@@ -586,3 +586,51 @@ fn objects_in_one_plane_have_a_line_between_them_and_none_beside_a_silhouette() 
     };
     assert_eq!(drawn(&none).contour_lines.len(), 1);
 }
+
+/// Radius of the holes of [`plate`] in pixels, and their centres.
+const HOLE: f32 = 13.0;
+const HOLES: [Vec2; 3] = [
+    Vec2::new(40.3, 45.7),
+    Vec2::new(100.0, 80.0),
+    Vec2::new(160.6, 38.2),
+];
+
+/// A plate with holes through which a wall just behind it is seen: 2 % farther, a gap of 5 pixels where the likely focal
+/// length is 250.
+fn plate() -> Frame {
+    let is_hole = |x: usize, y: usize| {
+        let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        HOLES.iter().any(|hole| hole.distance(at) < HOLE)
+    };
+    let depth = Plane::from_fn(200, 120, |x, y| if is_hole(x, y) { 102.0 } else { 100.0 });
+    let grey = Plane::filled(200, 120, 0.5);
+    Frame {
+        depth: Some(depth),
+        color: Some(ColorPlanes {
+            r: grey.clone(),
+            g: grey.clone(),
+            b: grey,
+        }),
+        ..Frame::of_normals(
+            Vector3Planes::from_fn(200, 120, |_, _| DVec3::Z),
+            Mask::full(200, 120),
+        )
+    }
+}
+
+#[test]
+fn rims_of_holes_are_whole_however_large_the_drawing() {
+    for times in [1.0, 4.0] {
+        let params = ContourParams::default().enlarged(times);
+        let enlarged = plate().enlarged(f64::from(times));
+        let drawing = drawn_with(&enlarged, params);
+        assert_eq!(drawing.contour_lines.len(), HOLES.len(), "{times}");
+        for hole in HOLES {
+            let on_rim = |i: u32| hole + HOLE * Vec2::from_angle(TAU * i as f32 / 360.0);
+            let points = || drawing.contour_lines.iter().flat_map(|line| &line.points);
+            let is_drawn = |at: Vec2| points().any(|p| (*p / times).distance(at) < 1.0);
+            let share = (0..360).filter(|&i| is_drawn(on_rim(i))).count() as f32 / 360.0;
+            assert!(share >= 0.95, "{times}: {share} of the rim at {hole}");
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! The cracks between pixels that silhouettes pass.
 
+use crate::frame::gap::of_frame::Gaps;
 use crate::frame::{Frame, Plane};
 use crate::kernel::rows::ROWS_PER_TASK;
 use crate::line::contours::crack::{border_offset, sharpened, spread_offset, unexplained_jump};
@@ -7,7 +8,6 @@ use crate::line::contours::lattice::Lattice;
 use crate::line::contours::network::Spot;
 use crate::line::contours::{log_depth_of, strength_of_gap};
 use crate::params::{ShapeParams, SoftThreshold};
-use crate::shape::gap::of_frame::Gaps;
 use glam::Vec2;
 use rayon::prelude::*;
 

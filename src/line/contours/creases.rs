@@ -9,8 +9,8 @@ use crate::line::contours::ridge::Bands;
 use crate::params::ContourParams;
 use rayon::prelude::*;
 
-/// Distance of the centre of a crease's weights from the crease.
-const MIDDLE_PX: f32 = 0.5;
+/// Distance of the centre of a crease's weights from the crease, in pixels of the frame before it was enlarged.
+const MIDDLE: f32 = 0.5;
 
 /// The pixels that have a weight and are free of `silhouettes`, in order.
 fn pixels(weight: &Plane, mask: &Mask, silhouettes: &Ground) -> Vec<u32> {
@@ -53,5 +53,5 @@ pub(crate) fn lines(
             is_beside: false,
         }
     };
-    bands.lines(spot, Smoothing::of(params, MIDDLE_PX))
+    bands.lines(spot, Smoothing::of(params, MIDDLE))
 }

@@ -7,19 +7,32 @@ use std::ops::Range;
 /// Parameters of smoothing a polyline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smoothing {
-    /// Largest deviation of its points from the true line, in pixels.
-    pub tolerance_px: f32,
+    /// Width of the stair steps that its points make, in pixels.
+    pub step_px: f32,
+    /// Largest deviation of its points from the true line, in such steps.
+    pub tolerance: f32,
     /// Most points to either side that are looked at together.
     pub reach: usize,
 }
 
 impl Smoothing {
-    /// Smoothing of lines whose points deviate from the edge by up to `tolerance_px`.
-    pub(crate) fn of(params: &ContourParams, tolerance_px: f32) -> Self {
+    /// Smoothing of lines whose points deviate from the edge by up to `tolerance` steps.
+    pub(crate) fn of(params: &ContourParams, tolerance: f32) -> Self {
         Self {
-            tolerance_px: tolerance_px * params.step_px,
+            step_px: params.step_px,
+            tolerance,
             reach: params.smoothing_px as usize,
         }
+    }
+
+    /// Largest deviation of its points from the true line, in pixels.
+    fn tolerance_px(self) -> f32 {
+        self.tolerance * self.step_px
+    }
+
+    /// So many steps, in pixels.
+    pub(crate) fn steps(self, count: usize) -> usize {
+        (count as f32 * self.step_px).round() as usize
     }
 }
 
@@ -44,7 +57,7 @@ pub(crate) fn smoothed(points: &[Vec2], closed: bool, smoothing: Smoothing) -> V
         let mut fits: [Option<[bool; LANES]>; REACHES.len()] = [None; REACHES.len()];
         for lane in 0..LANES.min(points.len() - first) {
             levels.push(largest(allowed, |level| {
-                let (reach, tolerance) = (REACHES[level], smoothing.tolerance_px);
+                let (reach, tolerance) = (REACHES[level], smoothing.tolerance_px());
                 match line.has_whole_windows(first, reach) {
                     true => fits[level]
                         .get_or_insert_with(|| line.fit(line.window(first, reach), tolerance))
@@ -285,7 +298,8 @@ mod tests {
     use super::*;
 
     const SMOOTHING: Smoothing = Smoothing {
-        tolerance_px: 0.6,
+        step_px: 1.0,
+        tolerance: 0.6,
         reach: 28,
     };
 
@@ -348,7 +362,7 @@ mod tests {
         for reach in REACHES {
             for first in reach..points.len() - reach - LANES {
                 assert!(line.has_whole_windows(first, reach));
-                let tolerance = SMOOTHING.tolerance_px;
+                let tolerance = SMOOTHING.tolerance_px();
                 let together: [bool; LANES] = line.fit(line.window(first, reach), tolerance);
                 let alone = |lane| line.fit::<1>(line.window(first + lane, reach), tolerance)[0];
                 assert_eq!(

@@ -11,7 +11,7 @@ use glam::Vec2;
 
 /// Deviation from the edge of a line through the centres of cracks: half a pixel, and a little more where the edge
 /// bends.
-const STEP_PX: f32 = 0.6;
+const STEP: f32 = 0.6;
 
 /// The lines along all silhouettes of this weight.
 pub(crate) fn lines(
@@ -60,5 +60,5 @@ pub(crate) fn along(cracks: &[Crack], frame: &Frame, params: &ContourParams) -> 
         let closing = path.closed.then(|| spot_between(last, first));
         pairs.chain(closing).collect()
     };
-    network::lines(&lattice, place, spots, 0, Smoothing::of(params, STEP_PX))
+    network::lines(&lattice, place, spots, 0, Smoothing::of(params, STEP))
 }

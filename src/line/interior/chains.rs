@@ -9,9 +9,10 @@ use crate::line::interior::fade::supports;
 use crate::line::interior::sizes::Sizes;
 use glam::IVec2;
 
-/// Largest deviation of crests from a line, and the number on either side over which they are smoothed.
+/// Crests deviate from a line by so much, and are smoothed over so many on either side.
 const SMOOTHING: Smoothing = Smoothing {
-    tolerance_px: 0.7,
+    step_px: 1.0,
+    tolerance: 0.7,
     reach: 5,
 };
 

@@ -1,8 +1,8 @@
 //! Halos: paper left bare behind the rim of an object in front, so that it stands out.
 
+use crate::frame::gap::scale::GapScale;
 use crate::frame::{DepthKind, Frame, Plane};
 use crate::params::SoftThreshold;
-use crate::shape::gap::scale::GapScale;
 use rayon::prelude::*;
 
 /// The width of a halo of factor 1, as a share of the picture's size, the root of its area.

@@ -1,5 +1,8 @@
 //! Silhouettes, creases, conductance and the depth gradient in one sweep over rows.
 
+use crate::frame::gap::of_frame::Gaps;
+use crate::frame::gap::rows;
+use crate::frame::gap::rows::{Along, GapRow};
 use crate::frame::{Frame, Plane, ToEye, Vector2Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
@@ -11,9 +14,6 @@ use crate::shape::conductance;
 use crate::shape::crease;
 use crate::shape::crease::{CreaseDetector, NormalRows};
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::gap::of_frame::Gaps;
-use crate::shape::gap::rows;
-use crate::shape::gap::rows::{Along, GapRow};
 use crate::shape::gradient;
 use crate::shape::silhouette;
 use rayon::prelude::*;

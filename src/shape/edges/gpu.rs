@@ -7,15 +7,15 @@ use crate::engine::gpu::uniforms::uniforms;
 use crate::engine::gpu::wgsl::Number::{F32, I32};
 use crate::engine::gpu::wgsl::{Wgsl, wgsl};
 use crate::frame::Frame;
+use crate::frame::gap::noise::TILE;
+use crate::frame::gap::of_frame::Gaps;
+use crate::frame::gap::pair::{CLOSED, DEPARTS, NOISES, STEEPEST, TURNS};
+use crate::frame::gap::scale::{FARTHEST, NEAREST};
 use crate::params::ShapeParams;
 use crate::plan::Plan;
 use crate::product::Product;
 use crate::shape::crease::CreaseDetector;
 use crate::shape::edges::SilhouetteSource;
-use crate::shape::gap::noise::TILE;
-use crate::shape::gap::of_frame::Gaps;
-use crate::shape::gap::pair::{CLOSED, DEPARTS, NOISES, STEEPEST, TURNS};
-use crate::shape::gap::scale::{FARTHEST, NEAREST};
 
 /// How far a normal faces the eye.
 pub(crate) const FACING: Wgsl = wgsl!("../facing.wgsl");

@@ -2,12 +2,12 @@
 
 use crate::engine::cpu::execution::Execution;
 use crate::engine::outcome::Shape;
+use crate::frame::gap::GAP_REACH;
 use crate::plan::Plan;
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 use crate::shape::edges::SilhouetteSource;
 use crate::shape::edges::cpu::edges_with_weights;
-use crate::shape::gap::GAP_REACH;
 
 /// Silhouettes, creases, conductance and the gradient before diffusion.
 pub(crate) static EDGES: Stage = Stage {

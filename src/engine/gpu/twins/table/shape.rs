@@ -1,6 +1,8 @@
 //! Elementary functions, and shape.
 
 use super::{Twin, coarse, each, twin, unit_vector};
+use crate::frame::facing;
+use crate::frame::gap::pair::{Gap, GapUnit, Side};
 use crate::kernel::fast_math::circular::{ATAN, rest_of_tangent};
 use crate::kernel::fast_math::exponential::{EXP, LN, split_exp};
 use crate::kernel::fast_math::{atan, atan2, exp, ln, polynomial, power_of_two, tanh};
@@ -16,8 +18,7 @@ use crate::shape::curvature::{
 use crate::shape::diffusion::gpu::DIFFUSION;
 use crate::shape::diffusion::{Update, flux, through};
 use crate::shape::edges::gpu::{EDGES, GAPS};
-use crate::shape::gap::pair::{Gap, GapUnit, Side};
-use crate::shape::gradient::{depth_gradient, facing};
+use crate::shape::gradient::depth_gradient;
 use crate::shape::hessian::{fitted, in_the_open, plane_fit};
 use crate::shape::silhouette::{jump_weight, silhouettes_of_gaps};
 use crate::shape::sobel;

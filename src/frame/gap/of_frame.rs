@@ -1,12 +1,12 @@
 //! The gaps of a frame, one by one, with the noise of its depth.
 
+use crate::frame::facing;
+use crate::frame::gap::noise::GapNoise;
+use crate::frame::gap::pair::{Gap, Side};
+use crate::frame::gap::rows::GapSamples;
+use crate::frame::gap::scale::GapScale;
 use crate::frame::{Frame, Plane, ToEye};
 use crate::params::SoftThreshold;
-use crate::shape::gap::noise::GapNoise;
-use crate::shape::gap::pair::{Gap, Side};
-use crate::shape::gap::rows::GapSamples;
-use crate::shape::gap::scale::GapScale;
-use crate::shape::gradient::facing;
 use glam::Vec2;
 
 /// The gaps of a frame.
@@ -91,12 +91,34 @@ impl<'a> Gaps<'a> {
         (weight > 0.0).then_some(gap.px)
     }
 
+    /// Whether a silhouette lies after a pixel. Where a normal is unknown, NaN, depth alone tells.
+    pub(crate) fn parts_after(&self, at: [usize; 2], axis: usize) -> bool {
+        let Some(gap) = self.after(at, axis) else {
+            return false;
+        };
+        let gap = match gap.px.is_nan() {
+            true => Gap {
+                px: gap.bend.min(self.jump_after(at, axis)),
+                ..gap
+            },
+            false => gap,
+        };
+        gap.weight(self.noise_after(at, axis), self.scale.threshold) > 0.0
+    }
+
     /// The weight after a pixel, 0..1, where it has `calm` without the noise of depth.
     pub(crate) fn weight_after(&self, at: [usize; 2], axis: usize, calm: f32) -> f32 {
         let noise = self.noise_after(at, axis);
         let gap = (noise > 0.0).then(|| self.after(at, axis));
         gap.flatten()
             .map_or(calm, |gap| gap.weight(noise, self.scale.threshold))
+    }
+
+    /// The jump of depth after a pixel that is not the last, in pixels.
+    fn jump_after(&self, at: [usize; 2], axis: usize) -> f32 {
+        let next = moved(at, axis, 1).unwrap_or(at);
+        let depths = [at, next].map(|at| self.planar(at));
+        self.scale.jump_px(depths, axis)
     }
 
     /// The noise of depth between a pixel and the next along an axis, in pixels.
@@ -119,6 +141,33 @@ impl<'a> Gaps<'a> {
         let eye = [self.to_eye.x[x], self.to_eye.y[y]];
         self.scale.planar(self.depth.at(x, y), eye)
     }
+}
+
+/// Whether a silhouette lies between each pixel and the next to the right, and the one below; `None` without depth.
+/// `threshold` is in longer sides of the display window.
+pub(crate) fn parted(frame: &Frame, threshold: SoftThreshold) -> Option<Plane<[bool; 2]>> {
+    let depth = frame.depth.as_ref()?;
+    let gaps = Gaps::new(frame, depth, threshold);
+    Some(Plane::of_rows(depth.width(), depth.height(), |y, row| {
+        for (x, parted) in row.iter_mut().enumerate() {
+            *parted = [0, 1].map(|axis| gaps.parts_after([x, y], axis));
+        }
+    }))
+}
+
+/// The pixels left, right, above and below, and whether a silhouette lies between.
+pub(crate) fn is_beside(
+    parted: &Plane<[bool; 2]>,
+    [x, y]: [usize; 2],
+) -> impl Iterator<Item = ([usize; 2], bool)> {
+    let before = [(x.wrapping_sub(1), y, 0), (x, y.wrapping_sub(1), 1)];
+    let after = [(x + 1, y, 0), (x, y + 1, 1)];
+    let (width, height) = (parted.width(), parted.height());
+    let is_inside = move |x: usize, y: usize| x < width && y < height;
+    let before =
+        before.map(|(i, k, axis)| is_inside(i, k).then(|| ([i, k], parted.at(i, k)[axis])));
+    let after = after.map(|(i, k, axis)| is_inside(i, k).then(|| ([i, k], parted.at(x, y)[axis])));
+    before.into_iter().chain(after).flatten()
 }
 
 /// The pixel so many further along an axis.

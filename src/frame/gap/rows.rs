@@ -1,8 +1,8 @@
 //! Gaps by rows: plain loops over pixels, compiled for the vectors of the machine.
 
-use crate::shape::gap::pair::{Gap, Side};
-use crate::shape::gap::scale::GapScale;
-use crate::shape::gradient::facing;
+use crate::frame::facing;
+use crate::frame::gap::pair::{Gap, Side};
+use crate::frame::gap::scale::GapScale;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 

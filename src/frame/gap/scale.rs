@@ -1,8 +1,8 @@
 //! What the gaps of a frame are measured by: its lens, the unit and the rounding of its depth, and thresholds in pixels.
 
+use crate::frame::gap::pair::GapUnit;
 use crate::frame::{DepthKind, Frame, Projection};
 use crate::params::SoftThreshold;
-use crate::shape::gap::pair::GapUnit;
 
 /// Smallest thresholds, in pixels, however small the picture: a pixel's own extent is no gap.
 const LEAST_PX: SoftThreshold = SoftThreshold { lo: 1.5, hi: 2.5 };

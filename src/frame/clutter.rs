@@ -1,0 +1,259 @@
+//! Clutter: fur, leaves and fog, whose silhouettes lie closer together than a drawing can tell apart.
+//!
+//! Practice: a draughtsman gives such a thing one outline and the tone of its mass. So each of its pixels becomes the mean
+//! of those around it that are about as far away as most of them.
+
+use super::gap::of_frame::is_beside;
+use super::gap::scale::GapScale;
+use super::{Frame, Mask, Plane};
+use crate::kernel::quantile::quantile;
+use crate::params::ShapeParams;
+
+/// Half the side of the square that silhouettes are counted in, as a share of the picture's size.
+const REACH: f32 = 1.0 / 72.0;
+
+/// The same in pixels at the least, so that two lines within the square stay below [`DENSE`].
+const LEAST_REACH: usize = 4;
+
+/// From this share of pixels at silhouettes on there is clutter: two lines within the square give a fourth or less.
+const DENSE: f32 = 0.28;
+
+/// From this share of such places on, the pixels between them are clutter too.
+const BETWEEN: f32 = 0.2;
+
+/// The radius within which a mass is averaged, as a share of the picture's size.
+const MASS: f32 = 1.0 / 60.0;
+
+/// Pixels that are averaged, to each side at the most: of wide masses every second one, or third.
+const MOST_STEPS: usize = 4;
+
+/// What differs by less than this share of the picture's longer side in depth is of one mass.
+const DEEP: f32 = 0.05;
+
+impl Frame {
+    /// The frame with its clutter made into masses; `None` if it has none. `parted` tells its silhouettes:
+    /// see [`super::gap::of_frame::parted`].
+    pub(super) fn calmed(&self, parted: &Plane<[bool; 2]>) -> Option<Frame> {
+        let depth = self.depth.as_ref()?;
+        let is_at_silhouette = Plane::of_rows(depth.width(), depth.height(), |y, row| {
+            for (x, is_at) in row.iter_mut().enumerate() {
+                let is_hidden = |[i, k]: [usize; 2], is_parted: bool| {
+                    !self.mask.at(i, k) || is_parted && depth.at(x, y) < depth.at(i, k)
+                };
+                *is_at = self.mask.at(x, y)
+                    && is_beside(parted, [x, y]).any(|(at, is_parted)| is_hidden(at, is_parted));
+            }
+        });
+        let size = self.display_window.size_px();
+        let reach = ((REACH * size).round() as usize).max(LEAST_REACH);
+        let dense = share_around(&is_at_silhouette, reach).map(|share| share > DENSE);
+        if !dense.samples().contains(&true) {
+            return None;
+        }
+        let is_clutter = share_around(&dense, reach).map(|share| share > BETWEEN);
+        Some(Masses::new(self, depth, is_clutter).averaged())
+    }
+}
+
+/// The share of pixels within so many columns and rows that are set; beyond the picture none is.
+fn share_around(is_set: &Plane<bool>, reach: usize) -> Plane {
+    let (width, height) = (is_set.width(), is_set.height());
+    // Sums over all pixels above and to the left.
+    let mut sums = vec![0_u32; (width + 1) * (height + 1)];
+    for y in 0..height {
+        let mut along = 0;
+        for x in 0..width {
+            along += u32::from(is_set.at(x, y));
+            sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + along;
+        }
+    }
+    let (sums, all) = (&sums, ((2 * reach + 1) as f32).powi(2));
+    Plane::of_rows(width, height, |y, row| {
+        let (top, bottom) = (y.saturating_sub(reach), (y + reach + 1).min(height));
+        for (x, share) in row.iter_mut().enumerate() {
+            let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(width));
+            let before = |x: usize, y: usize| sums[y * (width + 1) + x];
+            let sum = before(right, bottom) + before(left, top);
+            let sum = sum - before(left, bottom) - before(right, top);
+            *share = sum as f32 / all;
+        }
+    })
+}
+
+/// The masses of a frame.
+struct Masses<'a> {
+    frame: &'a Frame,
+    depth: &'a Plane,
+    scale: GapScale,
+    /// Steps between the pixels that are averaged, and how many to each side.
+    step: usize,
+    steps: usize,
+    /// The depth of the mass seen at each pixel of clutter, where most pixels around it are covered; NaN elsewhere.
+    middle: Plane,
+    is_clutter: Plane<bool>,
+}
+
+impl<'a> Masses<'a> {
+    fn new(frame: &'a Frame, depth: &'a Plane, is_clutter: Plane<bool>) -> Self {
+        let radius = (MASS * frame.display_window.size_px()).round().max(1.0) as usize;
+        let step = radius.div_ceil(MOST_STEPS);
+        let mut masses = Self {
+            frame,
+            depth,
+            scale: GapScale::of(frame, ShapeParams::default().silhouette),
+            step,
+            steps: radius / step,
+            middle: Plane::default(),
+            is_clutter,
+        };
+        masses.middle = Plane::of_rows(depth.width(), depth.height(), |y, row| {
+            for (x, middle) in row.iter_mut().enumerate() {
+                *middle = masses.middle_around([x, y]).unwrap_or(f32::NAN);
+            }
+        });
+        masses
+    }
+
+    /// The pixels around that are averaged.
+    fn around(&self, [x, y]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+        let (width, height) = (self.depth.width(), self.depth.height());
+        let (step, steps) = (self.step, self.steps as isize);
+        let offsets =
+            (-steps..=steps).flat_map(move |down| (-steps..=steps).map(move |a| [a, down]));
+        let disc = offsets.filter(move |[a, d]| a * a + d * d <= steps * steps);
+        let places = disc.map(move |[a, d]| {
+            let moved = |at: usize, by: isize| at.wrapping_add_signed(by * step as isize);
+            [moved(x, a), moved(y, d)]
+        });
+        places.filter(move |[x, y]| *x < width && *y < height)
+    }
+
+    /// The middle depth around a pixel of clutter, if most of the pixels there are covered.
+    fn middle_around(&self, at: [usize; 2]) -> Option<f32> {
+        if !self.is_clutter.at(at[0], at[1]) {
+            return None;
+        }
+        let mut count = 0;
+        let around = self.around(at).inspect(|_| count += 1);
+        let covered = around.filter(|[x, y]| self.frame.mask.at(*x, *y));
+        let mut depths: Vec<f32> = covered.map(|[x, y]| self.depth.at(x, y)).collect();
+        if 2 * depths.len() <= count {
+            return None;
+        }
+        quantile(&mut depths, 0.5, f32::total_cmp)
+    }
+
+    /// The frame with the means of masses in place of their pixels.
+    fn averaged(&self) -> Frame {
+        let frame = self.frame;
+        let covered = |x: usize, y: usize| match self.is_clutter.at(x, y) {
+            true => !self.middle.at(x, y).is_nan(),
+            false => frame.mask.at(x, y),
+        };
+        let mask = Mask::new(Plane::from_fn(
+            self.depth.width(),
+            self.depth.height(),
+            covered,
+        ));
+        let mut calm = frame.with_planes(mask, |plane| self.means(plane));
+        calm.objects = frame.objects.clone();
+        if let Some(lengths) = &mut calm.normal_length {
+            // A mass has no edges within pixels.
+            lengths.each_row(|y, row| {
+                let is_mass = self.middle.row(y).iter().map(|middle| !middle.is_nan());
+                let masses = row.iter_mut().zip(is_mass).filter(|(_, is_mass)| *is_mass);
+                masses.for_each(|(length, _)| *length = 1.0);
+            });
+        }
+        calm.normal.make_unit();
+        calm
+    }
+
+    /// A plane with the means of masses.
+    fn means(&self, plane: &Plane) -> Plane {
+        Plane::of_rows(plane.width(), plane.height(), |y, row| {
+            for (x, mean) in row.iter_mut().enumerate() {
+                *mean = self.mean(plane, [x, y]);
+            }
+        })
+    }
+
+    fn mean(&self, plane: &Plane, [x, y]: [usize; 2]) -> f32 {
+        let middle = self.middle.at(x, y);
+        if middle.is_nan() {
+            return plane.at(x, y);
+        }
+        let is_of_mass = |[x, y]: &[usize; 2]| {
+            let jump = self.scale.jump_px([middle, self.depth.at(*x, *y)], 0);
+            self.frame.mask.at(*x, *y) && jump < DEEP * self.scale.side
+        };
+        let values = self.around([x, y]).filter(is_of_mass);
+        let add = |(sum, count), [x, y]: [usize; 2]| (sum + plane.at(x, y), count + 1.0);
+        let (sum, count) = values.fold((0.0, 0.0), add);
+        sum / f32::max(count, 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Vector3Planes;
+    use crate::frame::gap::of_frame::parted;
+    use glam::DVec3;
+
+    /// Facing pixels at depth 2, but for `far` of 10 in random places right of column 100, at depth 4.
+    fn thicket(far: u32) -> Frame {
+        let is_far = |x: usize, y: usize| {
+            let noise = (x as u32).wrapping_mul(73_856_093) ^ (y as u32).wrapping_mul(19_349_663);
+            x > 100 && (noise.wrapping_mul(2_654_435_769) >> 16) % 10 < far
+        };
+        let depth = Plane::from_fn(200, 150, |x, y| if is_far(x, y) { 4.0 } else { 2.0 });
+        Frame {
+            depth: Some(depth),
+            ..Frame::of_normals(
+                Vector3Planes::from_fn(200, 150, |_, _| DVec3::Z),
+                Mask::full(200, 150),
+            )
+        }
+    }
+
+    fn borders(frame: &Frame) -> Plane<[bool; 2]> {
+        parted(frame, ShapeParams::default().silhouette).expect("the frame has depth")
+    }
+
+    /// How many pixels have a silhouette to the right or below.
+    fn silhouettes(frame: &Frame) -> usize {
+        let parted = borders(frame);
+        let is_any = |&[right, below]: &[bool; 2]| right || below;
+        parted.samples().iter().filter(|any| is_any(any)).count()
+    }
+
+    #[test]
+    fn a_thicket_becomes_one_mass() {
+        let frame = thicket(1);
+        let calm = frame.calmed(&borders(&frame)).expect("there is clutter");
+        // One of three pixels is unlike the others in 1 - .9^3 - .1^3 = .27 of 14,850 places.
+        let (before, after) = (silhouettes(&frame), silhouettes(&calm));
+        assert!(before > 3_000 && 5 * after < before, "{before} {after}");
+        // Nine of ten tell how far it is, but where there happen to be few others; what lies beside it is untouched.
+        let far = |frame: &Frame, columns: std::ops::Range<usize>| {
+            let depth = frame.depth.as_ref().expect("the frame has depth");
+            let row = |y| depth.row(y)[columns.clone()].iter();
+            let depths = (10..140).flat_map(row);
+            depths.filter(|&&depth| depth != 2.0).count()
+        };
+        let [before, after] = [&frame, &calm].map(|frame| far(frame, 110..190));
+        assert!(before > 1_000 && 20 * after < before, "{before} {after}");
+        assert_eq!(far(&calm, 10..90), 0);
+    }
+
+    #[test]
+    fn a_few_lines_are_no_clutter() {
+        let mut frame = thicket(0);
+        assert!(frame.calmed(&borders(&frame)).is_none());
+        // Bars of three pixels, nine apart: two silhouettes in nine columns, .22.
+        let bars = Plane::from_fn(200, 150, |x, _| if x % 9 < 3 { 2.0 } else { 4.0 });
+        frame.depth = Some(bars);
+        assert!(frame.calmed(&borders(&frame)).is_none());
+    }
+}
