@@ -44,6 +44,8 @@ use std::rc::Rc;
 mod mirrors;
 #[path = "measure/room.rs"]
 mod room;
+#[path = "measure/shadows.rs"]
+mod shadows;
 #[path = "measure/strokes.rs"]
 mod strokes;
 #[path = "measure/warping.rs"]
@@ -99,6 +101,7 @@ fn print_cases(arguments: &[String]) -> Outcomes<()> {
     };
     let mut cases = shape_cases(width, height)?;
     cases.extend(light_cases(width, height)?);
+    cases.extend(shadows::cases(width, height)?);
     cases.extend(drawing_cases(width, height)?);
     let mut peer = match std::env::var(PEER) {
         Ok(command) => Some(Peer::new(command, &waves(width, height))?),

@@ -7,7 +7,7 @@ use super::material::PerLobe;
 use glam::{Mat3, Vec3};
 use relievo::light::light_warping::{Warp, half_vector, warped};
 use relievo::light::radiance_scaling::ScalingCurve;
-use relievo::params::{RelightParams, ScalingParams, ShapeParams};
+use relievo::params::{Magnitude, RelightParams, ScalingParams, ShapeParams};
 use relievo::shape::curvature::mapped_curvature;
 use relievo::shape::view_hessian::view_hessian;
 
@@ -43,7 +43,7 @@ pub(crate) struct Enhancement {
     /// Warping strength, to be multiplied by that length ([LW] section 5).
     pub(crate) warping: f32,
     /// Magnitudes gamma per lobe ([RS] section 5.2).
-    pub(crate) scaling: PerLobe<f32>,
+    pub(crate) scaling: PerLobe<Magnitude>,
     /// The intensity that stays.
     pub(crate) invariant_point: f32,
     pub(crate) shape: ShapeParams,
@@ -120,7 +120,9 @@ impl Enhancement {
     fn scale_of(&self, [xx, _, yy]: [f32; 3]) -> Scale {
         let kappa = mapped_curvature(xx + yy, self.feature);
         Scale {
-            curves: self.scaling.map(|gamma| ScalingCurve::of(gamma * kappa)),
+            curves: self
+                .scaling
+                .map(|gamma| ScalingCurve::of(gamma.exponent(kappa))),
             invariant_point: self.invariant_point,
         }
     }

@@ -5,6 +5,7 @@ use super::path::{Direct, Tracing};
 use super::render::Job;
 use super::stage::{self, Setting};
 use super::{MAX_BOUNCES, the_urn};
+use relievo::params::Magnitude;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
@@ -22,7 +23,7 @@ fn kinds() -> [(&'static str, Enhancement); 6] {
     };
     let idle = Enhancement {
         warping: 0.0,
-        scaling: [0.0; 2],
+        scaling: [Magnitude::of_both(0.0); 2],
         ..kind(Bounces::First, Bounces::First)
     };
     [

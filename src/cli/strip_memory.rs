@@ -82,7 +82,7 @@ pub(super) fn refuse_large_surroundings(job: &Job, path: Option<&Path>) -> Resul
 }
 
 /// About how much memory the frame takes as a whole.
-fn whole_bytes(job: &Job) -> u64 {
+pub(super) fn whole_bytes(job: &Job) -> u64 {
     job.args().frame_bytes(&job.args().input)
 }
 

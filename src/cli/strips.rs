@@ -4,7 +4,7 @@ use super::job::Job;
 use super::kit::Kit;
 use super::output::ReadyOutput;
 use super::progress::strips_bar;
-use super::strip_memory::{Cost, FEWEST_ROWS, strips_of};
+use super::strip_memory::{Cost, FEWEST_ROWS, strips_of, whole_bytes};
 use super::timings::Timings;
 use crate::command::chosen::Chosen;
 use crate::command::output::Kind;
@@ -17,7 +17,7 @@ use crate::frame::{CONFIDENCE_REACH, Frame, HOLE_REACH, Plane, Window};
 use crate::io::inputs::Inputs;
 use crate::io::output::write_atomically;
 use crate::io::picture::{Brightness, Encoding, Gathered, Whites};
-use crate::io::{InputFiles, Loaded, Needs};
+use crate::io::{InputFiles, Loaded, Needs, program_bytes};
 use crate::plan::Plan;
 use crate::work::picture::MadePicture;
 use crate::work::source::Source;
@@ -94,6 +94,10 @@ pub(super) fn make(kit: &Kit, job: &Job, source: Source) -> Result<Chosen> {
         ..needs
     };
     let first = plan(work, kit, &sample, &StripChoice::default())?;
+    if first.takes_whole() {
+        let why = "casts shadows over the whole picture, which --shadows off leaves out";
+        return Err(args.too_large(&args.input, why, program_bytes() + whole_bytes(job)));
+    }
     job.tell_plan(&first);
     let warnings = work.warnings_on(&sample.frame);
     warnings.iter().for_each(|text| job.warn(text));

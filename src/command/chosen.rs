@@ -31,6 +31,8 @@ pub(crate) struct Chosen {
     still_camera: Option<StillCamera>,
     /// What stands for an environment. No flag chooses it.
     light: Option<LightChoice>,
+    /// Whether new light casts shadows; in a sequence as in its first frame.
+    shadows: Option<bool>,
 }
 
 impl Chosen {
@@ -65,6 +67,7 @@ impl Chosen {
             tone_levels: outcome.tone_levels,
             line_levels: outcome.line_levels,
             light: outcome.light_choice,
+            shadows: outcome.casts_shadows,
             ..self
         }
     }
@@ -115,6 +118,7 @@ impl Chosen {
             line_levels: median(each.iter().filter_map(|chosen| chosen.line_levels)),
             conventions: most_frequent(each.iter().filter_map(|chosen| chosen.conventions)),
             light: each.iter().find_map(|chosen| chosen.light),
+            shadows: each.iter().find_map(|chosen| chosen.shadows),
             recovered: None,
             still_camera: cameras.and_then(|cameras| still_camera::of_all(&cameras)),
         }
@@ -138,7 +142,11 @@ impl Chosen {
         let tones = tones.map(|levels| Flag::new("tone-levels", listed(levels)));
         let lines = self.line_levels.iter();
         let lines = lines.map(|levels| Flag::new("line-levels", listed(levels)));
+        let shadows = self
+            .shadows
+            .map(|cast| Flag::new("shadows", switched(cast)));
         numbers
+            .chain(shadows)
             .chain(tones)
             .chain(lines)
             .chain(conventions)
@@ -174,8 +182,20 @@ impl Chosen {
                 format!("{name}{space}{term} {number:.digits$}")
             });
         let light = self.light.iter().map(LightChoice::to_string);
-        words.chain(light).collect::<Vec<_>>().join(", ")
+        let shadows = self
+            .shadows
+            .map(|cast| format!("shadows {}", switched(cast)));
+        shadows
+            .into_iter()
+            .chain(words)
+            .chain(light)
+            .collect::<Vec<_>>()
+            .join(", ")
     }
+}
+
+fn switched(is_on: bool) -> &'static str {
+    if is_on { "on" } else { "off" }
 }
 
 /// The numbers present in `single`, and the white levels of kinds of light.

@@ -1,7 +1,7 @@
 //! The commands and their arguments. Flags of parameters come from their table.
 
 use super::args::{ComputeArgs, MOST_THREADS, WorkArgs};
-use super::flags::{Flags, Section};
+use super::flags::{Flags, Section, SumFlag};
 use super::light_layers::LightLayerFlags;
 use super::line_args::HatchArgs;
 use super::map::MapArgs;
@@ -53,7 +53,7 @@ pub(crate) enum Command {
     #[command(after_help = RELIGHT_EXAMPLES)]
     Relight(Box<RelightArgs>),
     /// Draw the surface: pen or pencil strokes along its curvature, lines along its edges.
-    #[command(after_help = HATCH_EXAMPLES)]
+    #[command(after_help = HATCH_EXAMPLES, mut_arg("sum", |sum| sum.hide(true)))]
     Hatch(Box<HatchArgs>),
     /// Make maps for textures: curvature, its convex and concave parts, edges, height, occlusion, normals.
     #[command(after_help = MAP_EXAMPLES)]
@@ -270,6 +270,8 @@ pub(crate) struct EnhanceArgs {
     _lobes: Section<{ Group::LightLayers as u8 }>,
     #[command(flatten)]
     pub(crate) light: LightLayerFlags,
+    #[command(flatten)]
+    _sum: SumFlag,
     #[command(flatten)]
     _scaling: Section<{ Group::Scaling as u8 }>,
     #[command(flatten)]

@@ -55,6 +55,10 @@ pub(crate) struct Flags {
     pub(crate) params: Params,
     /// All sigmas of `--scale`, unless they are mixed.
     scales: Vec<f32>,
+    /// All weights of `--sum`, of a picture of light or a drawing.
+    sum: Vec<f32>,
+    /// Whether a picture of light shows all scales added up.
+    is_light: bool,
     /// All radii of `--occlusion-radius`.
     radii: Vec<f32>,
     /// The folder given to `--style`.
@@ -78,6 +82,17 @@ impl Flags {
     /// [`Error::BadParameter`] naming the first one.
     pub(crate) fn validate(&self) -> Result<()> {
         check_scales(self.scales.len())?;
+        if !self.sum.is_empty() && !self.is_light {
+            let found = "is of a picture of light, and a drawing shows one scale";
+            return Err(bad("--sum", found, "leave it out"));
+        }
+        if !self.sum.is_empty() {
+            let count = match self.scales.is_empty() {
+                true => self.params.shape.scale.weighted().count().max(1),
+                false => self.scales.len(),
+            };
+            weights_for(&self.sum, count)?;
+        }
         self.params.validate()
     }
 
@@ -92,9 +107,54 @@ impl Flags {
         Err(bad(
             "--scale",
             "names several scales",
-            "give one, or write the layers of all with `shape` to an .exr; `enhance` and `relight` mix two",
+            "give one, or write the layers of all with `shape` to an .exr; `enhance` and `relight` mix up to four",
         ))
     }
+}
+
+/// The weights of so many scales, of one for each or one for all.
+///
+/// # Errors
+/// [`Error::BadParameter`] for another number of weights, and for those that add up to nothing.
+pub(crate) fn weights_for(sum: &[f32], scales: usize) -> Result<Vec<f32>> {
+    let weights = match sum {
+        [one] => vec![*one; scales],
+        _ if sum.len() == scales => sum.to_vec(),
+        _ => {
+            let found = format!("has {} weights for {scales} scales", sum.len());
+            return Err(bad(
+                "--sum",
+                found,
+                "give one for each scale, or one for all",
+            ));
+        }
+    };
+    let total: f32 = weights.iter().map(|weight| weight.abs()).sum();
+    if !(total > 0.0 && total.is_finite()) {
+        let found = "has weights that add up to nothing".to_string();
+        return Err(bad(
+            "--sum",
+            found,
+            "give finite numbers, not all of them 0",
+        ));
+    }
+    Ok(weights)
+}
+
+/// The weights of scales in one picture of light.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SumFlag {
+    /// Weights of the scales of --scale 2,12 in the picture, beside their sizes: one for each, or one for all.
+    #[arg(
+        hide_short_help = true,
+        id = "sum",
+        long = "sum",
+        value_name = "WEIGHT,..",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        help_heading = "Shape"
+    )]
+    _sum: Vec<f32>,
 }
 
 impl FromArgMatches for Flags {
@@ -119,17 +179,31 @@ impl FromArgMatches for Flags {
                 .collect()
         };
         let mut scales = numbers("scale");
-        // One picture of light shows two scales mixed; a drawing has strokes, too.
-        let is_light = values(matches, "scaling").is_some() && values(matches, "style").is_none();
-        if let ([fine, coarse], true) = (&scales[..], is_light) {
-            params.shape.scale = Scale::Mixed([*fine, *coarse]);
-            scales.clear();
+        // One picture of light shows several scales mixed; a drawing has strokes, too.
+        let has_light = values(matches, "scaling").is_some();
+        let is_light = has_light && values(matches, "style").is_none();
+        let sum = if has_light {
+            numbers("sum")
+        } else {
+            Vec::new()
+        };
+        if is_light && scales.len() > 1 {
+            let even = [1.0];
+            let weights = if sum.is_empty() { &even[..] } else { &sum };
+            let weights = weights_for(weights, scales.len()).unwrap_or_default();
+            let mixed: Vec<_> = scales.iter().copied().zip(weights).collect();
+            if let Some(mixed) = Scale::mixed(&mixed) {
+                params.shape.scale = mixed;
+                scales.clear();
+            }
         }
         let style =
             values(matches, "style").filter(|_| params.line.strokes.style == Style::Pictures);
         Ok(Self {
             params,
             scales,
+            sum,
+            is_light,
             radii: numbers("occlusion-radius"),
             folder_of_strokes: style.and_then(|style| style.last().map(PathBuf::from)),
         })

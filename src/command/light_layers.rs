@@ -74,8 +74,8 @@ impl LightLayerFlags {
         }
         LightInputs {
             lobes: params.lobes,
-            without_diffuse: magnitudes.diffuse == 0.0 && !ambient,
-            without_specular: magnitudes.specular == 0.0,
+            without_diffuse: magnitudes.diffuse.largest() == 0.0 && !ambient,
+            without_specular: magnitudes.specular.largest() == 0.0,
             diffuse: self.diffuse.clone(),
             specular: self.specular.clone(),
             albedo: self.albedo.clone(),

@@ -1,11 +1,11 @@
 //! The arguments of `relight`.
 
 use super::args::WorkArgs;
-use super::flags::Section;
+use super::flags::{Section, SumFlag};
 use super::specular_args::SpecularFlags;
-use crate::light::lights::Illumination;
-use crate::light::lights::LightKinds;
-use crate::params::{AlbedoSource, Group, MaterialParams, RelightParams};
+use crate::frame::Frame;
+use crate::light::lights::{DirectionalLight, Illumination, LightKinds};
+use crate::params::{AlbedoSource, Group, MaterialParams, Raking, RelightParams, Shadows};
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -20,6 +20,8 @@ pub(crate) struct RelightArgs {
     _light: Section<{ Group::Light as u8 }>,
     #[command(flatten)]
     _warping: Section<{ Group::Warping as u8 }>,
+    #[command(flatten)]
+    _sum: SumFlag,
     #[command(flatten)]
     _scaling: Section<{ Group::Scaling as u8 }>,
     #[command(flatten)]
@@ -148,6 +150,48 @@ impl RelightArgs {
                 "a light at {azimuth},{elevation} is past the zenith: it shines from {opposite},{over}"
             )
         })
+    }
+
+    /// Warnings for lights that have not risen above the picture plane and cast shadows.
+    pub(crate) fn unrisen(&self, frame: &Frame) -> impl Iterator<Item = String> {
+        let lights = self.light.light.iter().map(|light| light.0);
+        let is_raking = |at| DirectionalLight::white(at).is_raking();
+        let params = self.params();
+        let casts = match params.shadows {
+            Shadows::On => true,
+            Shadows::Auto => {
+                params.raking == Raking::Given && frame.is_map() && lights.clone().any(is_raking)
+            }
+            Shadows::Off => false,
+        };
+        let unrisen = lights.filter(move |[_, elevation]| casts && *elevation <= 0.0);
+        unrisen.map(|[azimuth, elevation]| {
+            format!(
+                "a light at {azimuth},{elevation} is not above the picture plane: most of the surface is in its own shadow"
+            )
+        })
+    }
+
+    /// Warnings of lights that were to be turned, and cannot be.
+    pub(crate) fn idle_turns(&self) -> impl Iterator<Item = String> {
+        let RelightParams {
+            method,
+            align,
+            raking,
+            ..
+        } = self.params();
+        let is_idle = !method.aligns() && align != RelightParams::default().align;
+        let align =
+            is_idle.then(|| format!("--align {align} changes nothing: give --method align"));
+        let overhead = self
+            .light
+            .light
+            .first()
+            .is_some_and(|light| light.0[1] == 90.0);
+        let raking = (raking == Raking::Best && overhead).then(|| {
+            "--raking best changes nothing: the first light shines from the viewer, and has no azimuth".into()
+        });
+        align.into_iter().chain(raking)
     }
 
     /// Whether some light comes from all directions, so that occlusion dims it.

@@ -129,7 +129,7 @@ mod tests {
         let all = all();
         let of = |name: &str| all.iter().find(|s| s.name == name).unwrap();
         assert_eq!(of("thin").kind, Kind::Switch);
-        assert!(matches!(&of("method").kind, Kind::Choice(words) if words.len() == 4));
+        assert!(matches!(&of("method").kind, Kind::Choice(words) if words.len() == 5));
         assert!(matches!(
             &of("light").kind,
             Kind::Text {

@@ -10,7 +10,6 @@ use crate::engine::tiles::{Strips, rows_of};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, LightLayers};
 use crate::plan::Plan;
-use crate::product::Product;
 use std::ops::Range;
 
 /// Planes that stages take at most beside their results, three gradients of the diffusion above all.
@@ -65,11 +64,11 @@ impl Engine {
         if most_rows >= whole.height() {
             return self.execute_here(plan, frame, inputs, run);
         }
-        let is_whole = |product: &Product| product.row().on_request;
-        if plan.drawing.is_some() || plan.wanted.iter().any(is_whole) {
+        if plan.drawing.is_some() || plan.takes_whole() {
+            let found = "a drawing, heights, skies, cast shadows and light turned to the form take the frame whole";
             return Err(Error::Unfit {
-                found: "a drawing, heights and skies take the frame whole".into(),
-                remedy: "allow more memory",
+                found: found.into(),
+                remedy: "allow more memory, or leave shadows off",
             });
         }
         let strips = Strips::new(plan.reach(), whole.height(), most_rows);
@@ -156,6 +155,7 @@ mod tests {
     use crate::light::lights::{DirectionalLight, Illumination};
     use crate::params::{AlbedoSource, Method, RelightParams, ScalingParams, ShapeParams};
     use crate::plan::Goal;
+    use crate::product::Product;
     use crate::scenes::Scene;
 
     /// A row of 100 pixels of 40 to 80 planes takes 16,000 to 32,000 bytes: of 8 MB a strip has less than 500 of 900 rows.

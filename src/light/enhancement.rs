@@ -1,7 +1,7 @@
 //! The part of a picture that is scaled, and its magnitude, given the light layers present.
 
 use crate::frame::LightLayers;
-use crate::params::ScalingParams;
+use crate::params::{Magnitude, ScalingParams};
 
 /// The light layers available for scaling.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -61,7 +61,7 @@ pub(crate) enum Subject {
 pub(crate) struct Enhancement {
     pub(crate) subject: Subject,
     /// The largest scaling magnitude over the parts of the subject.
-    pub(crate) magnitude: f32,
+    pub(crate) magnitude: Magnitude,
     /// The magnitude for scaling the result by ambient occlusion.
     pub(crate) occlusion: f32,
 }
@@ -76,29 +76,35 @@ impl Enhancement {
             }
             _ => Subject::Picture,
         };
-        let of = |there: bool, magnitude: f32| if there { magnitude } else { 0.0 };
+        let of = |there: bool, magnitude: Magnitude| match there {
+            true => magnitude,
+            false => Magnitude::of_both(0.0),
+        };
         // Light from other surfaces is ambient light; in a layer of its own, it already includes occlusion.
         let ambient_lobe = subject == Subject::Lobes
             && light.diffuse_indirect
             && scaling.scaling_ambient.is_some();
         let magnitude = match subject {
             Subject::Picture if light.picture_is_occlusion => magnitudes.ambient,
-            Subject::Picture => scaling.scaling,
+            Subject::Picture => scaling.magnitude(),
             Subject::Groups => magnitudes.diffuse,
             Subject::Lobes => of(light.diffuse, magnitudes.diffuse)
-                .max(of(light.specular, magnitudes.specular))
-                .max(of(ambient_lobe, magnitudes.ambient)),
+                .or(of(light.specular, magnitudes.specular))
+                .or(of(ambient_lobe, magnitudes.ambient)),
         };
         let by_occlusion = light.occlusion && !light.picture_is_occlusion && !ambient_lobe;
         Self {
             subject,
             magnitude,
-            occlusion: of(by_occlusion, scaling.scaling_ambient.unwrap_or(0.0)),
+            occlusion: match by_occlusion {
+                true => scaling.scaling_ambient.unwrap_or(0.0),
+                false => 0.0,
+            },
         }
     }
 
     /// Whether the picture stays unchanged.
     pub(crate) fn is_idle(&self) -> bool {
-        self.magnitude == 0.0 && self.occlusion == 0.0
+        self.magnitude.largest() == 0.0 && self.occlusion == 0.0
     }
 }

@@ -26,6 +26,12 @@ impl DirectionalLight {
             intensity: [1.0; 3],
         }
     }
+
+    /// Whether it is above the picture plane, by less than 45 degrees.
+    pub(crate) fn is_raking(&self) -> bool {
+        let Vec3 { x, y, z } = self.to_light;
+        z > 0.0 && z < x.hypot(y)
+    }
 }
 
 /// Light from a point near the surface.
@@ -92,6 +98,9 @@ fn check_all(name: &'static str, numbers: [f32; 3], range: RangeInclusive<f32>) 
 pub struct Illumination {
     /// Directional lights; an area light is many of them.
     pub directional: Vec<DirectionalLight>,
+    /// Widths in degrees, as seen from the surface, of directional lights that have their own: of samples of area lights.
+    /// Those without, and those beyond the end, are as wide as [`crate::params::RelightParams::light_size`].
+    pub widths_deg: Vec<Option<f32>>,
     /// Point lights.
     pub points: Vec<PointLight>,
     /// Light from all around, attached to the view. A runner caches its filtered maps while the same one is used.
@@ -111,6 +120,8 @@ pub struct LightKinds {
     pub environment: bool,
     /// Lit spheres: one, or two for convexities and concavities.
     pub lit_spheres: u8,
+    /// Whether a directional light is raking: above the picture plane, by less than 45 degrees.
+    pub raking: bool,
 }
 
 impl LightKinds {
@@ -120,6 +131,7 @@ impl LightKinds {
         points: false,
         environment: false,
         lit_spheres: 0,
+        raking: false,
     };
 }
 
@@ -131,6 +143,7 @@ impl Illumination {
             points: !self.points.is_empty(),
             environment: self.environment.is_some(),
             lit_spheres: self.lit_spheres.len().min(2) as u8,
+            raking: self.directional.iter().any(DirectionalLight::is_raking),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Light that brings out shape: radiance scaling, light warping, lights and reflectance, as pure per-sample kernels.
 
 pub mod albedo;
+pub(crate) mod alignment;
 pub(crate) mod batch;
 pub mod brdf;
 pub(crate) mod cosines;
@@ -22,6 +23,7 @@ pub(crate) mod octahedral;
 pub(crate) mod prepared_environment;
 pub mod radiance_scaling;
 pub(crate) mod relight;
+pub(crate) mod shadows;
 pub(crate) mod sum;
 pub(crate) mod texels;
 pub(crate) mod tones;

@@ -197,7 +197,7 @@ impl<'a> Illuminants<'a> {
         weights: [f32; 3],
     ) -> f32 {
         let material = &relighting.params.material;
-        let is_changed = relighting.warps || relighting.scales;
+        let is_changed = relighting.warps || relighting.scales || relighting.aligns;
         let has_last = material.material == Material::Toon && is_changed && light.points.is_empty();
         let Some(tones) = relighting.params.tones().filter(|_| has_last) else {
             return f32::MAX;

@@ -21,7 +21,7 @@ pub(crate) static AUTO_WHITE: Stage = Stage {
             diffuse,
             specular,
         } = scaling.magnitudes();
-        let scaled = [ambient, diffuse, specular].map(|magnitude| magnitude > 0.0);
+        let scaled = [ambient, diffuse, specular].map(|magnitude| magnitude.largest() > 0.0);
         let has_ambient = scaling.scaling_ambient.is_some();
         format!(
             "{scaled:?} {has_ambient} {:?} {:?}",

@@ -41,6 +41,12 @@ params! {
         /// The gamma of the paper. 1 is clearly visible; past [`crate::light::radiance_scaling::monotone_limit`]
         /// concavities may show new dark rims.
         scaling: f32 = 1.0, flag: "--scaling", common: true, alias: Some("strength"), form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
+        /// Scaling magnitude of convexities, for all light without one of its own; --scaling by default.
+        scaling_convex: Option<f32> = None,
+            flag: "--scaling-convex", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
+        /// Scaling magnitude of concavities, for all light without one of its own; --scaling by default.
+        scaling_concave: Option<f32> = None,
+            flag: "--scaling-concave", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
         /// Scaling magnitude for ambient light and occlusion; --scaling by default.
         scaling_ambient: Option<f32> = None,
             flag: "--scaling-ambient", form: "G", valid: MAGNITUDES, useful: even(0.0, 4.0);
@@ -140,24 +146,85 @@ impl Value for TermWhiteLevels {
     }
 }
 
+/// The scaling magnitude gamma of convexities, and that of concavities.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Magnitude {
+    /// Of convexities.
+    pub convex: f32,
+    /// Of concavities.
+    pub concave: f32,
+}
+
+impl Magnitude {
+    /// One magnitude for both.
+    pub fn of_both(magnitude: f32) -> Self {
+        Self {
+            convex: magnitude,
+            concave: magnitude,
+        }
+    }
+
+    /// The exponent gamma kappa of mapped curvature.
+    #[inline(always)]
+    pub fn exponent(self, kappa: f32) -> f32 {
+        let magnitude = if kappa >= 0.0 {
+            self.convex
+        } else {
+            self.concave
+        };
+        magnitude * kappa
+    }
+
+    /// The larger ones of both.
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self {
+            convex: self.convex.max(other.convex),
+            concave: self.concave.max(other.concave),
+        }
+    }
+
+    /// The larger of the two: of 0 nothing changes.
+    pub fn largest(self) -> f32 {
+        self.convex.max(self.concave)
+    }
+}
+
+impl std::fmt::Display for Magnitude {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.convex == self.concave {
+            true => write!(f, "{}", self.convex),
+            false => write!(f, "{} convex and {} concave", self.convex, self.concave),
+        }
+    }
+}
+
 /// Scaling magnitudes gamma by term.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Magnitudes {
     /// For ambient light and occlusion.
-    pub ambient: f32,
+    pub ambient: Magnitude,
     /// For diffusely reflected light.
-    pub diffuse: f32,
+    pub diffuse: Magnitude,
     /// For specularly reflected light.
-    pub specular: f32,
+    pub specular: Magnitude,
 }
 
 impl ScalingParams {
     /// The magnitude of every term.
     pub fn magnitudes(&self) -> Magnitudes {
+        let of = |own: Option<f32>| own.map_or_else(|| self.magnitude(), Magnitude::of_both);
         Magnitudes {
-            ambient: self.scaling_ambient.unwrap_or(self.scaling),
-            diffuse: self.scaling_diffuse.unwrap_or(self.scaling),
-            specular: self.scaling_specular.unwrap_or(self.scaling),
+            ambient: of(self.scaling_ambient),
+            diffuse: of(self.scaling_diffuse),
+            specular: of(self.scaling_specular),
+        }
+    }
+
+    /// The magnitude of a picture as a whole, and of terms without one of their own.
+    pub fn magnitude(&self) -> Magnitude {
+        Magnitude {
+            convex: self.scaling_convex.unwrap_or(self.scaling),
+            concave: self.scaling_concave.unwrap_or(self.scaling),
         }
     }
 }

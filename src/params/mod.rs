@@ -32,7 +32,7 @@ mod shape;
 mod specular;
 
 pub use display::{DisplayParams, Exposure, Highlights};
-pub use light::{Adaptive, Magnitudes, ScalingParams, TermWhiteLevels};
+pub use light::{Adaptive, Magnitude, Magnitudes, ScalingParams, TermWhiteLevels};
 pub(crate) use line::MM_PER_INCH;
 pub use line::{
     AtEdges, Background, ContourParams, Enlargement, Fallback, FieldParams, Ink, InteriorParams,
@@ -44,13 +44,13 @@ pub(crate) use relight::AUTO_SAMPLES;
 #[cfg(feature = "cli")]
 pub(crate) use relight::MAX_LIGHTS;
 pub use relight::{
-    AlbedoSource, Material, MaterialParams, Method, Quantisation, RelightParams, Samples, Tangent,
-    WarpBy, WarpingParams,
+    AlbedoSource, Material, MaterialParams, Method, Quantisation, Raking, RelightParams, Samples,
+    Shadows, Tangent, WarpBy, WarpingParams,
 };
 pub use run::{RunOptions, TileSize};
 pub use scale_bar::{PixelSize, ScaleBar};
-pub(crate) use shape::COARSE_ROUNDING;
 pub(crate) use shape::check_scales;
+pub(crate) use shape::{COARSE_ROUNDING, MAX_MIXED, MAX_SIGMA_PX};
 pub use shape::{Scale, ShapeParams, SoftThreshold, Solver};
 pub use specular::{Bend, SearchParams, SpecularParams};
 pub use table::{Choice, Group, Kind, Many, Param, Parameters, Unit, Useful};
@@ -97,7 +97,7 @@ params! {
         lobes: LobeChoice = LobeChoice::Auto, flag: "--lobes", form: "WHEN", group: Group::LightLayers;
         /// Rotates the environment about the vertical axis.
         environment_rotate_deg: f32 = 0.0,
-            flag: "--environment-rotate", common: true, form: "DEG", unit: Unit::Degrees,
+            flag: "--environment-rotate", form: "DEG", unit: Unit::Degrees,
             valid: range::ANGLES_DEG, useful: table::even(-180.0, 180.0);
         /// Relighting.
         relight: RelightParams;

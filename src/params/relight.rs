@@ -17,6 +17,8 @@ choices! {
         Scale = "scale",
         /// Directions are bent, then reflected light is scaled ([RS] figure 14).
         Both = "both",
+        /// Directions are turned toward the detail that they graze, scale by scale.
+        Align = "align",
     }
 }
 
@@ -26,9 +28,24 @@ impl Method {
         matches!(self, Self::Warp | Self::Both)
     }
 
+    /// Whether directions of light are turned to the form.
+    pub fn aligns(self) -> bool {
+        self == Self::Align
+    }
+
     /// Whether reflected light is scaled.
     pub fn scales(self) -> bool {
         matches!(self, Self::Scale | Self::Both)
+    }
+}
+
+choices! {
+    /// Which way lamps shine on flat work.
+    pub enum Raking {
+        /// As they are given.
+        Given = "given",
+        /// In each region from the azimuth that shows most of its detail, on the side of the lamp; at the given elevation.
+        Best = "best",
     }
 }
 
@@ -168,6 +185,19 @@ params! {
     }
 }
 
+choices! {
+    /// Whether surfaces cast shadows in new light.
+    #[derive(Default)]
+    pub enum Shadows {
+        /// Photos, maps and heights do under a light below 45 degrees of elevation; renders with depth or light passes don't.
+        Auto = "auto" [default],
+        /// Always.
+        On = "on",
+        /// Never.
+        Off = "off",
+    }
+}
+
 /// Quantised luminance with soft edges ([LW] section 6.2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantisation {
@@ -203,6 +233,16 @@ params! {
         /// With --samples auto, for 99 of 100 pixels of a surface of albedo 0.5: as many lights and samples as it takes.
         light_error: Option<f32> = None,
             flag: "--light-error", form: "LEVELS", group: Group::Light, valid: 0.1..=255.0, useful: by_factors(0.5, 16.0);
+        /// Whether the surface casts shadows in light that has a direction: lamps, not environments.
+        shadows: Shadows = Shadows::Auto, flag: "--shadows", common: true, form: "WHEN", group: Group::Light;
+        /// Width of a lamp as seen from the surface: the sun has 0.5 degrees. Wider lamps have softer shadows.
+        ///
+        /// Area lights have their own.
+        light_size: f32 = 4.0,
+            flag: "--light-size", form: "DEG", group: Group::Light, unit: Unit::Degrees, valid: 0.0..=90.0, useful: even(0.0, 20.0);
+        /// Share of a lamp's light that is left in its shadows.
+        shadow_fill: f32 = 0.12,
+            flag: "--shadow-fill", form: "SHARE", group: Group::Light, valid: 0.0..=1.0, useful: even(0.0, 1.0);
         /// Light warping.
         warping: WarpingParams;
         /// Warped quantity: sampled lights, or each look-up into the environment.
@@ -214,6 +254,12 @@ params! {
         material: MaterialParams;
         /// How light is modified to show shape.
         method: Method = Method::Both, flag: "--method", common: true, form: "METHOD", group: Group::Light;
+        /// align: share of the way that each scale turns light toward its detail; 0 turns nothing.
+        ///
+        /// The sigma of Mestres et al., 2021.
+        align: f32 = 0.2, flag: "--align", form: "S", valid: 0.0..=1.0, useful: even(0.0, 0.5), group: Group::Light;
+        /// Which way lamps shine on flat work: tablets, inscriptions, maps of ground.
+        raking: Raking = Raking::Given, flag: "--raking", form: "WHAT", group: Group::Light;
         /// Tones above black; 4 for toon, by default unlimited for other materials.
         toon_levels: Option<u32> = None,
             flag: "--toon-levels", form: "N", valid: 1.0..=1024.0, useful: even(1.0, 12.0);

@@ -63,8 +63,31 @@ pub enum Scale {
     Iterations(u32),
     /// The standard deviation, 0 to 4096 pixels, of the Gaussian that diffusion equals away from edges.
     Sigma(f32),
-    /// Two such standard deviations, whose results are added with weights in proportion to them.
-    Mixed([f32; 2]),
+    /// Several such standard deviations, each with its weight: results are added with weights in proportion to both. Those
+    /// with a weight of 0 count for nothing.
+    Mixed([(f32, f32); MAX_MIXED]),
+}
+
+/// The most scales that are mixed.
+pub(crate) const MAX_MIXED: usize = 4;
+
+impl Scale {
+    /// At most four standard deviations, each with its weight; `None` of more, of none, and without a weight other than 0.
+    pub fn mixed(scales: &[(f32, f32)]) -> Option<Self> {
+        let mut mixed = [(0.0, 0.0); MAX_MIXED];
+        mixed.get_mut(..scales.len())?.copy_from_slice(scales);
+        let total: f32 = scales.iter().map(|(_, weight)| weight.abs()).sum();
+        (total > 0.0 && total.is_finite()).then_some(Self::Mixed(mixed))
+    }
+
+    /// The standard deviations that are mixed, with their weights.
+    pub(crate) fn weighted(&self) -> impl Iterator<Item = (f32, f32)> + use<> {
+        let mixed = match self {
+            Self::Mixed(mixed) => *mixed,
+            _ => [(0.0, 0.0); MAX_MIXED],
+        };
+        mixed.into_iter().filter(|(_, weight)| *weight != 0.0)
+    }
 }
 
 const DEFAULT_ITERATIONS: u32 = 10;
@@ -78,7 +101,7 @@ const _: () = {
     params!(
         @row Shape scale [
             "The same in pixels, as the sigma of a Gaussian, in place of --iterations. Of several `shape` makes layers, and"
-            "`map` maps; `enhance` and `relight` mix two."
+            "`map` maps; `enhance` and `relight` mix up to four, see --sum."
         ]
         Option<f32> = None, flag: "--scale", common: true, alias: Some("feature-size"), form: "PX[,PX]", many: Many::Listed, unit: Unit::Pixels,
         valid: 0.0..=MAX_SIGMA_PX, useful: by_factors(0.5, 64.0), rival: Some("iterations")
@@ -108,7 +131,10 @@ const _: () = {
             match self {
                 Self::Iterations(_) => Ok(()),
                 Self::Sigma(sigma) => scale.check(sigma.outside(&scale)),
-                Self::Mixed([a, b]) => scale.check(a.outside(&scale).or(b.outside(&scale))),
+                Self::Mixed(_) => {
+                    let mut sigmas = self.weighted().map(|(sigma, _)| sigma);
+                    scale.check(sigmas.find_map(|sigma| sigma.outside(&scale)))
+                }
             }
         }
     }
@@ -287,7 +313,10 @@ impl ShapeParams {
         match self.scale {
             Scale::Iterations(count) => f64::from(count) * f64::from(self.time_step),
             Scale::Sigma(sigma) => Self::time_of(sigma),
-            Scale::Mixed([a, b]) => Self::time_of(a.max(b)),
+            Scale::Mixed(_) => {
+                let sigmas = self.scale.weighted().map(|(sigma, _)| sigma);
+                Self::time_of(sigmas.fold(0.0, f32::max))
+            }
         }
     }
 
@@ -323,14 +352,18 @@ impl ShapeParams {
     /// The same for each scale that is mixed.
     pub(crate) fn scales_px(&self) -> Vec<f64> {
         match self.scale {
-            Scale::Mixed(sigmas) => sigmas.map(f64::from).to_vec(),
+            Scale::Mixed(_) => self
+                .scale
+                .weighted()
+                .map(|(sigma, _)| sigma.into())
+                .collect(),
             _ => vec![self.scale_px()],
         }
     }
 }
 
 /// A larger Gaussian is flat over any picture.
-const MAX_SIGMA_PX: f32 = 4096.0;
+pub(crate) const MAX_SIGMA_PX: f32 = 4096.0;
 
 /// Explicit steps for a sigma of 140 pixels: minutes for a large picture, where the expansion takes a second.
 const MAX_EXPLICIT_STEPS: f64 = 50_000.0;

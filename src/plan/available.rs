@@ -13,6 +13,8 @@ pub struct Available {
     pub depth: bool,
     /// Whether the surface bends, and is not all flat faces between edges.
     pub bends: bool,
+    /// Whether the surface is flat work: relief that faces the viewer.
+    pub is_flat: bool,
     /// A picture.
     pub color: bool,
     /// The albedo of the surface.
@@ -31,6 +33,8 @@ pub struct Available {
     pub image_width: usize,
     /// Depth and a camera, which together give positions.
     pub positions: bool,
+    /// Whether it is a photo or a map of a surface without gaps: no depth but heights, and no passes of light.
+    pub is_map: bool,
     /// Largest rounding error of a component of the normals.
     pub normal_rounding: f32,
     /// How specular pixels are traced, if the scene they show is known; not set by [`in_frame`](Available::in_frame).
@@ -51,6 +55,7 @@ impl Available {
         Self {
             depth: frame.depth.is_some(),
             bends: bends(frame),
+            is_flat: frame.is_flat_work(),
             color: frame.color.is_some(),
             albedo: frame.albedo.is_some(),
             gloss: frame.light.gloss.is_some(),
@@ -62,6 +67,7 @@ impl Available {
             positions: frame.depth.is_some()
                 && frame.camera.is_some()
                 && frame.source.depth_kind != DepthKind::Relative,
+            is_map: frame.is_map(),
             normal_rounding: frame.source.normal_rounding,
             light: LightAvailable::of(&frame.light),
             ..Self::default()

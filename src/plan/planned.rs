@@ -198,6 +198,13 @@ impl Plan {
         self.wanted.contains(&product)
     }
 
+    /// Whether it takes the frame whole, and not in strips: for heights, skies, shadows, or light turned to the form.
+    pub(crate) fn takes_whole(&self) -> bool {
+        let is_lit_whole = |lit: &Relighting| lit.casting.by.is_some() || lit.aligns || lit.rakes;
+        self.relighting.as_ref().is_some_and(is_lit_whole)
+            || self.wanted.iter().any(|product| product.row().on_request)
+    }
+
     /// How the background of the drawing is drawn, if there is one.
     pub(crate) fn background(&self) -> Option<Background> {
         self.drawing.as_ref().map(|params| params.tone.background)
@@ -218,7 +225,7 @@ impl Plan {
     pub(crate) fn scaled(&self) -> Option<Subject> {
         let scaled = self
             .enhancement
-            .filter(|enhancement| enhancement.magnitude > 0.0);
+            .filter(|enhancement| enhancement.magnitude.largest() > 0.0);
         scaled.map(|enhancement| enhancement.subject)
     }
 

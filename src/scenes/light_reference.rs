@@ -10,7 +10,7 @@ use crate::frame::{Frame, Plane, SymmetricPlanes};
 use crate::light::environment::Environment;
 use crate::light::lights::DirectionalLight;
 use crate::params::{
-    Adaptive, AlbedoSource, Material, MaterialParams, Method, RelightParams, Samples,
+    Adaptive, AlbedoSource, Magnitude, Material, MaterialParams, Method, RelightParams, Samples,
     ScalingParams, ShapeParams, Tangent,
 };
 use crate::plan::{Available, Goal, Plan};
@@ -194,10 +194,14 @@ fn shone(pixel: &Pixel, incident: &IncidentLight, s: &Settings) -> [f64; 2] {
     }
     let (intensities, lobes) = lobes(pixel, incident, s.material);
     let magnitudes = s.scaling.magnitudes();
-    let scaled = |term: usize, gamma: f32| match s.method.scales() {
+    let scaled = |term: usize, magnitude: Magnitude| match s.method.scales() {
         true => {
             let anisotropy = s.scaling.anisotropy.into();
             let kappa = kappa(pixel.hessian, incident.direction, s.gain, anisotropy);
+            let gamma = match kappa >= 0.0 {
+                true => magnitude.convex,
+                false => magnitude.concave,
+            };
             let x = f64::from(gamma) * kappa;
             sigma(intensities[term], x, s.scaling.invariant_point.into())
         }

@@ -13,6 +13,8 @@
 //! of the work); rational expansions, solved by algebraic multigrid, cost 360 to 960 applications at 2e-4, without
 //! their setup; Lanczos saves 0 to 14 % and must keep every vector.
 
+use crate::params::MAX_MIXED;
+
 /// Amount of diffusion of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Spread {
@@ -25,12 +27,12 @@ pub(crate) enum Spread {
         /// Length of a step, at most 1/4.
         time_step: f64,
     },
-    /// The sum of exact diffusion for these times, with these weights, whose sum is 1.
+    /// The sum of exact diffusion for these times, with these weights, whose magnitudes add up to 1.
     Mixed {
         /// The times.
-        times: [f64; 2],
+        times: [f64; MAX_MIXED],
         /// The weight of each.
-        weights: [f64; 2],
+        weights: [f64; MAX_MIXED],
     },
 }
 
@@ -56,12 +58,23 @@ impl Spread {
         match self {
             Self::Time(t) => (t * eigenvalue).exp(),
             Self::Mixed { times, weights } => {
-                let [a, b] = [0, 1].map(|i| weights[i] * (times[i] * eigenvalue).exp());
-                a + b
+                let all = weights.iter().zip(times);
+                all.map(|(weight, time)| weight * (time * eigenvalue).exp())
+                    .sum()
             }
             Self::Steps { count, time_step } => {
                 (1.0 + time_step * eigenvalue).powi(count.min(i32::MAX as u32) as i32)
             }
+        }
+    }
+
+    /// The factor of a constant.
+    fn of_constant(self) -> f64 {
+        match self {
+            Self::Mixed { weights, .. } if weights.iter().any(|weight| *weight < 0.0) => {
+                weights.iter().sum()
+            }
+            _ => 1.0,
         }
     }
 
@@ -70,7 +83,9 @@ impl Spread {
     fn largest_degree(self) -> usize {
         match self {
             Self::Time(t) => 32 + (18.0 * t.max(0.0).sqrt()) as usize,
-            Self::Mixed { times: [a, b], .. } => Self::Time(a.max(b)).largest_degree(),
+            Self::Mixed { times, .. } => {
+                Self::Time(times.into_iter().fold(0.0, f64::max)).largest_degree()
+            }
             Self::Steps { count, time_step } => {
                 let as_time = Self::Time(f64::from(count) * time_step).largest_degree();
                 as_time.min(count as usize)
@@ -132,7 +147,7 @@ impl Expansion {
         // A constant has the eigenvalue X = -1, where T_k is (-1)^k.
         let signs = [1.0, -1.0].into_iter().cycle();
         let constant: f64 = kept.iter().zip(signs).map(|(a, sign)| sign * a).sum();
-        kept[0] += 1.0 - constant;
+        kept[0] += spread.of_constant() - constant;
         kept
     }
 

@@ -5,6 +5,7 @@
 
 pub(crate) mod auto_levels;
 pub(crate) mod bends;
+pub(crate) mod coarse_normals;
 pub(crate) mod curvature_display;
 pub(crate) mod edges;
 pub(crate) mod height;

@@ -4,7 +4,9 @@
 use crate::error::{Error, Result};
 use crate::light::enhancement::Enhancement;
 use crate::light::relight::setting::Relighting;
-use crate::params::{RelightParams, Scale, ScalingParams, ShapeParams, Solver, check_scales};
+use crate::params::{
+    RelightParams, Scale, ScalingParams, Shadows, ShapeParams, Solver, check_scales,
+};
 use crate::plan::available::Available;
 use crate::plan::goal::{Goal, Tone};
 use crate::plan::planned::{Decision, Plan, Points};
@@ -153,8 +155,17 @@ fn picture_of(goal: &Goal, available: Available) -> Result<(bool, Option<Relight
         Tone::Picture => Ok((false, None)),
         Tone::Enhanced => Ok((true, None)),
         Tone::Shape(None) => Ok((available.color, None)),
-        Tone::Relit(relight) | Tone::Shape(Some(relight)) => Ok((false, Some(relight))),
+        Tone::Relit(relight) | Tone::Shape(Some(relight)) => Ok((false, Some(in_drawing(relight)))),
     }
+}
+
+/// New light of a drawing: unless they are asked for, it has no shadows.
+fn in_drawing(light: RelightParams) -> RelightParams {
+    let shadows = match light.shadows {
+        Shadows::Auto => Shadows::Off,
+        asked => asked,
+    };
+    RelightParams { shadows, ..light }
 }
 
 fn refuse_several_scales(shape: &ShapeParams, more_px: &[f32], available: Available) -> Result<()> {
@@ -184,11 +195,11 @@ fn refuse_several_scales(shape: &ShapeParams, more_px: &[f32], available: Availa
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::gap::GAP_REACH;
     use crate::light::enhancement::LightAvailable;
     use crate::light::lights::LightKinds;
     use crate::line::direction::FILL_REACH_PX;
     use crate::product::Product;
-    use crate::frame::gap::GAP_REACH;
 
     fn plan(goal: Goal, available: Available, iterations: u32) -> Plan {
         let shape = ShapeParams {
@@ -200,6 +211,8 @@ mod tests {
 
     const DEPTH: Available = Available {
         bends: false,
+        is_map: false,
+        is_flat: false,
         depth: true,
         color: true,
         albedo: false,
@@ -219,6 +232,8 @@ mod tests {
     };
     const NOTHING: Available = Available {
         bends: false,
+        is_map: false,
+        is_flat: false,
         depth: false,
         color: true,
         albedo: false,

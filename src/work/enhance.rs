@@ -67,6 +67,8 @@ impl Work for EnhanceArgs {
         let scaling = match mix {
             0.0 => ScalingParams {
                 scaling: 0.0,
+                scaling_convex: None,
+                scaling_concave: None,
                 scaling_ambient: None,
                 scaling_diffuse: None,
                 scaling_specular: None,
@@ -104,8 +106,12 @@ impl WorkArgs {
 /// Warns past the limit beyond which concavities lose their order of brightness ([RS] claims it only for convexities).
 pub(crate) fn dark_rims(scaling: &ScalingParams) -> Vec<String> {
     let limit = monotone_limit(scaling.invariant_point);
+    let of_all = match scaling.scaling_concave {
+        Some(concave) => ("--scaling-concave", Some(concave)),
+        None => ("--scaling", Some(scaling.scaling)),
+    };
     let magnitudes = [
-        ("--scaling", Some(scaling.scaling)),
+        of_all,
         ("--scaling-ambient", scaling.scaling_ambient),
         ("--scaling-diffuse", scaling.scaling_diffuse),
         ("--scaling-specular", scaling.scaling_specular),

@@ -3,6 +3,7 @@
 use super::picture::{Form, MadePicture};
 use super::{Made, Seen, Work};
 use crate::command::args::WorkArgs;
+use crate::command::flags::weights_for;
 use crate::command::map::{Map, MapArgs, Part};
 use crate::command::named::Named;
 use crate::command::output::Kind;
@@ -203,24 +204,7 @@ impl Work for MapArgs {
             return Err(bad(name, found, remedy));
         }
         if !self.sum.is_empty() {
-            if ![1, sigmas.len()].contains(&self.sum.len()) {
-                let (weights, scales) = (self.sum.len(), sigmas.len());
-                let found = format!("has {weights} weights for {scales} scales");
-                return Err(bad(
-                    "--sum",
-                    found,
-                    "give one for each scale, or one for all",
-                ));
-            }
-            let total: f32 = self.sum.iter().map(|weight| weight.abs()).sum();
-            if !(total > 0.0 && total.is_finite()) {
-                let found = "has weights that add up to nothing".to_string();
-                return Err(bad(
-                    "--sum",
-                    found,
-                    "give finite numbers, not all of them 0",
-                ));
-            }
+            weights_for(&self.sum, sigmas.len())?;
         }
         Ok(())
     }
@@ -451,10 +435,7 @@ impl MapArgs {
         if self.sum.is_empty() {
             return all[part.scale.unwrap_or(0)].clone();
         }
-        let weights: Vec<f32> = match self.sum[..] {
-            [one] => vec![one; all.len()],
-            _ => self.sum.clone(),
-        };
+        let weights = weights_for(&self.sum, all.len()).expect("they are checked");
         let total: f32 = weights.iter().map(|weight| weight.abs()).sum();
         let mut sum = Plane::filled(all[0].width(), all[0].height(), 0.0);
         sum.each_row(|y, row| {

@@ -15,7 +15,9 @@ use crate::light::environment::Environment;
 use crate::light::light_samples::light_disc;
 use crate::light::lights::{DirectionalLight, Illumination, LAMP_DEG, PointLight, direction_of};
 use crate::light::lit_sphere::LitSphere;
-use crate::params::{AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, RelightParams, Samples, in_range};
+use crate::params::{
+    AUTO_SAMPLES, AlbedoSource, MAX_LIGHTS, Raking, RelightParams, Samples, in_range,
+};
 use crate::plan::{Available, Goal, Plan};
 use glam::Vec3;
 use std::borrow::Cow;
@@ -71,7 +73,12 @@ impl Work for RelightArgs {
         let scaling = Some(self.work.flags.params.scaling);
         let scaling = scaling.filter(|_| self.params().method.scales());
         let rims = scaling.iter().flat_map(dark_rims);
-        rims.chain(self.past_the_zenith()).collect()
+        let idle = self.idle_turns();
+        rims.chain(self.past_the_zenith()).chain(idle).collect()
+    }
+
+    fn warnings_on(&self, frame: &Frame) -> Vec<String> {
+        self.unrisen(frame).collect()
     }
 
     fn add_lamp(&self, light: &mut Illumination) -> Option<String> {
@@ -90,7 +97,9 @@ impl Work for RelightArgs {
     }
 
     fn takes_whole(&self) -> bool {
-        !self.specular.inputs().is_empty()
+        let params = self.params();
+        let is_turned = params.method.aligns() || params.raking == Raking::Best;
+        is_turned || !self.specular.inputs().is_empty()
     }
 
     fn plans(&self, seen: &mut Seen) -> Result<Vec<Plan>> {
@@ -212,9 +221,14 @@ pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
             format!("give at most {MAX_LIGHTS} in all"),
         ));
     }
+    let mut widths_deg = vec![None; directional.len()];
     for light in &flags.area_light {
-        in_range("--area-light", light.0[2], 0.0..=180.0)?;
+        let radius = light.0[2];
+        in_range("--area-light", radius, 0.0..=180.0)?;
         directional.extend(area_light(light, samples));
+        // Of a disc as large as a sample's share.
+        let width = 2.0 * radius / (samples as f32).sqrt();
+        widths_deg.resize(directional.len(), Some(width.min(90.0)));
     }
     let points = flags.point_light.iter().map(|light| PointLight {
         position: Vec3::from_array(light.0),
@@ -223,6 +237,7 @@ pub(crate) fn lights(args: &RelightArgs) -> Result<Illumination> {
     let lights = Illumination {
         points: points.collect(),
         directional,
+        widths_deg,
         ..Illumination::default()
     };
     lights.validate()?;

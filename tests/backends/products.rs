@@ -77,7 +77,7 @@ fn several_scales_at_once() {
         )
         .unwrap();
         assert_same("scales", runner, &plan, &frame);
-        let scale = Scale::Mixed([1.0, 5.0]);
+        let scale = Scale::mixed(&[(1.0, 1.0), (5.0, 1.0)]).unwrap();
         let plan = Plan::new(
             Goal::LAYERS,
             available,

@@ -307,7 +307,11 @@ fn several_scales_are_layers_named_after_them() {
         assert_eq!(further.samples(), alone.samples(), "{component}");
     }
     assert_eq!(both.parts[0].channels.len(), CONTRACT.len() + 4);
-    for (verb, scales) in [("hatch", "2,5"), ("shape", "2,5"), ("enhance", "2,5,9")] {
+    for (verb, scales) in [
+        ("hatch", "2,5"),
+        ("shape", "2,5"),
+        ("enhance", "2,5,9,15,25"),
+    ] {
         let line = desk
             .run(verb, &gears, "a.png", &["--scale", scales])
             .refused(2);

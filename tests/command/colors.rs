@@ -176,6 +176,8 @@ fn photos_stay_as_bright_in_new_light() {
     };
     // A sixteenth of a stop is 1.5 % of a level, and the curve of a display is no square root: 4 levels of 255.
     for light in ["--light 135,40", "--light 135,15", "--light 135,40,5,5,5"] {
+        // Shadows spread tones, and no more than 2 % of a picture are to burn out: it stays darker then.
+        let light = &format!("{light} --shadows off");
         relit(light, "out.png");
         let after = mean_level(&here.join("out.png"));
         assert!(

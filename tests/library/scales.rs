@@ -174,7 +174,7 @@ fn mixed_scales_add_up() {
     let (plain, number) = painted(3, |_| 1.0);
     let at = |frame: &Frame, scale| gradient(frame, with(Solver::Chebyshev, scale));
     let (fine, coarse) = (Scale::Sigma(2.0), Scale::Sigma(8.0));
-    let mixed = Scale::Mixed([2.0, 8.0]);
+    let mixed = Scale::mixed(&[(2.0, 1.0), (8.0, 1.0)]).unwrap();
     let full = at(&plain, mixed);
     // By importance both times shrink: a quarter of the time is half of the sigma.
     let mut shared = plain.clone();
@@ -223,7 +223,7 @@ fn several_scales_are_refused_where_they_cannot_share() {
     assert!(plan(&frame, Solver::Chebyshev, &[4.0]).is_ok());
     assert!(plan(&frame, Solver::Explicit, &[4.0]).is_err());
     let mixed = |solver, sigma| {
-        let shape = with(solver, Scale::Mixed([2.0, sigma]));
+        let shape = with(solver, Scale::mixed(&[(2.0, 1.0), (sigma, 1.0)]).unwrap());
         let available = Available::in_frame(&frame);
         Plan::new(Goal::LAYERS, available, shape, ScalingParams::default())
     };

@@ -6,7 +6,7 @@ use crate::engine::gpu::constants::{GROUP, REGION, REGION_GROUP_ROWS, SWEEPS_PER
 const STORAGE_BUFFERS: u32 = 16;
 
 /// Largest size of a uniform block, in bytes.
-const TOLD_BYTES: u32 = 256;
+const TOLD_BYTES: u32 = 272;
 
 /// Bytes of the region held by a diffusion workgroup: vectors of two.
 const REGION_BYTES: u32 = 8 * REGION[0] * REGION[1];

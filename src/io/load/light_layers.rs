@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::frame::{LightGroup, LightLayers, Lobe, LobeLayer, Mask};
 use crate::io::finding::{Finding, Notes};
 use crate::io::inputs::{GroupInput, Inputs, LightInputs, LobeChoice};
+use crate::io::roles::by_name;
 use crate::io::roles::names::{Role, last_word};
 use crate::untrusted::Untrusted;
 use std::rc::Rc;
@@ -57,6 +58,12 @@ const REST: [Role; 4] = [
     Role::Emission,
     Role::Environment,
 ];
+
+/// Whether a file holds the light of its picture in passes.
+pub(crate) fn has_light_passes(main: &Opened) -> bool {
+    let mut roles = LOBES.iter().flat_map(|(_, lights, _)| lights);
+    roles.any(|role| by_name(&main.layers, *role).is_some())
+}
 
 /// Part of the light held by a layer.
 #[derive(Debug, Clone, PartialEq)]

@@ -49,7 +49,7 @@ use bundle::gathered;
 use depth_sense::judge_sense;
 use frame_sources::{FrameSources, Planes, only_occlusion};
 use gloss::LitPicture;
-use light_layers::LightSources;
+use light_layers::{LightSources, has_light_passes};
 use opened::Opened;
 use role_planes::RolePlanes;
 use sources::RoleSource;
@@ -259,6 +259,7 @@ pub(crate) fn load_from(main: Rc<Opened>, inputs: &Inputs, needs: Needs) -> Resu
         ..Frame::of_normals(normal, mask)
     };
     let stored = settle_depth_kind(&mut frame, sense, depth_is_half, &mut notes);
+    frame.source.heights = stored == StoredDepth::Height;
     frame.confidence = needs.confidence(&frame);
     let looks_for_blends = needs.confidence || needs.confidence_if_any;
     if let Some(lengths) = &mut frame.normal_length {
@@ -520,6 +521,8 @@ impl FrameSource<'_> {
             depth_kind: DepthKind::default(),
             normal_rounding: rounding(Role::Normal),
             depth_rounding: depth_rounding(depth_is_half, rounding(Role::Depth)),
+            light_passes: has_light_passes(self.main),
+            heights: false,
         }
     }
 

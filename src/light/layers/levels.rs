@@ -4,7 +4,7 @@ use crate::kernel::simd::Simd;
 use crate::kernel::simd::levels::{WIDTH, assert_same_bits, at, rows};
 use crate::light::layers::{self, LobeRow, TermScaling};
 use crate::light::radiance_scaling::cpu::{Scaler, scale_row};
-use crate::params::ScalingParams;
+use crate::params::Magnitude;
 
 /// Results of the light-layer kernels on sample rows.
 fn made(simd: Simd) -> Vec<Vec<f32>> {
@@ -12,7 +12,7 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
     let [a, b] = [&a, &b].map(|rows| [&rows[0][..WIDTH], &rows[1][..WIDTH], &rows[2][..WIDTH]]);
     let covered: Vec<bool> = b[1].iter().map(|&v| v > 0.1).collect();
     let by = TermScaling {
-        magnitude: 1.3,
+        magnitude: Magnitude::of_both(1.3),
         invariant_point: 0.25,
         white: 0.8,
         weights: [0.2, 0.7, 0.1],
@@ -47,7 +47,11 @@ fn made(simd: Simd) -> Vec<Vec<f32>> {
         layers::changed_row(&mut out, b[0], &change, &layered, &covered)
     );
     let scaler = Scaler {
-        params: ScalingParams::default(),
+        magnitude: Magnitude {
+            convex: 1.0,
+            concave: 0.4,
+        },
+        invariant_point: 0.25,
         gain: -3.0,
         white: 0.8,
         weights: by.weights,

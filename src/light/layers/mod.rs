@@ -14,6 +14,7 @@ pub(crate) mod terms;
 pub(crate) mod white_search;
 
 use super::radiance_scaling::{limited, scaling};
+use crate::params::Magnitude;
 use crate::shape::curvature::{mapped_curvature, mapped_curvature_toward};
 
 /// Largest radiance of a picture; the sum of a few of these, scaled by the largest [`scaling`], is still finite.
@@ -67,7 +68,7 @@ impl LobeRow<'_> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TermScaling {
     /// Magnitude gamma.
-    pub magnitude: f32,
+    pub magnitude: Magnitude,
     /// Invariant point alpha.
     pub invariant_point: f32,
     /// Luminance of light that counts as intensity 1.
@@ -81,7 +82,11 @@ impl TermScaling {
     #[inline(always)]
     pub(crate) fn sigma(&self, luminance: f32, kappa: f32) -> f32 {
         let intensity = limited(luminance / self.white, 1.0);
-        scaling(intensity, self.magnitude * kappa, self.invariant_point)
+        scaling(
+            intensity,
+            self.magnitude.exponent(kappa),
+            self.invariant_point,
+        )
     }
 }
 
@@ -212,7 +217,7 @@ mod tests {
 
     fn by(magnitude: f32, white: f32) -> TermScaling {
         TermScaling {
-            magnitude,
+            magnitude: Magnitude::of_both(magnitude),
             invariant_point: 0.25,
             white,
             weights: GREY,

@@ -6,7 +6,6 @@ use crate::light::enhancement::Subject;
 use crate::light::layers::cpu::{self, Curvature};
 use crate::light::layers::terms::light_terms;
 use crate::light::radiance_scaling::cpu::Scaler;
-use crate::params::ScalingParams;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
@@ -122,10 +121,8 @@ fn scale_by_occlusion(run: &mut Execution) {
     let occlusion = frame.light.occlusion.as_ref();
     let occlusion = occlusion.expect("the plan has seen occlusion");
     let scaler = Scaler {
-        params: ScalingParams {
-            scaling: plan.scaling.magnitudes().ambient,
-            ..plan.scaling
-        },
+        magnitude: plan.scaling.magnitudes().ambient,
+        invariant_point: plan.scaling.invariant_point,
         gain: run.gain(),
         white: 1.0,
         weights: frame.luminance_weights(),

@@ -1,7 +1,7 @@
 //! The terms scaled separately in the light of a picture: lobes, and parts of lobes.
 
 use crate::frame::{ColorPlanes, LobeLayers};
-use crate::params::ScalingParams;
+use crate::params::{Magnitude, ScalingParams};
 
 /// A lobe, or a part of it, that is scaled separately.
 pub(crate) struct LightTerm<'a> {
@@ -10,7 +10,7 @@ pub(crate) struct LightTerm<'a> {
     pub(crate) indirect: Option<&'a ColorPlanes>,
     pub(crate) color: Option<&'a ColorPlanes>,
     pub(crate) albedo: Option<&'a ColorPlanes>,
-    pub(crate) magnitude: f32,
+    pub(crate) magnitude: Magnitude,
 }
 
 /// The terms of the lobes with a magnitude above 0. If ambient light has its own magnitude, that applies to diffuse
@@ -47,7 +47,7 @@ pub(crate) fn light_terms<'a>(
         vec![term(name, direct, indirect, magnitude)]
     };
     let all = lobes.iter().flat_map(of_lobe);
-    all.filter(|term| term.magnitude > 0.0)
+    all.filter(|term| term.magnitude.largest() > 0.0)
         .filter(|term| term.direct.or(term.indirect).is_some())
         .collect()
 }

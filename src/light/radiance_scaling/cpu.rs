@@ -6,13 +6,14 @@ use crate::kernel::memory::Memory;
 use crate::kernel::rows::ROWS_PER_TASK;
 use crate::kernel::simd::wide;
 use crate::light::radiance_scaling::{limited, scaled, scaling};
-use crate::params::ScalingParams;
+use crate::params::Magnitude;
 use crate::shape::curvature::mapped_curvature;
 use rayon::prelude::*;
 
 /// Radiance scaling of a finished picture: intensity is its luminance over the white level, or given.
 pub(crate) struct Scaler {
-    pub(crate) params: ScalingParams,
+    pub(crate) magnitude: Magnitude,
+    pub(crate) invariant_point: f32,
     pub(crate) gain: f32,
     pub(crate) white: f32,
     pub(crate) weights: [f32; 3],
@@ -87,11 +88,11 @@ fn scale_by(
     let (r, g, b) = (&mut r[..width], &mut g[..width], &mut b[..width]);
     let (from_r, from_g, from_b) = (&from_r[..width], &from_g[..width], &from_b[..width]);
     let covered = &covered[..width];
-    let params = &scaler.params;
     for x in 0..width {
         let rgb = [from_r[x], from_g[x], from_b[x]];
-        let exponent = params.scaling * mapped_curvature(trace[x], scaler.gain);
-        let sigma = scaling(intensity(x, rgb), exponent, params.invariant_point);
+        let kappa = mapped_curvature(trace[x], scaler.gain);
+        let exponent = scaler.magnitude.exponent(kappa);
+        let sigma = scaling(intensity(x, rgb), exponent, scaler.invariant_point);
         let changes = covered[x] & (trace[x] != 0.0);
         let shown = |c: f32| if changes { scaled(c, sigma) } else { c };
         (r[x], g[x], b[x]) = (shown(rgb[0]), shown(rgb[1]), shown(rgb[2]));

@@ -23,8 +23,9 @@ uniforms! {
     ScaleParams {
         gain: f32,
         white: f32,
-        scaling: f32,
         invariant_point: f32,
+        /// Of convexities, and of concavities.
+        magnitude: vec2,
         /// Weights of luminance.
         weights: vec3,
         /// Bits of a NaN, which WGSL cannot express as a literal.
@@ -48,8 +49,8 @@ pub(crate) fn scale(scaler: Scaler, run: &mut Recording) {
     let params = ScaleParams {
         gain: scaler.gain,
         white: scaler.white,
-        scaling: scaler.params.scaling,
-        invariant_point: scaler.params.invariant_point,
+        invariant_point: scaler.invariant_point,
+        magnitude: [scaler.magnitude.convex, scaler.magnitude.concave],
         weights: scaler.weights,
         nan_bits: f32::NAN.to_bits(),
     };

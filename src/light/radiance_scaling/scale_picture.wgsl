@@ -11,7 +11,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let rgb = vec3<f32>(red[i], green[i], blue[i]);
     let weighted = rgb.x * params.weights.x + rgb.y * params.weights.y + rgb.z * params.weights.z;
-    let exponent = params.scaling * mapped_curvature(trace[i], params.gain);
+    let kappa = mapped_curvature(trace[i], params.gain);
+    let exponent = select(params.magnitude.y, params.magnitude.x, kappa >= 0.0) * kappa;
     let sigma = scaling(weighted / params.white, exponent, params.invariant_point);
     // A NaN makes all three channels NaN; so do infinities of both signs.
     let has_nan = is_nan(rgb.x) || is_nan(rgb.y) || is_nan(rgb.z) || is_nan(weighted);

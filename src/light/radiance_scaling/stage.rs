@@ -3,6 +3,7 @@
 use crate::engine::cpu::execution::Execution;
 use crate::light::enhancement::Subject;
 use crate::light::radiance_scaling::cpu::Scaler;
+use crate::params::Magnitude;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
@@ -40,12 +41,12 @@ impl Plan {
         &self,
         subject: Subject,
         why_not: &str,
-        why: impl FnOnce(f32) -> String,
+        why: impl FnOnce(Magnitude) -> String,
     ) -> Verdict {
         match self.enhancement {
             None => self.left_out("no light is asked for"),
             Some(own) if own.subject != subject => self.left_out(why_not),
-            Some(own) if own.magnitude == 0.0 => self.left_out("a magnitude of 0"),
+            Some(own) if own.magnitude.largest() == 0.0 => self.left_out("a magnitude of 0"),
             Some(own) => Verdict::runs(why(own.magnitude)),
         }
     }
@@ -53,13 +54,15 @@ impl Plan {
 
 /// Radiance scaling of the picture with the white level and gain of this run.
 fn scaler(run: &Execution) -> Scaler {
-    let mut params = run.plan.scaling;
-    if run.frame.light.picture_is_occlusion {
-        params.scaling = params.magnitudes().ambient;
-    }
+    let params = &run.plan.scaling;
+    let magnitude = match run.frame.light.picture_is_occlusion {
+        true => params.magnitudes().ambient,
+        false => params.magnitude(),
+    };
     let white = run.outcome.white_level;
     Scaler {
-        params,
+        magnitude,
+        invariant_point: params.invariant_point,
         gain: run.gain(),
         white: white.expect("the white level is chosen before scaling"),
         weights: run.frame.luminance_weights(),

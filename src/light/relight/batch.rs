@@ -1,9 +1,11 @@
 //! Gathering covered pixels from the planes, and scattering their results.
 
 use crate::frame::{ColorPlanes, DepthKind, Plane};
+use crate::light::alignment::{Detail, SIGMAS_PX};
 use crate::light::batch::{BATCH, Lanes, Pixels, Vectors};
 use crate::light::relight::curvature::{Curvature, CurvatureRow};
 use crate::light::relight::scene::Scene;
+use crate::light::shadows::cast::{Shadowed, WHOLE};
 use crate::light::sum::{LightSum, Sums};
 use glam::DVec3;
 use std::ops::Range;
@@ -52,6 +54,11 @@ pub(crate) struct Batch {
     pub(crate) alpha: Lanes,
     /// Grain direction in the picture.
     pub(crate) grain: [Lanes; 2],
+    /// The turn of lamps about the view axis, as cosine and sine.
+    pub(crate) turn: [Lanes; 2],
+    /// Places of the normals at coarser scales, and the detail beyond each.
+    pub(crate) coarse: [[Lanes; 2]; SCALES],
+    pub(crate) details: [Detail; SCALES],
     /// Points of the surface, for lights near it.
     pub(crate) points: [Lanes; 3],
     /// Directions to a light near the surface, and the share that arrives.
@@ -66,6 +73,8 @@ pub(crate) struct Batch {
     pub(crate) shown: [Lanes; 3],
     pieces: Vec<Piece>,
 }
+
+const SCALES: usize = SIGMAS_PX.len();
 
 const ZERO: Lanes = [0.0; BATCH];
 const ONE: Lanes = [1.0; BATCH];
@@ -87,6 +96,9 @@ impl Batch {
             occlusion: ONE,
             alpha: ONE,
             grain: [ZERO; 2],
+            turn: [ZERO; 2],
+            coarse: [[ZERO; 2]; SCALES],
+            details: [Detail::NONE; SCALES],
             points: [ZERO; 3],
             near: ([ZERO; 3], ZERO),
             toward: [ZERO; 3],
@@ -189,6 +201,17 @@ impl Batch {
             copy(x, &grain.x);
             copy(y, &grain.y);
         }
+        if let Some(turns) = &scene.turns {
+            let [cosine, sine] = &mut self.turn;
+            copy(cosine, &turns.x);
+            copy(sine, &turns.y);
+        }
+        if let Some(aligned) = &scene.aligned {
+            for ([x, y], from) in self.coarse.iter_mut().zip(&aligned.coarse) {
+                copy(x, &from.x);
+                copy(y, &from.y);
+            }
+        }
         if let Some([eye_x, eye_y]) = &scene.eye {
             let [x_lanes, y_lanes, _] = &mut self.pixels.to_eye.vector;
             x_lanes[lanes.clone()].copy_from_slice(&eye_x[columns.clone()]);
@@ -199,6 +222,28 @@ impl Batch {
         }
         self.pixels.count += columns.len();
         self.pieces.push(Piece { y, columns, lane });
+    }
+
+    /// Sets the light that arrives to one of this direction everywhere.
+    #[inline(always)]
+    pub(crate) fn face(&mut self, direction: [f32; 3]) {
+        let (directions, share) = &mut self.near;
+        for (lanes, component) in directions.iter_mut().zip(direction) {
+            lanes.fill(component);
+        }
+        share.fill(1.0);
+    }
+
+    /// Turns the light that arrives as lamps are turned.
+    #[inline(always)]
+    pub(crate) fn rake(&mut self) {
+        let ([x, y, _], _) = &mut self.near;
+        let [cosine, sine] = &self.turn;
+        for i in 0..BATCH {
+            let (along, across) = (x[i], y[i]);
+            x[i] = cosine[i] * along - sine[i] * across;
+            y[i] = sine[i] * along + cosine[i] * across;
+        }
     }
 
     /// Computes view-space positions of the surface.
@@ -218,6 +263,16 @@ impl Batch {
                 self.points[1][lane],
                 self.points[2][lane],
             ) = (x as f32, y as f32, z as f32);
+        }
+    }
+
+    /// Sets the light that arrives to what does of a lamp with shadows.
+    pub(crate) fn face_shadowed(&mut self, shadowed: &Shadowed) {
+        self.face(shadowed.light.to_light.to_array());
+        for Piece { y, columns, lane } in &self.pieces {
+            let shares = &shadowed.share.row(*y)[columns.clone()];
+            let lanes = self.near.1[*lane..].iter_mut().zip(shares);
+            lanes.for_each(|(light, &share)| *light = f32::from(share) / WHOLE);
         }
     }
 

@@ -17,7 +17,7 @@ use crate::light::relight::gpu_lights::{Light, Placed, relighting};
 use crate::light::relight::rim::light_rims;
 use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms::SHORTEST;
-use crate::params::{Material, Quantisation, Tangent};
+use crate::params::{Magnitudes, Material, Quantisation, Tangent};
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::shape::curvature::gpu::{MAPPED_CURVATURE, MAPPED_CURVATURE_TOWARD};
 
@@ -60,8 +60,9 @@ uniforms! {
         contrast: f32,
         invariant_point: f32,
         anisotropy: f32,
-        /// Of the scaling of ambient, diffuse and specular light.
+        /// Of the scaling of ambient, diffuse and specular light on convexities, and on concavities.
         magnitudes: vec3,
+        concave_magnitudes: vec3,
         /// Weights of luminance.
         weights: vec3,
         tone_levels: f32,
@@ -210,7 +211,12 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
     let relighting = relighting(plan);
     let params = &relighting.params;
     let (material, scaling) = (&params.material, &plan.scaling);
-    let magnitudes = scaling.magnitudes();
+    let Magnitudes {
+        ambient,
+        diffuse,
+        specular,
+    } = scaling.magnitudes();
+    let magnitudes = [ambient, diffuse, specular];
     // Mirrors and glass are not summed over lights.
     let lobes = Lobes::of(material, is_eye_far(frame));
     let (whole_power, power) = match lobes.map(|lobes| lobes.exponent()) {
@@ -255,7 +261,8 @@ fn light_params(plan: &Plan, frame: &Frame, light: &Light, gain: f32) -> LightPa
         contrast: params.warping.contrast,
         invariant_point: scaling.invariant_point,
         anisotropy: scaling.anisotropy,
-        magnitudes: [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular],
+        magnitudes: magnitudes.map(|magnitude| magnitude.convex),
+        concave_magnitudes: magnitudes.map(|magnitude| magnitude.concave),
         weights: frame.luminance_weights(),
         tone_levels: tones.levels as f32,
         tone_softness: tones.softness,

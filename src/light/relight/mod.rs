@@ -11,6 +11,7 @@ pub(crate) mod gpu_lights;
 pub(crate) mod look_up;
 pub(crate) mod mirrors;
 pub(crate) mod pilot;
+pub(crate) mod raking;
 pub(crate) mod rim;
 pub(crate) mod samples;
 pub(crate) mod scene;
@@ -24,15 +25,19 @@ use crate::engine::outcome::Shape;
 use crate::frame::{ColorPlanes, Frame, Projection, SightLines, Vector3Planes};
 use crate::kernel::memory::Memory;
 use crate::kernel::simd::wide;
+use crate::light::alignment::SIGMAS_PX;
 use crate::light::brdf::Lobes;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::batch::{Batch, RowShape};
 use crate::light::relight::curvature::{Curvature, CurvatureRow, Slopes};
 use crate::light::relight::mirrors::Mirrors;
-use crate::light::relight::scene::Scene;
+use crate::light::relight::scene::{Aligned, Scene};
+use crate::light::shadows::cast::cast;
 use crate::light::sum::{Directed, Scaled, Shading, TowardLight};
+use crate::params::Magnitudes;
 use crate::plan::{Albedo, Plan, Relighting};
 use crate::product::Product;
+use crate::shape::coarse_normals::coarse_normals;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -58,6 +63,7 @@ pub(crate) fn relight(run: &mut Execution) {
     }
     run.outcome.environment_gain = around.gain();
     run.outcome.takes_picture = relighting.takes_picture();
+    run.outcome.casts_shadows = relighting.casting.choice();
     run.outcome.light_choice = around.choice();
     let normals = run.normals.take();
     let normal = normals.as_ref().unwrap_or(&frame.normal);
@@ -86,6 +92,19 @@ pub(crate) fn relight(run: &mut Execution) {
     run.outcome.middle_light = mirrors
         .as_ref()
         .and_then(|mirrors| mirrors.intensity.middle());
+    let shadowed = cast(run);
+    if memory.is_cancelled() {
+        return;
+    }
+    let turns = match relighting.rakes {
+        true => raking::turns(run, normal, &illumination.directional),
+        false => None,
+    };
+    let aligned = relighting.aligns.then(|| Aligned {
+        coarse: coarse_normals(run, normal, &SIGMAS_PX),
+        strength: relighting.params.align,
+        gain: 1.0,
+    });
     let shape = std::mem::take(&mut run.outcome.shape);
     let gain = run.outcome.gain.unwrap_or(0.0);
     let eye = eye_directions(frame);
@@ -97,7 +116,7 @@ pub(crate) fn relight(run: &mut Execution) {
     });
     let tones = relighting.params.tones();
     let most_tone = around.most_tone(illumination, relighting, weights);
-    let scene = Scene {
+    let mut scene = Scene {
         frame,
         relighting,
         curvature: curvature(plan, &shape),
@@ -120,9 +139,15 @@ pub(crate) fn relight(run: &mut Execution) {
             || around.is_mirrored()
             || shading.is_some_and(|s| s.lobes.are_glossy()),
         shading,
-        lights: Directed::all(&illumination.directional),
+        lights: match shadowed {
+            Some(_) => Vec::new(),
+            None => Directed::all(&illumination.directional),
+        },
+        shadowed: shadowed.unwrap_or_default(),
         around_lights: Directed::all(around.lights()),
         base_lights: Directed::all(around.base_lights()),
+        turns,
+        aligned,
         points: &illumination.points,
         sight: SightLines::of(frame),
         around,
@@ -131,6 +156,10 @@ pub(crate) fn relight(run: &mut Execution) {
         eye,
         tones: tones.map(|tones| (tones, most_tone)),
     };
+    if relighting.aligns {
+        let gain = run.timed("light-mean", || kept_mean(&scene, normal, memory));
+        scene.aligned = scene.aligned.map(|aligned| Aligned { gain, ..aligned });
+    }
     let color = run.timed("relight", || lit(&scene, normals, memory));
     drop(scene);
     run.outcome.shape = shape;
@@ -158,11 +187,13 @@ fn curvature<'s>(plan: &Plan, shape: &'s Shape) -> Option<Curvature<'s>> {
 /// Shading by single lights, if any are summed.
 fn shading(plan: &Plan, relighting: &Relighting, gain: f32, far: bool) -> Option<Shading> {
     let scaling = &plan.scaling;
-    let magnitudes = scaling.magnitudes();
+    let Magnitudes {
+        diffuse, specular, ..
+    } = scaling.magnitudes();
     let toward_light = relighting.toward_light.then_some(TowardLight {
         gain,
         anisotropy: scaling.anisotropy,
-        magnitudes: [magnitudes.diffuse, magnitudes.specular],
+        magnitudes: [diffuse, specular],
     });
     let lobes = Lobes::of(&relighting.params.material, far)?;
     relighting.sums.then_some(Shading {
@@ -248,6 +279,35 @@ fn lit(scene: &Scene, normals: Option<Vector3Planes>, memory: &Memory) -> ColorP
         rim::light_rims(&mut color, alpha, mask);
     }
     color
+}
+
+/// Rows between those that the mean of the light is taken from.
+const ROWS_APART: usize = 4;
+
+/// The gain of turned light that keeps its mean luminance over the surface.
+fn kept_mean(scene: &Scene, normal: &Vector3Planes, memory: &Memory) -> f32 {
+    let mask = scene.lit;
+    let rows: Vec<usize> = (0..mask.height()).step_by(ROWS_APART).collect();
+    let of_rows = rows.par_iter().map_init(
+        || (Box::new(Batch::new()), CurvatureRow::new(0)),
+        |(batch, curvature), &y| {
+            let mut sums = [0.0; 2];
+            let mut add = |batch: &mut Batch| {
+                let found = wide!(|fma| shade::measure_turned(fma, batch, scene));
+                sums = [sums[0] + found[0], sums[1] + found[1]];
+            };
+            let normal = [&normal.x, &normal.y, &normal.z].map(|plane| plane.row(y));
+            let shape = RowShape { normal, curvature };
+            let runs = mask.runs(y).take_while(|_| !memory.is_cancelled());
+            runs.for_each(|run| batch.take_run(scene, shape, y, run, &mut add));
+            batch.finish(add);
+            sums
+        },
+    );
+    let sums: Vec<[f64; 2]> = of_rows.collect();
+    let [before, after] = [0, 1].map(|k| sums.iter().map(|sum| sum[k]).sum::<f64>());
+    let is_lit = before > 0.0 && after > 0.0;
+    if is_lit { (before / after) as f32 } else { 1.0 }
 }
 
 /// Fills pixels without a surface from the frame's picture, or with black.

@@ -105,9 +105,10 @@ fn prepare(i: u32, column: u32, row: u32) {
         find_kappa(i);
     }
     if SCALES {
-        pixel.ambient_curve = scaling_curve_of(params.magnitudes.x * pixel.kappa);
-        pixel.diffuse_curve = scaling_curve_of(params.magnitudes.y * pixel.kappa);
-        pixel.specular_curve = scaling_curve_of(params.magnitudes.z * pixel.kappa);
+        let exponents = exponents_of(pixel.kappa);
+        pixel.ambient_curve = scaling_curve_of(exponents.x);
+        pixel.diffuse_curve = scaling_curve_of(exponents.y);
+        pixel.specular_curve = scaling_curve_of(exponents.z);
     }
 }
 

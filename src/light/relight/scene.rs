@@ -6,6 +6,7 @@ use crate::light::lights::PointLight;
 use crate::light::prepared_environment::Illuminants;
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::mirrors::Mirrors;
+use crate::light::shadows::cast::Shadowed;
 use crate::light::sum::{Directed, Shading};
 use crate::params::{Magnitudes, Quantisation, RelightParams};
 use crate::plan::Relighting;
@@ -37,10 +38,16 @@ pub(crate) struct Scene<'a> {
     /// Whether anything adds to specular light.
     pub(super) is_glossy: bool,
     pub(super) lights: Vec<Directed>,
+    /// Those that cast shadows, in place of them.
+    pub(super) shadowed: Vec<Shadowed>,
     /// The lights that stand for the environment.
     pub(super) around_lights: Vec<Directed>,
     /// Those that stand for its diffuse light alone.
     pub(super) base_lights: Vec<Directed>,
+    /// The turn of lamps about the view axis, as cosine and sine, if they rake by region.
+    pub(super) turns: Option<Vector2Planes>,
+    /// How lights are turned to the form, if they are.
+    pub(super) aligned: Option<Aligned>,
     pub(super) points: &'a [PointLight],
     pub(super) sight: SightLines,
     pub(super) around: Illuminants<'a>,
@@ -52,6 +59,15 @@ pub(crate) struct Scene<'a> {
     pub(super) eye: Option<[Vec<f32>; 2]>,
     /// The tones, and the last of them.
     pub(super) tones: Option<(Quantisation, f32)>,
+}
+
+/// Light turned to the form.
+pub(crate) struct Aligned {
+    /// Places of the normals at coarser scales.
+    pub(super) coarse: Vec<Vector2Planes>,
+    pub(super) strength: f32,
+    /// The gain that keeps the mean of the light.
+    pub(super) gain: f32,
 }
 
 impl Scene<'_> {

@@ -4,8 +4,10 @@ use crate::error::{Error, Result};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::intensity::White;
 use crate::light::lights::LightKinds;
+use crate::light::shadows::casting::{Caster, Casting};
 use crate::params::{
-    AUTO_SAMPLES, AlbedoSource, Material, RelightParams, Samples, ScalingParams, Tangent, WarpBy,
+    AUTO_SAMPLES, AlbedoSource, Magnitude, Material, Raking, RelightParams, Samples, ScalingParams,
+    Tangent, WarpBy,
 };
 use crate::plan::available::Available;
 
@@ -59,6 +61,10 @@ pub(crate) struct Relighting {
     pub params: RelightParams,
     /// Whether directions are warped, with a strength other than 0.
     pub warps: bool,
+    /// Whether directions are turned to the form, with a strength other than 0.
+    pub aligns: bool,
+    /// Whether lamps are turned about the view axis, region by region.
+    pub rakes: bool,
     /// Whether reflected light is scaled, with a magnitude other than 0.
     pub scales: bool,
     /// Whether concavities and convexities differ in contrast.
@@ -79,6 +85,8 @@ pub(crate) struct Relighting {
     pub traced: bool,
     /// The luminance that the intensity of looked-up light is told from.
     pub(crate) white: White,
+    /// Whether shadows are cast.
+    pub(crate) casting: Casting,
     /// Source of the albedo.
     pub albedo: Albedo,
     /// Whether light is kept and mirrored that the albedo does not tell of.
@@ -110,14 +118,21 @@ impl Relighting {
             params.material.ambient = 0.0;
         }
         let magnitudes = scaling.magnitudes();
-        let strongest = magnitudes
-            .ambient
-            .max(magnitudes.diffuse)
-            .max(magnitudes.specular);
+        let strongest = [magnitudes.ambient, magnitudes.diffuse, magnitudes.specular];
+        let strongest = strongest
+            .map(Magnitude::largest)
+            .into_iter()
+            .fold(0.0, f32::max);
         let warps = params.method.warps() && params.warping.warp > 0.0;
         let scales = params.method.scales() && strongest > 0.0;
+        let rakes = params.raking == Raking::Best;
+        let aligns = params.method.aligns() && params.align > 0.0;
         let environment = match kinds.environment && kinds.lit_spheres == 0 {
-            true => environment_use(&params, warps, (scales, scaling.anisotropy != 0.0))?,
+            true => environment_use(
+                &params,
+                (warps, aligns),
+                (scales, scaling.anisotropy != 0.0),
+            )?,
             false => EnvironmentUse::None,
         };
         let lights = kinds.directional || kinds.points;
@@ -132,6 +147,8 @@ impl Relighting {
         Ok(Self {
             params,
             warps,
+            aligns,
+            rakes,
             scales,
             contrasts: warps && params.warping.contrast != 0.0,
             toward_light: scales && sums && scaling.anisotropy != 0.0,
@@ -144,6 +161,7 @@ impl Relighting {
             environment,
             lit_spheres: kinds.lit_spheres,
             traced: !reflects && kinds.lit_spheres == 0 && available.specular.is_some(),
+            casting: Casting::new(&params, available, sums && lights, rakes)?,
             white: White::given(scaling.white_level, params.middle_light),
             albedo,
             gloss: available.gloss
@@ -155,7 +173,14 @@ impl Relighting {
 
     /// Whether any shape is needed.
     pub(crate) fn needs_shape(&self) -> bool {
-        self.warps || self.scales || self.grain || self.lit_spheres == 2
+        let is_altered =
+            self.warps || self.aligns || self.scales || self.grain || self.lit_spheres == 2;
+        is_altered || self.casts_from_normals()
+    }
+
+    /// Whether shadows are cast by the height that the normals tell.
+    pub(crate) fn casts_from_normals(&self) -> bool {
+        self.casting.by == Some(Caster::Normals)
     }
 
     /// Whether the full Hessian is needed rather than its trace.
@@ -219,6 +244,29 @@ fn refuse_what_lacks(params: &RelightParams, available: Available) -> Result<()>
             "give --light AZ,EL, --environment FILE or --lit-sphere FILE",
         ));
     }
+    let has_lights = kinds.directional || kinds.points || kinds.environment;
+    let turns = has_lights && !is_specular && kinds.lit_spheres == 0;
+    if params.method.aligns() && params.align > 0.0 && !turns {
+        return Err(bad(
+            "--method",
+            "is align, which turns lamps and environments on surfaces that scatter light",
+            "leave it out, or choose another --material or --light",
+        ));
+    }
+    if params.raking == Raking::Best && (!kinds.directional || is_specular) {
+        return Err(bad(
+            "--raking",
+            "turns lamps, and there are none that scatter light",
+            "give a --light AZ,EL, or leave it out",
+        ));
+    }
+    if params.raking == Raking::Best && !available.is_flat {
+        return Err(bad(
+            "--raking",
+            "is for flat work, and this surface turns away: regions would have borders on it",
+            "leave it out; --method align turns light on any surface",
+        ));
+    }
     if kinds.points && !available.positions {
         return Err(bad(
             "--point-light",
@@ -239,7 +287,7 @@ fn refuse_what_lacks(params: &RelightParams, available: Available) -> Result<()>
 /// The cheapest use of the environment that material and method allow, unless one was given.
 fn environment_use(
     params: &RelightParams,
-    warps: bool,
+    (warps, aligns): (bool, bool),
     (scales, is_anisotropic): (bool, bool),
 ) -> Result<EnvironmentUse> {
     let material = params.material.material;
@@ -255,6 +303,13 @@ fn environment_use(
             "give a number, or another --material",
         ));
     }
+    if params.samples == Samples::Fixed(0) && aligns {
+        return Err(bad(
+            "--samples",
+            "0 looks light up, and --method align turns lights",
+            "give a number, or another --method",
+        ));
+    }
     let is_glossy = material.has_highlight();
     let by_lookups = warps && params.warp_by == WarpBy::Lookups;
     Ok(match params.samples {
@@ -263,7 +318,7 @@ fn environment_use(
         Samples::Fixed(count) => EnvironmentUse::Lights(count),
         Samples::Auto if by_lookups && can_prefilter => EnvironmentUse::Prefiltered,
         Samples::Auto if by_lookups => EnvironmentUse::Lookups(AUTO_SAMPLES),
-        Samples::Auto if can_prefilter && !warps => EnvironmentUse::Prefiltered,
+        Samples::Auto if can_prefilter && !warps && !aligns => EnvironmentUse::Prefiltered,
         // The curves of samples do not depend on their directions.
         Samples::Auto if toward_light && is_glossy => EnvironmentUse::Lights(AUTO_SAMPLES),
         Samples::Auto => EnvironmentUse::ToError(ToError {
@@ -271,7 +326,7 @@ fn environment_use(
                 true => COAT_ERROR,
                 false => DIFFUSE_ERROR,
             }),
-            apart: warps || scales,
+            apart: warps || scales || aligns,
             glossy: is_glossy,
             warp: if warps { params.warping.warp } else { 0.0 },
         }),

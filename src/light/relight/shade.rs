@@ -1,7 +1,7 @@
 //! Lighting of one batch: prepare, sum, look up, compose. Plain loops over lanes, compiled for the vectors of the
 //! machine.
 
-use crate::frame::Gloss;
+use crate::frame::{Gloss, luminance};
 use crate::light::albedo::AlbedoEstimate;
 use crate::light::batch::{Above, BATCH, Facing, Lanes, Term};
 use crate::light::brdf::Lobes;
@@ -12,11 +12,12 @@ use crate::light::radiance_scaling::ScalingCurve;
 use crate::light::relight::batch::{Batch, GlossLanes};
 use crate::light::relight::curvature::Curvature;
 use crate::light::relight::look_up::{add_lookups, add_mirrored, look_up, warp_lookups};
-use crate::light::relight::scene::Scene;
+use crate::light::relight::scene::{Aligned, Scene};
 use crate::light::sum::{Shading, Sums};
 use crate::light::tones::tone_factor;
-use crate::params::Tangent;
+use crate::params::{Magnitude, Tangent};
 use crate::plan::Albedo;
+use crate::shape::coarse_normals::normal_at;
 use crate::shape::curvature::mapped_curvature;
 
 /// One over the reflectance below which a surface mirrors less at grazing angles too: no clear matter reflects less.
@@ -84,17 +85,44 @@ fn prepare(batch: &mut Batch, scene: &Scene) {
             lobes.unwarp_axes(pixels);
         }
     }
+    if scene.aligned.is_some() {
+        find_details(batch);
+    }
     if relighting.scales {
         set_curves(batch, scene);
     } else if relighting.lit_spheres == 2 {
         find_kappa(batch, scene);
     }
     let around = &scene.around;
-    let lights = scene.lights.len() + scene.around_lights.len() + scene.base_lights.len();
+    let lights = scene.lights.len()
+        + scene.shadowed.len()
+        + scene.around_lights.len()
+        + scene.base_lights.len();
     let directions = lights + around.even_directions().len();
     if directions >= WORTH_A_BOX {
         let pixels = &mut batch.pixels;
         pixels.facing = Facing::of(&pixels.normal.vector, pixels.count);
+    }
+}
+
+/// What the normals at each scale have beyond those of the next coarser one.
+#[inline(always)]
+fn find_details(batch: &mut Batch) {
+    let Batch {
+        pixels,
+        coarse,
+        details,
+        ..
+    } = batch;
+    let mut normal = pixels.normal.vector;
+    for (detail, place) in details.iter_mut().zip(&*coarse) {
+        let mut base = normal;
+        for i in 0..BATCH {
+            let [x, y, z] = normal_at([place[0][i], place[1][i]]);
+            (base[0][i], base[1][i], base[2][i]) = (x, y, z);
+        }
+        detail.find(&normal, &base);
+        normal = base;
     }
 }
 
@@ -128,7 +156,7 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
         (magnitudes.diffuse, true),
         (magnitudes.specular, scene.is_glossy),
     ];
-    let mut done: Option<(f32, usize)> = None;
+    let mut done: Option<(Magnitude, usize)> = None;
     for (term, (magnitude, used)) in terms.into_iter().enumerate() {
         if !used {
             continue;
@@ -140,7 +168,7 @@ fn set_curves(batch: &mut Batch, scene: &Scene) {
             _ => {
                 let curves = &mut batch.pixels.curves[term];
                 for i in 0..BATCH {
-                    curves.set(i, ScalingCurve::of(magnitude * batch.kappa[i]));
+                    curves.set(i, ScalingCurve::of(magnitude.exponent(batch.kappa[i])));
                 }
                 batch.pixels.curve_of[term] = term;
                 done = Some((magnitude, term));
@@ -200,6 +228,10 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     let Some(shading) = &scene.shading else {
         return;
     };
+    if let Some(aligned) = &scene.aligned {
+        add_turned(fma, batch, scene, shading, aligned);
+        return;
+    }
     // Light from all around comes first: occlusion dims only that.
     let sampled = scene.around.sampled();
     let base = sampled.map(|_| &scene.base_lights[..]);
@@ -230,20 +262,122 @@ fn add_lights(fma: bool, batch: &mut Batch, scene: &Scene) {
     }
 }
 
+/// The sum over single lights, where each is turned to the form; highlights are those of the lights as given.
+#[inline(always)]
+fn add_turned(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading, aligned: &Aligned) {
+    let sampled = scene.around.sampled();
+    if shading.lobes.are_glossy() {
+        let Batch { pixels, sum, .. } = batch;
+        sum.add_directed(fma, pixels, shading, &scene.around_lights);
+        add_lamps(fma, batch, scene, shading);
+        if let Some(sampled) = sampled {
+            sampled.samples.add(&batch.pixels, &mut batch.sum, shading);
+        }
+        batch.sum.sums.diffuse = Sums::NONE.diffuse;
+    }
+    let around = match sampled {
+        Some(_) => &scene.base_lights,
+        None => &scene.around_lights,
+    };
+    let diffuse = &shading.diffuse();
+    for light in around {
+        batch.face(light.direction);
+        turn_and_add(batch, diffuse, aligned, light.intensity);
+    }
+    if scene.frame.light.occlusion.is_some() {
+        batch.sum.dim(&batch.occlusion);
+    }
+    for light in &scene.lights {
+        batch.face(light.direction);
+        if scene.turns.is_some() {
+            batch.rake();
+        }
+        turn_and_add(batch, diffuse, aligned, light.intensity);
+    }
+    for shadowed in &scene.shadowed {
+        batch.face_shadowed(shadowed);
+        turn_and_add(batch, diffuse, aligned, shadowed.light.intensity);
+    }
+    for point in scene.points {
+        approach(batch, point.position.to_array());
+        turn_and_add(batch, diffuse, aligned, point.intensity);
+    }
+}
+
+/// Adds the light that arrives from `near`, turned from the coarsest scale to the finest.
+#[inline(always)]
+fn turn_and_add(batch: &mut Batch, diffuse: &Shading, aligned: &Aligned, intensity: [f32; 3]) {
+    let Batch {
+        pixels,
+        sum,
+        near: (directions, share),
+        details,
+        ..
+    } = batch;
+    for detail in details.iter().rev() {
+        detail.turn(directions, aligned.strength);
+    }
+    let intensity = intensity.map(|channel| aligned.gain * channel);
+    sum.add_near(pixels, diffuse, (directions, share), intensity);
+}
+
+/// The luminance of a batch's diffuse light by single lights: as it is, and turned to the form.
+#[inline(always)]
+pub(crate) fn measure_turned(fma: bool, batch: &mut Batch, scene: &Scene) -> [f64; 2] {
+    let (Some(shading), Some(aligned)) = (&scene.shading, &scene.aligned) else {
+        return [0.0; 2];
+    };
+    prepare(batch, scene);
+    let diffuse = &shading.diffuse();
+    let unturned = Aligned {
+        coarse: Vec::new(),
+        strength: 0.0,
+        gain: 1.0,
+    };
+    [&unturned, aligned].map(|how| {
+        batch.sum.clear();
+        add_turned(fma, batch, scene, diffuse, how);
+        let light = &batch.sum.sums.diffuse;
+        let of = |i: usize| {
+            let shown = std::array::from_fn(|k| batch.albedo[k][i] * light[k][i]);
+            f64::from(luminance(shown, scene.luminance))
+        };
+        (0..batch.pixels.count).map(of).sum()
+    })
+}
+
 /// Adds lights far away and near, and completes the sum.
 #[inline(always)]
 fn add_lamps(fma: bool, batch: &mut Batch, scene: &Scene, shading: &Shading) {
-    batch
-        .sum
-        .add_directed(fma, &batch.pixels, shading, &scene.lights);
+    if scene.turns.is_some() {
+        for light in &scene.lights {
+            batch.face(light.direction);
+            batch.rake();
+            add_arriving(batch, shading, light.intensity);
+        }
+    } else {
+        batch
+            .sum
+            .add_directed(fma, &batch.pixels, shading, &scene.lights);
+    }
+    for shadowed in &scene.shadowed {
+        batch.face_shadowed(shadowed);
+        add_arriving(batch, shading, shadowed.light.intensity);
+    }
     for point in scene.points {
         approach(batch, point.position.to_array());
-        let Batch {
-            pixels, sum, near, ..
-        } = batch;
-        sum.add_near(pixels, shading, (&near.0, &near.1), point.intensity);
+        add_arriving(batch, shading, point.intensity);
     }
     batch.sum.finish(&batch.pixels, shading);
+}
+
+/// Adds the light that arrives from `near`.
+#[inline(always)]
+fn add_arriving(batch: &mut Batch, shading: &Shading, intensity: [f32; 3]) {
+    let Batch {
+        pixels, sum, near, ..
+    } = batch;
+    sum.add_near(pixels, shading, (&near.0, &near.1), intensity);
 }
 
 /// Directions to a light at `position`, and its attenuation.

@@ -1,14 +1,21 @@
 //! Relighting: a single stage, since it is done in one sweep over the pixels.
 
+use crate::light::alignment::SIGMAS_PX;
 use crate::light::intensity::White;
+use crate::light::relight::raking;
 use crate::light::relight::relight;
 use crate::light::relight::setting::{Albedo, EnvironmentUse, Relighting, ToError};
+use crate::light::shadows::casting::Casting;
 use crate::plan::Plan;
 use crate::plan::stage::{Makes, Stage, Step, Verdict};
 use crate::product::Product;
+use crate::shape::coarse_normals;
 
 /// Partly covered pixels take light from their neighbours.
 const RIM_REACH: usize = 1;
+
+/// Shadows may reach over all of a picture.
+const SHADOW_REACH: usize = 1 << 20;
 
 /// New light.
 pub(crate) static RELIGHT: Stage = Stage {
@@ -18,10 +25,14 @@ pub(crate) static RELIGHT: Stage = Stage {
         let relighting = plan.relighting.as_ref();
         relighting.map_or_else(Vec::new, |relighting| takes(plan, relighting))
     },
-    reach_px: |_| RIM_REACH,
+    reach_px: |plan| match plan.relighting {
+        // All around a tile is known from the tile, which is blurred as a whole, with its borders joined.
+        Some(relighting) if plan.tile.is_none() => RIM_REACH + reach(plan, &relighting),
+        _ => RIM_REACH,
+    },
     reads_depth: |plan| {
         let relighting = plan.relighting.as_ref();
-        relighting.is_some_and(|lit| lit.near || lit.traced)
+        relighting.is_some_and(|lit| lit.near || lit.traced) || casts(plan)
     },
     // Rays meet a surface whole.
     takes_normals: |plan| plan.specular.is_none(),
@@ -49,6 +60,11 @@ pub(crate) static RELIGHT: Stage = Stage {
             decide: |plan| in_new_light(plan, environment_prefilter),
         },
         Step {
+            name: "shadows",
+            gives: &[Product::Picture],
+            decide: |plan| in_new_light(plan, shadows),
+        },
+        Step {
             name: "warping",
             gives: &[],
             decide: |plan| in_new_light(plan, warping),
@@ -57,6 +73,16 @@ pub(crate) static RELIGHT: Stage = Stage {
             name: "jacobian",
             gives: &[],
             decide: |plan| in_new_light(plan, jacobian),
+        },
+        Step {
+            name: "raking",
+            gives: &[],
+            decide: |plan| in_new_light(plan, raking),
+        },
+        Step {
+            name: "alignment",
+            gives: &[],
+            decide: |plan| in_new_light(plan, alignment),
         },
         Step {
             name: "light-sum",
@@ -87,6 +113,22 @@ pub(crate) static RELIGHT: Stage = Stage {
     ..Stage::DEFAULT
 };
 
+/// How far samples reach that light is turned by, or shadowed.
+fn reach(plan: &Plan, relighting: &Relighting) -> usize {
+    if relighting.casting.by.is_some() {
+        return SHADOW_REACH;
+    }
+    let aligned = match relighting.aligns {
+        true => coarse_normals::sweeps(plan, &SIGMAS_PX).count(),
+        false => 0,
+    };
+    let raked = match relighting.rakes {
+        true => raking::reach(plan),
+        false => 0,
+    };
+    aligned.max(raked)
+}
+
 /// Products of the shape stages that relighting needs; none where the light is not modified by shape.
 fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
     let slopes = [Product::Gradient, Product::Conductance];
@@ -99,6 +141,10 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
     if !takes.is_empty() && (relighting.needs_hessian() || !plan.chooses_gain()) {
         takes.extend(slopes);
     }
+    takes.extend(relighting.casts_from_normals().then_some(Product::Height));
+    if relighting.aligns && !takes.contains(&Product::Conductance) {
+        takes.push(Product::Conductance);
+    }
     takes.extend(relighting.grain.then_some(Product::Direction));
     takes
 }
@@ -107,13 +153,22 @@ fn takes(plan: &Plan, relighting: &Relighting) -> Vec<Product> {
 fn gpu_lacks(relighting: &Relighting) -> Option<&'static str> {
     match relighting.environment {
         _ if relighting.traced => Some("mirrors and lenses that show what is traced"),
+        _ if relighting.casting.by.is_some() => Some("shadows"),
         _ if relighting.grain => Some("a grain along the curvature"),
+        _ if relighting.rakes => Some("lamps turned by region"),
+        _ if relighting.aligns => Some("light turned to the form"),
         _ if relighting.gloss => Some("metals, glass and lamps by their layers"),
         EnvironmentUse::ToError(ToError { glossy: true, .. }) => {
             Some("samples of an environment, which --samples 54 makes lights")
         }
         _ => None,
     }
+}
+
+/// Whether new light casts shadows.
+fn casts(plan: &Plan) -> bool {
+    let relighting = plan.relighting.as_ref();
+    relighting.is_some_and(|relighting| relighting.casting.by.is_some())
 }
 
 fn in_new_light(plan: &Plan, decide: fn(&Relighting) -> Verdict) -> Verdict {
@@ -166,6 +221,11 @@ fn environment_prefilter(relighting: &Relighting) -> Verdict {
     }
 }
 
+fn shadows(relighting: &Relighting) -> Verdict {
+    let Casting { by, why, .. } = relighting.casting;
+    runs_if(by.is_some(), why, why)
+}
+
 fn warping(relighting: &Relighting) -> Verdict {
     let why_not = match relighting.params.method.warps() {
         true => "--warp 0 bends nothing",
@@ -173,6 +233,21 @@ fn warping(relighting: &Relighting) -> Verdict {
     };
     let strength = relighting.params.warping.warp;
     runs_if(relighting.warps, format!("strength {strength}"), why_not)
+}
+
+fn raking(relighting: &Relighting) -> Verdict {
+    let why = "lamps from the azimuth that shows most of each region's detail";
+    runs_if(relighting.rakes, why, "lamps shine as they are given")
+}
+
+fn alignment(relighting: &Relighting) -> Verdict {
+    let why_not = match relighting.params.method.aligns() {
+        true => "--align 0 turns nothing",
+        false => "the method does not turn light to the form",
+    };
+    let (share, [a, b, c]) = (relighting.params.align, SIGMAS_PX);
+    let why = format!("diffuse light, {share} of the way to the detail of {a}, {b} and {c} px");
+    runs_if(relighting.aligns, why, why_not)
 }
 
 fn jacobian(relighting: &Relighting) -> Verdict {

@@ -17,9 +17,9 @@ use crate::light::lights::DirectionalLight;
 /// A light of one direction, prepared for all batches of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Directed {
-    pub(super) direction: [f32; 3],
+    pub(crate) direction: [f32; 3],
     pub(super) half: [f32; 3],
-    pub(super) intensity: [f32; 3],
+    pub(crate) intensity: [f32; 3],
     /// The half vector divided by its z.
     over_z: HalfVector,
     /// The intensity for terms of `over_z`: Jacobians go with the fourth power of its length.

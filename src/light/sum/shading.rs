@@ -1,6 +1,7 @@
 //! How the lights of a run act: lobes, warping and scaling.
 
 use crate::light::brdf::Lobes;
+use crate::params::Magnitude;
 
 /// Shading by lights, shared by all batches of a run.
 #[derive(Debug, Clone, Copy)]
@@ -40,5 +41,5 @@ pub(crate) struct TowardLight {
     /// Anisotropy lambda.
     pub anisotropy: f32,
     /// Magnitudes of diffuse and specular light.
-    pub magnitudes: [f32; 2],
+    pub magnitudes: [Magnitude; 2],
 }

@@ -408,7 +408,7 @@ impl Scratch {
             for i in 0..BATCH {
                 let (hessian, l_xy) = ([xx[i], xy[i], yy[i]], [across_x[i], across_y[i]]);
                 let kappa = mapped_curvature_toward(hessian, l_xy, toward.gain, toward.anisotropy);
-                curves.set(i, ScalingCurve::of(magnitude * kappa));
+                curves.set(i, ScalingCurve::of(magnitude.exponent(kappa)));
             }
         }
     }

@@ -127,8 +127,9 @@ fn reflect_light(light: Arriving) -> Terms {
             l = unwarped_xy(pixel.unwarp, light.half, arrived.inverse);
         }
         let kappa = mapped_curvature_toward(pixel.hessian, l, params.gain, params.anisotropy);
-        diffuse_curve = scaling_curve_of(params.magnitudes.y * kappa);
-        specular_curve = scaling_curve_of(params.magnitudes.z * kappa);
+        let exponents = exponents_of(kappa);
+        diffuse_curve = scaling_curve_of(exponents.y);
+        specular_curve = scaling_curve_of(exponents.z);
     }
     let reflected = reflect_by_lobes(light, arrived);
     var diffuse = arrived.weight * reflected.diffuse;
@@ -138,4 +139,9 @@ fn reflect_light(light: Arriving) -> Terms {
         specular *= scaling_curve_at(specular_curve, reflected.lobe, params.invariant_point);
     }
     return Terms(diffuse, specular);
+}
+
+// The exponents gamma kappa of ambient, diffuse and specular light.
+fn exponents_of(kappa: f32) -> vec3<f32> {
+    return select(params.concave_magnitudes, params.magnitudes, kappa >= 0.0) * kappa;
 }

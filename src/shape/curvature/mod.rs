@@ -28,7 +28,7 @@ fn spread(half_difference: f32, xy: f32) -> f64 {
 /// Unit direction (x right, y up, opposites being equal) of the larger principal curvature by magnitude; zero if both
 /// are equal to 1e-6 of their magnitude and there is none.
 #[inline(always)]
-pub fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
+pub(crate) fn principal_direction([xx, xy, yy]: [f32; 3]) -> [f32; 2] {
     let (half_difference, mean) = (0.5 * (xx - yy), 0.5 * (xx + yy));
     let spread = spread(half_difference, xy);
     let has_none = (spread <= f64::from(UMBILIC * mean.abs())) | (spread == 0.0);

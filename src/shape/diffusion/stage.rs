@@ -105,7 +105,7 @@ fn diffuse(run: &mut Execution) {
 }
 
 /// Diffusion in a frame, of the window `whole`, that repeats a tile: in the tile alone, with its borders joined.
-fn in_tile(
+pub(crate) fn in_tile(
     gradient: Vector2Planes,
     medium: Medium,
     tile: Tile,

@@ -1,6 +1,6 @@
 //! Number of applications of the diffusion operator, and their combination.
 
-use crate::params::{Scale, ShapeParams, Solver};
+use crate::params::{MAX_MIXED, Scale, ShapeParams, Solver};
 use crate::shape::auto_levels::SIGMA_OF_DIFFERENCE_PX;
 use crate::shape::chebyshev::{Expansion, Spread, coefficients};
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ impl DiffusionSchedule {
         let (count, time_step) = steps(params, factor, time);
         let spread = match params.scale {
             Scale::Sigma(_) => Spread::Time(time),
-            Scale::Mixed(sigmas) => mixed(sigmas.map(|sigma| f64::from(sigma) * factor)),
+            Scale::Mixed(scales) => mixed(scales, factor),
             Scale::Iterations(_) => Spread::Steps { count, time_step },
         };
         // Curvature is the difference of slopes times the factor, and its error scales likewise.
@@ -171,7 +171,7 @@ impl DiffusionSchedule {
     }
 }
 
-/// Two scales, sigmas in pixels, added up with weights in proportion to them. Curvature times its sigma measures relief
+/// Several scales, sigmas in pixels of the reference with their weights, added up in proportion to both. Curvature times its sigma measures relief
 /// against its own size, so that fine relief counts as little as it is beside the form. Differences over two pixels are no
 /// finer than those of the finest sigma.
 ///
@@ -179,12 +179,21 @@ impl DiffusionSchedule {
 /// and multiplied would differ: sigma(x) sigma(y) is sigma(x + y) only in black, at the invariant point and in white. A
 /// sum of mapped curvatures of gains g_s with weights in proportion to s / g_s, as small curvatures take it to be the
 /// same, correlates with it by .998 and more in twelve renders, and takes an analysis of the frame for its weights.
-fn mixed(sigmas_px: [f64; 2]) -> Spread {
+fn mixed(scales: [(f32, f32); MAX_MIXED], factor: f64) -> Spread {
     let finest = f64::from(SIGMA_OF_DIFFERENCE_PX);
-    let [a, b] = sigmas_px.map(|sigma| sigma.max(finest));
+    let scales = scales.map(|(sigma, weight)| (factor * f64::from(sigma), f64::from(weight)));
+    let weights = scales.map(|(sigma, weight)| weight * sigma.max(finest));
+    let total: f64 = weights.iter().map(|weight| weight.abs()).sum();
     Spread::Mixed {
-        times: sigmas_px.map(|sigma| 0.5 * sigma * sigma),
-        weights: [a, b].map(|size| size / (a + b)),
+        // What counts for nothing takes no sweeps.
+        times: scales.map(|(sigma, weight)| {
+            if weight == 0.0 {
+                0.0
+            } else {
+                0.5 * sigma * sigma
+            }
+        }),
+        weights: weights.map(|weight| weight / total),
     }
 }
 
@@ -279,10 +288,15 @@ mod tests {
     fn scales_are_mixed_by_their_size() {
         // Weights of .2 and .8 for 2 and 8 px; a wave that the finer keeps a share a of, and the coarser a share b, is left
         // with .2 a + .8 b.
-        let Spread::Mixed { times, weights } = mixed([2.0, 8.0]) else {
+        let of = |scales: &[(f32, f32)]| Scale::mixed(scales).unwrap();
+        let both = of(&[(2.0, 1.0), (8.0, 1.0)]);
+        let Scale::Mixed(scales) = both else {
             panic!("two are mixed")
         };
-        assert_eq!(times, [2.0, 32.0]);
+        let Spread::Mixed { times, weights } = mixed(scales, 1.0) else {
+            panic!("two are mixed")
+        };
+        assert_eq!(times, [2.0, 32.0, 0.0, 0.0]);
         assert!((weights[0] - 0.2).abs() < 1e-15 && (weights[1] - 0.8).abs() < 1e-15);
         let kept = |sweeps: &DiffusionSchedule, x: f64| {
             let Readout::Sums(sums) = &sweeps.readout else {
@@ -292,12 +306,8 @@ mod tests {
             let terms = sums[0].iter().enumerate();
             terms.map(|(k, &a)| f64::from(a) * term(k)).sum::<f64>()
         };
-        let [fine, coarse, both] = [
-            Scale::Sigma(2.0),
-            Scale::Sigma(8.0),
-            Scale::Mixed([2.0, 8.0]),
-        ]
-        .map(|scale| sweeps(scale, Solver::Chebyshev));
+        let [fine, coarse, both] = [Scale::Sigma(2.0), Scale::Sigma(8.0), both]
+            .map(|scale| sweeps(scale, Solver::Chebyshev));
         // No more sweeps than the coarser takes alone.
         assert!(both.count() <= coarse.count() && both.count() > fine.count());
         for x in [-1.0, -0.99, -0.9, -0.5, 0.0, 1.0] {
@@ -305,12 +315,25 @@ mod tests {
             assert!((kept(&both, x) - expected).abs() < 2e-4, "{x}");
         }
         // Of twice the same nothing is new, and of two that are finer than a difference both count the same.
-        let twice = sweeps(Scale::Mixed([2.0; 2]), Solver::Chebyshev);
+        let twice = sweeps(of(&[(2.0, 1.0); 2]), Solver::Chebyshev);
         assert!((kept(&twice, -0.9) - kept(&fine, -0.9)).abs() < 1e-6);
-        let Spread::Mixed { weights, .. } = mixed([0.0, 0.5]) else {
+        let even = [(0.0, 1.0), (0.5, 1.0), (0.0, 0.0), (0.0, 0.0)];
+        let Spread::Mixed { weights, .. } = mixed(even, 1.0) else {
             panic!("two are mixed")
         };
-        assert_eq!(weights, [0.5; 2]);
+        assert_eq!(weights, [0.5, 0.5, 0.0, 0.0]);
+        // Weights of 1, 2 and -1 beside sizes of 2, 4 and 8: 2, 8 and -8 of 18.
+        let given = sweeps(
+            of(&[(2.0, 1.0), (4.0, 2.0), (8.0, -1.0)]),
+            Solver::Chebyshev,
+        );
+        let middle = sweeps(Scale::Sigma(4.0), Solver::Chebyshev);
+        for x in [-0.99, -0.9, 0.0] {
+            let [a, b, c] = [&fine, &middle, &coarse].map(|alone| kept(alone, x));
+            let expected = (2.0 * a + 8.0 * b - 8.0 * c) / 18.0;
+            assert!((kept(&given, x) - expected).abs() < 3e-4, "{x}");
+        }
+        assert!(Scale::mixed(&[(2.0, 0.0)]).is_none() && Scale::mixed(&[(1.0, 1.0); 5]).is_none());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! From a frame to its height.
 
-use super::{Problem, Slopes, residual, solve};
+use super::{NAME, Problem, Slopes, goes_over_edges, residual, solve};
 use crate::engine::cpu::execution::Execution;
 use crate::frame::{DepthKind, Frame, Mask, Plane, Projection, SightLines, Window};
 use crate::plan::Plan;
@@ -28,12 +28,25 @@ impl Unknown {
 /// The height of the frame, and what it misses of the normals if that is wanted.
 pub(super) fn find_height(run: &mut Execution) {
     let (plan, frame) = (run.plan, run.frame);
-    let conductance = run.outcome.shape.conductance.take();
-    let open = conductance.as_ref().expect("height takes the conductance");
-    let (height, missed) = run.timed("height", || made(plan, frame, open));
-    let shape = &mut run.outcome.shape;
-    shape.conductance = conductance;
+    let is_alone = !plan.wants(Product::HeightResidual);
+    if is_alone && run.has_kept(&[Product::Height], plan.key(NAME)) {
+        return;
+    }
+    let mut shape = std::mem::take(&mut run.outcome.shape);
+    let (height, missed) = run.timed(NAME, || {
+        let open = match goes_over_edges(plan) {
+            true => Cow::Owned(
+                frame
+                    .mask
+                    .plane()
+                    .map(|covered| f32::from(u8::from(covered))),
+            ),
+            false => Cow::Borrowed(shape.conductance.as_ref().expect("height takes it")),
+        };
+        made(plan, frame, &open)
+    });
     (shape.height, shape.height_residual) = (Some(height), missed);
+    run.outcome.shape = shape;
 }
 
 fn made(plan: &Plan, frame: &Frame, conductance: &Plane) -> (Plane, Option<Plane>) {

@@ -12,9 +12,19 @@ mod multigrid;
 pub(crate) mod stage;
 
 use crate::frame::{Mask, Plane};
+use crate::plan::Plan;
 use faces::Faces;
 use multigrid::{Level, cycle, dot};
 use rayon::prelude::*;
+
+/// Its name among the stages, in timings and in a session.
+const NAME: &str = "height";
+
+/// Whether the height goes on across edges: what casts shadows does, or letters would come loose from their ground.
+fn goes_over_edges(plan: &Plan) -> bool {
+    let relighting = plan.relighting.as_ref();
+    relighting.is_some_and(|relighting| relighting.casts_from_normals())
+}
 
 /// Changes of the height from each pixel to the next one to the right, and to the next one below; 0 outside the mask.
 pub(crate) struct Slopes {

@@ -1,15 +1,16 @@
 //! The height: only where it is asked for.
 
 use super::cpu::find_height;
+use super::{NAME, goes_over_edges};
 use crate::plan::stage::{Stage, Step, Verdict};
 use crate::product::Product;
 
 /// The height from normals, and what it misses of them.
 pub(crate) static HEIGHT: Stage = Stage {
-    name: "height",
+    name: NAME,
     steps: &[
         Step {
-            name: "height",
+            name: NAME,
             gives: &[Product::Height],
             decide: |plan| match plan.wants(Product::Height) || plan.wants(Product::HeightResidual)
             {
@@ -26,12 +27,18 @@ pub(crate) static HEIGHT: Stage = Stage {
             },
         },
     ],
-    takes: |_| vec![Product::Conductance],
+    takes: |plan| match goes_over_edges(plan) {
+        true => Vec::new(),
+        false => vec![Product::Conductance],
+    },
     depends_on: |plan| {
         let shape = &plan.shape;
         format!(
-            "{} {} {}",
-            shape.min_nz, shape.height_tolerance, shape.height_detail
+            "{} {} {} {}",
+            shape.min_nz,
+            shape.height_tolerance,
+            shape.height_detail,
+            goes_over_edges(plan)
         )
     },
     cpu: find_height,

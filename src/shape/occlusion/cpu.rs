@@ -40,7 +40,7 @@ pub(super) fn find_sky(run: &mut Execution) {
 }
 
 /// The height in pixels, whatever its unit; in perspective at the distance of each pixel.
-fn in_pixels(height: &Plane, frame: &Frame) -> Plane {
+pub(crate) fn in_pixels(height: &Plane, frame: &Frame) -> Plane {
     let has_depth = frame.depth.is_some() && frame.camera.is_some();
     let projection = SightLines::of(frame).projection();
     let mut pixels = height.clone();

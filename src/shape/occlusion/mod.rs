@@ -9,7 +9,7 @@
 //! and n_d in the slice, the light is `|sin t| (n_z cos t + n_d sin t) dt`. For one side, with c and s the cosine and
 //! sine of its horizon, it adds up to `n_z s^2 / 2 + n_d (b - s c) / 2`.
 
-mod cpu;
+pub(crate) mod cpu;
 pub(crate) mod stage;
 
 use crate::frame::{Mask, Plane, Vector3Planes, parallel_rows};

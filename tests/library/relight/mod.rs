@@ -1,10 +1,12 @@
 //! New light: against a reference in double precision that follows the papers sample by sample, closed forms, and
 //! invariances.
 
+mod alignment;
 mod closed_forms;
 mod environments;
 mod invariances;
 mod nothing_asked;
+mod raking;
 mod sums;
 
 use crate::common::cpu;

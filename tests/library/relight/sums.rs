@@ -1,6 +1,6 @@
 //! The sum over lights against the reference, for every material and method.
 
-use super::{Asked, LIT, METHODS, covered, lights, torus, torus_in_perspective};
+use super::{Asked, LIT, METHODS, bits, covered, lights, torus, torus_in_perspective};
 use glam::{DVec3, Vec3};
 use relievo::frame::Frame;
 use relievo::light::lights::PointLight;
@@ -178,4 +178,28 @@ fn a_cartoon_has_as_many_tones_as_asked_for() {
     // Whole fifths of the square root, up to that of the light itself: warped and scaled it adds none.
     assert!(tones.iter().all(|t| t % 1000 == 0), "{tones:?}");
     assert!(tones.len() >= 5 && tones.last() == Some(&5000), "{tones:?}");
+}
+
+/// Concavities that are not scaled show plain light, bit for bit, and convexities what they show where all is scaled.
+#[test]
+fn convexities_and_concavities_are_scaled_apart() {
+    let frame = torus_in_perspective();
+    let of = |convex, concave| {
+        let mut asked = Asked::of(Material::Phong, relievo::params::Method::Scale);
+        asked.scaling.scaling_convex = convex;
+        asked.scaling.scaling_concave = concave;
+        bits(&asked.color(&frame))
+    };
+    let (both, none) = (of(None, None), of(Some(0.0), Some(0.0)));
+    assert!(both == of(Some(1.0), Some(1.0)) && both != none);
+    let (convex, concave) = (of(None, Some(0.0)), of(Some(0.0), None));
+    let (mut bumps, mut hollows) = (0, 0);
+    for i in 0..both.len() {
+        let is_bump = convex[i] == both[i] && concave[i] == none[i];
+        let is_hollow = convex[i] == none[i] && concave[i] == both[i];
+        assert!(is_bump || is_hollow, "{i}");
+        bumps += usize::from(!is_hollow);
+        hollows += usize::from(!is_bump);
+    }
+    assert!(bumps > 1000 && hollows > 100, "{bumps} {hollows}");
 }

@@ -20,7 +20,7 @@ use crate::light::sum::exponent::Exponent;
 use crate::light::sum::terms;
 use crate::light::texels::mixed;
 use crate::light::tones::tone_factor;
-use crate::params::Quantisation;
+use crate::params::{Magnitude, Quantisation};
 
 pub(super) fn twins() -> Vec<Twin> {
     let mut twins = scaling_of_light();
@@ -54,6 +54,17 @@ fn scaling_of_light() -> Vec<Twin> {
         .within(&[(1, 0.0, 1e30), (1, 0.0, 1.0), (1, f32::MIN_POSITIVE, 1e30)]),
         twin("scaling", &RELIGHT, scaling).ulps(3),
         twin("scaled", &RELIGHT, scaled),
+        twin(
+            "exponents_of",
+            &RELIGHT,
+            |kappa: f32, concave: [f32; 3], convex: [f32; 3]| -> [f32; 3] {
+                std::array::from_fn(|i| {
+                    let (convex, concave) = (convex[i], concave[i]);
+                    Magnitude { convex, concave }.exponent(kappa)
+                })
+            },
+        )
+        .with(&["concave_magnitudes", "magnitudes"]),
         twin("luminance", &RELIGHT, luminance).with(&["weights"]),
         twin("premultiplied", &RELIGHT, premultiplied),
         twin(
