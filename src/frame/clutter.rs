@@ -3,6 +3,7 @@
 //! Practice: a draughtsman gives such a thing one outline and the tone of its mass. So each of its pixels becomes the mean
 //! of those around it that are about as far away as most of them.
 
+use super::enlarged::samples;
 use super::gap::of_frame::is_beside;
 use super::gap::scale::GapScale;
 use super::{Frame, Mask, Plane};
@@ -106,10 +107,8 @@ impl<'a> Masses<'a> {
             middle: Plane::default(),
             is_clutter,
         };
-        masses.middle = Plane::of_rows(depth.width(), depth.height(), |y, row| {
-            for (x, middle) in row.iter_mut().enumerate() {
-                *middle = masses.middle_around([x, y]).unwrap_or(f32::NAN);
-            }
+        masses.middle = samples([depth.width(), depth.height()], &|| true, |x, y| {
+            masses.middle_around([x, y]).unwrap_or(f32::NAN)
         });
         masses
     }
@@ -160,8 +159,8 @@ impl<'a> Masses<'a> {
         if let Some(lengths) = &mut calm.normal_length {
             // A mass has no edges within pixels.
             lengths.each_row(|y, row| {
-                let is_mass = self.middle.row(y).iter().map(|middle| !middle.is_nan());
-                let masses = row.iter_mut().zip(is_mass).filter(|(_, is_mass)| *is_mass);
+                let pixels = row.iter_mut().zip(self.middle.row(y));
+                let masses = pixels.filter(|(_, middle)| !middle.is_nan());
                 masses.for_each(|(length, _)| *length = 1.0);
             });
         }
@@ -171,11 +170,8 @@ impl<'a> Masses<'a> {
 
     /// A plane with the means of masses.
     fn means(&self, plane: &Plane) -> Plane {
-        Plane::of_rows(plane.width(), plane.height(), |y, row| {
-            for (x, mean) in row.iter_mut().enumerate() {
-                *mean = self.mean(plane, [x, y]);
-            }
-        })
+        let size = [plane.width(), plane.height()];
+        samples(size, &|| true, |x, y| self.mean(plane, [x, y]))
     }
 
     fn mean(&self, plane: &Plane, [x, y]: [usize; 2]) -> f32 {

@@ -37,26 +37,26 @@ impl Frame {
         let (begun, planes) = (Cell::new(0), self.planes_to_enlarge());
         let begins = || tell(begun.replace(begun.get() + 1) as f32 / planes as f32);
         begins();
-        let enlarger = Enlarger {
-            goes_on,
-            ..Enlarger::new(self, factor)
-        };
+        let enlarger = Enlarger::new(self, factor);
         let calm = enlarger.parted.as_ref().and_then(|p| self.calmed(p));
-        match calm {
-            Some(calm) => calm.enlarged_by(
-                &Enlarger {
-                    goes_on,
-                    ..Enlarger::new(&calm, factor)
-                },
-                &begins,
-            ),
-            None => self.enlarged_by(&enlarger, &begins),
+        match &calm {
+            Some(calm) => calm.enlarged_by(Enlarger::new(calm, factor), goes_on, &begins),
+            None => self.enlarged_by(enlarger, goes_on, &begins),
         }
     }
 
     /// The frame enlarged as it is; `begins` is called as each plane does.
-    fn enlarged_by(&self, enlarger: &Enlarger, begins: &dyn Fn()) -> Option<Frame> {
-        let (factor, goes_on) = (enlarger.factor, enlarger.goes_on);
+    fn enlarged_by(
+        &self,
+        enlarger: Enlarger,
+        goes_on: &(dyn Fn() -> bool + Sync),
+        begins: &dyn Fn(),
+    ) -> Option<Frame> {
+        let enlarger = Enlarger {
+            goes_on,
+            ..enlarger
+        };
+        let factor = enlarger.factor;
         let mask = Mask::new(enlarger.samples(|around| around.is_some()));
         let plane = |plane: &Plane| {
             begins();
@@ -371,7 +371,7 @@ impl Side {
 }
 
 /// A plane of `sample(x, y)`, rows in parallel, of the rows that begin while it `goes_on`.
-fn samples<T: Copy + Default + Send>(
+pub(super) fn samples<T: Copy + Default + Send>(
     [width, height]: [usize; 2],
     goes_on: &(dyn Fn() -> bool + Sync),
     sample: impl Fn(usize, usize) -> T + Sync,

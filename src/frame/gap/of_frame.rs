@@ -93,16 +93,12 @@ impl<'a> Gaps<'a> {
 
     /// Whether a silhouette lies after a pixel. Where a normal is unknown, NaN, depth alone tells.
     pub(crate) fn parts_after(&self, at: [usize; 2], axis: usize) -> bool {
-        let Some(gap) = self.after(at, axis) else {
+        let Some(mut gap) = self.after(at, axis) else {
             return false;
         };
-        let gap = match gap.px.is_nan() {
-            true => Gap {
-                px: gap.bend.min(self.jump_after(at, axis)),
-                ..gap
-            },
-            false => gap,
-        };
+        if gap.px.is_nan() {
+            gap.px = gap.bend.min(self.jump_after(at, axis));
+        }
         gap.weight(self.noise_after(at, axis), self.scale.threshold) > 0.0
     }
 
